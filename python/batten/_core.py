@@ -222,6 +222,14 @@ _OURS = {"progress", "report", "context", "model", "rule", "given", "distance", 
          "polygons"}  # fmt: skip
 
 
+def set_field(struct: Any, name: str, value: Any) -> None:
+    """Set a field of a struct that holds numbers and choices, the latter by their names."""
+    fields = dict(ffi.typeof(struct).fields)
+    if name not in fields:
+        raise TypeError(f"unknown name '{name}'; there are {', '.join(fields)}")
+    _assign(struct, (name,), fields[name].type, value, [])
+
+
 def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
     """A struct of options: the defaults, then what is given."""
     fields = _fields(kind)

@@ -7,14 +7,17 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, set_field, shown,
                           take, written)  # fmt: skip
 from batten.curves import axes_of
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 _CREASE = np.dtype([("a", np.uint32), ("b", np.uint32), ("sharpness", np.float64)], align=True)
 _CORNER = np.dtype([("vertex", np.uint32), ("sharpness", np.float64)], align=True)
@@ -25,9 +28,162 @@ Indices = NDArray[np.uint32]
 
 #: The names of a label.
 _LABEL = ("object", "group", "material", "smoothing")
+#: Parts of a mesh beside its geometry.
+_REST = ("channel_names", "face_labels", "labels", "material_files", "material_json", "rules")
 
 
-class Mesh:
+class _Faces:
+    """What triangle meshes and polygon meshes share: all but how faces lie in arrays."""
+
+    _kind: str  # the struct of the library
+    vertices: Floats
+    faces: Any
+    channels: Floats | None
+    texture: Floats | None
+    texture_faces: Any
+    creases: NDArray[Any]
+    corners: NDArray[Any]
+    vertex_normals: Floats | None = None
+    channel_names: list[str] | None
+    labels: list[Any] | None
+    face_labels: Indices | None
+    material_files: str | None
+    material_json: str | None
+    rules: dict[str, str] | None
+
+    def _fill(self, vertices: ArrayLike, channels: ArrayLike | None, texture: ArrayLike | None, creases: Any, corners: Any,
+              rest: dict[str, Any]) -> None:
+        """Check and set what is not faces."""
+        self.vertices = array(vertices, "vertices", 3)
+        self.channels = None if channels is None else array(channels, "channels", 0)
+        self.texture = None if texture is None else array(texture, "texture", 2)
+        self.creases, self.corners = _features(creases, _CREASE), _features(corners, _CORNER)
+        for name, rows in (("channels", self.vertices), ("texture_faces", self.faces)):
+            if getattr(self, name) is not None and len(getattr(self, name)) != len(rows):
+                raise ValueError(f"{name}: {len(rows)} rows are needed")
+        if (self.texture is None) != (self.texture_faces is None):
+            raise ValueError("texture and texture_faces go together")
+        for name in _REST:
+            setattr(self, name, rest.pop(name, None))
+        if self.face_labels is not None:
+            self.face_labels = array(self.face_labels, "face_labels", None, np.uint32)
+            if self.face_labels.shape != (self._face_count(),):
+                raise ValueError(f"face_labels: {self._face_count()} numbers are needed")
+        if self.channel_names is not None and len(self.channel_names) != (0 if self.channels is None else self.channels.shape[1]):
+            raise ValueError("channel_names: a text for each channel is needed")
+        if rest:
+            raise TypeError(f"unknown part of a mesh: {', '.join(rest)}")
+
+    def _face_count(self) -> int:
+        return len(self.faces)
+
+    def _with(self, name: str, value: Any) -> Self:
+        """The same mesh with another part."""
+        made, parts = object.__new__(type(self)), dict(self.__dict__)
+        made.__dict__.update(parts)
+        made._fill(self.vertices, **{k: value if k == name else parts[k] for k in ("channels", "texture", "creases", "corners")},
+                   rest={k: parts[k] for k in _REST if k != "channel_names" or name != "channels"})  # fmt: skip
+        return made
+
+    def _rows(self, given: Any, counts: tuple[int, int]) -> None:
+        """Take the faces, and those of the texture, from a struct of so many faces and texture coordinates."""
+        raise NotImplementedError
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], **settings: Any) -> Self:
+        """Read a file: OBJ, PLY, OFF, STL or glTF. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
+        What the file holds and a mesh cannot is told by warnings."""
+        made, notes = ffi.new(f"{cls._kind} *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
+        how = options("bat_mesh_read_options", settings)
+        how.notes = notes
+        call(getattr(lib, f"{cls._kind}_read"), os.fsencode(path), how, made)
+        _warn(notes)
+        return cls._from(made)
+
+    def write(self, path: str | os.PathLike[str], *, vertex_normals: ArrayLike | None = None, **settings: Any) -> None:
+        """Write a file, whose ending chooses the format: .obj, .ply, .off, .stl, .gltf or .glb. `settings` are `format`,
+        `encoding` (a constant of the C library), `normals` and `threads`."""
+        notes = ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
+        how = options("bat_mesh_write_options", settings)
+        normals = self.vertex_normals if vertex_normals is None else array(vertex_normals, "vertex_normals", 3)
+        if normals is not None and len(normals) != len(self.vertices):
+            raise ValueError(f"vertex_normals: {len(self.vertices)} rows are needed")
+        how.notes, how.vertex_normals = notes, pointer(normals)
+        call(getattr(lib, f"{self._kind}_write"), os.fsencode(path), self._struct(), how)
+        _warn(notes)
+
+    @classmethod
+    def _from(cls, struct: Any) -> Self:
+        """The mesh in a struct, which gives away its arrays."""
+        mesh, owned = object.__new__(cls), ffi.gc(struct, getattr(lib, f"{cls._kind}_free"))
+
+        def given(name: str, shape: tuple[int, ...], dtype: Any = np.float64) -> Any:
+            memory = getattr(owned, name)
+            setattr(owned, name, ffi.NULL)
+            return take(memory, shape, dtype)
+
+        vertices, faces, width = owned.vertex_count, owned.face_count, owned.channel_count
+        mesh.channel_names = [_text(owned.channel_names[i]) for i in range(width)] if width else None
+        mesh.labels = [Report((name, _text(getattr(owned.labels[i], name))) for name in _LABEL) for i in range(owned.label_count)]
+        mesh.material_files, mesh.material_json = _text(owned.material_files), _text(owned.material_json)
+        mesh.rules = dict(report(owned.rules)) if bytes(ffi.buffer(ffi.addressof(owned, "rules"))).strip(b"\0") else None
+        mesh._rows(given, (faces, owned.texture_count))
+        mesh.vertices = given("positions", (vertices, 3))
+        mesh.channels = given("channels", (vertices, width)) if width else None
+        mesh.texture = given("texture", (owned.texture_count, 2)) if owned.texture_count else None
+        mesh.creases = given("creases", (owned.crease_count,), _CREASE)
+        mesh.corners = given("corners", (owned.corner_count,), _CORNER)
+        mesh.face_labels = given("face_labels", (faces,), np.uint32) if owned.face_labels else None
+        return mesh
+
+    def _struct(self) -> Any:
+        struct, keep = ffi.new(f"{self._kind} *"), []
+
+        def text(value: str | None) -> Any:
+            keep.append(ffi.NULL if value is None else ffi.new("char[]", value.encode()))
+            return keep[-1]
+
+        def rows(name: str, values: Any, kind: str, count: str | None = None) -> None:
+            if values is not None:
+                keep.append(ffi.cast(f"{kind} *", pointer(values, f"{kind}[]")) if len(values) else ffi.NULL)
+                keep.append(values)
+                setattr(struct, name, keep[-2])
+                if count:
+                    setattr(struct, count, len(values))
+
+        rows("positions", self.vertices, "double", "vertex_count")
+        rows("faces", self.faces, "uint32_t")
+        struct.face_count = self._face_count()
+        if hasattr(self, "offsets"):
+            rows("offsets", self.offsets, "uint32_t")
+        rows("texture", self.texture, "double", "texture_count")
+        rows("texture_faces", self.texture_faces, "uint32_t")
+        rows("channels", self.channels, "double")
+        rows("creases", self.creases, "bat_mesh_crease", "crease_count")
+        rows("corners", self.corners, "bat_mesh_corner", "corner_count")
+        rows("face_labels", self.face_labels, "uint32_t")
+        if self.channels is not None:
+            struct.channel_count = self.channels.shape[1]
+            names = self.channel_names or [f"channel{i}" for i in range(struct.channel_count)]
+            keep.append(ffi.new("char *[]", [text(name) for name in names]))
+            struct.channel_names = keep[-1]
+        if self.labels:
+            keep.append(ffi.new("bat_mesh_label[]", [{name: text(label.get(name)) for name in _LABEL} for label in self.labels]))
+            struct.labels, struct.label_count = keep[-1], len(self.labels)
+        for name, value in (self.rules or {}).items():
+            set_field(struct.rules, name, value)
+        struct.material_files, struct.material_json = text(self.material_files), text(self.material_json)
+        kept[struct] = keep
+        return struct
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        return iter((self.vertices, self.faces))
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self.vertices)} vertices, {self._face_count()} faces>"
+
+
+class Mesh(_Faces):
     """A triangle mesh. ``vertices, faces = mesh`` takes it apart.
 
     Parameters
@@ -50,6 +206,8 @@ class Mesh:
         Names that faces share: `object`, `group`, `material`, `smoothing`.
     material_files, material_json : str, optional
         The files of the materials of OBJ; the materials of glTF.
+    rules : dict, optional
+        What the mesh says about its refinement: `boundary`, `creasing` and `linear`, as of :func:`refine_mesh`.
 
     Attributes
     ----------
@@ -63,37 +221,16 @@ class Mesh:
     <Mesh of 4 vertices, 4 faces>
     """
 
-    vertex_normals: Floats | None = None
-    channel_names: list[str] | None
-    labels: list[Any] | None
-    face_labels: Indices | None
-    material_files: str | None
-    material_json: str | None
+    _kind = "bat_mesh"
+    faces: Indices
+    texture_faces: Indices | None
 
     def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, channels: ArrayLike | None = None,
                  texture: ArrayLike | None = None, texture_faces: ArrayLike | None = None, creases: Any = (),
                  corners: Any = (), **rest: Any) -> None:
-        self.vertices: Floats = array(vertices, "vertices", 3)
-        self.faces: Indices = array(faces, "faces", 3, np.uint32)
-        self.channels = None if channels is None else array(channels, "channels", 0)
-        self.texture = None if texture is None else array(texture, "texture", 2)
+        self.faces = array(faces, "faces", 3, np.uint32)
         self.texture_faces = None if texture_faces is None else array(texture_faces, "texture_faces", 3, np.uint32)
-        self.creases, self.corners = _features(creases, _CREASE), _features(corners, _CORNER)
-        for name, rows in (("channels", self.vertices), ("texture_faces", self.faces)):
-            if getattr(self, name) is not None and len(getattr(self, name)) != len(rows):
-                raise ValueError(f"{name}: {len(rows)} rows are needed")
-        if (self.texture is None) != (self.texture_faces is None):
-            raise ValueError("texture and texture_faces go together")
-        for name in ("channel_names", "face_labels", "labels", "material_files", "material_json"):
-            setattr(self, name, rest.pop(name, None))
-        if self.face_labels is not None:
-            self.face_labels = array(self.face_labels, "face_labels", None, np.uint32)
-            if self.face_labels.shape != (len(self.faces),):
-                raise ValueError(f"face_labels: {len(self.faces)} numbers are needed")
-        if self.channel_names is not None and len(self.channel_names) != (0 if self.channels is None else self.channels.shape[1]):
-            raise ValueError("channel_names: a text for each channel is needed")
-        if rest:
-            raise TypeError(f"unknown part of a mesh: {', '.join(rest)}")
+        self._fill(vertices, channels, texture, creases, corners, rest)
 
     @classmethod
     def of(cls, mesh: Any, faces: ArrayLike | None = None) -> Mesh:
@@ -102,98 +239,17 @@ class Mesh:
             return cls(mesh, faces)
         if isinstance(mesh, Mesh):
             return mesh
+        if isinstance(mesh, PolygonMesh):
+            return mesh.triangulate()
         if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
             return cls(mesh.vertices, mesh.faces)
         if isinstance(mesh, tuple) and len(mesh) == 2:
             return cls(*mesh)
         raise TypeError(f"a mesh is needed: vertices and faces, not {type(mesh).__name__}")
 
-    @classmethod
-    def read(cls, path: str | os.PathLike[str], **settings: Any) -> Mesh:
-        """Read a file: OBJ, PLY, OFF, STL or glTF. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
-        What the file holds and a mesh cannot is told by warnings."""
-        made, notes = ffi.new("bat_mesh *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
-        how = options("bat_mesh_read_options", settings)
-        how.notes = notes
-        call(lib.bat_mesh_read, os.fsencode(path), how, made)
-        _warn(notes)
-        return cls._from(made)
-
-    def write(self, path: str | os.PathLike[str], *, vertex_normals: ArrayLike | None = None, **settings: Any) -> None:
-        """Write a file, whose ending chooses the format: .obj, .ply, .off, .stl, .gltf or .glb. `settings` are `format`,
-        `encoding` (a constant of the C library), `normals` and `threads`."""
-        notes = ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
-        how = options("bat_mesh_write_options", settings)
-        normals = self.vertex_normals if vertex_normals is None else array(vertex_normals, "vertex_normals", 3)
-        if normals is not None and len(normals) != len(self.vertices):
-            raise ValueError(f"vertex_normals: {len(self.vertices)} rows are needed")
-        how.notes, how.vertex_normals = notes, pointer(normals)
-        call(lib.bat_mesh_write, os.fsencode(path), self._struct(), how)
-        _warn(notes)
-
-    @classmethod
-    def _from(cls, struct: Any) -> Mesh:
-        """The mesh in a struct, which gives away its arrays."""
-        mesh, owned = object.__new__(cls), ffi.gc(struct, lib.bat_mesh_free)
-
-        def given(name: str, shape: tuple[int, ...], dtype: Any = np.float64) -> Any:
-            memory = getattr(owned, name)
-            setattr(owned, name, ffi.NULL)
-            return take(memory, shape, dtype)
-
-        vertices, faces, width = owned.vertex_count, owned.face_count, owned.channel_count
-        mesh.channel_names = [_text(owned.channel_names[i]) for i in range(width)] if width else None
-        mesh.labels = [Report((name, _text(getattr(owned.labels[i], name))) for name in _LABEL) for i in range(owned.label_count)]
-        mesh.material_files, mesh.material_json = _text(owned.material_files), _text(owned.material_json)
-        mesh.vertices, mesh.faces = given("positions", (vertices, 3)), given("faces", (faces, 3), np.uint32)
-        mesh.channels = given("channels", (vertices, width)) if width else None
-        mesh.texture = given("texture", (owned.texture_count, 2)) if owned.texture_count else None
-        mesh.texture_faces = None if mesh.texture is None else given("texture_faces", (faces, 3), np.uint32)
-        mesh.creases = given("creases", (owned.crease_count,), _CREASE)
-        mesh.corners = given("corners", (owned.corner_count,), _CORNER)
-        mesh.face_labels = given("face_labels", (faces,), np.uint32) if owned.face_labels else None
-        return mesh
-
-    def _struct(self) -> Any:
-        struct, keep = ffi.new("bat_mesh *"), []
-
-        def text(value: str | None) -> Any:
-            keep.append(ffi.NULL if value is None else ffi.new("char[]", value.encode()))
-            return keep[-1]
-
-        def rows(name: str, values: Any, kind: str, count: str | None = None) -> None:
-            if values is not None:
-                keep.append(ffi.cast(f"{kind} *", pointer(values, f"{kind}[]")) if len(values) else ffi.NULL)
-                keep.append(values)
-                setattr(struct, name, keep[-2])
-                if count:
-                    setattr(struct, count, len(values))
-
-        rows("positions", self.vertices, "double", "vertex_count")
-        rows("faces", self.faces, "uint32_t", "face_count")
-        rows("texture", self.texture, "double", "texture_count")
-        rows("texture_faces", self.texture_faces, "uint32_t")
-        rows("channels", self.channels, "double")
-        rows("creases", self.creases, "bat_mesh_crease", "crease_count")
-        rows("corners", self.corners, "bat_mesh_corner", "corner_count")
-        rows("face_labels", self.face_labels, "uint32_t")
-        if self.channels is not None:
-            struct.channel_count = self.channels.shape[1]
-            names = self.channel_names or [f"channel{i}" for i in range(struct.channel_count)]
-            keep.append(ffi.new("char *[]", [text(name) for name in names]))
-            struct.channel_names = keep[-1]
-        if self.labels:
-            keep.append(ffi.new("bat_mesh_label[]", [{name: text(label.get(name)) for name in _LABEL} for label in self.labels]))
-            struct.labels, struct.label_count = keep[-1], len(self.labels)
-        struct.material_files, struct.material_json = text(self.material_files), text(self.material_json)
-        kept[struct] = keep
-        return struct
-
-    def __iter__(self) -> Iterator[NDArray[Any]]:
-        return iter((self.vertices, self.faces))
-
-    def __repr__(self) -> str:
-        return f"<Mesh of {len(self.vertices)} vertices, {len(self.faces)} faces>"
+    def _rows(self, given: Any, counts: tuple[int, int]) -> None:
+        self.faces = given("faces", (counts[0], 3), np.uint32)
+        self.texture_faces = given("texture_faces", (counts[0], 3), np.uint32) if counts[1] else None
 
     def repair(self) -> Mesh:
         """A mesh whose faces form a manifold: repeated faces go, edges of more than two faces are cut. Warns of changes."""
@@ -246,6 +302,107 @@ class Mesh:
         return self.picture(wires=len(self.faces) <= 5000) if len(self.faces) else None
 
 
+class PolygonMesh(_Faces):
+    """A mesh of polygons, such as the quads of Catmull and Clark's scheme. ``vertices, faces = mesh`` takes it apart.
+
+    Parameters
+    ----------
+    vertices : array_like of shape (n, 3)
+    faces : array_like of shape (m, k), or a list of sequences
+        The vertices at each face's corners, counter-clockwise from outside.
+    texture_faces : array_like, optional
+        As `faces`.
+    **rest
+        The other parts of a :class:`Mesh`.
+
+    Attributes
+    ----------
+    faces, texture_faces : ndarray
+        One behind the other.
+    offsets : ndarray
+        Face i has the corners ``offsets[i]`` to ``offsets[i + 1] - 1``.
+
+    Examples
+    --------
+    >>> cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    >>> quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    >>> batten.PolygonMesh(cube, quads)
+    <PolygonMesh of 8 vertices, 6 faces>
+    """
+
+    _kind = "bat_polygon_mesh"
+    offsets: Indices
+
+    def __init__(self, vertices: ArrayLike, faces: Any, *, channels: ArrayLike | None = None, texture: ArrayLike | None = None,
+                 texture_faces: Any = None, creases: Any = (), corners: Any = (), **rest: Any) -> None:
+        self.faces, self.offsets = _polygons(faces, "faces")
+        self.texture_faces, ends = (None, self.offsets) if texture_faces is None else _polygons(texture_faces, "texture_faces")
+        if not np.array_equal(ends, self.offsets):
+            raise ValueError("texture_faces: as many corners as the faces have are needed")
+        self._fill(vertices, channels, texture, creases, corners, rest)
+
+    @classmethod
+    def of(cls, mesh: Any, faces: Any = None) -> PolygonMesh:
+        """A mesh of polygons from vertices and faces, or of the triangles of what :meth:`Mesh.of` takes."""
+        if faces is not None:
+            return cls(mesh, faces)
+        if isinstance(mesh, PolygonMesh):
+            return mesh
+        if isinstance(mesh, tuple) and len(mesh) == 2:
+            return cls(*mesh)
+        made = ffi.new("bat_polygon_mesh *")
+        call(lib.bat_polygon_mesh_of_triangles, Mesh.of(mesh)._struct(), made)
+        return cls._from(made)
+
+    def _face_count(self) -> int:
+        return len(self.offsets) - 1
+
+    def _rows(self, given: Any, counts: tuple[int, int]) -> None:
+        self.offsets = given("offsets", (counts[0] + 1,), np.uint32)
+        corners = int(self.offsets[-1])
+        self.faces = given("faces", (corners,), np.uint32)
+        self.texture_faces = given("texture_faces", (corners,), np.uint32) if counts[1] else None
+
+    def __iter__(self) -> Iterator[Any]:
+        """Vertices, and faces as an array of shape (m, k), or as a list of arrays where they have different numbers of
+        corners."""
+        sizes = np.diff(self.offsets)
+        uniform = len(sizes) > 0 and (sizes == sizes[0]).all()
+        return iter((self.vertices, self.faces.reshape(-1, sizes[0]) if uniform else np.split(self.faces, self.offsets[1:-1])))
+
+    def triangulate(self) -> Mesh:
+        """The mesh with its polygons cut into triangles."""
+        made = ffi.new("bat_mesh *")
+        call(lib.bat_polygon_mesh_triangulate, self._struct(), made)
+        return Mesh._from(made)
+
+    def normals(self, threads: int = 0) -> Floats:
+        """Unit normals of the limit surface of Catmull and Clark's scheme at the vertices of a mesh of quads."""
+        made = np.empty_like(self.vertices)
+        call(lib.bat_polygon_mesh_limit_normals, self._struct(), threads, pointer(made))
+        return made
+
+    def plot(self, ax: Any = None, **style: Any) -> Any:
+        """Draw the mesh with matplotlib; returns the axes."""
+        return self.triangulate().plot(ax, **style)
+
+    def picture(self, values: ArrayLike | None = None, **settings: Any) -> bytes:
+        """A shaded picture, as of :meth:`Mesh.picture`."""
+        return self.triangulate().picture(values, **settings)
+
+    def _repr_png_(self) -> bytes | None:
+        return self.picture() if self._face_count() else None
+
+
+def _polygons(faces: Any, name: str) -> tuple[Indices, Indices]:
+    """Corners one behind the other, and the offsets of faces in them."""
+    if isinstance(faces, (list, tuple)) and len({np.size(face) for face in faces}) > 1:
+        rows = [array(face, f"{name}[{i}]", None, np.uint32).ravel() for i, face in enumerate(faces)]
+        return np.concatenate(rows), np.cumsum([0, *map(len, rows)], dtype=np.uint32)
+    square = array(faces, name, 0, np.uint32)
+    return square.ravel(), np.arange(len(square) + 1, dtype=np.uint32) * np.uint32(square.shape[1])
+
+
 def _text(memory: Any) -> Any:
     return None if memory == ffi.NULL else ffi.string(memory).decode(errors="replace")
 
@@ -260,9 +417,10 @@ def _features(rows: Any, kind: Any) -> NDArray[Any]:
     return np.ascontiguousarray(given if given.dtype == kind else [tuple(row) for row in given.tolist()], kind)
 
 
-def _like(given: Any, mesh: Mesh) -> Any:
-    """A mesh of the kind that came in: trimesh's where it was one of those."""
+def _like(given: Any, mesh: _Faces) -> Any:
+    """A mesh of the kind that came in: trimesh's, which has triangles, where it was one of those."""
     if type(given).__module__.split(".")[0] == "trimesh":
+        mesh = Mesh.of(mesh)
         return type(given)(vertices=mesh.vertices, faces=mesh.faces.astype(np.int64), vertex_normals=mesh.vertex_normals,
                            process=False)
     return mesh
@@ -274,23 +432,24 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: 
 
     Parameters
     ----------
-    mesh : array_like of shape (n, 3), Mesh or trimesh.Trimesh
+    mesh : array_like of shape (n, 3), Mesh, PolygonMesh or trimesh.Trimesh
         The vertices, or a whole mesh.
-    faces : array_like of shape (m, 3), optional
-        The vertices at each face's corners.
+    faces : array_like of shape (m, 3) or (m, k), or a list of sequences, optional
+        The vertices at each face's corners. Polygons are refined by Catmull and Clark's scheme.
     limit_normals : bool
-        With ``limit=True`` and Loop's scheme at the end: give the mesh `vertex_normals`, those of the limit surface.
+        With ``limit=True`` and Loop's or Catmull and Clark's scheme at the end: give the mesh `vertex_normals`, those of the limit surface.
     progress : bool or callable
         As of :func:`refine`.
     **settings
         Fields of ``bat_mesh_refine_options``: `scheme`, one of ``choices("mesh_scheme")``; `fairness` of the learned one, 0
-        to 1; `levels`; `then`; `limit`; `crease_angle` in radians; `threads`; and further ones. And `creases`, `corners` and
-        `channels` as of :class:`Mesh`.
+        to 1; `levels`; `then`; `limit`; `crease_angle` in radians; `boundary`, `creasing` and `linear`, the rules of
+        ``choices("mesh_boundary")``, ``choices("mesh_creasing")`` and ``choices("mesh_linear")``; `tolerance` and `max_edge`,
+        which refine adaptively; `threads`; and further ones. And `creases`, `corners` and `channels` as of :class:`Mesh`.
 
     Returns
     -------
-    Mesh or trimesh.Trimesh
-        The latter where one came in.
+    Mesh, PolygonMesh or trimesh.Trimesh
+        The last where one came in.
 
     Examples
     --------
@@ -299,22 +458,37 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: 
     >>> fine, triangles = batten.refine_mesh(vertices, faces, scheme="loop", levels=3)
     >>> fine.shape, triangles.shape
     ((130, 3), (256, 3))
+    >>> cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    >>> quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    >>> batten.refine_mesh(cube, quads, levels=2)
+    <PolygonMesh of 98 vertices, 96 faces>
     """
-    own = {name: settings.pop(name) for name in ("creases", "corners", "channels") if name in settings}
-    coarse = Mesh.of(mesh, faces)
-    if own:
-        coarse = Mesh(*coarse, **own)
-    fine, fallback = ffi.new("bat_mesh *"), ffi.new("size_t *")
+    coarse = _coarse(mesh, faces, settings.get("scheme"))
+    for name in ("creases", "corners", "channels"):
+        if name in settings:
+            coarse = coarse._with(name, settings.pop(name))
+    fine, fallback = ffi.new(f"{coarse._kind} *"), ffi.new("size_t *")
     how, normals = options("bat_mesh_refine_options", settings), ffi.new("double **")
     how.limit_normals = normals if limit_normals else ffi.NULL
     with shown(progress, "refining"):
-        call(lib.bat_mesh_refine, coarse._struct(), how, fine, fallback)
+        call(getattr(lib, f"{coarse._kind}_refine"), coarse._struct(), how, fine, fallback)
     if fallback[0]:
         warnings.warn(f"the learned scheme fell back to a classical one in {fallback[0]} places", BattenWarning, stacklevel=2)
-    made = Mesh._from(fine)
+    made = type(coarse)._from(fine)
     if normals[0] != ffi.NULL:
         made.vertex_normals = take(normals[0], made.vertices.shape)
     return _like(mesh, made)
+
+
+def _coarse(mesh: Any, faces: Any, scheme: Any) -> _Faces:
+    """A mesh to refine: one of polygons where it has some, or where the scheme makes some."""
+    corners = mesh[1] if faces is None and isinstance(mesh, tuple) and len(mesh) == 2 else faces
+    polygons = isinstance(mesh, PolygonMesh) or scheme == "catmull-clark"
+    if isinstance(corners, (list, tuple)):
+        polygons |= any(isinstance(face, (list, tuple, np.ndarray)) and len(face) > 3 for face in corners)
+    elif isinstance(corners, np.ndarray):
+        polygons |= corners.ndim == 2 and corners.shape[1] > 3
+    return (PolygonMesh if polygons else Mesh).of(mesh, faces)
 
 
 class MeshMap:

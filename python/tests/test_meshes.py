@@ -174,3 +174,64 @@ def test_labels_are_kept(tetrahedron, tmp_path):
         batten.Mesh(*tetrahedron, face_labels=[1])
     with pytest.raises(batten.BattenError):
         batten.refine_mesh(batten.Mesh(*tetrahedron, face_labels=[9, 9, 9, 9]))
+
+
+CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+QUADS = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+
+
+def test_quads_are_refined_by_catmull_clark():
+    vertices, quads = batten.refine_mesh(CUBE, QUADS, levels=1)
+    assert quads.shape == (24, 4) and len(vertices) == 26
+    # Corners of valence 3: (n - 3) / n of the vertex, 2 / n of the edges' mean of middles, 1 / n of the faces'.
+    np.testing.assert_allclose(vertices[0], np.full(3, (2 * 1 / 6 + 1 / 3) / 3), atol=1e-12)
+    assert np.array_equal(quads, batten.refine_mesh(CUBE, np.array(QUADS), scheme="catmull-clark", levels=1).faces.reshape(-1, 4))
+    sharp = [(a, b, 10.0) for quad in QUADS for a, b in zip(quad, quad[1:] + quad[:1]) if a < b]
+    same = batten.refine_mesh(CUBE, QUADS, levels=2, creases=sharp, corners=[(i, 10.0) for i in range(8)])
+    assert batten.measure(same, (CUBE, np.array(QUADS)[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3))).hausdorff < 1e-12
+
+
+def test_polygons_of_all_kinds(tetrahedron):
+    faces = [QUADS[0][:3], [1, 3, 2], *QUADS[1:]]
+    faces[1] = [QUADS[0][2], QUADS[0][3], QUADS[0][0]]
+    mesh = batten.PolygonMesh(CUBE, faces, channels=CUBE[:, :1], channel_names=["x"], face_labels=np.arange(7) % 2,
+                              labels=[{"material": "red"}, {"material": "blue"}], rules={"boundary": "corners"})  # fmt: skip
+    fine = batten.refine_mesh(mesh, levels=1)
+    assert len(fine.offsets) == 2 * 3 + 5 * 4 + 1 and fine.channel_names == ["x"] and fine.rules["boundary"] == "corners"
+    assert [fine.labels[i].material for i in fine.face_labels].count("red") == 15
+    assert [len(face) for face in list(mesh)[1]] == [3, 3, 4, 4, 4, 4, 4]
+    triangles = mesh.triangulate()
+    assert len(triangles.faces) == 12 and batten.measure(mesh).volume == pytest.approx(1)
+    again = pickle.loads(pickle.dumps(fine))
+    assert np.array_equal(again.faces, fine.faces) and fine._repr_png_()[:4] == b"\x89PNG" and draws(fine)
+    assert len(batten.refine_mesh(tetrahedron, scheme="catmull-clark", levels=1).offsets) == 13
+    assert np.linalg.norm(fine.normals(), axis=1) == pytest.approx(1)
+
+
+def test_rules_and_adaptive_refinement():
+    quad = CUBE[:4], QUADS[:1]
+    round, sharp = (batten.refine_mesh(*quad, levels=2, boundary=rule, scheme="catmull-clark") for rule in ("edges", "corners"))
+    assert np.array_equal(sharp.vertices[:4], CUBE[:4]) and not np.array_equal(round.vertices[:4], CUBE[:4])
+    assert np.array_equal(batten.refine_mesh(batten.PolygonMesh(*quad, rules={"boundary": "corners"}), levels=2).vertices, sharp.vertices)
+    coarse, fine = (batten.refine_mesh(CUBE, QUADS, tolerance=tolerance) for tolerance in (0.1, 0.001))
+    assert len(coarse.vertices) < len(fine.vertices)
+    with pytest.raises(batten.InvalidArgument, match="edges"):
+        batten.refine_mesh(CUBE, QUADS, boundary="nothing")
+    with pytest.raises(TypeError, match="unknown name"):
+        batten.refine_mesh(batten.PolygonMesh(CUBE, QUADS, rules={"border": "corners"}))
+
+
+@pytest.mark.parametrize("ending", ["obj", "ply", "off"])
+def test_files_of_polygons(tmp_path, ending):
+    batten.PolygonMesh(CUBE, QUADS).write(tmp_path / f"cube.{ending}")
+    again = batten.PolygonMesh.read(tmp_path / f"cube.{ending}")
+    assert np.array_equal(again.vertices, CUBE) and again.faces.reshape(-1, 4).tolist() == QUADS
+    assert len(batten.Mesh.read(tmp_path / f"cube.{ending}", triangulate=True).faces) == 12
+    with pytest.raises(batten.BattenError, match="triangulate"):
+        batten.Mesh.read(tmp_path / f"cube.{ending}")
+
+
+def test_trimesh_gets_triangles():
+    trimesh = pytest.importorskip("trimesh")
+    fine = batten.refine_mesh(trimesh.creation.box(), scheme="catmull-clark", levels=1)
+    assert isinstance(fine, trimesh.Trimesh) and fine.is_watertight and len(fine.faces) == 72
