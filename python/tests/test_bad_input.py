@@ -54,7 +54,7 @@ CALLS = {
     "measure": lambda x: batten.measure(x),
     "measure second": lambda x: batten.measure(POINTS, x),
     "analyze": lambda x: batten.analyze(x),
-    "smooth": lambda x: batten.smooth(x),
+    "smooth": lambda x: pytest.importorskip("shapely") and batten.smooth(x),
     "motion poses": lambda x: batten.Motion([0, 1, 2, 3], x),
     "motion rotation": lambda x: batten.Motion([0, 1, 2, 3], x, space="rotation"),
     "motion times": lambda x: batten.Motion(x, POINTS),

@@ -39,9 +39,11 @@ def test_exceptions_pickle():
 
 
 @pytest.mark.skipif("BATTEN_TEST_TYPES" not in os.environ, reason="needs mypy; `scripts/test-python --full` runs it")
-def test_types():
+def test_types(tmp_path):
     folder = Path(batten.__file__).parent.parent
+    # An installed package is found by its py.typed; its folder has other packages' files, too.
+    path = {} if folder.name == "site-packages" else {"MYPYPATH": str(folder)}
     settings = Path(__file__).parents[2] / "pyproject.toml"
-    run = subprocess.run([sys.executable, "-m", "mypy", "--config-file", settings, "-p", "batten"], cwd=folder,
-                         capture_output=True, text=True)  # fmt: skip
+    run = subprocess.run([sys.executable, "-m", "mypy", "--config-file", settings, "-p", "batten"], cwd=tmp_path,
+                         env=os.environ | path, capture_output=True, text=True)  # fmt: skip
     assert run.returncode == 0, run.stdout
