@@ -6,7 +6,7 @@
 #   make smallest   build and test the parts that need the C library alone  (build/smallest)
 #   make python     a wheel and a source distribution of the Python package, tested    (dist)
 #   make bench      build and run the benchmarks
-#   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer
+#   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make style      check the format and run clang-tidy; `make format` formats
@@ -47,7 +47,7 @@ bench: all
 
 sanitize: dependencies
 	@$(call configure,sanitize) && $(call compile,sanitize)
-	@$(call test,sanitize)
+	@$(call test,sanitize) --exclude-regex '^program_'
 
 sanitize-clang: ci-dependencies
 	@$(call configure,sanitize-clang) && $(call compile,sanitize-clang) --target batten
