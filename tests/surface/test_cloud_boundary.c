@@ -219,12 +219,84 @@ static void test_what_is_no_patch_is_refused(void **state)
             double u = bat_random_uniform(&random), v = bat_random_uniform(&random);
             add_point(&two, u + (i % 2 == 0 ? 2 : 0), v, 0.1 * u * v);
         }
-        assert_none(&sphere, "no boundary loop was found");
+        assert_none(&sphere, "cut it open");
         assert_none(&ring, "several boundary loops");
-        assert_none(&two, "several boundary loops");
+        assert_none(&two, "several pieces");
         bat_cloud_free(&sphere);
         bat_cloud_free(&ring);
         bat_cloud_free(&two);
+    }
+}
+
+static void test_two_sheets_are_told(void **state)
+{
+    (void)state;
+    // Sheets that are as far apart as their points: a disc would run along a surface between them.
+    for (uint64_t seed = 0; seed < 3; seed++)
+    {
+        bat_cloud cloud = bump_cloud(0, 2000, 0.001, 1, seed);
+        for (size_t i = 0; i < cloud.count; i += 2)
+            cloud.points[3 * i + 2] += 0.02;
+        assert_none(&cloud, "two sheets");
+        bat_cloud_free(&cloud);
+        // Uniform noise of the same size is one sheet.
+        bat_random random = bat_random_seed(seed);
+        cloud = bump_cloud(0, 2000, 0, 1, seed);
+        for (size_t i = 0; i < cloud.count; i++)
+            cloud.points[3 * i + 2] += 0.02 * bat_random_uniform(&random);
+        must_find(&cloud);
+        bat_cloud_free(&cloud);
+    }
+}
+
+static void test_curves_are_told(void **state)
+{
+    (void)state;
+    bat_cloud helix = {0};
+    for (int i = 0; i < 2000; i++)
+        add_point(&helix, cos(0.01 * i), sin(0.01 * i), 0.002 * i);
+    assert_none(&helix, "along a curve");
+    bat_cloud_free(&helix);
+}
+
+static void test_scan_lines(void **state)
+{
+    (void)state;
+    // Lines 20 times as far apart as the points on them.
+    bat_cloud cloud = {0};
+    double point[3], mean;
+    for (int line = 0; line <= 30; line++)
+        for (int i = 0; i <= 600; i++)
+        {
+            bump(line / 30.0, i / 600.0, point);
+            add_point(&cloud, point[0], point[1], point[2]);
+        }
+    bat_cloud clean = bump_cloud(100, 0, 0, 1, 0);
+    shuffle_cloud(&cloud, 1);
+    must_find(&cloud);
+    assert_true(distance_to_loop(cloud.points, cloud.boundary_count, clean.points, clean.boundary_count, &mean) < 1 / 30.0);
+    assert_true(distance_to_loop(clean.points, clean.boundary_count, cloud.points, cloud.boundary_count, &mean) < 1 / 30.0);
+    bat_cloud_free(&cloud);
+    bat_cloud_free(&clean);
+}
+
+static void test_outliers_are_left_out(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 0; seed < 4; seed++)
+    {
+        bat_random random = bat_random_seed(seed + 77);
+        bat_cloud cloud = bump_cloud(33, 1500, 0, 1, seed), clean = bump_cloud(100, 0, 0, 1, 0);
+        for (int i = 0; i < 160; i++)
+            add_point(&cloud, bat_random_uniform(&random), bat_random_uniform(&random), bat_random_uniform(&random) - 0.5);
+        shuffle_cloud(&cloud, seed);
+        cloud.boundary_count = 0;
+        must_find(&cloud);
+        double mean;
+        assert_true(distance_to_loop(clean.points, clean.boundary_count, cloud.points, cloud.boundary_count, &mean) < 0.15);
+        assert_true(mean < 0.03);
+        bat_cloud_free(&cloud);
+        bat_cloud_free(&clean);
     }
 }
 
@@ -240,7 +312,7 @@ static void test_too_few_or_degenerate_points(void **state)
     check_status(bat_cloud_find_boundary(&cloud, &error), BAT_INVALID_ARGUMENT);
     for (int i = 0; i < 50; i++)
         add_point(&line, i, 2 * i, 3 * i);
-    assert_none(&line, "no boundary loop");
+    assert_none(&line, "lie along a line");
     add_point(&line, 0, 0, 0);
     check_status(bat_cloud_find_boundary(&line, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 50);
@@ -314,6 +386,10 @@ int main(void)
         cmocka_unit_test(test_place_and_size_do_not_matter),
         cmocka_unit_test(test_small_gaps_and_stray_points_are_left_alone),
         cmocka_unit_test(test_what_is_no_patch_is_refused),
+        cmocka_unit_test(test_two_sheets_are_told),
+        cmocka_unit_test(test_curves_are_told),
+        cmocka_unit_test(test_scan_lines),
+        cmocka_unit_test(test_outliers_are_left_out),
         cmocka_unit_test(test_too_few_or_degenerate_points),
         cmocka_unit_test(test_loops_of_scans_are_found_again),
     };

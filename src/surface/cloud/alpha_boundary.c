@@ -158,11 +158,14 @@ static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, 
     add_free_arc(found, reach.end, blocked[0].begin + 2 * PI, reach.item, blocked[0].item);
 }
 
-/// Set spacing and radius from the neighbours in the list.
-static void set_radius(const alpha_boundary_search *search, double scale, alpha_boundary_point *found)
+/// The mean spacing of the neighbours in the list.
+static double spacing_of(const neighbour_list *near)
 {
-    size_t count = search->near.count;
-    found->spacing = sqrt(search->near.entries[count - 1].squared * PI / (double)count);
+    return sqrt(near->entries[near->count - 1].squared * PI / (double)near->count);
+}
+
+static void set_radius(double scale, alpha_boundary_point *found)
+{
     found->radius = scale * fmax(RADIUS_IN_SPACINGS * found->spacing, RADIUS_IN_NOISE * sqrt(found->plane.variance[2]));
 }
 
@@ -175,18 +178,41 @@ static bat_status set_arcs(alpha_boundary_search *search, uint32_t point, alpha_
     return BAT_OK;
 }
 
+/// Recall the plane of a point, or find it and keep it.
+static bat_status recall_plane(alpha_boundary_search *search, uint32_t point, alpha_boundary_point *found, bat_error *error)
+{
+    alpha_boundary_plane *kept = search->planes != NULL ? &search->planes[point] : NULL;
+    if (kept == NULL || kept->spacing == 0)
+    {
+        bat_status status = find_plane(search, search->points + 3 * (size_t)point, &found->plane, error);
+        if (status != BAT_OK)
+            return status;
+        found->spacing = spacing_of(&search->near);
+        if (kept == NULL)
+            return BAT_OK;
+        memcpy(kept->axis, found->plane.axes[0], sizeof kept->axis);
+        memcpy(kept->normal, found->plane.axes[2], sizeof kept->normal);
+        kept->deviation = sqrt(found->plane.variance[2]);
+        kept->spacing = found->spacing;
+    }
+    found->plane = (local_plane){.variance = {[2] = kept->deviation * kept->deviation}};
+    memcpy(found->plane.axes[0], kept->axis, sizeof kept->axis);
+    memcpy(found->plane.axes[2], kept->normal, sizeof kept->normal);
+    vector3_cross(kept->normal, kept->axis, found->plane.axes[1]);
+    found->spacing = kept->spacing;
+    return BAT_OK;
+}
+
 bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t point, const double *reference, double scale,
                                      alpha_boundary_point *found, bat_error *error)
 {
-    const double *here = search->points + 3 * (size_t)point;
-    bat_status status = find_plane(search, here, &found->plane, error);
+    bat_status status = recall_plane(search, point, found, error);
     if (status != BAT_OK)
         return status;
     orient(&found->plane, reference);
-    set_radius(search, scale, found);
+    set_radius(scale, found);
     double needed = hypot(2 * found->radius, 3 * sqrt(found->plane.variance[2]));
-    if (search->near.entries[search->near.count - 1].squared < needed * needed)
-        status = neighbours_within(search->tree, here, needed, &search->near, error);
+    status = neighbours_within(search->tree, search->points + 3 * (size_t)point, needed, &search->near, error);
     return status == BAT_OK ? set_arcs(search, point, found, error) : status;
 }
 
@@ -201,7 +227,8 @@ bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_
     found.plane = local_plane_fit(search->points, &search->near);
     if (found.plane.variance[2] < MAX_FLATNESS * found.plane.variance[1])
     {
-        set_radius(search, scale, &found);
+        found.spacing = spacing_of(&search->near);
+        set_radius(scale, &found);
         status = set_arcs(search, point, &found, error);
     }
     *inside = found.arc_count == 0;
@@ -427,20 +454,55 @@ static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, 
     return status;
 }
 
-/// Mark the boundary points.
-static bat_status mark_boundary(const double *points, const neighbour_tree *tree, double scale, bool *on_boundary,
-                                bat_error *error)
+enum
+{
+    MARK_BLOCK = 65536 ///< points between two reports
+};
+
+void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud)
+{
+    free(cloud->planes);
+    free(cloud->outer);
+    *cloud = (alpha_boundary_cloud){0};
+}
+
+/// Mark the points from `begin` to `end`.
+static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t end)
 {
     bool failed = false;
 #pragma omp parallel reduction(|| : failed)
     {
-        alpha_boundary_search search = {.points = points, .tree = tree};
+        alpha_boundary_search search = {.points = cloud->points, .tree = cloud->tree, .planes = cloud->planes};
 #pragma omp for schedule(dynamic, 256)
-        for (size_t i = 0; i < tree->count; i++)
-            failed = is_on_boundary(&search, (uint32_t)i, scale, &on_boundary[i]) != BAT_OK || failed;
+        for (size_t i = begin; i < end; i++)
+            failed = is_on_boundary(&search, (uint32_t)i, 1, &cloud->outer[i]) != BAT_OK || failed;
         alpha_boundary_search_free(&search);
     }
-    return failed ? error_memory(error, tree->count) : BAT_OK;
+    return !failed;
+}
+
+bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, bat_progress progress,
+                                     alpha_boundary_cloud *cloud, bat_error *error)
+{
+    size_t count = tree->count;
+    *cloud = (alpha_boundary_cloud){.points = points,
+                                    .tree = tree,
+                                    .planes = memory_array(count, sizeof *cloud->planes),
+                                    .outer = memory_array(count, sizeof *cloud->outer)};
+    if (cloud->planes == NULL || cloud->outer == NULL)
+        return error_memory(error, count * sizeof *cloud->planes);
+    memset(cloud->planes, 0, count * sizeof *cloud->planes);
+    for (size_t begin = 0; begin < count; begin += MARK_BLOCK)
+    {
+        size_t end = count - begin < MARK_BLOCK ? count : begin + MARK_BLOCK;
+        if (progress.report != NULL && !progress.report(progress.context, (double)begin / (double)count))
+            return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+        if (!mark_block(cloud, begin, end))
+            return error_memory(error, count);
+    }
+    for (size_t i = 0; i < count; i++)
+        cloud->outer_count += cloud->outer[i];
+    return BAT_OK;
 }
 
 /// Trace every boundary once.
@@ -470,18 +532,20 @@ static bat_status trace_all(alpha_boundary_trace *trace, bool *on_boundary, size
     return status;
 }
 
-bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, double scale,
-                                      alpha_boundary_cycles *cycles, bat_error *error)
+bat_status alpha_boundary_cycles_find(const alpha_boundary_cloud *cloud, double scale, alpha_boundary_cycles *cycles,
+                                      bat_error *error)
 {
     *cycles = (alpha_boundary_cycles){0};
-    alpha_boundary_trace trace = {.search = {.points = points, .tree = tree}, .scale = scale};
-    bool *on_boundary = memory_array(tree->count, sizeof *on_boundary);
-    size_t *last = memory_array(tree->count, sizeof *last);
+    size_t count = cloud->tree->count;
+    alpha_boundary_trace trace = {.search = {.points = cloud->points, .tree = cloud->tree, .planes = cloud->planes},
+                                  .scale = scale};
+    bool *on_boundary = memory_array(count, sizeof *on_boundary);
+    size_t *last = memory_array(count, sizeof *last);
     bat_status status = BAT_OK;
     if (on_boundary == NULL || last == NULL)
-        status = error_memory(error, tree->count * sizeof *last);
-    if (status == BAT_OK)
-        status = mark_boundary(points, tree, scale, on_boundary, error);
+        status = error_memory(error, count * sizeof *last);
+    else
+        memcpy(on_boundary, cloud->outer, count * sizeof *on_boundary);
     if (status == BAT_OK)
         status = trace_all(&trace, on_boundary, last, cycles, error);
     alpha_boundary_search_free(&trace.search);

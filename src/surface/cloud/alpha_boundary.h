@@ -1,6 +1,7 @@
 #ifndef SURFACE_CLOUD_ALPHA_BOUNDARY_H
 #define SURFACE_CLOUD_ALPHA_BOUNDARY_H
 
+#include "batten/base.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/neighbours.h"
 
@@ -33,11 +34,37 @@ typedef struct alpha_boundary_point
     alpha_boundary_arc arcs[ALPHA_BOUNDARY_MAX_ARCS];
 } alpha_boundary_point;
 
+/// A tangent plane that was found, without orientation.
+typedef struct alpha_boundary_plane
+{
+    double axis[3], normal[3]; ///< orthonormal: the direction of largest variance, and the normal
+    double deviation;          ///< standard deviation across the plane
+    double spacing;            ///< mean spacing of points in the plane; 0: the plane is not known yet
+} alpha_boundary_plane;
+
+/// Points with what does not depend on the disc. Release it with alpha_boundary_cloud_free().
+typedef struct alpha_boundary_cloud
+{
+    const double *points; ///< count x 3
+    const neighbour_tree *tree;
+    alpha_boundary_plane *planes; ///< count: those of the points that are not in the interior by the quick test
+    bool *outer;                  ///< count: points that a disc of scale 1 touches
+    size_t outer_count;
+} alpha_boundary_cloud;
+
+/// Find the points that discs touch.
+/// @param progress may be silent; cancels
+/// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY; release `cloud` in all cases
+bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, bat_progress progress,
+                                     alpha_boundary_cloud *cloud, bat_error *error);
+void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud);
+
 /// The points, and the workspace of a search. Not thread-safe: every thread needs its own.
 typedef struct alpha_boundary_search
 {
     const double *points; ///< count x 3
     const neighbour_tree *tree;
+    alpha_boundary_plane *planes; ///< planes that are known; null: none are kept
     neighbour_list near;
     struct alpha_boundary_blocked *blocked;
     size_t blocked_capacity;
@@ -77,9 +104,9 @@ typedef struct alpha_boundary_cycles
 void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles);
 
 /// Find all closed polygons with at least three different points along the boundary.
-/// @param scale factor of the radius
+/// @param scale factor of the radius, at least 1
 /// @return BAT_OK or BAT_NO_MEMORY; release `cycles` in both cases
-bat_status alpha_boundary_cycles_find(const double *points, const neighbour_tree *tree, double scale,
-                                      alpha_boundary_cycles *cycles, bat_error *error);
+bat_status alpha_boundary_cycles_find(const alpha_boundary_cloud *cloud, double scale, alpha_boundary_cycles *cycles,
+                                      bat_error *error);
 
 #endif

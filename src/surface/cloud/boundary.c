@@ -1,14 +1,22 @@
 /// @file
 /// Detection of the boundary loop of a cloud (bat_cloud_find_boundary): the longest closed polygon of the alpha-shape
 /// boundary (alpha_boundary.h) that is not a gap between points. In noisy clouds, where points overlap, the loop is searched
-/// in a random subset whose spacing exceeds the noise.
+/// in a random subset whose spacing exceeds the noise, with its points moved to local quadratic fits. In scan lines it is
+/// searched in an even sample.
 
+#include "surface/cloud/boundary.h"
+#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
+#include "base/threads.h"
 #include "batten/cloud.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/alpha_boundary.h"
 #include "surface/cloud/canonical_order.h"
+#include "surface/cloud/diagnosis.h"
+#include "surface/cloud/even_sample.h"
+#include "surface/cloud/local_quadratic.h"
 #include "surface/cloud/noise.h"
 #include "surface/cloud/spatial_order.h"
 
@@ -60,42 +68,76 @@ static bat_status no_loop(bat_error *error, const char *text)
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no boundary loop was found: %s", text);
 }
 
+/// The points in which a loop is searched, and why there is none.
+typedef struct loop_search
+{
+    double noise, spacing; ///< of the cloud
+    double unit;           ///< length of a unit of the points in that of the cloud
+    bat_progress progress;
+    bool several;      ///< the failure was that there are several loops
+    bool seems_closed; ///< the failure was that there is no edge
+} loop_search;
+
+// Fewest points at the edge of an open patch, in roots of the number of points (a disc has 3.5), and as a share of the
+// points: gaps between random points have so many.
+static const double EDGE_ROOTS = 1;
+static const double EDGE_SHARE = 0.003;
+
+/// The failure where no polygon is wide.
+static bat_status fail_without_loop(const alpha_boundary_cloud *cloud, loop_search *search, bat_error *error)
+{
+    double count = (double)cloud->tree->count, edge = (double)cloud->outer_count;
+    search->seems_closed = edge < fmax(EDGE_ROOTS * sqrt(count), EDGE_SHARE * count);
+    if (search->seems_closed)
+        return no_loop(error, edge == 0 ? "every point is surrounded by neighbours: the surface is closed; cut it open and "
+                                          "fit the parts"
+                                        : "there are only small gaps between points: the surface seems closed; cut it open "
+                                          "and fit the parts");
+    return no_loop(error,
+                   "there are points at an edge, but no polygon closes around the others; leave out outliers, or give "
+                   "the loop by --boundary");
+}
+
 /// Select the longest polygon; fail if another one may be a boundary too.
-static bat_status choose(const double *points, size_t count, const alpha_boundary_cycles *cycles,
+static bat_status choose(const alpha_boundary_cloud *cloud, const alpha_boundary_cycles *cycles, loop_search *search,
                          alpha_boundary_cycle **chosen, bat_error *error)
 {
+    size_t count = cloud->tree->count;
     alpha_boundary_cycle *longest = NULL;
+    search->several = search->seems_closed = false;
     for (size_t i = 0; i < cycles->count; i++)
         if (is_wide(&cycles->cycles[i], count) && (longest == NULL || cycles->cycles[i].length > longest->length))
             longest = &cycles->cycles[i];
     if (longest == NULL)
-        return no_loop(error, cycles->count == 0 ? "every point is surrounded by neighbours"
-                                                 : "there are only small gaps between points; the surface seems closed");
+        return fail_without_loop(cloud, search, error);
     if (longest->count < MIN_BOUNDARY)
         return no_loop(error, "it has only three points");
     for (size_t i = 0; i < cycles->count; i++)
     {
         const alpha_boundary_cycle *other = &cycles->cycles[i];
         if (other == longest || !is_wide(other, count) || other->length < OTHER_BOUNDARY * longest->length ||
-            runs_along(points, other, longest))
+            runs_along(cloud->points, other, longest))
             continue;
-        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                         "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one",
-                         longest->count, other->count);
+        search->several = true;
+        return error_set(
+            error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+            "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one: close "
+            "the holes, cut the cloud, or give its outer loop by --boundary",
+            longest->count, other->count);
     }
     *chosen = longest;
     return BAT_OK;
 }
 
 /// Find the loop with a disc of a radius. Release `loop` also on failure.
-static bat_status find_loop_by(const double *points, const neighbour_tree *tree, double scale, alpha_boundary_cycle *loop,
-                               bat_error *error)
+static bat_status find_loop_by(const alpha_boundary_cloud *cloud, double scale, loop_search *search,
+                               alpha_boundary_cycle *loop, bat_error *error)
 {
     alpha_boundary_cycles cycles = {0};
     alpha_boundary_cycle *chosen = NULL;
-    bat_status status = alpha_boundary_cycles_find(points, tree, scale, &cycles, error);
+    bat_status status = alpha_boundary_cycles_find(cloud, scale, &cycles, error);
     if (status == BAT_OK)
-        status = choose(points, tree->count, &cycles, &chosen, error);
+        status = choose(cloud, &cycles, search, &chosen, error);
     if (status == BAT_OK)
     {
         *loop = *chosen;
@@ -107,48 +149,102 @@ static bat_status find_loop_by(const double *points, const neighbour_tree *tree,
 
 /// Find the loop. A disc that rolls along a boundary may find no way on where tangent planes are uncertain; then others are
 /// tried. The failure of the first is reported. Release `loop` also on failure.
-static bat_status find_loop(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
+static bat_status find_loop(const double *points, const neighbour_tree *tree, loop_search *search,
+                            alpha_boundary_cycle *loop, bat_error *error)
 {
-    neighbour_tree tree = {0};
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
-    if (status != BAT_OK)
-        return status;
-    status = find_loop_by(points, &tree, 1, loop, error);
+    alpha_boundary_cloud cloud;
+    bat_status status = alpha_boundary_cloud_make(points, tree, search->progress, &cloud, error);
+    if (status == BAT_OK)
+        status = find_loop_by(&cloud, 1, search, loop, error);
+    loop_search again = *search;
     for (size_t k = 0; k < sizeof OTHER_SCALES / sizeof *OTHER_SCALES && status == BAT_NO_CONVERGENCE; k++)
-        status = find_loop_by(points, &tree, OTHER_SCALES[k], loop, NULL);
-    neighbour_tree_free(&tree);
+        status = find_loop_by(&cloud, OTHER_SCALES[k], &again, loop, NULL);
+    alpha_boundary_cloud_free(&cloud);
     return status;
 }
 
-static int compare_numbers(const void *a, const void *b)
+enum
 {
-    double p = *(const double *)a, q = *(const double *)b;
-    return (p > q) - (p < q);
+    MAX_SAMPLES = 256,
+    SPACING_POINTS = 36,
+    SMOOTH_MIN = 24,
+    SMOOTH_MAX = 400
+};
+/// Noise, in spacings, up to which points are searched as they are.
+static const double MAX_CLEAN = 0.4;
+/// Radius of the neighbourhoods that smooth, in standard deviations of the noise.
+static const double SMOOTH_REACH = 8;
+static const double PI = 3.14159265358979323846;
+
+/// Measure the noise and the median spacing.
+static bat_status measure_cloud(const double *points, const neighbour_tree *tree, loop_search *search, bat_error *error)
+{
+    double spacings[MAX_SAMPLES];
+    size_t stride = tree->count / MAX_SAMPLES + 1, taken = 0;
+    neighbour_list near = {0};
+    bat_status status = noise_estimate(points, tree, &search->noise, error);
+    for (size_t i = 0; i < tree->count && status == BAT_OK; i += stride)
+    {
+        status = neighbours_nearest(tree, points + 3 * i, SPACING_POINTS, &near, error);
+        if (status == BAT_OK)
+            spacings[taken++] = sqrt(near.entries[near.count - 1].squared * PI / (double)near.count);
+    }
+    neighbour_list_free(&near);
+    qsort(spacings, taken, sizeof *spacings, ascending);
+    search->spacing = taken > 0 ? spacings[taken / 2] : 0;
+    return status;
 }
 
-/// The thickness of the cloud: a high quantile of the standard deviation across tangent planes, in spacings of the points.
-static bat_status measure_thickness(const double *points, size_t count, double *thickness, bat_error *error)
+/// Move points to local quadratic fits of `wanted` neighbours, along the normals of their tangent planes.
+static bat_status smooth_points(const double *points, const neighbour_tree *tree, size_t wanted, double *smooth,
+                                bat_error *error)
 {
-    enum
+    bool complete = true;
+#pragma omp parallel num_threads(threads_for(0, tree->count / 64 + 1)) reduction(&& : complete)
     {
-        MAX_SAMPLES = 256
-    };
-    static const double quantile = 0.75;
-    double samples[MAX_SAMPLES];
-    size_t stride = count / MAX_SAMPLES + 1, taken = 0;
-    neighbour_tree tree = {0};
-    alpha_boundary_search search = {.points = points, .tree = &tree};
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
-    for (size_t i = 0; i < count && status == BAT_OK; i += stride)
-    {
-        alpha_boundary_point found = {0};
-        status = alpha_boundary_point_find(&search, (uint32_t)i, NULL, 1, &found, error);
-        samples[taken++] = sqrt(found.plane.variance[2]) / found.spacing;
+        neighbour_list near = {0};
+#pragma omp for schedule(static)
+        for (size_t i = 0; i < tree->count; i++)
+        {
+            const double *here = points + 3 * i;
+            memcpy(smooth + 3 * i, here, 3 * sizeof *smooth);
+            if (neighbours_nearest(tree, here, wanted, &near, NULL) != BAT_OK)
+            {
+                complete = false;
+                continue;
+            }
+            local_plane plane = local_plane_fit(points, &near);
+            if (!(plane.variance[1] > 0))
+                continue;
+            local_quadratic quadratic = local_quadratic_fit(points, &near, &plane);
+            double height = local_quadratic_height(&quadratic, here);
+            for (int k = 0; k < 3; k++)
+                smooth[3 * i + (size_t)k] -= height * plane.axes[2][k];
+        }
+        neighbour_list_free(&near);
     }
-    qsort(samples, taken, sizeof *samples, compare_numbers);
-    *thickness = samples[(size_t)(quantile * (double)(taken - 1))];
-    alpha_boundary_search_free(&search);
+    return complete ? BAT_OK : error_memory(error, wanted * sizeof(neighbour));
+}
+
+/// Find the loop in points that are smoothed first. `density` is the ratio of the spacing to that of the cloud.
+static bat_status find_smooth_loop(const double *points, size_t count, double density, loop_search *search,
+                                   alpha_boundary_cycle *loop, bat_error *error)
+{
+    double reach = SMOOTH_REACH * search->noise / (density * search->spacing), share = fmin(PI * reach * reach, SMOOTH_MAX);
+    size_t wanted = share < SMOOTH_MIN ? SMOOTH_MIN : (size_t)share;
+    double *smooth = memory_array(count, 3 * sizeof *smooth);
+    neighbour_tree tree = {0};
+    bat_status status =
+        smooth == NULL ? error_memory(error, count * 3 * sizeof *smooth) : neighbour_tree_build(points, count, &tree, error);
+    if (status == BAT_OK)
+        status = smooth_points(points, &tree, wanted < count / 4 ? wanted : count / 4 + 1, smooth, error);
     neighbour_tree_free(&tree);
+    if (status == BAT_OK)
+        status = neighbour_tree_build(smooth, count, &tree, error);
+    if (status == BAT_OK)
+        status = find_loop(smooth, &tree, search, loop, error);
+    neighbour_tree_free(&tree);
+    free(smooth);
     return status;
 }
 
@@ -162,26 +258,43 @@ static void draw_sample(size_t count, size_t wanted, size_t *chosen)
             chosen[made++] = i;
 }
 
-/// Find the loop in a random subset of `wanted` points.
-static bat_status find_loop_of_sample(const double *points, size_t count, size_t wanted, alpha_boundary_cycle *loop,
-                                      bat_error *error)
+/// Copy the points with the given indices.
+static double *copy_points(const double *points, const size_t *chosen, size_t count)
 {
+    double *copy = memory_array(count, 3 * sizeof *copy);
+    for (size_t i = 0; i < count && copy != NULL; i++)
+        memcpy(copy + 3 * i, points + 3 * chosen[i], 3 * sizeof *copy);
+    return copy;
+}
+
+/// Find the loop in a random subset of `wanted` points.
+static bat_status find_loop_of_sample(const double *points, const neighbour_tree *tree, size_t wanted, loop_search *search,
+                                      alpha_boundary_cycle *loop, bat_error *error)
+{
+    size_t count = tree->count;
+    double density = sqrt((double)count / (double)wanted);
+    bool noisy = search->noise > MAX_CLEAN * density * search->spacing;
     if (wanted == count)
-        return find_loop(points, count, loop, error);
+        return noisy ? find_smooth_loop(points, count, density, search, loop, error)
+                     : find_loop(points, tree, search, loop, error);
     size_t *chosen = memory_array(wanted, sizeof *chosen);
-    double *sample = memory_array(wanted, 3 * sizeof *sample);
-    bat_status status = BAT_OK;
-    if (chosen == NULL || sample == NULL)
-        status = error_memory(error, wanted * 3 * sizeof *sample);
-    else
+    if (chosen == NULL)
+        return error_memory(error, wanted * sizeof *chosen);
+    draw_sample(count, wanted, chosen);
+    double *sample = copy_points(points, chosen, wanted);
+    neighbour_tree sparse = {0};
+    bat_status status = sample == NULL ? error_memory(error, wanted * 3 * sizeof *sample) : BAT_OK;
+    if (status == BAT_OK && noisy)
+        status = find_smooth_loop(sample, wanted, density, search, loop, error);
+    else if (status == BAT_OK)
     {
-        draw_sample(count, wanted, chosen);
-        for (size_t i = 0; i < wanted; i++)
-            memcpy(sample + 3 * i, points + 3 * chosen[i], 3 * sizeof *sample);
-        status = find_loop(sample, wanted, loop, error);
-        for (size_t i = 0; i < loop->count; i++)
-            loop->points[i] = (uint32_t)chosen[loop->points[i]];
+        status = neighbour_tree_build(sample, wanted, &sparse, error);
+        if (status == BAT_OK)
+            status = find_loop(sample, &sparse, search, loop, error);
     }
+    for (size_t i = 0; i < loop->count && status == BAT_OK; i++)
+        loop->points[i] = (uint32_t)chosen[loop->points[i]];
+    neighbour_tree_free(&sparse);
     free(chosen);
     free(sample);
     return status;
@@ -189,30 +302,133 @@ static bat_status find_loop_of_sample(const double *points, size_t count, size_t
 
 /// Find the loop in a possibly noisy cloud. Noise destroys the order around the loop where it exceeds the spacing. The first
 /// subset is chosen so that the noise is at most the spacing; further ones have half as many points each.
-static bat_status find_loop_in_noise(const double *points, size_t count, alpha_boundary_cycle *loop, bat_error *error)
+static bat_status find_loop_in_noise(const double *points, const neighbour_tree *tree, loop_search *search,
+                                     alpha_boundary_cycle *loop, bat_error *error)
 {
     enum
     {
-        FEW_POINTS = 200
+        FEW_POINTS = 200,
+        MANY_POINTS = 60000 // of noisy clouds: more only take time
     };
-    static const double max_thickness = 0.9, noise_thickness = 0.4;
-    double thickness;
-    bat_status status = measure_thickness(points, count, &thickness, error);
-    if (status != BAT_OK)
-        return status;
-    double share = fmin(max_thickness / thickness, 1);
+    static const double max_thickness = 0.9;
+    size_t count = tree->count;
+    double thickness = search->noise / search->spacing, share = thickness > 0 ? fmin(max_thickness / thickness, 1) : 1;
     size_t minimum = count < FEW_POINTS ? count : FEW_POINTS, wanted = (size_t)(share * share * (double)count);
-    wanted = wanted < minimum ? minimum : wanted;
-    bat_error first = {0};
-    status = find_loop_of_sample(points, count, wanted, loop, &first);
-    while (status == BAT_NO_CONVERGENCE && thickness > noise_thickness && wanted / 2 >= minimum)
+    wanted = wanted < minimum ? minimum : wanted > MANY_POINTS && thickness > MAX_CLEAN ? MANY_POINTS : wanted;
+    bat_status status = find_loop_of_sample(points, tree, wanted, search, loop, error);
+    loop_search again = *search;
+    bool is_open = !search->several && !search->seems_closed;
+    while (status == BAT_NO_CONVERGENCE && (is_open || thickness > MAX_CLEAN) && wanted / 2 >= minimum)
     {
         wanted /= 2;
-        status = find_loop_of_sample(points, count, wanted, loop, NULL);
+        // The error text of the first attempt is reported.
+        status = find_loop_of_sample(points, tree, wanted, &again, loop, NULL);
     }
-    // The error of the first attempt is reported.
-    if (status != BAT_OK && error != NULL)
-        *error = first;
+    return status;
+}
+
+enum
+{
+    MANY_TO_SPLIT = 200000 ///< clouds with more points are searched for pieces and outliers only where no loop is found
+};
+/// Outliers are left out first where they are more than this share of the points; fewer do no harm.
+static const double MAX_OUTLIERS = 0.02;
+
+/// Find the loop in the points that belong to the one piece, where others are many or `all` is set. BAT_NO_CONVERGENCE, with
+/// no text, where there is nothing to leave out.
+static bat_status find_loop_of_piece(const double *points, const neighbour_tree *tree, bool all, loop_search *search,
+                                     alpha_boundary_cycle *loop, bat_error *error)
+{
+    size_t count = tree->count, left = 0, made = 0;
+    bool *kept = memory_array(count, sizeof *kept);
+    size_t *chosen = memory_array(count, sizeof *chosen);
+    double *inliers = NULL;
+    neighbour_tree sparse = {0};
+    bat_status status = kept == NULL || chosen == NULL ? error_memory(error, count * sizeof *chosen)
+                                                       : diagnose_pieces(points, tree, kept, &left, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        if (kept[i])
+            chosen[made++] = i;
+    bool enough = (double)left > (all ? 0 : MAX_OUTLIERS * (double)count) && made >= MIN_BOUNDARY;
+    if (status == BAT_OK && enough)
+    {
+        inliers = copy_points(points, chosen, made);
+        status = inliers == NULL ? error_memory(error, made * 3 * sizeof *inliers)
+                                 : neighbour_tree_build(inliers, made, &sparse, error);
+    }
+    if (status == BAT_OK)
+        status = enough ? find_loop_in_noise(inliers, &sparse, search, loop, error) : BAT_NO_CONVERGENCE;
+    for (size_t i = 0; i < loop->count && status == BAT_OK; i++)
+        loop->points[i] = (uint32_t)chosen[loop->points[i]];
+    neighbour_tree_free(&sparse);
+    free(inliers);
+    free(chosen);
+    free(kept);
+    return status;
+}
+
+/// Find the loop. Where there is none, tell why; outliers are left out.
+static bat_status find_loop_or_tell(const double *points, const neighbour_tree *tree, loop_search *search,
+                                    alpha_boundary_cycle *loop, bat_error *error)
+{
+    bat_error failure = {0}, told = {0};
+    bool few = tree->count <= MANY_TO_SPLIT;
+    bat_status status = measure_cloud(points, tree, search, error);
+    if (status == BAT_OK)
+        status = diagnose_sheets(points, tree, search->noise, search->spacing, search->unit, error);
+    if (status != BAT_OK)
+        return status;
+    if (few)
+        status = find_loop_of_piece(points, tree, false, search, loop, &told);
+    if (status == BAT_OK && few)
+        return BAT_OK;
+    if (told.status == BAT_OK)
+        status = find_loop_in_noise(points, tree, search, loop, &failure);
+    if (status == BAT_NO_CONVERGENCE && told.status == BAT_OK)
+        status = find_loop_of_piece(points, tree, true, search, loop, &told);
+    const bat_error *reason = told.status != BAT_OK ? &told : &failure;
+    return status == BAT_OK ? BAT_OK : error_set(error, status, reason->index, reason->line, "%s", reason->text);
+}
+
+/// Find the loop of any cloud; scan lines are sampled evenly first.
+static bat_status find_any_loop(const double *points, size_t count, loop_search *search, alpha_boundary_cycle *loop,
+                                bat_error *error)
+{
+    neighbour_tree tree = {0}, even = {0};
+    double radius = 0, *sample = NULL;
+    bool *kept = NULL;
+    size_t *chosen = NULL, made = 0;
+    bat_status status = diagnose_line(points, count, error);
+    if (status == BAT_OK)
+        status = neighbour_tree_build(points, count, &tree, error);
+    if (status == BAT_OK)
+        status = even_sample_radius(points, &tree, &radius, error);
+    if (status == BAT_OK && isinf(radius))
+        status = no_loop(error, "the points lie along a curve, or on lines too far apart; a surface needs points between");
+    if (status == BAT_OK && radius > 0)
+    {
+        kept = memory_array(count, sizeof *kept);
+        chosen = memory_array(count, sizeof *chosen);
+        status = kept == NULL || chosen == NULL ? error_memory(error, count * sizeof *chosen)
+                                                : even_sample_choose(points, &tree, radius, kept, error);
+        for (size_t i = 0; i < count && status == BAT_OK; i++)
+            if (kept[i])
+                chosen[made++] = i;
+        sample = status == BAT_OK ? copy_points(points, chosen, made) : NULL;
+        if (status == BAT_OK)
+            status = sample == NULL ? error_memory(error, made * 3 * sizeof *sample)
+                                    : neighbour_tree_build(sample, made, &even, error);
+    }
+    if (status == BAT_OK)
+        status = radius > 0 ? find_loop_or_tell(sample, &even, search, loop, error)
+                            : find_loop_or_tell(points, &tree, search, loop, error);
+    for (size_t i = 0; i < loop->count && status == BAT_OK && radius > 0; i++)
+        loop->points[i] = (uint32_t)chosen[loop->points[i]];
+    neighbour_tree_free(&tree);
+    neighbour_tree_free(&even);
+    free(sample);
+    free(kept);
+    free(chosen);
     return status;
 }
 
@@ -327,6 +543,11 @@ bat_status bat_cloud_noise(const bat_cloud *cloud, double *sigma, bat_error *err
 
 bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
 {
+    return cloud_find_boundary(cloud, (bat_progress){0}, error);
+}
+
+bat_status cloud_find_boundary(bat_cloud *cloud, bat_progress progress, bat_error *error)
+{
     bat_status status = bat_cloud_check(cloud, error);
     if (status != BAT_OK)
         return status;
@@ -336,8 +557,9 @@ bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
     double *points;
     alpha_boundary_cycle loop = {0};
     status = sort_points(cloud, &points, &places, error);
+    loop_search search = {.progress = progress, .unit = ldexp(1, 1 - unit_frame_of(cloud->points, cloud->count).exponent)};
     if (status == BAT_OK)
-        status = find_loop_in_noise(points, cloud->count, &loop, error);
+        status = find_any_loop(points, cloud->count, &search, &loop, error);
     for (size_t i = 0; status == BAT_OK && i < loop.count; i++)
         loop.points[i] = (uint32_t)places[loop.points[i]];
     if (status == BAT_OK)

@@ -6,14 +6,13 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "surface/cloud/local_plane.h"
+#include "surface/cloud/local_quadratic.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 enum
 {
-    TERMS = 6, ///< of a quadratic polynomial of two variables
     MIN_POINTS = 24,
     MAX_POINTS = 1536,
     MAX_PLACES = 1000
@@ -22,75 +21,17 @@ enum
 /// Neighbourhoods grow until the residual variance is at most this share of the smaller variance along the plane: in smaller
 /// ones the plane follows the noise.
 static const double MAX_FLATNESS = 0.02;
-/// Pivots below this fraction of the diagonal entry are skipped.
-static const double MIN_PIVOT = 1e-9;
-
-/// Solve the normal equations in place by Cholesky's method. Terms that the points do not determine get 0.
-/// @return the number of terms determined
-static int solve(double matrix[TERMS][TERMS], double *right)
-{
-    int rank = 0;
-    bool determined[TERMS];
-    for (int j = 0; j < TERMS; j++)
-    {
-        double diagonal = matrix[j][j];
-        for (int k = 0; k < j; k++)
-            matrix[j][j] -= determined[k] ? matrix[j][k] * matrix[j][k] : 0;
-        determined[j] = matrix[j][j] > MIN_PIVOT * diagonal;
-        if (!determined[j])
-            continue;
-        rank++;
-        matrix[j][j] = sqrt(matrix[j][j]);
-        for (int i = j + 1; i < TERMS; i++)
-        {
-            for (int k = 0; k < j; k++)
-                matrix[i][j] -= determined[k] ? matrix[i][k] * matrix[j][k] : 0;
-            matrix[i][j] /= matrix[j][j];
-        }
-    }
-    for (int j = 0; j < TERMS; j++)
-    {
-        for (int k = 0; k < j; k++)
-            right[j] -= determined[k] ? matrix[j][k] * right[k] : 0;
-        right[j] = determined[j] ? right[j] / matrix[j][j] : 0;
-    }
-    for (int j = TERMS; j-- > 0;)
-    {
-        for (int i = j + 1; i < TERMS; i++)
-            right[j] -= determined[j] && determined[i] ? matrix[i][j] * right[i] : 0;
-        right[j] = determined[j] ? right[j] / matrix[j][j] : 0;
-    }
-    return rank;
-}
-
 /// The variance of the neighbours' heights about a quadratic polynomial, by the median of its distribution.
 static double variance_at(const double *points, const neighbour_list *near, const local_plane *plane)
 {
-    double matrix[TERMS][TERMS] = {{0}}, right[TERMS] = {0}, squares = 0;
-    double scale = sqrt(plane->variance[0]);
-    for (int pass = 0; pass < 2; pass++)
-        for (size_t i = 0; i < near->count; i++)
-        {
-            const double *point = points + 3 * (size_t)near->entries[i].item;
-            double height = 0, foot[2];
-            local_plane_project(plane, plane->centre, point, foot);
-            for (int k = 0; k < 3; k++)
-                height += (point[k] - plane->centre[k]) * plane->axes[2][k];
-            double x = foot[0] / scale, y = foot[1] / scale, terms[TERMS] = {1, x, y, x * x, x * y, y * y};
-            for (int a = 0; a < TERMS && pass == 0; a++)
-            {
-                right[a] += terms[a] * height;
-                for (int b = 0; b <= a; b++)
-                    matrix[a][b] += terms[a] * terms[b];
-            }
-            for (int a = 0; a < TERMS && pass == 1; a++)
-                height -= terms[a] * right[a];
-            if (pass == 1)
-                squares += height * height;
-            else if (i + 1 == near->count)
-                (void)solve(matrix, right);
-        }
-    double freedom = (double)near->count - TERMS, root = 1 - 2 / (9 * freedom);
+    local_quadratic quadratic = local_quadratic_fit(points, near, plane);
+    double squares = 0;
+    for (size_t i = 0; i < near->count; i++)
+    {
+        double height = local_quadratic_height(&quadratic, points + 3 * (size_t)near->entries[i].item);
+        squares += height * height;
+    }
+    double freedom = (double)near->count - LOCAL_QUADRATIC_TERMS, root = 1 - 2 / (9 * freedom);
     return squares / (freedom * root * root * root);
 }
 

@@ -1,0 +1,10 @@
+#ifndef SURFACE_CLOUD_BOUNDARY_H
+#define SURFACE_CLOUD_BOUNDARY_H
+
+#include "batten/cloud.h"
+
+/// bat_cloud_find_boundary() that reports progress and may be cancelled.
+/// @return as that call, or BAT_CANCELLED; `cloud` is untouched on failure
+bat_status cloud_find_boundary(bat_cloud *cloud, bat_progress progress, bat_error *error);
+
+#endif
