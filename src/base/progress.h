@@ -22,4 +22,10 @@ static inline bat_progress progress_of_part(progress_part *part)
     return part->whole.report == NULL ? (bat_progress){0} : (bat_progress){progress_part_report, part};
 }
 
+/// Report a share; whether the work goes on.
+static inline bool progress_goes_on(bat_progress progress, double fraction)
+{
+    return progress.report == NULL || progress.report(progress.context, fraction);
+}
+
 #endif

@@ -324,6 +324,37 @@ bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surfac
     return record_failure(status, &failure, candidate, error);
 }
 
+bat_status surface_candidate_extend(surface_candidate *candidate, const cloud_part *part, const bat_cloud *cloud,
+                                    const double *boundary, bat_error *error)
+{
+    double *parameters = memory_array(cloud->count, 2 * sizeof *parameters);
+    if (parameters == NULL)
+        return error_memory(error, cloud->count * 2 * sizeof *parameters);
+    bat_surface_fit_data data = {.points = cloud->points,
+                                 .parameters = parameters,
+                                 .count = cloud->count,
+                                 .dimension = 3,
+                                 .boundary_count = cloud->boundary_count};
+    bat_status status = cloud_part_spread(part, cloud, candidate->corrected, parameters, error);
+    memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
+    if (status == BAT_OK)
+        status = bat_spline_correct(&candidate->surface, &data, NULL, error);
+    // Correction moves the parameters of the boundary too.
+    memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
+    if (status != BAT_OK)
+    {
+        free(parameters);
+        return status;
+    }
+    free(candidate->parameters);
+    free(candidate->corrected);
+    bat_spline_surface_free(&candidate->surface);
+    bat_surface_fit_report_free(&candidate->fit);
+    candidate->parameters = parameters;
+    candidate->corrected = NULL;
+    return BAT_OK;
+}
+
 static bool is_better(const bat_surface_candidate *first, const bat_surface_candidate *second,
                       const bat_surface_fit_options *options)
 {

@@ -2,6 +2,7 @@
 #define SURFACE_CANDIDATE_H
 
 #include "batten/surface.h"
+#include "surface/cloud/part.h"
 #include "surface/verdict.h"
 
 /// @file
@@ -35,6 +36,13 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
 /// Fit a surface to a random sample of about `points` points and store only its metrics.
 bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
                                         size_t points, surface_candidate *candidate, bat_error *error);
+
+/// Give the parameters of a candidate that was fitted to a part of a cloud to all points: those of their feet on its
+/// surface, found from that of the nearest point of the part. The surface and the report of its fit are dropped.
+/// @param boundary cloud->boundary_count x 2
+/// @return BAT_OK, BAT_NO_MEMORY or the failures of bat_spline_correct()
+bat_status surface_candidate_extend(surface_candidate *candidate, const cloud_part *part, const bat_cloud *cloud,
+                                    const double *boundary, bat_error *error);
 
 /// Index of the best candidate. Surfaces that are judged to be wrong are excluded, unless all are. A candidate is excluded
 /// when its one-sided Hausdorff distance (surface to points) exceeds twice the smallest one. Among the others, those that

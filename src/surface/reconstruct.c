@@ -2,8 +2,9 @@
 /// From a cloud to a spline surface: boundary, parameters, adaptive fit. docs/surfaces.md describes the steps.
 ///
 /// For each way k of parameterizing, S_k is the adaptive fit to the points x_i at the parameters u_i^k. The result is the
-/// S_k that surface_candidate_best() selects. Clouds of more than MAX_ALL_POINTS points are first fitted on a random sample
-/// for each k; only the selected k is then fitted to all points.
+/// S_k that surface_candidate_best() selects. Of clouds of more than MAX_ALL_POINTS points, and of scan lines, a part is
+/// parameterized and fitted for each k. The other points get the parameters of their feet on the selected surface, and the
+/// last fit is to all points.
 
 #include "batten/surface.h"
 
@@ -14,7 +15,9 @@
 #include "base/option.h"
 #include "base/progress.h"
 #include "surface/candidate.h"
+#include "surface/cloud/boundary.h"
 #include "surface/cloud/canonical_order.h"
+#include "surface/cloud/part.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,10 +28,13 @@ enum
     MIN_POINTS = 4,         ///< one for each corner of a patch
     MAX_ALL_POINTS = 20000, ///< clouds with more points are fitted on a sample first
     SAMPLE_POINTS = 10000,  ///< of that sample
+    POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a part
 };
 
 // Progress share of the fits to samples, for clouds that are fitted on a sample first.
 static const double TRIAL_SHARE = 0.3;
+// Progress share of finding the boundary and measuring the cloud.
+static const double PREPARE_SHARE = 0.1;
 
 /// The last row, parameters that are given, has no name that by_name() takes.
 static const bat_choice PARAMETERS[] = {
@@ -125,8 +131,10 @@ typedef struct reconstruction
     const bat_surface_options *options;
     bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
     size_t kind_count;
-    double *boundary; ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
-    cloud_geometry geometry;
+    double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
+    cloud_part part;       ///< of a large cloud; empty when all points are parameterized
+    double *part_boundary; ///< part.cloud.boundary_count x 2
+    cloud_geometry geometry; ///< of the part, or of the cloud
     surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
     surface_candidate *best;   ///< one of `candidates`
     bat_surface_result result; ///< metrics of the candidates, later the selected surface
@@ -160,7 +168,8 @@ static bat_status prepare(reconstruction *work, bat_error *error)
         status = canonical_order_apply(cloud, error);
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
-        status = bat_cloud_find_boundary(cloud, error);
+        progress_part part = {work->options->fit.progress, 0, PREPARE_SHARE};
+        status = cloud_find_boundary(cloud, progress_of_part(&part), error);
         work->result.boundary_found = true;
     }
     if (status == BAT_OK && !cloud->has_corners && cloud->boundary_count > 0)
@@ -179,23 +188,65 @@ static bat_status prepare(reconstruction *work, bat_error *error)
 /// Whether every candidate is fitted to all points; the best fit is then already the result.
 static bool fits_all_points(const reconstruction *work)
 {
-    return work->kind_count == 1 || work->cloud->count <= MAX_ALL_POINTS;
+    return work->part.members == NULL && (work->kind_count == 1 || work->cloud->count <= MAX_ALL_POINTS);
+}
+
+/// The points that are parameterized.
+static const bat_cloud *parameterized(const reconstruction *work)
+{
+    return work->part.members != NULL ? &work->part.cloud : work->cloud;
+}
+
+/// Take the part of a large cloud, or of scan lines. Meshes and given parameters have none.
+static bat_status take_part(reconstruction *work, bat_error *error)
+{
+    bat_cloud *cloud = work->cloud;
+    if (work->boundary == NULL || cloud->triangle_count > 0 || work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN ||
+        work->options->published)
+        return BAT_OK;
+    bool large = cloud->count > MAX_ALL_POINTS && work->kind_count > 1;
+    bat_status status = cloud_part_make(cloud, large ? SAMPLE_POINTS : cloud->count, &work->part, error);
+    if (status != BAT_OK || work->part.members == NULL)
+        return status;
+    size_t count = work->part.cloud.boundary_count;
+    work->part_boundary = memory_array(count, 2 * sizeof *work->part_boundary);
+    if (work->part_boundary == NULL)
+        return error_memory(error, count * 2 * sizeof *work->part_boundary);
+    for (size_t i = 0; i < count; i++)
+        memcpy(work->part_boundary + 2 * i, work->boundary + 2 * work->part.members[i], 2 * sizeof *work->boundary);
+    return BAT_OK;
+}
+
+/// The progress of the fits, after the preparation. It lies in `parts`.
+static bat_progress fit_progress(const reconstruction *work, double begin, double length, progress_part parts[2])
+{
+    parts[0] = (progress_part){work->options->fit.progress, PREPARE_SHARE, 1 - PREPARE_SHARE};
+    parts[1] = (progress_part){progress_of_part(&parts[0]), begin, length};
+    return progress_of_part(&parts[1]);
 }
 
 static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
-    double share = (fits_all_points(work) ? 1 : TRIAL_SHARE) / (double)work->kind_count;
-    progress_part part = {fit.progress, share * (double)number, share};
-    fit.progress = progress_of_part(&part);
+    bool all = fits_all_points(work), has_part = work->part.members != NULL;
+    double share = (all ? 1 : TRIAL_SHARE) / (double)work->kind_count;
+    progress_part parts[2];
+    fit.progress = fit_progress(work, share * (double)number, share, parts);
+    if (!progress_goes_on(fit.progress, 0))
+        return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     bool slides = work->options->slide_boundary;
+    const bat_cloud *cloud = parameterized(work);
+    size_t maximum = cloud->count / POINTS_PER_FUNCTION;
+    if (has_part && (fit.functions == 0 || fit.functions > maximum))
+        fit.functions = fit.functions == 0 ? 0 : maximum;
     surface_candidate *candidate = &work->candidates[number];
-    bat_status status =
-        surface_candidate_make(work->cloud, work->boundary, work->options, work->kinds[number], candidate, error);
+    bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, work->options,
+                                               work->kinds[number], candidate, error);
+    if (status == BAT_OK && !progress_goes_on(fit.progress, 0))
+        status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
-        status = fits_all_points(work)
-                     ? surface_candidate_fit(work->cloud, &work->geometry, &fit, slides, candidate, error)
-                     : surface_candidate_fit_sample(work->cloud, &fit, slides, SAMPLE_POINTS, candidate, error);
+        status = all || has_part ? surface_candidate_fit(cloud, &work->geometry, &fit, slides, candidate, error)
+                                 : surface_candidate_fit_sample(cloud, &fit, slides, SAMPLE_POINTS, candidate, error);
     return status;
 }
 
@@ -210,10 +261,16 @@ static bat_status check_best(const reconstruction *work, bat_error *error)
 static bat_status fit_best(reconstruction *work, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
-    progress_part part = {fit.progress, TRIAL_SHARE, 1 - TRIAL_SHARE};
-    fit.progress = progress_of_part(&part);
-    bat_status status =
-        surface_candidate_fit(work->cloud, &work->geometry, &fit, work->options->slide_boundary, work->best, error);
+    progress_part parts[2];
+    fit.progress = fit_progress(work, TRIAL_SHARE, 1 - TRIAL_SHARE, parts);
+    bat_status status = BAT_OK;
+    // Points on lines do not tell what a surface does between them: an even sample tells its size.
+    if (work->part.is_even && fit.functions == 0)
+        fit.functions = fit.tolerance > 0 ? work->part.cloud.count / 2 : work->best->report.functions;
+    if (work->part.members != NULL)
+        status = surface_candidate_extend(work->best, &work->part, work->cloud, work->boundary, error);
+    if (status == BAT_OK)
+        status = surface_candidate_fit(work->cloud, &work->geometry, &fit, work->options->slide_boundary, work->best, error);
     return status == BAT_OK ? check_best(work, error) : status;
 }
 
@@ -252,16 +309,34 @@ static bat_status check_verdict(const reconstruction *work, bat_error *error)
                      text);
 }
 
+/// Count folds of the parameters of the part.
+static bat_status check_part(const reconstruction *work, bat_cloud_parameters_report *folds, bat_error *error)
+{
+    size_t count = work->part.cloud.count;
+    double *parameters = memory_array(count, 2 * sizeof *parameters);
+    if (parameters == NULL)
+        return error_memory(error, count * 2 * sizeof *parameters);
+    for (size_t i = 0; i < count; i++)
+        memcpy(parameters + 2 * i, work->best->corrected + 2 * work->part.members[i], 2 * sizeof *parameters);
+    bat_status status = bat_cloud_parameters_check(&work->part.cloud, parameters, folds, error);
+    free(parameters);
+    return status;
+}
+
 static bat_status store_result(reconstruction *work, bat_error *error)
 {
     bat_surface_result *result = &work->result;
     surface_candidate *best = work->best;
     bat_status status = BAT_OK;
-    if (work->boundary != NULL)
+    if (work->part.members != NULL)
+        status = check_part(work, &result->folds, error);
+    else if (work->boundary != NULL)
         status = bat_cloud_parameters_check(work->cloud, best->corrected, &result->folds, error);
     if (status != BAT_OK)
         return status;
-    result->trial_points = fits_all_points(work) ? work->cloud->count : SAMPLE_POINTS;
+    result->trial_points = work->part.members != NULL ? work->part.cloud.count
+                           : fits_all_points(work)    ? work->cloud->count
+                                                      : SAMPLE_POINTS;
     result->chosen = best->report.parameters;
     result->verdict = best->report.verdict;
     result->noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
@@ -286,10 +361,15 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
         status = prepare(&work, error);
     double prepared = clock_seconds();
     if (status == BAT_OK)
-        status = cloud_geometry_make(cloud, work.options->fit.threads, &work.geometry, error);
-    double measured = clock_seconds();
-    if (status == BAT_OK)
+    {
         list_kinds(&work);
+        status = take_part(&work, error);
+    }
+    if (status == BAT_OK && !progress_goes_on(work.options->fit.progress, PREPARE_SHARE))
+        status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    if (status == BAT_OK)
+        status = cloud_geometry_make(parameterized(&work), work.options->fit.threads, &work.geometry, error);
+    double measured = clock_seconds();
     if (status == BAT_OK)
         status = fit_kinds(&work, error);
     if (status == BAT_OK)
@@ -302,6 +382,8 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     for (size_t i = 0; i < work.kind_count; i++)
         surface_candidate_free(&work.candidates[i]);
     free(work.boundary);
+    free(work.part_boundary);
+    cloud_part_free(&work.part);
     if (status == BAT_OK)
         *result = work.result;
     return status;

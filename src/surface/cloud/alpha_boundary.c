@@ -10,6 +10,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh.h"
 #include "linalg/vector3.h"
@@ -495,7 +496,7 @@ bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree 
     for (size_t begin = 0; begin < count; begin += MARK_BLOCK)
     {
         size_t end = count - begin < MARK_BLOCK ? count : begin + MARK_BLOCK;
-        if (progress.report != NULL && !progress.report(progress.context, (double)begin / (double)count))
+        if (!progress_goes_on(progress, (double)begin / (double)count))
             return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
         if (!mark_block(cloud, begin, end))
             return error_memory(error, count);

@@ -1,0 +1,32 @@
+#ifndef SURFACE_CLOUD_PART_H
+#define SURFACE_CLOUD_PART_H
+
+#include "batten/cloud.h"
+
+/// @file
+/// A part of a cloud that stands for all of it: a random sample of a large cloud, or an even sample of scan lines.
+
+/// The part. All zero: none is needed. Release it with cloud_part_free().
+typedef struct cloud_part
+{
+    bat_cloud cloud; ///< with its boundary loop and corners; `order` gives the indices in the input
+    size_t *members; ///< cloud.count: index of each point in the given cloud
+    bool is_even;    ///< it is an even sample of scan lines
+} cloud_part;
+
+/// Take a part of a cloud whose boundary loop and corners are known. The loop is thinned at the rate of the other points;
+/// corners stay.
+/// @param wanted number of points, about
+/// @param part   stays empty for a cloud of no more points that is as dense in all directions
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status cloud_part_make(const bat_cloud *cloud, size_t wanted, cloud_part *part, bat_error *error);
+void cloud_part_free(cloud_part *part);
+
+/// Give each point of the cloud the parameter of the nearest point of the part.
+/// @param of_part    part->cloud.count x 2
+/// @param parameters receives cloud->count x 2
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status cloud_part_spread(const cloud_part *part, const bat_cloud *cloud, const double *of_part, double *parameters,
+                             bat_error *error);
+
+#endif
