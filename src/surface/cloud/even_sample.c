@@ -30,6 +30,8 @@ static const double MIN_DISC = 0.15;
 static const double DISC_REACH = 2;
 static const double DISC_POINTS = 6;
 static const double GROWTH = 1.3;
+/// One-sidedness from which a point is the end of a line.
+static const double MIN_END = 0.45;
 
 /// The median over places of the ratio of the second variance to the first, and of the distance of the nearest neighbour.
 static bat_status measure(const double *points, const neighbour_tree *tree, double *ratio, double *nearest, bat_error *error)
@@ -122,22 +124,42 @@ bat_status even_sample_radius(const double *points, const neighbour_tree *tree, 
     return status;
 }
 
+/// The distance of a point from the mean of its neighbours, as a share of that of the farthest: a half at the end of a line.
+static double one_sidedness(const double *points, const double *here, const neighbour_list *near)
+{
+    double arm[3] = {0}, farthest = near->entries[near->count - 1].squared;
+    for (size_t k = 0; k < near->count; k++)
+        for (size_t c = 0; c < 3; c++)
+            arm[c] += (points[3 * (size_t)near->entries[k].item + c] - here[c]) / (double)near->count;
+    return farthest > 0 ? sqrt((arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]) / farthest) : 0;
+}
+
 bat_status even_sample_choose(const double *points, const neighbour_tree *tree, double radius, bool *chosen,
                               bat_error *error)
 {
-    bool *covered = memory_array(tree->count, sizeof *covered);
+    bool *covered = memory_array(tree->count, 2 * sizeof *covered);
     if (covered == NULL)
-        return error_memory(error, tree->count);
+        return error_memory(error, 2 * tree->count);
     memset(covered, 0, tree->count * sizeof *covered);
+    bool *is_end = covered + tree->count;
     neighbour_list near = {0};
     bat_status status = BAT_OK;
     for (size_t i = 0; i < tree->count && status == BAT_OK; i++)
     {
-        chosen[i] = !covered[i];
-        if (chosen[i])
-            status = neighbours_within(tree, points + 3 * i, radius, &near, error);
-        for (size_t k = 0; k < near.count && chosen[i]; k++)
-            covered[near.entries[k].item] = true;
+        status = neighbours_nearest(tree, points + 3 * i, LINE_NEIGHBOURS, &near, error);
+        is_end[i] = status == BAT_OK && one_sidedness(points, points + 3 * i, &near) > MIN_END;
+        chosen[i] = false;
+    }
+    // Ends of lines go first: the boundary runs through them.
+    for (size_t k = 0; k < 2 * tree->count && status == BAT_OK; k++)
+    {
+        size_t i = k % tree->count;
+        if (covered[i] || is_end[i] != (k < tree->count))
+            continue;
+        chosen[i] = true;
+        status = neighbours_within(tree, points + 3 * i, radius, &near, error);
+        for (size_t n = 0; n < near.count && status == BAT_OK; n++)
+            covered[near.entries[n].item] = true;
     }
     neighbour_list_free(&near);
     free(covered);

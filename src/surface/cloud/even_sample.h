@@ -12,7 +12,7 @@
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status even_sample_radius(const double *points, const neighbour_tree *tree, double *radius, bat_error *error);
 
-/// Choose points in ascending order that are at least `radius` apart (dart throwing).
+/// Choose points that are at least `radius` apart (dart throwing): ends of lines first, then in ascending order.
 /// @param chosen count; receives which points are chosen
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status even_sample_choose(const double *points, const neighbour_tree *tree, double radius, bool *chosen,
