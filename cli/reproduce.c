@@ -190,6 +190,11 @@ static const struct
      .learned = true,
      .summary = "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)",
      .clouds = MAKES},
+    {.name = "scan-verdict",
+     .run = reproduce_scan_verdict,
+     .summary = "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses",
+     .data = "meshes (OBJ, OFF, PLY)",
+     .reads_truth = true},
 };
 enum
 {

@@ -54,6 +54,7 @@ int reproduce_surface_clouds(const reproduce_job *job);
 int reproduce_surface_nefertiti(const reproduce_job *job);
 int reproduce_surface_face(const reproduce_job *job);
 int reproduce_surface_shapes(const reproduce_job *job);
+int reproduce_scan_verdict(const reproduce_job *job);
 
 // Common functions of the results.
 

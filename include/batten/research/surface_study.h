@@ -84,6 +84,47 @@ BAT_API bat_status bat_surface_study_fit(const bat_cloud *cloud, const bat_surfa
 BAT_API bat_status bat_surface_study_draw(const char *path, const bat_cloud *cloud, const bat_surface_method *methods,
                                           const bat_surface_trial *trials, size_t count, bat_error *error);
 
+/// Options of bat_scan_verdict(). Begin with bat_scan_verdict_defaults().
+typedef struct bat_scan_verdict_options
+{
+    size_t crops;  ///< crops of each mesh, 1 to 1000; default 3
+    uint64_t seed; ///< of places, sizes and noise; default 1
+    int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress;
+} bat_scan_verdict_options;
+
+/// The options' default values.
+BAT_API bat_scan_verdict_options bat_scan_verdict_defaults(void);
+
+enum
+{
+    BAT_SCAN_VERDICT_NAME = 64 ///< the size of names
+};
+
+/// A cloud, the verdict on its surface, and what the truth says. Lengths are shares of the size.
+typedef struct bat_scan_verdict_row
+{
+    char shape[BAT_SCAN_VERDICT_NAME]; ///< the mesh's file, or the formula
+    size_t points;
+    double noise;      ///< standard deviation of a coordinate
+    char failure[256]; ///< why there is no surface; empty where there is one
+    bat_surface_fault fault;
+    bool is_accepted, is_right;
+    double missed; ///< distance from the surface of 99 % of the truth's vertices
+    double strays; ///< distance from the truth of 99 % of the surface's samples
+    double area;   ///< of the surface over that of the truth
+} bat_scan_verdict_row;
+
+/// Judge surfaces of discs that are cut from meshes, and of deep shapes of formulas, with noise of 0 to 0.005 of the size.
+/// A surface is right if `missed` is at most 0.02 and `strays` at most 0.03, both beside twice the noise, and `area` between
+/// 0.8 and 1.25.
+/// @param folder with meshes in OBJ, OFF or PLY; those that are no triangle meshes, or too small, are left out
+/// @param rows   receives the rows, in the order of the files' names; release it with free()
+/// @return BAT_OK; BAT_FILE_ACCESS (a folder that cannot be read, or without meshes); BAT_INVALID_ARGUMENT; BAT_CANCELLED;
+///         BAT_NO_MEMORY; results are untouched on failure
+BAT_API bat_status bat_scan_verdict(const char *folder, const bat_scan_verdict_options *options, bat_scan_verdict_row **rows,
+                                    size_t *count, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -22,9 +22,8 @@
 
 enum
 {
-    /// Numbers of neighbours for plane and spacing. The number doubles while the scatter across the plane is large and the
-    /// larger neighbourhood is flatter: noise averages out, curvature does not.
-    MIN_PLANE = 36,
+    /// Largest number of neighbours for plane and spacing. The number doubles while the scatter across the plane is large
+    /// and the larger neighbourhood is flatter: noise averages out, curvature does not.
     MAX_PLANE = 1152,
     /// In small clouds, at most one in PLANE_SHARE points is a neighbour, but at least FEW_PLANE points are.
     PLANE_SHARE = 3,
@@ -65,7 +64,8 @@ static bat_status find_plane(alpha_boundary_search *search, const double *here, 
     maximum = maximum > MAX_PLANE ? MAX_PLANE : maximum < FEW_PLANE ? FEW_PLANE : maximum;
     double flattest = INFINITY;
     bool first = true;
-    for (size_t wanted = MIN_PLANE < maximum ? MIN_PLANE : maximum;; wanted = 2 * wanted < maximum ? 2 * wanted : maximum)
+    for (size_t wanted = search->plane_points < maximum ? search->plane_points : maximum;;
+         wanted = 2 * wanted < maximum ? 2 * wanted : maximum)
     {
         bat_status status = neighbours_nearest(search->tree, here, wanted, &search->near, error);
         if (status != BAT_OK)
@@ -473,7 +473,8 @@ static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t e
     bool failed = false;
 #pragma omp parallel reduction(|| : failed)
     {
-        alpha_boundary_search search = {.points = cloud->points, .tree = cloud->tree, .planes = cloud->planes};
+        alpha_boundary_search search = {
+            .points = cloud->points, .tree = cloud->tree, .planes = cloud->planes, .plane_points = cloud->plane_points};
 #pragma omp for schedule(dynamic, 256)
         for (size_t i = begin; i < end; i++)
             failed = is_on_boundary(&search, (uint32_t)i, 1, &cloud->outer[i]) != BAT_OK || failed;
@@ -482,12 +483,13 @@ static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t e
     return !failed;
 }
 
-bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, bat_progress progress,
-                                     alpha_boundary_cloud *cloud, bat_error *error)
+bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, size_t plane_points,
+                                     bat_progress progress, alpha_boundary_cloud *cloud, bat_error *error)
 {
     size_t count = tree->count;
     *cloud = (alpha_boundary_cloud){.points = points,
                                     .tree = tree,
+                                    .plane_points = plane_points,
                                     .planes = memory_array(count, sizeof *cloud->planes),
                                     .outer = memory_array(count, sizeof *cloud->outer)};
     if (cloud->planes == NULL || cloud->outer == NULL)
@@ -538,7 +540,10 @@ bat_status alpha_boundary_cycles_find(const alpha_boundary_cloud *cloud, double 
 {
     *cycles = (alpha_boundary_cycles){0};
     size_t count = cloud->tree->count;
-    alpha_boundary_trace trace = {.search = {.points = cloud->points, .tree = cloud->tree, .planes = cloud->planes},
+    alpha_boundary_trace trace = {.search = {.points = cloud->points,
+                                             .tree = cloud->tree,
+                                             .planes = cloud->planes,
+                                             .plane_points = cloud->plane_points},
                                   .scale = scale};
     bool *on_boundary = memory_array(count, sizeof *on_boundary);
     size_t *last = memory_array(count, sizeof *last);

@@ -50,13 +50,21 @@ typedef struct alpha_boundary_cloud
     alpha_boundary_plane *planes; ///< count: those of the points that are not in the interior by the quick test
     bool *outer;                  ///< count: points that a disc of scale 1 touches
     size_t outer_count;
+    size_t plane_points; ///< least number of points of a plane
 } alpha_boundary_cloud;
 
+enum
+{
+    ALPHA_BOUNDARY_PLANE = 36,      ///< points of a plane by default,
+    ALPHA_BOUNDARY_SMALL_PLANE = 16 ///< and for sharp bends
+};
+
 /// Find the points that discs touch.
+/// @param plane_points least number of points of a plane
 /// @param progress may be silent; cancels
 /// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY; release `cloud` in all cases
-bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, bat_progress progress,
-                                     alpha_boundary_cloud *cloud, bat_error *error);
+bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, size_t plane_points,
+                                     bat_progress progress, alpha_boundary_cloud *cloud, bat_error *error);
 void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud);
 
 /// The points, and the workspace of a search. Not thread-safe: every thread needs its own.
@@ -65,6 +73,7 @@ typedef struct alpha_boundary_search
     const double *points; ///< count x 3
     const neighbour_tree *tree;
     alpha_boundary_plane *planes; ///< planes that are known; null: none are kept
+    size_t plane_points;          ///< least number of points of a plane
     neighbour_list near;
     struct alpha_boundary_blocked *blocked;
     size_t blocked_capacity;

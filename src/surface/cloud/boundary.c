@@ -36,6 +36,8 @@ static const double LARGE_SHARE = 1.0 / 3;
 static const double OTHER_BOUNDARY = 0.25;
 /// Factors of the disc's radius that are tried after 1.
 static const double OTHER_SCALES[] = {1.3, 1.7, 2.2};
+/// The factor that is tried where there are several polygons: a smaller disc enters narrow gaps.
+static const double SMALL_SCALE = 0.8;
 /// Two polygons are the same boundary if at least this share of the points of one is close to the other.
 static const double SAME_LINE = 0.5;
 
@@ -147,19 +149,33 @@ static bat_status find_loop_by(const alpha_boundary_cloud *cloud, double scale, 
     return status;
 }
 
-/// Find the loop. A disc that rolls along a boundary may find no way on where tangent planes are uncertain; then others are
-/// tried. The failure of the first is reported. Release `loop` also on failure.
-static bat_status find_loop(const double *points, const neighbour_tree *tree, loop_search *search,
-                            alpha_boundary_cycle *loop, bat_error *error)
+/// Find the loop with planes of at least some points, and discs of several radii. The failure of the first is reported.
+/// Release `loop` also on failure.
+static bat_status find_loop_with(const double *points, const neighbour_tree *tree, size_t plane_points, loop_search *search,
+                                 alpha_boundary_cycle *loop, bat_error *error)
 {
     alpha_boundary_cloud cloud;
-    bat_status status = alpha_boundary_cloud_make(points, tree, search->progress, &cloud, error);
+    bat_status status = alpha_boundary_cloud_make(points, tree, plane_points, search->progress, &cloud, error);
     if (status == BAT_OK)
         status = find_loop_by(&cloud, 1, search, loop, error);
     loop_search again = *search;
+    if (status == BAT_NO_CONVERGENCE && search->several)
+        status = find_loop_by(&cloud, SMALL_SCALE, &again, loop, NULL);
     for (size_t k = 0; k < sizeof OTHER_SCALES / sizeof *OTHER_SCALES && status == BAT_NO_CONVERGENCE; k++)
         status = find_loop_by(&cloud, OTHER_SCALES[k], &again, loop, NULL);
     alpha_boundary_cloud_free(&cloud);
+    return status;
+}
+
+/// Find the loop. A disc that rolls along a boundary may find no way on where tangent planes are uncertain; then other discs
+/// and planes are tried. The failure of the first is reported. Release `loop` also on failure.
+static bat_status find_loop(const double *points, const neighbour_tree *tree, loop_search *search,
+                            alpha_boundary_cycle *loop, bat_error *error)
+{
+    bat_status status = find_loop_with(points, tree, ALPHA_BOUNDARY_PLANE, search, loop, error);
+    loop_search again = *search;
+    if (status == BAT_NO_CONVERGENCE && !search->seems_closed)
+        status = find_loop_with(points, tree, ALPHA_BOUNDARY_SMALL_PLANE, &again, loop, NULL);
     return status;
 }
 
