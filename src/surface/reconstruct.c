@@ -31,6 +31,8 @@ enum
     POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a part
 };
 
+// Fewest conflicts of orientation of a one-sided surface, in roots of the number of points.
+static const double ONE_SIDED_ROOTS = 0.25;
 // Progress share of the fits to samples, for clouds that are fitted on a sample first.
 static const double TRIAL_SHARE = 0.3;
 // Progress share of finding the boundary and measuring the cloud.
@@ -250,11 +252,28 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     return status;
 }
 
+/// Whether the points lie on a one-sided surface: normals around it come back turned over, along a cut as long as its
+/// width.
+static bool is_one_sided(const reconstruction *work)
+{
+    double limit = ONE_SIDED_ROOTS * sqrt((double)work->geometry.order.cloud.count);
+    return (double)work->geometry.oriented.conflicts > limit;
+}
+
+static bat_status tell_one_sided(bat_error *error)
+{
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                     "the points lie on a one-sided surface, such as a Moebius band, or on sheets that touch; cut it across "
+                     "and fit the parts");
+}
+
 static bat_status check_best(const reconstruction *work, bat_error *error)
 {
     const bat_error *failure = &work->best->report.failure;
     if (failure->status == BAT_OK)
         return BAT_OK;
+    if (is_one_sided(work))
+        return tell_one_sided(error);
     return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
 }
 
@@ -303,6 +322,8 @@ static bat_status check_verdict(const reconstruction *work, bat_error *error)
     const bat_surface_verdict *verdict = &work->best->report.verdict;
     if (verdict->fault == BAT_SURFACE_FAULT_NONE || work->options->force)
         return BAT_OK;
+    if (is_one_sided(work))
+        return tell_one_sided(error);
     char text[200];
     surface_verdict_text(verdict, text, sizeof text);
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the surface is wrong: %s; --force writes it nevertheless",

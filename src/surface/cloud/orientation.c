@@ -21,6 +21,13 @@ enum
     BUCKETS = 1024 ///< buckets of edge costs
 };
 
+enum
+{
+    NEAR_LINKS = 5 ///< the nearest neighbours, which conflicts are counted of
+};
+/// Least cosine between planes that are nearly parallel.
+static const double MIN_PARALLEL = 0.9;
+
 /// Stands for no neighbour.
 static const uint32_t NONE = UINT32_MAX;
 
@@ -96,8 +103,7 @@ static size_t bucket_of(const oriented_planes *oriented, size_t i, size_t k)
 }
 
 /// Merge neighbours in the order of increasing cost.
-static bat_status join(const oriented_planes *oriented, size_t count, const uint32_t *links, union_find *forest,
-                       bat_error *error)
+static bat_status join(oriented_planes *oriented, size_t count, const uint32_t *links, union_find *forest, bat_error *error)
 {
     size_t starts[BUCKETS + 1] = {0};
     size_t *edges = memory_array(count, LINKS * sizeof *edges);
@@ -117,10 +123,15 @@ static bat_status join(const oriented_planes *oriented, size_t count, const uint
         size_t i = edges[n] / LINKS, k = links[edges[n]];
         bool flips_i, flips_k;
         uint32_t root_i = find_root(forest, (uint32_t)i, &flips_i), root_k = find_root(forest, (uint32_t)k, &flips_k);
+        double product = normal_product(oriented, i, k);
         if (root_i == root_k)
+        {
+            bool agree = (flips_i != flips_k) == (product < 0);
+            oriented->conflicts += !agree && fabs(product) >= MIN_PARALLEL && edges[n] % LINKS < NEAR_LINKS;
             continue;
+        }
         forest->parent[root_k] = root_i;
-        forest->flips[root_k] = (flips_i != flips_k) != (normal_product(oriented, i, k) < 0);
+        forest->flips[root_k] = (flips_i != flips_k) != (product < 0);
     }
     free(edges);
     return BAT_OK;

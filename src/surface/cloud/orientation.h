@@ -13,6 +13,7 @@ typedef struct oriented_planes
 {
     local_plane *planes; ///< count: right-handed, with consistent normals about which the boundary runs counter-clockwise
     size_t *reach;       ///< count: number of nearest points in each fit, including the point itself
+    size_t conflicts;    ///< pairs of near neighbours with nearly parallel planes that stay turned against each other
 } oriented_planes;
 
 /// Fit a plane at each point and orient the normals consistently. Orientation propagates along a minimum spanning forest of
