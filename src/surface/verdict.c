@@ -34,7 +34,8 @@ enum
 static const double MAX_CROSS = 0.05;          ///< share of area across the tangent planes
 static const double MAX_FAR = 0.03;            ///< share of area far from the points
 static const double MAX_AREA[2] = {0.85, 1.3}; ///< ratio of the areas
-static const double MAX_MISSED = 0.02;         ///< distance of points, as a share of the size
+static const double MAX_MISSED = 0.02;         ///< distance of points, as a share of the size,
+static const double MISSED_SPACINGS = 0.5;     ///< and in spacings, whichever is more
 static const double MAX_FARTHEST = 0.05;       ///< distance of the surface, as a share of the size,
 static const double FARTHEST_SPACINGS = 2.5;   ///< and in spacings, whichever is more
 
@@ -361,7 +362,8 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     if (!(verdict->far_share <= MAX_FAR) ||
         !(verdict->farthest <= fmax(MAX_FARTHEST * size, FARTHEST_SPACINGS * verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_STRAYS;
-    if (!(verdict->missed <= fmax(MAX_MISSED * size, verdict->spacing) + FAR_NOISE * noise))
+    double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
+    if (!(verdict->missed <= fmax(MAX_MISSED * size, spacings * verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_MISSED;
     if (geometry->order.cloud.count < MIN_PLANE_POINTS)
         return BAT_SURFACE_FAULT_NONE;

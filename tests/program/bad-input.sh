@@ -297,6 +297,8 @@ refused 1 'there are no files FAMILY-truth.csv' reproduce real-curves --data .
 refused 1 'none.in: cannot open' reproduce real-curves --data . --model none.in
 refused 2 'needs --data FOLDER' reproduce real-meshes
 refused 1 'no/such/coarse-by: the folder cannot be opened' reproduce real-meshes --data no/such
+refused 2 'needs --data FOLDER' reproduce scan-verdict
+refused 1 'no/such: the folder cannot be opened' reproduce scan-verdict --data no/such
 refused 2 'comes without any' reproduce mesh-table2
 refused 2 'not both' reproduce mesh-table2 face.in.obj --data .
 refused 2 'go with mesh-table2' reproduce mesh-style --data .

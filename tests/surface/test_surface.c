@@ -275,6 +275,68 @@ static void wrong_surfaces_are_refused(void **state)
     patch_free(&made);
 }
 
+/// A Moebius band: one loop, but no surface patch.
+static void one_sided_surfaces_are_told(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(3);
+    bat_cloud cloud = {.points = malloc(2000 * 3 * sizeof *cloud.points), .count = 2000};
+    for (size_t i = 0; i < cloud.count; i++)
+    {
+        double t = 2 * 3.14159265358979 * bat_random_uniform(&random), w = 0.5 * (bat_random_uniform(&random) - 0.5);
+        cloud.points[3 * i] = (1 + w * cos(t / 2)) * cos(t);
+        cloud.points[3 * i + 1] = (1 + w * cos(t / 2)) * sin(t);
+        cloud.points[3 * i + 2] = w * sin(t / 2);
+    }
+    bat_surface_result result = {0};
+    bat_error error = {0};
+    check_status(bat_surface_reconstruct(&cloud, NULL, &result, &error), BAT_NO_CONVERGENCE);
+    assert_non_null(strstr(error.text, "one-sided"));
+    bat_cloud_free(&cloud);
+}
+
+/// Lines 20 times as far apart as the points on them.
+static void scan_lines_are_fitted(void **state)
+{
+    (void)state;
+    patch made = patch_scatter(patch_waves, 4, 24000, 0, 4);
+    for (size_t i = 0; i < made.cloud.count; i++)
+        patch_waves((double)(i % 35) / 34, (double)(i / 35) / (double)((made.cloud.count - 1) / 35),
+                    made.cloud.points + 3 * i);
+    made.cloud.boundary_count = 0;
+    made.cloud.has_corners = false;
+    bat_surface_options options = bat_surface_defaults();
+    bat_surface_result result = must_reconstruct(&made.cloud, &options);
+    assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
+    assert_true(result.trial_points < made.cloud.count / 4);
+    assert_true(last_round(&result)->rms < 0.005);
+    bat_surface_result_free(&result);
+    patch_free(&made);
+}
+
+static bool stop_when(void *context, double fraction)
+{
+    return fraction < *(const double *)context;
+}
+
+/// Every stage can be stopped.
+static void stages_are_cancelled(void **state)
+{
+    (void)state;
+    for (double limit = 0; limit < 0.5; limit += 0.07)
+    {
+        patch made = patch_scatter(patch_waves, 30, 1500, 0, 2);
+        made.cloud.boundary_count = 0;
+        made.cloud.has_corners = false;
+        bat_surface_options options = bat_surface_defaults();
+        options.fit.progress = (bat_progress){stop_when, &limit};
+        bat_surface_result result = {0};
+        check_status(bat_surface_reconstruct(&made.cloud, &options, &result, NULL), BAT_CANCELLED);
+        assert_null(result.surface.space);
+        patch_free(&made);
+    }
+}
+
 /// The estimate of the noise is within a tenth of the truth.
 static void noise_is_estimated(void **state)
 {
@@ -360,6 +422,9 @@ int main(void)
         cmocka_unit_test(large_clouds_are_tried_in_part),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(wrong_surfaces_are_refused),
+        cmocka_unit_test(one_sided_surfaces_are_told),
+        cmocka_unit_test(scan_lines_are_fitted),
+        cmocka_unit_test(stages_are_cancelled),
         cmocka_unit_test(noise_is_estimated),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(what_is_wrong_is_refused),

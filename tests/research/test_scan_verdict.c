@@ -1,0 +1,67 @@
+// The study of verdicts on surfaces of scans, on a folder with one mesh that this test writes.
+
+#include "folder_helpers.h"
+#include "mesh_flap_helpers.h"
+
+#include "batten/mesh_file.h"
+#include "batten/research/surface_study.h"
+
+static bool stop_at_once(void *context, double fraction)
+{
+    (void)context;
+    (void)fraction;
+    return false;
+}
+
+static void right_surfaces_are_accepted(void **state)
+{
+    (void)state;
+    bat_scan_verdict_options options = bat_scan_verdict_defaults();
+    bat_scan_verdict_row *rows = NULL;
+    size_t count = 0, crops = 0;
+    bat_mesh fine = ball(5);
+    check_status(bat_mesh_write("ball.off", &fine, NULL, NULL), BAT_OK);
+    bat_mesh_free(&fine);
+    options.crops = 1;
+    check_status(bat_scan_verdict(".", &options, &rows, &count, NULL), BAT_OK);
+    for (size_t i = 0; i < count; i++)
+    {
+        const bat_scan_verdict_row *row = &rows[i];
+        crops += strcmp(row->shape, "ball.off") == 0;
+        if (row->failure[0] != '\0' || !row->is_right || !row->is_accepted)
+            fail_msg("%s: %s, missed %g, strays %g, area %g", row->shape, row->failure, row->missed, row->strays, row->area);
+        assert_int_equal(row->fault, BAT_SURFACE_FAULT_NONE);
+        assert_true(row->points >= 600 && row->noise <= 0.005);
+    }
+    assert_int_equal(crops, 1);
+    free(rows);
+    options.progress.report = stop_at_once;
+    check_status(bat_scan_verdict(".", &options, &rows, &count, NULL), BAT_CANCELLED);
+    assert_int_equal(remove("ball.off"), 0);
+}
+
+static void folders_without_meshes_are_refused(void **state)
+{
+    (void)state;
+    bat_scan_verdict_row *rows = NULL;
+    size_t count;
+    bat_error error;
+    check_status(bat_scan_verdict("no/such", NULL, &rows, &count, &error), BAT_FILE_ACCESS);
+    assert_non_null(strstr(error.text, "no/such"));
+    check_status(bat_scan_verdict(".", NULL, &rows, &count, &error), BAT_FILE_ACCESS);
+    assert_non_null(strstr(error.text, "there are no meshes"));
+    bat_scan_verdict_options options = bat_scan_verdict_defaults();
+    options.crops = 0;
+    check_status(bat_scan_verdict(".", &options, &rows, &count, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "crops"));
+    assert_null(rows);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(right_surfaces_are_accepted, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(folders_without_meshes_are_refused, enter_folder, leave_folder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
