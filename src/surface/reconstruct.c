@@ -31,6 +31,8 @@ enum
     POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a part
 };
 
+// Factor of the radius of the disc that finds another boundary where the surface is wrong.
+static const double SMALL_DISC = 0.7;
 // Fewest conflicts of orientation of a one-sided surface, in roots of the number of points.
 static const double ONE_SIDED_ROOTS = 0.25;
 // Progress share of the fits to samples, for clouds that are fitted on a sample first.
@@ -131,6 +133,7 @@ typedef struct reconstruction
 {
     bat_cloud *cloud;
     const bat_surface_options *options;
+    double disc;                                              ///< factor of the radius of the disc that finds the boundary
     bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
     size_t kind_count;
     double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
@@ -171,7 +174,7 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
         progress_part part = {work->options->fit.progress, 0, PREPARE_SHARE};
-        status = cloud_find_boundary(cloud, progress_of_part(&part), error);
+        status = cloud_find_boundary(cloud, work->disc, progress_of_part(&part), error);
         work->result.boundary_found = true;
     }
     if (status == BAT_OK && !cloud->has_corners && cloud->boundary_count > 0)
@@ -317,12 +320,9 @@ static bool is_below_noise(const bat_surface_fit_options *options, const bat_sur
 }
 
 /// Fail where the surface is judged to be wrong.
-static bat_status check_verdict(const reconstruction *work, bat_error *error)
+static bat_status refuse(const bat_surface_verdict *verdict, bool one_sided, bat_error *error)
 {
-    const bat_surface_verdict *verdict = &work->best->report.verdict;
-    if (verdict->fault == BAT_SURFACE_FAULT_NONE || work->options->force)
-        return BAT_OK;
-    if (is_one_sided(work))
+    if (one_sided)
         return tell_one_sided(error);
     char text[200];
     surface_verdict_text(verdict, text, sizeof text);
@@ -371,15 +371,15 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     return BAT_OK;
 }
 
-bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
-                                   bat_error *error)
+/// Reconstruct a surface, right or wrong.
+/// @param disc      factor of the radius of the disc that finds the boundary
+/// @param one_sided receives whether the points lie on a one-sided surface
+static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *options, double disc, bat_surface_result *result,
+                              bool *one_sided, bat_error *error)
 {
-    const bat_surface_options defaults = bat_surface_defaults();
-    reconstruction work = {.cloud = cloud, .options = options != NULL ? options : &defaults};
-    bat_status status = bat_surface_options_check(options, error);
+    reconstruction work = {.cloud = cloud, .options = options, .disc = disc};
     double begin = clock_seconds();
-    if (status == BAT_OK)
-        status = prepare(&work, error);
+    bat_status status = prepare(&work, error);
     double prepared = clock_seconds();
     if (status == BAT_OK)
     {
@@ -394,9 +394,8 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     if (status == BAT_OK)
         status = fit_kinds(&work, error);
     if (status == BAT_OK)
-        status = check_verdict(&work, error);
-    if (status == BAT_OK)
         status = store_result(&work, error);
+    *one_sided = status == BAT_OK && is_one_sided(&work);
     const double seconds[3] = {prepared - begin, measured - prepared, clock_seconds() - measured};
     memcpy(work.result.seconds, seconds, sizeof seconds);
     cloud_geometry_free(&work.geometry);
@@ -407,5 +406,59 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     cloud_part_free(&work.part);
     if (status == BAT_OK)
         *result = work.result;
+    return status;
+}
+
+/// Reconstruct again with a boundary that a smaller disc finds, which enters narrow gaps. Keep the result if it is right.
+static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
+                                    bat_error *error)
+{
+    bat_cloud copy;
+    bat_surface_result again = {0};
+    bat_error failure = {0};
+    bool one_sided;
+    bat_status status = bat_cloud_copy(cloud, &copy, error);
+    if (status != BAT_OK)
+        return status;
+    copy.boundary_count = 0;
+    copy.has_corners = false;
+    status = reconstruct(&copy, options, SMALL_DISC, &again, &one_sided, &failure);
+    if (status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE)
+    {
+        for (size_t k = 0; k < sizeof again.seconds / sizeof *again.seconds; k++)
+            again.seconds[k] += result->seconds[k];
+        bat_cloud_free(cloud);
+        bat_surface_result_free(result);
+        *cloud = copy;
+        *result = again;
+        return BAT_OK;
+    }
+    bat_cloud_free(&copy);
+    bat_surface_result_free(&again);
+    return status == BAT_NO_MEMORY || status == BAT_CANCELLED
+               ? error_set(error, status, failure.index, failure.line, "%s", failure.text)
+               : BAT_OK;
+}
+
+bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
+                                   bat_error *error)
+{
+    const bat_surface_options defaults = bat_surface_defaults();
+    bat_surface_result made = {0};
+    bool one_sided = false;
+    bat_status status = bat_surface_options_check(options, error);
+    options = options != NULL ? options : &defaults;
+    bool finds_corners = !cloud->has_corners;
+    if (status == BAT_OK)
+        status = reconstruct(cloud, options, 1, &made, &one_sided, error);
+    if (status == BAT_OK && made.verdict.fault != BAT_SURFACE_FAULT_NONE && made.boundary_found && finds_corners &&
+        !one_sided)
+        status = reconstruct_again(cloud, options, &made, error);
+    if (status == BAT_OK && made.verdict.fault != BAT_SURFACE_FAULT_NONE && !options->force)
+        status = refuse(&made.verdict, one_sided, error);
+    if (status == BAT_OK)
+        *result = made;
+    else
+        bat_surface_result_free(&made);
     return status;
 }

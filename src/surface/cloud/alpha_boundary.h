@@ -113,7 +113,7 @@ typedef struct alpha_boundary_cycles
 void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles);
 
 /// Find all closed polygons with at least three different points along the boundary.
-/// @param scale factor of the radius, at least 1
+/// @param scale factor of the radius; traces begin at points that a disc of scale 1 touches
 /// @return BAT_OK or BAT_NO_MEMORY; release `cycles` in both cases
 bat_status alpha_boundary_cycles_find(const alpha_boundary_cloud *cloud, double scale, alpha_boundary_cycles *cycles,
                                       bat_error *error);

@@ -75,6 +75,7 @@ typedef struct loop_search
 {
     double noise, spacing; ///< of the cloud
     double unit;           ///< length of a unit of the points in that of the cloud
+    double scale;          ///< factor of the radius of the first disc
     bat_progress progress;
     bool several;      ///< the failure was that there are several loops
     bool seems_closed; ///< the failure was that there is no edge
@@ -157,9 +158,9 @@ static bat_status find_loop_with(const double *points, const neighbour_tree *tre
     alpha_boundary_cloud cloud;
     bat_status status = alpha_boundary_cloud_make(points, tree, plane_points, search->progress, &cloud, error);
     if (status == BAT_OK)
-        status = find_loop_by(&cloud, 1, search, loop, error);
+        status = find_loop_by(&cloud, search->scale, search, loop, error);
     loop_search again = *search;
-    if (status == BAT_NO_CONVERGENCE && search->several)
+    if (status == BAT_NO_CONVERGENCE && search->several && search->scale > SMALL_SCALE)
         status = find_loop_by(&cloud, SMALL_SCALE, &again, loop, NULL);
     for (size_t k = 0; k < sizeof OTHER_SCALES / sizeof *OTHER_SCALES && status == BAT_NO_CONVERGENCE; k++)
         status = find_loop_by(&cloud, OTHER_SCALES[k], &again, loop, NULL);
@@ -559,10 +560,10 @@ bat_status bat_cloud_noise(const bat_cloud *cloud, double *sigma, bat_error *err
 
 bat_status bat_cloud_find_boundary(bat_cloud *cloud, bat_error *error)
 {
-    return cloud_find_boundary(cloud, (bat_progress){0}, error);
+    return cloud_find_boundary(cloud, 1, (bat_progress){0}, error);
 }
 
-bat_status cloud_find_boundary(bat_cloud *cloud, bat_progress progress, bat_error *error)
+bat_status cloud_find_boundary(bat_cloud *cloud, double scale, bat_progress progress, bat_error *error)
 {
     bat_status status = bat_cloud_check(cloud, error);
     if (status != BAT_OK)
@@ -573,7 +574,8 @@ bat_status cloud_find_boundary(bat_cloud *cloud, bat_progress progress, bat_erro
     double *points;
     alpha_boundary_cycle loop = {0};
     status = sort_points(cloud, &points, &places, error);
-    loop_search search = {.progress = progress, .unit = ldexp(1, 1 - unit_frame_of(cloud->points, cloud->count).exponent)};
+    loop_search search = {
+        .scale = scale, .progress = progress, .unit = ldexp(1, 1 - unit_frame_of(cloud->points, cloud->count).exponent)};
     if (status == BAT_OK)
         status = find_any_loop(points, cloud->count, &search, &loop, error);
     for (size_t i = 0; status == BAT_OK && i < loop.count; i++)
