@@ -137,6 +137,14 @@ static bat_status make_grid(bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
+/// The parameters of a vertex of the grid.
+static void grid_place(size_t vertex, double at[2])
+{
+    size_t column = vertex % (GRID + 1), row = vertex / (GRID + 1);
+    at[0] = (double)column / GRID;
+    at[1] = (double)row / GRID;
+}
+
 /// A truth of a formula, random points on it, and points along its boundary.
 static bat_status make_shape(size_t shape, bat_random *random, bat_mesh *truth, bat_cloud *cloud, bat_error *error)
 {
@@ -144,7 +152,11 @@ static bat_status make_shape(size_t shape, bat_random *random, bat_mesh *truth, 
     if (status != BAT_OK)
         return status;
     for (size_t v = 0; v < truth->vertex_count; v++)
-        SHAPES[shape].at((double)(v % (GRID + 1)) / GRID, (double)(v / (GRID + 1)) / GRID, truth->positions + 3 * v);
+    {
+        double at[2];
+        grid_place(v, at);
+        SHAPES[shape].at(at[0], at[1], truth->positions + 3 * v);
+    }
     *cloud = (bat_cloud){.points = malloc(SHAPE_POINTS * 3 * sizeof *cloud->points), .count = SHAPE_POINTS};
     if (cloud->points == NULL)
         return error_memory(error, SHAPE_POINTS * 3 * sizeof *cloud->points);
@@ -330,10 +342,7 @@ static bat_status measure(const bat_spline_surface *surface, const bat_mesh *tru
     if (status == BAT_OK && parameters == NULL)
         status = error_memory(error, sampled.vertex_count * 2 * sizeof *parameters);
     for (size_t v = 0; v < sampled.vertex_count && status == BAT_OK; v++)
-    {
-        parameters[2 * v] = (double)(v % (GRID + 1)) / GRID;
-        parameters[2 * v + 1] = (double)(v / (GRID + 1)) / GRID;
-    }
+        grid_place(v, parameters + 2 * v);
     if (status == BAT_OK)
         status = bat_spline_surface_evaluate(surface, parameters, sampled.vertex_count, 0, sampled.positions, error);
     double size = size_of(truth);

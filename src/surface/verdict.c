@@ -35,6 +35,7 @@ static const double MAX_CROSS = 0.05;          ///< share of area across the tan
 static const double MAX_FAR = 0.03;            ///< share of area far from the points
 static const double MAX_AREA[2] = {0.85, 1.3}; ///< ratio of the areas
 static const double MAX_MISSED = 0.02;         ///< distance of points, as a share of the size,
+static const double MAX_TAIL = 0.05;           ///< of one point in 200,
 static const double MISSED_SPACINGS = 0.5;     ///< and in spacings, whichever is more
 static const double MAX_FARTHEST = 0.05;       ///< distance of the surface, as a share of the size,
 static const double FARTHEST_SPACINGS = 2.5;   ///< and in spacings, whichever is more
@@ -314,8 +315,8 @@ static bat_status quantile_of(const surface_samples *samples, double area, doubl
     return BAT_OK;
 }
 
-/// The 99th of 100 distances.
-static bat_status missed_of(const double *distances, size_t count, double *missed, bat_error *error)
+/// The distances that 99 % and 99.5 % of the points are within.
+static bat_status missed_of(const double *distances, size_t count, double *missed, double *tail, bat_error *error)
 {
     double *sorted = memory_array(count, sizeof *sorted);
     if (sorted == NULL)
@@ -323,6 +324,7 @@ static bat_status missed_of(const double *distances, size_t count, double *misse
     memcpy(sorted, distances, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, ascending);
     *missed = sorted[(size_t)(0.99 * (double)(count - 1))];
+    *tail = sorted[(size_t)(0.995 * (double)(count - 1))];
     free(sorted);
     return BAT_OK;
 }
@@ -354,7 +356,8 @@ static void sum_samples(const cloud_geometry *geometry, const surface_samples *s
     verdict->cross_share = verdict->area > 0 ? 1 - fmax(front, back) / verdict->area : 1;
 }
 
-static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict)
+/// @param tail distance that 99.5 % of the points are within
+static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, double tail)
 {
     double size = ldexp(geometry->size, 1 - geometry->frame.exponent);
     double ratio = verdict->area / verdict->cloud_area, noise = ldexp(geometry->noise, 1 - geometry->frame.exponent);
@@ -363,7 +366,8 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
         !(verdict->farthest <= fmax(MAX_FARTHEST * size, FARTHEST_SPACINGS * verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_STRAYS;
     double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
-    if (!(verdict->missed <= fmax(MAX_MISSED * size, spacings * verdict->spacing) + FAR_NOISE * noise))
+    if (!(verdict->missed <= fmax(MAX_MISSED * size, spacings * verdict->spacing) + FAR_NOISE * noise) ||
+        !(tail <= fmax(MAX_TAIL * size, verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_MISSED;
     if (geometry->order.cloud.count < MIN_PLANE_POINTS)
         return BAT_SURFACE_FAULT_NONE;
@@ -397,6 +401,7 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
                          const double *distances, size_t count, int threads, bat_surface_verdict *verdict, bat_error *error)
 {
     surface_samples samples = {0};
+    double tail = 0;
     *verdict = (bat_surface_verdict){0};
     bat_status status = set_samples(surface, count, &samples, error);
     if (status == BAT_OK)
@@ -410,13 +415,13 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     if (status == BAT_OK && samples.count > 0)
         status = quantile_of(&samples, verdict->area, 0.99, &verdict->strays, error);
     if (status == BAT_OK)
-        status = missed_of(distances, count, &verdict->missed, error);
+        status = missed_of(distances, count, &verdict->missed, &tail, error);
     int exponent = 1 - geometry->frame.exponent;
     verdict->strays = ldexp(verdict->strays, exponent);
     verdict->farthest = ldexp(verdict->farthest, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
-    verdict->fault = fault_of(geometry, verdict);
+    verdict->fault = fault_of(geometry, verdict, tail);
     samples_free(&samples);
     return status;
 }

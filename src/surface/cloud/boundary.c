@@ -141,7 +141,7 @@ static bat_status find_loop_by(const alpha_boundary_cloud *cloud, double scale, 
     bat_status status = alpha_boundary_cycles_find(cloud, scale, &cycles, error);
     if (status == BAT_OK)
         status = choose(cloud, &cycles, search, &chosen, error);
-    if (status == BAT_OK)
+    if (status == BAT_OK && chosen != NULL)
     {
         *loop = *chosen;
         chosen->points = NULL;

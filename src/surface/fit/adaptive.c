@@ -359,7 +359,7 @@ static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *err
         status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
     if (status == BAT_OK && correct)
         status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
-    if (status == BAT_OK && correct)
+    if (status == BAT_OK && correct && !loop->options->no_restarts)
         status = fit_correct_wrong_feet(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
         status = update_robust_weights(&loop->points, &loop->outliers, error);
