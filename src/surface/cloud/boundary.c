@@ -439,7 +439,7 @@ static bat_status find_any_loop(const double *points, size_t count, loop_search 
     if (status == BAT_OK)
         status = radius > 0 ? find_loop_or_tell(sample, &even, search, loop, error)
                             : find_loop_or_tell(points, &tree, search, loop, error);
-    for (size_t i = 0; i < loop->count && status == BAT_OK && radius > 0; i++)
+    for (size_t i = 0; i < loop->count && status == BAT_OK && chosen != NULL; i++)
         loop->points[i] = (uint32_t)chosen[loop->points[i]];
     neighbour_tree_free(&tree);
     neighbour_tree_free(&even);
@@ -580,7 +580,7 @@ bat_status cloud_find_boundary(bat_cloud *cloud, double scale, bat_progress prog
         status = find_any_loop(points, cloud->count, &search, &loop, error);
     for (size_t i = 0; status == BAT_OK && i < loop.count; i++)
         loop.points[i] = (uint32_t)places[loop.points[i]];
-    if (status == BAT_OK)
+    if (status == BAT_OK && loop.count >= MIN_BOUNDARY)
         status = reorder(cloud, &loop, error);
     free(loop.points);
     free(points);
