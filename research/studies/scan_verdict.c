@@ -333,8 +333,9 @@ static bat_status distance_quantile(const bat_mesh *from, const bat_mesh *onto, 
     return status;
 }
 
-static bat_status measure(const bat_spline_surface *surface, const bat_mesh *truth, int threads, bat_scan_verdict_row *row,
-                          bat_error *error)
+/// @param distances of the points of the cloud from the surface: bounds where the grid of samples is too coarse
+static bat_status measure(const bat_spline_surface *surface, const bat_mesh *truth, double *distances, int threads,
+                          bat_scan_verdict_row *row, bat_error *error)
 {
     bat_mesh sampled;
     bat_status status = make_grid(&sampled, error);
@@ -350,7 +351,8 @@ static bat_status measure(const bat_spline_surface *surface, const bat_mesh *tru
         status = distance_quantile(truth, &sampled, threads, &row->missed, error);
     if (status == BAT_OK)
         status = distance_quantile(&sampled, truth, threads, &row->strays, error);
-    row->missed /= size;
+    qsort(distances, row->points, sizeof *distances, ascending);
+    row->missed = fmin(row->missed, distances[(size_t)(0.99 * (double)(row->points - 1))]) / size;
     row->strays /= size;
     row->area = area_of(&sampled) / area_of(truth);
     row->is_right = row->missed <= MAX_MISSED + 2 * row->noise && row->strays <= MAX_STRAY + 2 * row->noise &&
@@ -382,7 +384,7 @@ static bat_status judge(const bat_mesh *truth, bat_cloud *cloud, bat_random *ran
     }
     row->fault = result.verdict.fault;
     row->is_accepted = row->fault == BAT_SURFACE_FAULT_NONE;
-    status = measure(&result.surface, truth, options->threads, row, error);
+    status = measure(&result.surface, truth, result.report.distances, options->threads, row, error);
     bat_surface_result_free(&result);
     return status;
 }
