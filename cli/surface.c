@@ -38,6 +38,9 @@ static const option_spec OPTIONS[] = {
     {"published", 0, NULL, "classical neighbourhoods as published: they may fail"},
     {"slide-boundary", 0, NULL, "corrections move boundary parameters too, along their sides"},
     {"force", 0, NULL, "write also a surface that the points prove wrong"},
+    {"trim", 0, NULL,
+     "fit over a rectangle around the points, and cut along their outline, which may be concave, and their holes"},
+    {"fill-holes", 0, "D", "with --trim: close holes of at most this diameter"},
     {"no-repair", 0, NULL, "report folds of the parameters, but leave them"},
     {"boundary", 0, "N|FILE", "the first N points are the boundary loop, or FILE's are; default: found, or told in IN"},
     {"corners", 0, "A,B,C,D", "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found"},
@@ -45,9 +48,10 @@ static const option_spec OPTIONS[] = {
     {"drop-duplicates", 0, NULL, "leave out points that repeat another instead of refusing them"},
     {"picture", 0, "FILE", "draw cloud, surface, distances and parameters (.png, .svg or .pdf)"},
     {"parameters", 0, "FILE", "write u v of each point, in the order of IN"},
+    {"unit", 0, "UNIT", "mm (default), m or inch: what STEP and IGES name as the unit of the coordinates"},
     {"samples", 0, "N", "of each cell and direction, for VTK and OBJ; default: the degree plus 1"},
     {"from", 0, "FORMAT", "xyz, csv, ply or obj; default: by the file's ending, failing that by its content"},
-    {"to", 0, "FORMAT", "step, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
+    {"to", 0, "FORMAT", "step, iges, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
     {"threads", 0, "N", "default: all; the result does not depend on it"},
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
@@ -253,6 +257,10 @@ static const char *find_fault(const arguments *given, const surface_job *job)
         return "--model goes with auto and learned parameters";
     if (job->output == NULL && job->picture == NULL && job->parameters == NULL && job->quiet)
         return "there is no output: give -o OUT, --picture FILE or --parameters FILE";
+    if (argument(given, "fill-holes") != NULL && !job->options.trim)
+        return "--fill-holes goes with --trim";
+    if (job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO)
+        return "--trim and --parameterization exclude each other: a trimmed surface has a chart of its own";
     if (job->json && job->quiet)
         return "--json and --quiet exclude each other";
     return job->json && piped ? "--json and -o - both need standard output" : NULL;
@@ -274,19 +282,23 @@ static bool read_job(const arguments *given, surface_job *job)
                          .json = argument_flag(given, "json"),
                          .quiet = argument_flag(given, "quiet")};
     if (!read_input(given, job) || !read_fit(given, &job->options.fit) || !read_parameterization(given, job) ||
-        !read_sides(given, &job->options.sides) || !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
+        !read_sides(given, &job->options.sides) || !argument_number(given, "fill-holes", 0, &job->options.fill_holes) ||
+        !argument_whole(given, "samples", 1, MAX_ROUNDS, 0, &samples))
         return false;
     job->options.published = argument_flag(given, "published");
     job->options.force = argument_flag(given, "force");
+    job->options.trim = argument_flag(given, "trim");
     job->options.no_repair = argument_flag(given, "no-repair");
     job->options.slide_boundary = argument_flag(given, "slide-boundary");
     job->write.samples = (size_t)samples;
-    const char *fault = find_fault(given, job);
+    const char *fault = find_fault(given, job), *unit = argument(given, "unit");
+    if (fault == NULL && unit != NULL && bat_surface_unit_by_name(unit, &job->write.unit, &error) != BAT_OK)
+        fault = error.text;
     if (fault == NULL && to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)
         fault = error.text;
     if (fault == NULL && to == NULL && job->output != NULL &&
         bat_surface_format_of_path(job->output) == BAT_SURFACE_FORMAT_AUTO)
-        fault = "the ending of OUT names no format (.step, .xml, .vtk, .obj, .json); --to does";
+        fault = "the ending of OUT names no format (.step, .iges, .xml, .vtk, .obj, .json); --to does";
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || is_standard_output(job->output);
@@ -424,7 +436,7 @@ static int fit(surface_job *job)
 /// The name of an option that has no part in a conversion; null when none is given.
 static const char *find_fit_option(const arguments *given)
 {
-    static const char *const CONVERTS[] = {"output", "to", "samples", "picture", "json", "quiet", NULL};
+    static const char *const CONVERTS[] = {"output", "to", "unit", "samples", "picture", "json", "quiet", NULL};
     for (size_t i = 0; OPTIONS[i].name != NULL; i++)
     {
         size_t k = 0;
@@ -484,7 +496,8 @@ static int convert(surface_job *job)
 static bool is_surface(const char *path)
 {
     bat_surface_format format = bat_surface_format_of_path(path);
-    return format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON || format == BAT_SURFACE_FORMAT_STEP;
+    return format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON || format == BAT_SURFACE_FORMAT_STEP ||
+           format == BAT_SURFACE_FORMAT_IGES;
 }
 
 int verb_surface(int argc, char **argv)

@@ -51,6 +51,17 @@ BAT_API void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, do
 /// @param abscissae receives as many numbers as there are functions; of degree 0 the middles of the spans
 BAT_API void bat_knot_vector_greville(const bat_knot_vector *knots, double *abscissae);
 
+/// A spline curve. Release it with bat_spline_curve_free().
+typedef struct bat_spline_curve
+{
+    bat_knot_vector knots;
+    double *control;  ///< functions x dimension, owned
+    size_t dimension; ///< at least 1
+} bat_spline_curve;
+
+/// Free what a curve owns and make it empty.
+BAT_API void bat_spline_curve_free(bat_spline_curve *curve);
+
 /// A tensor-product spline surface (or a function, or a map, by its dimension). Release it with bat_tensor_surface_free().
 typedef struct bat_tensor_surface
 {

@@ -121,12 +121,32 @@ BAT_API void bat_hierarchical_space_basis(const bat_hierarchical_space *space, s
 BAT_API bat_status bat_hierarchical_space_prolong(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
                                                   const double *coarse, size_t dimension, double *fine, bat_error *error);
 
+/// Closed curves in the square that bound the part of a surface that counts. It lies to the left of each curve. All zero:
+/// the whole square. Release it with bat_spline_trim_free().
+typedef struct bat_spline_trim
+{
+    bat_spline_curve *pieces; ///< planar, clamped; each ends where the next one of its loop begins, the last at the first
+    size_t *loops;            ///< loop_count + 1: the first piece of each loop, and the number of pieces
+    size_t loop_count;        ///< the outline, which is counter-clockwise, comes first; then holes, which are clockwise
+} bat_spline_trim;
+
+/// Copy trimming curves.
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *copy, bat_error *error);
+/// Check the conditions of every call that takes trimming curves.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for a wrong knot vector or dimension, a curve that leaves the square or is not
+///         clamped, or a loop that is not closed to 1e-9
+BAT_API bat_status bat_spline_trim_check(const bat_spline_trim *trim, bat_error *error);
+/// Free what trimming curves own and make them empty.
+BAT_API void bat_spline_trim_free(bat_spline_trim *trim);
+
 /// A spline surface: a space and its control points. Release it with bat_spline_surface_free().
 typedef struct bat_spline_surface
 {
     bat_hierarchical_space *space; ///< owned
     double *control;               ///< functions x dimension, owned
     size_t dimension;              ///< at least 1
+    bat_spline_trim trim;          ///< the part that counts; all zero: the whole surface. Evaluation ignores it
 } bat_spline_surface;
 
 /// Copy a surface with its space.

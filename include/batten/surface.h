@@ -21,10 +21,11 @@ typedef enum bat_surface_parameters
     BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING,
     BAT_SURFACE_PARAMETERS_ISOMETRIC, ///< least distortion, for deep shapes
     BAT_SURFACE_PARAMETERS_GIVEN,     ///< those of the caller
+    BAT_SURFACE_PARAMETERS_PLANAR,    ///< of a trimmed surface: a chart with free boundary
     BAT_SURFACE_PARAMETERS_COUNT      ///< how many there are
 } bat_surface_parameters;
 
-/// A choice (all but BAT_SURFACE_PARAMETERS_GIVEN) by name.
+/// A choice (all but BAT_SURFACE_PARAMETERS_GIVEN and BAT_SURFACE_PARAMETERS_PLANAR) by name.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
 BAT_API bat_status bat_surface_parameters_by_name(const char *name, bat_surface_parameters *value, bat_error *error);
 /// The name. Never null.
@@ -46,6 +47,10 @@ typedef struct bat_surface_options
     bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_surface_fit_data); default false
     bool no_repair;      ///< leave folds, only report them; default false
     bool force;          ///< give also a surface that is judged to be wrong; default false
+    /// Fit a surface over a rectangle around the points, and trim it by their outline and holes; default false. The outline
+    /// may be concave. `parameters` must be BAT_SURFACE_PARAMETERS_AUTO; a known boundary is not used.
+    bool trim;
+    double fill_holes; ///< of a trimmed surface: holes of at most this diameter are closed; at least 0; default 0
 } bat_surface_options;
 
 /// The default options.
@@ -115,6 +120,7 @@ typedef struct bat_surface_result
     bool below_noise;                  ///< the tolerance is not reached, because it is below the noise
     double seconds[3];                 ///< of the boundary, of the measures of the cloud, and of the rest
     bool boundary_found;               ///< the boundary was unknown
+    size_t filled_holes;               ///< of a trimmed surface
     bool corners_found;                ///< the corners were unknown
 } bat_surface_result;
 

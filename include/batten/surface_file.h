@@ -6,17 +6,20 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of spline surfaces: XML of G+Smo, STEP, VTK, OBJ and JSON. docs/formats.md describes the formats.
+/// Readers and writers of spline surfaces: XML of G+Smo, STEP, IGES, VTK, OBJ and JSON. docs/formats.md describes the
+/// formats.
 
 /// Formats of surfaces.
 typedef enum bat_surface_format
 {
-    BAT_SURFACE_FORMAT_AUTO, ///< by the file's ending: .xml, .step or .stp, .vtk, .obj, .json
+    BAT_SURFACE_FORMAT_AUTO, ///< by the file's ending: .xml, .step or .stp, .vtk, .obj, .json, .iges or .igs
     BAT_SURFACE_FORMAT_XML,  ///< G+Smo: THBSpline2, of the plain basis HBSpline2, of one level TensorBSpline2; exact
-    BAT_SURFACE_FORMAT_STEP, ///< ISO 10303-21, B_SPLINE_SURFACE_WITH_KNOTS, one shell of tensor-product patches; exact
+    /// ISO 10303-21, B_SPLINE_SURFACE_WITH_KNOTS: one shell of tensor-product patches; a trimmed surface as one face; exact
+    BAT_SURFACE_FORMAT_STEP,
     BAT_SURFACE_FORMAT_VTK, ///< legacy, a quadrilateral grid of each cell, with level, and the data points with their errors
     BAT_SURFACE_FORMAT_OBJ, ///< triangles
-    BAT_SURFACE_FORMAT_JSON ///< degrees, boxes, functions, control points; exact
+    BAT_SURFACE_FORMAT_JSON, ///< degrees, boxes, functions, control points, trimming curves; exact
+    BAT_SURFACE_FORMAT_IGES  ///< 5.3: a rational B-spline surface (128), a trimmed one as trimmed surface (144); exact
 } bat_surface_format;
 
 /// A format, or "auto", by name.
@@ -30,13 +33,31 @@ BAT_API bool bat_surface_format_list(size_t index, bat_choice *choice);
 /// The format that a path's ending stands for, in either case; else BAT_SURFACE_FORMAT_AUTO.
 BAT_API bat_surface_format bat_surface_format_of_path(const char *path);
 
+/// The unit of length that CAD files name. Coordinates are written as they are.
+typedef enum bat_surface_unit
+{
+    BAT_SURFACE_UNIT_MILLIMETRE, ///< default
+    BAT_SURFACE_UNIT_METRE,
+    BAT_SURFACE_UNIT_INCH
+} bat_surface_unit;
+
+/// A unit by name: mm, m or inch.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_surface_unit_by_name(const char *name, bat_surface_unit *value, bat_error *error);
+/// The name. Never null.
+BAT_API const char *bat_surface_unit_name(bat_surface_unit value);
+/// The table, row by row; `index` from 0 on.
+/// @return false past the last
+BAT_API bool bat_surface_unit_list(size_t index, bat_choice *choice);
+
 /// Options of writing. Begin with bat_surface_write_defaults().
 typedef struct bat_surface_write_options
 {
     bat_surface_format format;
-    size_t samples;       ///< of each cell and direction for VTK and OBJ, at most 1024; 0: as many as the degree plus 1
-    const double *points; ///< point_count x 3: data points, for VTK; null for none
-    const double *errors; ///< point_count: their distances, for VTK; null for none
+    bat_surface_unit unit; ///< for STEP and IGES; default millimetre
+    size_t samples;        ///< of each cell and direction for VTK and OBJ, at most 1024; 0: as many as the degree plus 1
+    const double *points;  ///< point_count x 3: data points, for VTK; null for none
+    const double *errors;  ///< point_count: their distances, for VTK; null for none
     size_t point_count;
 } bat_surface_write_options;
 

@@ -87,7 +87,7 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary, c
 {
     if (kind == BAT_SURFACE_PARAMETERS_LEARNED)
         return parameterize_learned(cloud, boundary, options, parameters, error);
-    if (kind != BAT_SURFACE_PARAMETERS_GIVEN)
+    if (kind != BAT_SURFACE_PARAMETERS_GIVEN && kind != BAT_SURFACE_PARAMETERS_PLANAR)
         return parameterize_classical(cloud, boundary, options, kind, parameters, error);
     memcpy(parameters, options->given, 2 * cloud->count * sizeof *parameters);
     return BAT_OK;
@@ -122,10 +122,10 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     if (status == BAT_OK && boundary != NULL)
         status = bat_cloud_parameters_check(cloud, candidate->parameters, &candidate->report.folds, &failure);
     candidate->report.repaired = candidate->report.folds;
-    if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO)
+    if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO && !options->trim)
         status = check_folds(cloud, &candidate->report.folds, &failure);
-    if (status == BAT_OK && !options->no_repair && kind != BAT_SURFACE_PARAMETERS_GIVEN &&
-        kind != BAT_SURFACE_PARAMETERS_ISOMETRIC && has_faults(&candidate->report.folds))
+    if (status == BAT_OK && !options->no_repair && kind < BAT_SURFACE_PARAMETERS_ISOMETRIC &&
+        has_faults(&candidate->report.folds))
         status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
     return record_failure(status, &failure, candidate, error);
 }
@@ -259,6 +259,8 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
     bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
+    if (status == BAT_OK && candidate->trimming != NULL)
+        status = trimming_curves(geometry, candidate->trimming, candidate->corrected, &candidate->surface.trim, &failure);
     if (status == BAT_OK)
         status = surface_judge(geometry, &candidate->surface, candidate->corrected, candidate->fit.distances, cloud->count,
                                options->threads, &candidate->report.verdict, &failure);

@@ -3,6 +3,7 @@
 
 #include "batten/surface.h"
 #include "surface/cloud/part.h"
+#include "surface/trim/trimming.h"
 #include "surface/verdict.h"
 
 /// @file
@@ -16,6 +17,7 @@ typedef struct surface_candidate
     double *corrected;  ///< count x 2, after the parameter corrections of the fit; null after a fit to a sample
     bat_spline_surface surface;
     bat_surface_fit_report fit;
+    const surface_trimming *trimming; ///< null for a surface that is not trimmed
 } surface_candidate;
 
 void surface_candidate_free(surface_candidate *candidate);

@@ -40,7 +40,7 @@ static const double TRIAL_SHARE = 0.3;
 // Progress share of finding the boundary and measuring the cloud.
 static const double PREPARE_SHARE = 0.1;
 
-/// The last row, parameters that are given, has no name that by_name() takes.
+/// The last two rows have no names that by_name() takes.
 static const bat_choice PARAMETERS[] = {
     {.name = "auto",
      .summary = "learned, shape-preserving and stretch-minimizing ones, mean values for a mesh: those that fit best by "
@@ -66,10 +66,11 @@ static const bat_choice PARAMETERS[] = {
      .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
      .value = BAT_SURFACE_PARAMETERS_ISOMETRIC},
     {.name = "given", .summary = "brought by the caller", .value = BAT_SURFACE_PARAMETERS_GIVEN},
+    {.name = "planar", .summary = "chart of a trimmed surface", .value = BAT_SURFACE_PARAMETERS_PLANAR},
 };
 static const choice_table ALL = CHOICE_TABLE("parameterization", PARAMETERS);
 static const choice_table NAMED = {"parameterization", PARAMETERS, sizeof *PARAMETERS,
-                                   sizeof PARAMETERS / sizeof *PARAMETERS - 1};
+                                   sizeof PARAMETERS / sizeof *PARAMETERS - 2};
 
 bool bat_surface_parameters_list(size_t index, bat_choice *choice)
 {
@@ -106,8 +107,9 @@ void bat_surface_result_free(bat_surface_result *result)
 bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_surface_options, parameters, OPTION_CHOICE, 0, BAT_SURFACE_PARAMETERS_COUNT - 1),
+        OPTION_FIELD(bat_surface_options, parameters, OPTION_CHOICE, 0, BAT_SURFACE_PARAMETERS_GIVEN),
         OPTION_FIELD(bat_surface_options, sides, OPTION_CHOICE, 0, BAT_CLOUD_SIDES_UNIFORM),
+        OPTION_FIELD(bat_surface_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
     };
     if (options == NULL)
         return BAT_OK;
@@ -119,6 +121,11 @@ bat_status bat_surface_options_check(const bat_surface_options *options, bat_err
     if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "given is null, but must hold the parameters where these are given");
+    if (options->trim && options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "parameters must be auto where trim is set, because a trimmed surface has a chart of its own");
+    if (options->fill_holes > 0 && !options->trim)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "fill_holes goes with trim, which is not set");
     const bat_hierarchical_options *space = &options->fit.space;
     size_t minimum = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
     if (options->fit.functions > 0 && options->fit.functions < minimum)
@@ -139,7 +146,9 @@ typedef struct reconstruction
     double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
     cloud_part part;       ///< of a large cloud; empty when all points are parameterized
     double *part_boundary; ///< part.cloud.boundary_count x 2
-    cloud_geometry geometry; ///< of the part, or of the cloud
+    cloud_geometry geometry;   ///< of the part, or of the cloud
+    surface_trimming trimming; ///< of a trimmed surface
+    double *planar;            ///< its parameters; null for other surfaces
     surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
     surface_candidate *best;   ///< one of `candidates`
     bat_surface_result result; ///< metrics of the candidates, later the selected surface
@@ -147,7 +156,9 @@ typedef struct reconstruction
 
 static void list_kinds(reconstruction *work)
 {
-    if (work->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
+    if (work->options->trim)
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_PLANAR;
+    else if (work->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         work->kinds[work->kind_count++] = work->options->parameters;
     else
     {
@@ -171,6 +182,8 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     bool given = work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN;
     if (status == BAT_OK && !given)
         status = canonical_order_apply(cloud, error);
+    if (status != BAT_OK || work->options->trim)
+        return status;
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
         progress_part part = {work->options->fit.progress, 0, PREPARE_SHARE};
@@ -188,6 +201,19 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     if (work->boundary == NULL)
         return error_memory(error, cloud->boundary_count * 2 * sizeof *work->boundary);
     return bat_cloud_boundary_parameters(cloud, work->options->sides, work->boundary, error);
+}
+
+/// Make the chart of a trimmed surface.
+static bat_status make_trimming(reconstruction *work, bat_error *error)
+{
+    bat_status status = trimming_make(&work->geometry, work->options->fill_holes, &work->trimming, error);
+    if (status != BAT_OK)
+        return status;
+    work->planar = memory_array(work->cloud->count, 2 * sizeof *work->planar);
+    if (work->planar == NULL)
+        return error_memory(error, work->cloud->count * 2 * sizeof *work->planar);
+    trimming_parameters(&work->geometry, &work->trimming, work->planar);
+    return BAT_OK;
 }
 
 /// Whether every candidate is fitted to all points; the best fit is then already the result.
@@ -230,6 +256,20 @@ static bat_progress fit_progress(const reconstruction *work, double begin, doubl
     return progress_of_part(&parts[1]);
 }
 
+/// Cells of a trimmed surface that are about square.
+static void set_spans(const reconstruction *work, bat_hierarchical_options *space)
+{
+    enum
+    {
+        MAX_SPANS = 64
+    };
+    double ratio = fmin(floor(work->trimming.chart.sides[0] / work->trimming.chart.sides[1] + 0.5), MAX_SPANS);
+    size_t functions = ((size_t)ratio + (size_t)space->degree[0]) * (1 + (size_t)space->degree[1]);
+    if (space->spans[0] == 1 && space->spans[1] == 1 &&
+        (work->options->fit.functions == 0 || functions <= work->options->fit.functions))
+        space->spans[0] = (size_t)ratio;
+}
+
 static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
@@ -245,8 +285,15 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     if (has_part && (fit.functions == 0 || fit.functions > maximum))
         fit.functions = fit.functions == 0 ? 0 : maximum;
     surface_candidate *candidate = &work->candidates[number];
-    bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, work->options,
+    bat_surface_options options = *work->options;
+    if (work->planar != NULL)
+    {
+        options.given = work->planar;
+        set_spans(work, &fit.space);
+    }
+    bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, &options,
                                                work->kinds[number], candidate, error);
+    candidate->trimming = work->planar != NULL ? &work->trimming : NULL;
     if (status == BAT_OK && !progress_goes_on(fit.progress, 0))
         status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
@@ -362,6 +409,8 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     result->verdict = best->report.verdict;
     result->noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
     result->below_noise = is_below_noise(&work->options->fit, &best->fit, work->cloud->count, result->noise);
+    if (work->planar != NULL)
+        result->filled_holes = trimming_drop_filled(&work->trimming, &best->surface.trim);
     result->surface = best->surface;
     result->report = best->fit;
     result->parameters = best->corrected;
@@ -391,6 +440,8 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     if (status == BAT_OK)
         status = cloud_geometry_make(parameterized(&work), work.options->fit.threads, &work.geometry, error);
     double measured = clock_seconds();
+    if (status == BAT_OK && work.options->trim)
+        status = make_trimming(&work, error);
     if (status == BAT_OK)
         status = fit_kinds(&work, error);
     if (status == BAT_OK)
@@ -404,6 +455,8 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     free(work.boundary);
     free(work.part_boundary);
     cloud_part_free(&work.part);
+    free(work.planar);
+    trimming_free(&work.trimming);
     if (status == BAT_OK)
         *result = work.result;
     return status;

@@ -12,6 +12,7 @@
 #include "linalg/vector3.h"
 #include "surface/cloud/noise.h"
 #include "surface/parameterize/star.h"
+#include "surface/trim/region.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -376,9 +377,15 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
 }
 
-/// Leave out samples beyond the bounding box of the parameters: nothing is known of the surface there.
-static void clip_samples(const double *parameters, size_t count, surface_samples *samples)
+/// Leave out samples beyond the bounding box of the parameters, where nothing is known of the surface, and beyond the
+/// trimming curves.
+static bat_status clip_samples(const bat_spline_trim *trim, const double *parameters, size_t count, surface_samples *samples,
+                               bat_error *error)
 {
+    trim_region region;
+    bat_status status = trim_region_make(trim, &region, error);
+    if (status != BAT_OK)
+        return status;
     double low[2] = {1, 1}, high[2] = {0, 0};
     for (size_t k = 0; k < 2 * count; k++)
     {
@@ -389,12 +396,15 @@ static void clip_samples(const double *parameters, size_t count, surface_samples
     for (size_t s = 0; s < samples->count; s++)
     {
         const double *at = samples->parameters + 2 * s;
-        if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1])
+        if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1] ||
+            !trim_region_contains(&region, at[0], at[1]))
             continue;
         memmove(samples->parameters + 2 * kept, at, 2 * sizeof *at);
         samples->shares[kept++] = samples->shares[s];
     }
     samples->count = kept;
+    trim_region_free(&region);
+    return BAT_OK;
 }
 
 bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *parameters,
@@ -405,7 +415,7 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     *verdict = (bat_surface_verdict){0};
     bat_status status = set_samples(surface, count, &samples, error);
     if (status == BAT_OK)
-        clip_samples(parameters, count, &samples);
+        status = clip_samples(&surface->trim, parameters, count, &samples, error);
     if (status == BAT_OK && samples.count > 0)
         status = bat_spline_surface_evaluate(surface, samples.parameters, samples.count, 1, samples.values, error);
     if (status == BAT_OK)

@@ -35,8 +35,22 @@ static const bat_choice FORMATS[] = {
      .reads = true,
      .writes = true,
      .value = BAT_SURFACE_FORMAT_JSON},
+    {.name = "iges",
+     .summary = "surfaces: one B-spline surface (128) or trimmed surface (144) for CAD",
+     .endings = ".iges .igs",
+     .writes = true,
+     .value = BAT_SURFACE_FORMAT_IGES},
 };
 static const choice_table TABLE = CHOICE_TABLE("surface format", FORMATS);
+
+static const bat_choice UNITS[] = {
+    {.name = "mm", .summary = "millimetres", .value = BAT_SURFACE_UNIT_MILLIMETRE},
+    {.name = "m", .summary = "metres", .value = BAT_SURFACE_UNIT_METRE},
+    {.name = "inch", .summary = "inches", .value = BAT_SURFACE_UNIT_INCH},
+};
+static const choice_table UNIT_TABLE = CHOICE_TABLE("unit", UNITS);
+
+CHOICE_FUNCTIONS(bat_surface_unit, UNIT_TABLE, 0)
 
 CHOICE_FUNCTIONS(bat_surface_format, TABLE, 1)
 
@@ -58,7 +72,8 @@ bat_status bat_surface_write_options_check(const bat_surface_write_options *opti
         MOST_SAMPLES = 1024
     };
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_surface_write_options, format, OPTION_CHOICE, 0, BAT_SURFACE_FORMAT_JSON),
+        OPTION_FIELD(bat_surface_write_options, format, OPTION_CHOICE, 0, BAT_SURFACE_FORMAT_IGES),
+        OPTION_FIELD(bat_surface_write_options, unit, OPTION_CHOICE, 0, BAT_SURFACE_UNIT_INCH),
         OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MOST_SAMPLES),
     };
     if (options == NULL)
@@ -86,13 +101,17 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
     if (status != BAT_OK)
         return status;
     if (format == BAT_SURFACE_FORMAT_AUTO)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "cannot tell what format to write; the endings are .xml, .step, .stp, .vtk, .obj, .json");
+        return error_set(
+            error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+            "cannot tell what format to write; the endings are .xml, .step, .stp, .vtk, .obj, .json, .iges, .igs");
     if (surface->space == NULL || surface->control == NULL || surface->dimension == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the surface is empty");
     if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "a surface of dimension %zu can be written as XML and JSON only", surface->dimension);
+    status = bat_spline_trim_check(&surface->trim, error);
+    if (status != BAT_OK)
+        return status;
     size_t functions = bat_hierarchical_space_functions(surface->space);
     for (size_t i = 0; i < functions * surface->dimension; i++)
         if (!isfinite(surface->control[i]))
@@ -109,7 +128,9 @@ bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_for
     case BAT_SURFACE_FORMAT_XML:
         return surface_xml_write(surface, sink, error);
     case BAT_SURFACE_FORMAT_STEP:
-        return surface_step_write(surface, sink, error);
+        return surface_step_write(surface, options->unit, sink, error);
+    case BAT_SURFACE_FORMAT_IGES:
+        return surface_iges_write(surface, options->unit, sink, error);
     case BAT_SURFACE_FORMAT_VTK:
         return surface_vtk_write(surface, options, sink, error);
     case BAT_SURFACE_FORMAT_OBJ:

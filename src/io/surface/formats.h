@@ -11,7 +11,8 @@
 
 bat_status surface_xml_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
 bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
-bat_status surface_step_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
+bat_status surface_step_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error);
+bat_status surface_iges_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error);
 bat_status surface_vtk_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
                              bat_error *error);
 bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,

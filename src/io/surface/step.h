@@ -36,8 +36,8 @@ void step_list_real(step_text *step, double value);
 void step_list_whole(step_text *step, size_t value);
 void step_list_end(step_text *step);
 
-/// Write a CARTESIAN_POINT. Returns its number.
-uint32_t step_point(step_text *step, const double point[3]);
+/// Write a CARTESIAN_POINT with 2 or 3 coordinates. Returns its number.
+uint32_t step_point(step_text *step, const double *point, size_t dimension);
 
 /// Write the remaining text and release it.
 bat_status step_finish(step_text *step, bat_status status, bat_error *error);

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "io/surface/cut.h"
 #include "io/surface/step.h"
+#include "io/surface/trimmed_model.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,9 +10,6 @@
 
 /// @file
 /// Patches, edge curves and vertices of a surface for a STEP file. The curve of an edge is a part of a patch's side.
-
-/// The tolerance is this power of ten times the surface's size.
-static const int smallest_digit = -7;
 
 static size_t first_knot(const bat_knot_vector *knots)
 {
@@ -137,25 +135,6 @@ static bat_status place_vertices(step_model *model, bat_error *error)
     return BAT_OK;
 }
 
-/// The power of ten below the box's diagonal, times the relative tolerance.
-static double find_tolerance(const step_model *model)
-{
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, diagonal = 0;
-    for (size_t p = 0; p < model->shell.face_count; p++)
-    {
-        const bat_tensor_surface *patch = &model->patches[p];
-        size_t count = bat_knot_vector_functions(&patch->knots[0]) * bat_knot_vector_functions(&patch->knots[1]);
-        for (size_t i = 0; i < 3 * count; i++)
-        {
-            low[i % 3] = fmin(low[i % 3], patch->control[i]);
-            high[i % 3] = fmax(high[i % 3], patch->control[i]);
-        }
-    }
-    for (int c = 0; c < 3; c++)
-        diagonal = hypot(diagonal, high[c] - low[c]);
-    return pow(10, smallest_digit + (diagonal > 0 && isfinite(diagonal) ? floor(log10(diagonal)) : 0));
-}
-
 static uint32_t representative(const uint32_t *same, uint32_t vertex)
 {
     while (same[vertex] != vertex)
@@ -218,7 +197,7 @@ bat_status step_model_make(const bat_spline_surface *surface, step_model *model,
         status = place_vertices(&made, error);
     if (status == BAT_OK)
     {
-        made.tolerance = find_tolerance(&made);
+        made.tolerance = model_tolerance(made.patches, made.shell.face_count);
         status = find_collapsed(&made, error);
     }
     if (status == BAT_OK)

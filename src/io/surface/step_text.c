@@ -106,11 +106,11 @@ void step_list_end(step_text *step)
     step->separate = true;
 }
 
-uint32_t step_point(step_text *step, const double point[3])
+uint32_t step_point(step_text *step, const double *point, size_t dimension)
 {
     uint32_t entity = step_begin(step, "CARTESIAN_POINT('',");
     step_list_begin(step);
-    for (int c = 0; c < 3; c++)
+    for (size_t c = 0; c < dimension; c++)
         step_list_real(step, point[c]);
     step_list_end(step);
     text_append_string(&step->text, ");\n");

@@ -1,5 +1,6 @@
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
+#include "io/surface/trimmed_model.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -51,11 +52,28 @@ static bat_status write_product(step_text *step, step_entities *entities, bat_er
     return step_end(step, "", error);
 }
 
+/// Write the unit of length. Returns its number.
+static uint32_t write_length_unit(step_text *step, bat_surface_unit unit)
+{
+    uint32_t metric =
+        step_begin(step, unit == BAT_SURFACE_UNIT_METRE ? "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));\n"
+                                                        : "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n");
+    if (unit != BAT_SURFACE_UNIT_INCH)
+        return metric;
+    uint32_t measure = step_begin(step, "LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),");
+    step_plain(step, "#%u);\n", metric);
+    uint32_t dimension = step_begin(step, "DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n");
+    uint32_t inch = step_begin(step, "(CONVERSION_BASED_UNIT('INCH',");
+    step_plain(step, "#%u)LENGTH_UNIT()NAMED_UNIT(#%u));\n", measure, dimension);
+    return inch;
+}
+
 /// Write the units, the tolerance, and the placement at the origin.
-static bat_status write_context(step_text *step, double tolerance, step_entities *entities, bat_error *error)
+static bat_status write_context(step_text *step, bat_surface_unit unit, double tolerance, step_entities *entities,
+                                bat_error *error)
 {
     static const double origin[3] = {0, 0, 0};
-    uint32_t length = step_begin(step, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n");
+    uint32_t length = write_length_unit(step, unit);
     uint32_t angle = step_begin(step, "(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n");
     uint32_t solid = step_begin(step, "(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n");
     uint32_t uncertainty = step_begin(step, "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
@@ -66,7 +84,7 @@ static bat_status write_context(step_text *step, double tolerance, step_entities
                "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#%u))GLOBAL_UNIT_ASSIGNED_CONTEXT((#%u,#%u,#%u))"
                "REPRESENTATION_CONTEXT('','3D'));\n",
                uncertainty, length, angle, solid);
-    uint32_t place = step_point(step, origin);
+    uint32_t place = step_point(step, origin, 3);
     uint32_t axis = step_begin(step, "DIRECTION('',(0.,0.,1.));\n");
     uint32_t across = step_begin(step, "DIRECTION('',(1.,0.,0.));\n");
     entities->placement = step_begin(step, "AXIS2_PLACEMENT_3D('',");
@@ -75,10 +93,10 @@ static bat_status write_context(step_text *step, double tolerance, step_entities
 }
 
 /// Write the points of a spline. Returns the number of the first.
-static uint32_t write_points(step_text *step, const double *points, size_t count)
+static uint32_t write_points(step_text *step, const double *points, size_t count, size_t dimension)
 {
     for (size_t i = 0; i < count; i++)
-        (void)step_point(step, points + 3 * i);
+        (void)step_point(step, points + dimension * i, dimension);
     return step->count - (uint32_t)count + 1;
 }
 
@@ -109,10 +127,10 @@ static void write_knots(step_text *step, const bat_knot_vector *knots)
     step_plain(step, ",");
 }
 
-static uint32_t write_curve(step_text *step, const bat_knot_vector *knots, const double *control)
+static uint32_t write_curve(step_text *step, const bat_knot_vector *knots, const double *control, size_t dimension)
 {
     size_t count = bat_knot_vector_functions(knots);
-    uint32_t first = write_points(step, control, count);
+    uint32_t first = write_points(step, control, count, dimension);
     uint32_t curve = step_begin(step, "B_SPLINE_CURVE_WITH_KNOTS('',");
     step_plain(step, "%d,", knots->degree);
     step_list_begin(step);
@@ -133,7 +151,7 @@ static bat_status write_vertices(step_text *step, const step_model *model, step_
     {
         if (model->same[v] != v)
             continue;
-        uint32_t point = step_point(step, model->points + 3 * v);
+        uint32_t point = step_point(step, model->points + 3 * v, 3);
         entities->vertices[v] = step_begin(step, "VERTEX_POINT('',");
         step_plain(step, "#%u)", point);
         status = step_end(step, "", error);
@@ -149,7 +167,7 @@ static bat_status write_edges(step_text *step, const step_model *model, step_ent
         if (model->collapsed[e])
             continue;
         const shell_edge *edge = &model->shell.edges[e];
-        uint32_t curve = write_curve(step, &model->knots[e], model->control[e]);
+        uint32_t curve = write_curve(step, &model->knots[e], model->control[e], 3);
         entities->edges[e] = step_begin(step, "EDGE_CURVE('',");
         step_plain(step, "#%u,#%u,#%u,.T.)", entities->vertices[model->same[edge->from]],
                    entities->vertices[model->same[edge->to]], curve);
@@ -162,7 +180,7 @@ static bat_status write_edges(step_text *step, const step_model *model, step_ent
 static uint32_t write_surface(step_text *step, const bat_tensor_surface *patch)
 {
     size_t columns = bat_knot_vector_functions(&patch->knots[0]), rows = bat_knot_vector_functions(&patch->knots[1]);
-    uint32_t first = write_points(step, patch->control, columns * rows);
+    uint32_t first = write_points(step, patch->control, columns * rows, 3);
     uint32_t surface = step_begin(step, "B_SPLINE_SURFACE_WITH_KNOTS('',");
     step_plain(step, "%d,%d,(", patch->knots[0].degree, patch->knots[1].degree);
     for (size_t i = 0; i < columns; i++)
@@ -270,8 +288,108 @@ static bat_status check_count(const step_model *model, bat_error *error)
     return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a STEP file of %.0f entities is too large", count);
 }
 
-bat_status surface_step_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error)
+// Trimmed surfaces
+
+/// Write a trimming curve in the parameters of a surface. Returns the number of the PCURVE.
+static uint32_t write_parameter_curve(step_text *step, const bat_spline_curve *piece, uint32_t surface, uint32_t planar)
 {
+    uint32_t curve = write_curve(step, &piece->knots, piece->control, 2);
+    uint32_t definition = step_begin(step, "DEFINITIONAL_REPRESENTATION('',");
+    step_plain(step, "(#%u),#%u);\n", curve, planar);
+    uint32_t parameter_curve = step_begin(step, "PCURVE('',");
+    step_plain(step, "#%u,#%u);\n", surface, definition);
+    return parameter_curve;
+}
+
+/// Write the edges of a loop and the bound of the face. Returns the number of the bound.
+static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model, size_t loop, uint32_t surface,
+                                    uint32_t planar, uint32_t *vertices, uint32_t *edges)
+{
+    size_t begin = model->trim->loops[loop], count = model->trim->loops[loop + 1] - begin;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint32_t point = step_point(step, model->images[begin + i].control, 3);
+        vertices[i] = step_begin(step, "VERTEX_POINT('',");
+        step_plain(step, "#%u);\n", point);
+    }
+    for (size_t i = 0; i < count; i++)
+    {
+        const bat_spline_curve *image = &model->images[begin + i];
+        uint32_t space = write_curve(step, &image->knots, image->control, 3);
+        uint32_t flat = write_parameter_curve(step, &model->trim->pieces[begin + i], surface, planar);
+        uint32_t both = step_begin(step, "SURFACE_CURVE('',");
+        step_plain(step, "#%u,(#%u),.CURVE_3D.);\n", space, flat);
+        uint32_t edge = step_begin(step, "EDGE_CURVE('',");
+        step_plain(step, "#%u,#%u,#%u,.T.);\n", vertices[i], vertices[(i + 1) % count], both);
+        edges[i] = step_begin(step, "ORIENTED_EDGE('',*,*,");
+        step_plain(step, "#%u,.T.);\n", edge);
+    }
+    uint32_t path = step_begin(step, "EDGE_LOOP('',");
+    step_list_begin(step);
+    for (size_t i = 0; i < count; i++)
+        step_list_reference(step, edges[i]);
+    step_list_end(step);
+    step_plain(step, ");\n");
+    uint32_t bound = step_begin(step, loop == 0 ? "FACE_OUTER_BOUND(''," : "FACE_BOUND('',");
+    step_plain(step, "#%u,.T.);\n", path);
+    return bound;
+}
+
+/// Write the face of a trimmed surface.
+static bat_status write_trimmed_face(step_text *step, const trimmed_model *model, uint32_t *face, bat_error *error)
+{
+    size_t loops = model->trim->loop_count;
+    uint32_t *vertices = memory_array(model->piece_count, sizeof *vertices);
+    uint32_t *edges = memory_array(model->piece_count, sizeof *edges);
+    uint32_t *bounds = memory_array(loops, sizeof *bounds);
+    bat_status status = BAT_OK;
+    if (vertices == NULL || edges == NULL || bounds == NULL)
+        status = error_memory(error, model->piece_count * 2 * sizeof *edges);
+    if (status == BAT_OK)
+    {
+        uint32_t surface = write_surface(step, &model->surface);
+        uint32_t planar = step_begin(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                                           "REPRESENTATION_CONTEXT('','2D'));\n");
+        for (size_t l = 0; l < loops; l++)
+            bounds[l] = write_trimming_loop(step, model, l, surface, planar, vertices, edges);
+        *face = step_begin(step, "ADVANCED_FACE('',");
+        step_list_begin(step);
+        for (size_t l = 0; l < loops; l++)
+            step_list_reference(step, bounds[l]);
+        step_list_end(step);
+        step_plain(step, ",#%u,.T.)", surface);
+        status = step_end(step, "", error);
+    }
+    free(vertices);
+    free(edges);
+    free(bounds);
+    return status;
+}
+
+static bat_status write_trimmed(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error)
+{
+    trimmed_model model = {0};
+    uint32_t face = 0;
+    step_entities entities = {.faces = &face, .face_count = 1};
+    step_text step = {.sink = sink};
+    bat_status status = trimmed_model_make(surface, &model, error);
+    write_header(&step);
+    if (status == BAT_OK)
+        status = write_product(&step, &entities, error);
+    if (status == BAT_OK)
+        status = write_context(&step, unit, model.tolerance, &entities, error);
+    if (status == BAT_OK)
+        status = write_trimmed_face(&step, &model, &face, error);
+    if (status == BAT_OK)
+        write_shell(&step, &entities);
+    trimmed_model_free(&model);
+    return step_finish(&step, status, error);
+}
+
+bat_status surface_step_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error)
+{
+    if (surface->trim.loop_count > 0)
+        return write_trimmed(surface, unit, sink, error);
     step_model model = {0};
     step_entities entities = {0};
     step_text step = {.sink = sink};
@@ -284,7 +402,7 @@ bat_status surface_step_write(const bat_spline_surface *surface, text_sink *sink
     if (status == BAT_OK)
         status = write_product(&step, &entities, error);
     if (status == BAT_OK)
-        status = write_context(&step, model.tolerance, &entities, error);
+        status = write_context(&step, unit, model.tolerance, &entities, error);
     if (status == BAT_OK)
         status = write_vertices(&step, &model, &entities, error);
     if (status == BAT_OK)

@@ -196,28 +196,34 @@ static void set_normal(const double tangents[6], double normal[3])
         normal[c] = length > 0 && isfinite(length) ? normal[c] / length : 0;
 }
 
-static bat_status evaluate(const bat_spline_surface *surface, const lattice *grid, surface_tessellation *made,
-                           bat_error *error)
+static bat_status set_parameters(const lattice *grid, surface_tessellation *made, bat_error *error)
+{
+    made->parameters = memory_array(made->vertex_count, 2 * sizeof(double));
+    if (made->parameters == NULL)
+        return error_memory(error, made->vertex_count * 2 * sizeof(double));
+    for (size_t i = 0; i < 2 * made->vertex_count; i++)
+    {
+        int d = (int)(i % 2);
+        made->parameters[i] =
+            grid->places[i] / ldexp((double)(grid->options.spans[d] * grid->samples[d]), (int)grid->finest);
+    }
+    return BAT_OK;
+}
+
+static bat_status evaluate(const bat_spline_surface *surface, surface_tessellation *made, bat_error *error)
 {
     enum
     {
         NUMBERS = 9 ///< a position and two tangents
     };
     size_t count = made->vertex_count;
-    made->parameters = memory_array(count, 2 * sizeof(double));
     made->positions = memory_array(count, 3 * sizeof(double));
     made->normals = memory_array(count, 3 * sizeof(double));
     double *values = memory_array(count, NUMBERS * sizeof *values);
-    if (made->parameters == NULL || made->positions == NULL || made->normals == NULL || values == NULL)
+    if (made->positions == NULL || made->normals == NULL || values == NULL)
     {
         free(values);
         return error_memory(error, count * NUMBERS * sizeof *values);
-    }
-    for (size_t i = 0; i < 2 * count; i++)
-    {
-        int d = (int)(i % 2);
-        made->parameters[i] =
-            grid->places[i] / ldexp((double)(grid->options.spans[d] * grid->samples[d]), (int)grid->finest);
     }
     bat_status status = bat_spline_surface_evaluate(surface, made->parameters, count, 1, values, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
@@ -310,6 +316,12 @@ static bat_status repair_normals(const bat_spline_surface *surface, surface_tess
     return status;
 }
 
+bat_status tessellation_evaluate(const bat_spline_surface *surface, surface_tessellation *tessellation, bat_error *error)
+{
+    bat_status status = evaluate(surface, tessellation, error);
+    return status == BAT_OK ? repair_normals(surface, tessellation, error) : status;
+}
+
 bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples, surface_tessellation *tessellation,
                               bat_error *error)
 {
@@ -319,12 +331,16 @@ bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples,
     if (status == BAT_OK)
         status = find_vertices(&grid, &made, error);
     if (status == BAT_OK)
-        status = evaluate(surface, &grid, &made, error);
+        status = set_parameters(&grid, &made, error);
+    if (status == BAT_OK)
+        status = evaluate(surface, &made, error);
     if (status == BAT_OK)
         status = triangulate(&grid, &made, error);
     if (status == BAT_OK)
         status = repair_normals(surface, &made, error);
     end_lattice(&grid);
+    if (status == BAT_OK && surface->trim.loop_count > 0)
+        status = tessellation_cut(surface, samples, &made, error);
     if (status == BAT_OK)
         *tessellation = made;
     else

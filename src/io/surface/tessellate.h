@@ -19,7 +19,8 @@ typedef struct surface_tessellation
     size_t quad_count;
     /// quad_count x 4, counter-clockwise from the lower left; finer neighbours are ignored
     uint32_t *quads;
-    uint32_t *levels; ///< quad_count: the level of its cell
+    /// quad_count: the level of its cell. A trimmed surface has no quads, and triangle_count levels
+    uint32_t *levels;
 
     size_t triangle_count;
     uint32_t *triangles; ///< triangle_count x 3, counter-clockwise: a manifold with all border points
@@ -31,6 +32,13 @@ typedef struct surface_tessellation
 /// @return BAT_OK; BAT_TOO_LARGE beyond 2^32 - 1 vertices or lattice points along a side; BAT_NO_MEMORY
 bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples, surface_tessellation *tessellation,
                               bat_error *error);
+/// Set positions and normals of vertices with parameters.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status tessellation_evaluate(const bat_spline_surface *surface, surface_tessellation *tessellation, bat_error *error);
+/// Replace the tessellation of a surface by that of the part within its trimming curves.
+/// @param samples see surface_tessellate()
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status tessellation_cut(const bat_spline_surface *surface, size_t samples, surface_tessellation *made, bat_error *error);
 void tessellation_free(surface_tessellation *tessellation);
 
 #endif

@@ -155,15 +155,27 @@ static void append_data_vertex(const void *context, size_t row, text_buffer *tex
     append_counted(text, cell, 2);
 }
 
-static void append_quad(const void *context, size_t row, text_buffer *text)
+/// The number of polygons: quads, or the triangles of a trimmed surface.
+static size_t polygon_count(const vtk_content *content)
+{
+    return content->surface->quad_count > 0 ? content->surface->quad_count : content->surface->triangle_count;
+}
+
+static void append_polygon(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
+    const uint32_t *triangle = content->surface->triangles + 3 * row;
+    if (content->surface->quad_count == 0)
+    {
+        append_counted(text, (const uint64_t[]){3, triangle[0], triangle[1], triangle[2]}, 4);
+        return;
+    }
     const uint32_t *quad = content->surface->quads + 4 * row;
     const uint64_t cell[] = {4, quad[0], quad[1], quad[2], quad[3]};
     append_counted(text, cell, 5);
 }
 
-/// Append the level of a quad's cell, or -1 for a data point.
+/// Append the level of a polygon's cell, or -1 for a data point.
 static void append_level(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
@@ -186,7 +198,8 @@ static void append_error(const void *context, size_t row, text_buffer *text)
 
 static bat_status write_geometry(const vtk_content *content, text_sink *sink, bat_error *error)
 {
-    size_t points = content->options->point_count, quads = content->surface->quad_count;
+    size_t points = content->options->point_count, polygons = polygon_count(content);
+    size_t corners = content->surface->quad_count > 0 ? 4 : 3;
     size_t all = content->surface->grid_count + points;
     bat_status status = rows_heading(
         sink, error, "# vtk DataFile Version 3.0\nbatten surface\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n", all);
@@ -197,15 +210,15 @@ static bat_status write_geometry(const vtk_content *content, text_sink *sink, ba
     if (status == BAT_OK)
         status = rows_write(sink, points, append_data_vertex, content, error);
     if (status == BAT_OK)
-        status = rows_heading(sink, error, "POLYGONS %zu %zu\n", quads, 5 * quads);
+        status = rows_heading(sink, error, "POLYGONS %zu %zu\n", polygons, (corners + 1) * polygons);
     if (status == BAT_OK)
-        status = rows_write(sink, quads, append_quad, content, error);
+        status = rows_write(sink, polygons, append_polygon, content, error);
     return status;
 }
 
 static bat_status write_fields(const vtk_content *content, text_sink *sink, bat_error *error)
 {
-    size_t points = content->options->point_count, cells = points + content->surface->quad_count;
+    size_t points = content->options->point_count, cells = points + polygon_count(content);
     size_t all = content->surface->grid_count + points;
     bat_status status = rows_heading(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
     if (status == BAT_OK)

@@ -601,7 +601,7 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
                                            .reached = has_reached(loop, &loop->rounds[loop->count - 1])};
     else
         free(loop->rounds);
-    *surface = (bat_spline_surface){loop->space, loop->control, data->dimension};
+    *surface = (bat_spline_surface){.space = loop->space, .control = loop->control, .dimension = data->dimension};
     loop->rounds = NULL;
     loop->space = NULL;
     loop->control = NULL;

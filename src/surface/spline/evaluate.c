@@ -176,14 +176,19 @@ bat_status bat_spline_surface_copy(const bat_spline_surface *surface, bat_spline
         return error_memory(error, count * sizeof *made.control);
     }
     memcpy(made.control, surface->control, count * sizeof *made.control);
-    *copy = made;
-    return BAT_OK;
+    status = bat_spline_trim_copy(&surface->trim, &made.trim, error);
+    if (status == BAT_OK)
+        *copy = made;
+    else
+        bat_spline_surface_free(&made);
+    return status;
 }
 
 void bat_spline_surface_free(bat_spline_surface *surface)
 {
     bat_hierarchical_space_free(surface->space);
     free(surface->control);
+    bat_spline_trim_free(&surface->trim);
     *surface = (bat_spline_surface){0};
 }
 

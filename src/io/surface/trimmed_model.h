@@ -1,0 +1,27 @@
+#ifndef IO_SURFACE_TRIMMED_MODEL_H
+#define IO_SURFACE_TRIMMED_MODEL_H
+
+#include "batten/spline_hierarchical.h"
+
+/// @file
+/// A hierarchical surface as one tensor-product surface, with its trimming curves in space, for CAD files.
+
+/// The model. Release it with trimmed_model_free().
+typedef struct trimmed_model
+{
+    bat_tensor_surface surface;  ///< over the grid of the finest level
+    const bat_spline_trim *trim; ///< of the hierarchical surface
+    bat_spline_curve *images;    ///< of each trimming curve: the curve in space, with the same parameters
+    size_t piece_count;
+    double tolerance; ///< points at smaller distances are identified
+} trimmed_model;
+
+/// Make the model.
+/// @return BAT_OK; BAT_TOO_LARGE where the finest level has more than 2^22 functions; BAT_NO_MEMORY
+bat_status trimmed_model_make(const bat_spline_surface *surface, trimmed_model *model, bat_error *error);
+void trimmed_model_free(trimmed_model *model);
+
+/// The power of ten below the diagonal of the box of control points, times 1e-7.
+double model_tolerance(const bat_tensor_surface *patches, size_t count);
+
+#endif

@@ -1,0 +1,642 @@
+/// @file
+/// Trimming curves; see fair_loops.h.
+///
+/// The roughness of a loop is the median over its corners of the root mean square residual of a parabola that is fitted to
+/// the nearest corners along the loop. A corner of the curve is where straight lines through the points before and after
+/// turn by more than MIN_TURN, and wider ones by little more. It is put where these lines meet. The points between two
+/// corners, or all points of a loop without corners, are fitted by a cubic spline with as few spans as bring the residuals
+/// down to the roughness.
+
+#include "surface/trim/fair_loops.h"
+
+#include "base/ascending.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "surface/trim/region.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    ARM = 4, ///< neighbours on each side for the roughness
+    MIN_WINDOW = 3,
+    MAX_WINDOW = 6, ///< points on each side of a corner; the larger for rough loops
+    MIN_LOOP = 8,
+    MAX_SPANS = 256,
+    DEGREE = 3
+};
+
+/// Mean distance of the true edge of randomly scattered points from their loop, in units of its roughness; measured on
+/// squares with 1,000 to 50,000 points.
+static const double OFFSET = 1.25;
+/// Loops with less roughness, in spacings, pass through points of the edge.
+static const double ROUGH = 0.08;
+static const double MIN_TURN = 0.6;
+/// Share of the turn over twice the window that is in the window.
+static const double TURN_SHARE = 0.7;
+/// A corner is at most so many spacings away from its point.
+static const double MAX_REACH = 3;
+/// Tolerances of the fit, in spacings and in units of the roughness.
+static const double EXACT = 2e-3;
+static const double FAIR = 1.1;
+/// Weight of second differences of control points, which makes the system regular.
+static const double REGULAR = 1e-7;
+
+/// A loop in the chart.
+typedef struct fair_loop
+{
+    size_t count;
+    double (*points)[2];
+    double spacing;   ///< median of its points
+    double roughness; ///< without the part of the noise
+    double offset;
+    size_t window;
+    bool *corner;        ///< count
+    double (*places)[2]; ///< count: of corners, on the curve
+    double *turns;       ///< count
+} fair_loop;
+
+static void fair_loop_free(fair_loop *loop)
+{
+    free(loop->points);
+    free(loop->corner);
+    free(loop->places);
+    free(loop->turns);
+}
+
+/// A point at a distance along the loop, which is cyclic.
+static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t step)
+{
+    ptrdiff_t count = (ptrdiff_t)loop->count, at = ((ptrdiff_t)index + step) % count;
+    return loop->points[at < 0 ? at + count : at];
+}
+
+/// Residual of the parabola through the points within ARM steps, in the axes of its chord.
+static double residual_at(const fair_loop *loop, size_t index)
+{
+    enum
+    {
+        POINTS = 2 * ARM + 1
+    };
+    const double *from = point_at(loop, index, -ARM), *to = point_at(loop, index, ARM), *origin = loop->points[index];
+    double length = hypot(to[0] - from[0], to[1] - from[1]);
+    if (!(length > 0))
+        return 0;
+    const double axis[2] = {(to[0] - from[0]) / length, (to[1] - from[1]) / length};
+    double basis[3][POINTS], heights[POINTS], sum = 0;
+    for (int k = 0; k < POINTS; k++)
+    {
+        const double *point = point_at(loop, index, k - ARM);
+        double x = point[0] - origin[0], y = point[1] - origin[1], t = (axis[0] * x + axis[1] * y) / length;
+        heights[k] = axis[0] * y - axis[1] * x;
+        basis[0][k] = 1;
+        basis[1][k] = t;
+        basis[2][k] = t * t;
+    }
+    // Gram and Schmidt.
+    for (int b = 0; b < 3; b++)
+    {
+        double norm = 0, along = 0;
+        for (int a = 0; a < b; a++)
+        {
+            double dot = 0;
+            for (int k = 0; k < POINTS; k++)
+                dot += basis[a][k] * basis[b][k];
+            for (int k = 0; k < POINTS; k++)
+                basis[b][k] -= dot * basis[a][k];
+        }
+        for (int k = 0; k < POINTS; k++)
+            norm += basis[b][k] * basis[b][k];
+        norm = sqrt(norm);
+        for (int k = 0; k < POINTS; k++)
+            basis[b][k] = norm > 1e-12 ? basis[b][k] / norm : 0;
+        for (int k = 0; k < POINTS; k++)
+            along += basis[b][k] * heights[k];
+        for (int k = 0; k < POINTS; k++)
+            heights[k] -= along * basis[b][k];
+    }
+    for (int k = 0; k < POINTS; k++)
+        sum += heights[k] * heights[k];
+    return sqrt(sum / (POINTS - 3));
+}
+
+static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const double *spacing, double noise,
+                               bat_error *error)
+{
+    double *values = memory_array(loop->count, sizeof *values);
+    if (values == NULL)
+        return error_memory(error, loop->count * sizeof *values);
+    for (size_t i = 0; i < loop->count; i++)
+        values[i] = spacing[corners[i]];
+    qsort(values, loop->count, sizeof *values, ascending);
+    loop->spacing = values[loop->count / 2];
+    for (size_t i = 0; i < loop->count; i++)
+        values[i] = loop->count > 2 * ARM ? residual_at(loop, i) : 0;
+    qsort(values, loop->count, sizeof *values, ascending);
+    double rough = values[loop->count / 2];
+    loop->roughness = sqrt(fmax(rough * rough - noise * noise, 0));
+    loop->offset = loop->roughness > ROUGH * loop->spacing ? OFFSET * loop->roughness : 0;
+    loop->window = loop->offset > 0 ? MAX_WINDOW : MIN_WINDOW;
+    while (loop->window > 1 && 8 * loop->window > loop->count)
+        loop->window--;
+    free(values);
+    return BAT_OK;
+}
+
+/// The line of least squares through consecutive points: their mean and the direction in which they follow each other.
+static void fit_line(const fair_loop *loop, size_t index, ptrdiff_t first, ptrdiff_t last, double mean[2], double axis[2])
+{
+    double xx = 0, xy = 0, yy = 0, count = (double)(last - first + 1);
+    mean[0] = mean[1] = 0;
+    for (ptrdiff_t k = first; k <= last; k++)
+        for (int d = 0; d < 2; d++)
+            mean[d] += point_at(loop, index, k)[d] / count;
+    for (ptrdiff_t k = first; k <= last; k++)
+    {
+        const double *point = point_at(loop, index, k);
+        double x = point[0] - mean[0], y = point[1] - mean[1];
+        xx += x * x;
+        xy += x * y;
+        yy += y * y;
+    }
+    double angle = atan2(2 * xy, xx - yy) / 2;
+    const double *from = point_at(loop, index, first), *to = point_at(loop, index, last);
+    axis[0] = cos(angle);
+    axis[1] = sin(angle);
+    if (axis[0] * (to[0] - from[0]) + axis[1] * (to[1] - from[1]) < 0)
+    {
+        axis[0] = -axis[0];
+        axis[1] = -axis[1];
+    }
+}
+
+/// The angle by which a loop turns at a point, from windows of a number of points on both sides.
+static double turn_at(const fair_loop *loop, size_t index, size_t window)
+{
+    double mean[2], before[2], after[2];
+    fit_line(loop, index, -(ptrdiff_t)window, 0, mean, before);
+    fit_line(loop, index, 0, (ptrdiff_t)window, mean, after);
+    return atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]);
+}
+
+/// Where the lines before and after a corner meet, shifted to the edge; the point itself where that is far away.
+static void place_corner(fair_loop *loop, size_t index)
+{
+    ptrdiff_t window = (ptrdiff_t)loop->window;
+    // A loop of exact points has a point at the corner. In rough loops the nearest points belong to no side.
+    ptrdiff_t gap = loop->offset > 0 ? 1 : 0;
+    double p[2], a[2], q[2], b[2];
+    const double *point = loop->points[index];
+    fit_line(loop, index, -window - gap, -gap, p, a);
+    fit_line(loop, index, gap, window + gap, q, b);
+    // The inside is to the left.
+    const double shift[2][2] = {{a[1] * loop->offset, -a[0] * loop->offset}, {b[1] * loop->offset, -b[0] * loop->offset}};
+    for (int d = 0; d < 2; d++)
+    {
+        p[d] += shift[0][d];
+        q[d] += shift[1][d];
+        loop->places[index][d] = point[d] + (shift[0][d] + shift[1][d]) / 2;
+    }
+    double cross = a[0] * b[1] - a[1] * b[0];
+    if (loop->offset == 0 || fabs(cross) < 0.3)
+        return;
+    double t = ((q[0] - p[0]) * b[1] - (q[1] - p[1]) * b[0]) / cross;
+    const double meet[2] = {p[0] + t * a[0], p[1] + t * a[1]};
+    if (hypot(meet[0] - point[0], meet[1] - point[1]) <= MAX_REACH * (loop->spacing + loop->offset))
+        memcpy(loop->places[index], meet, sizeof meet);
+}
+
+static void find_corners(fair_loop *loop)
+{
+    ptrdiff_t window = (ptrdiff_t)loop->window;
+    memset(loop->corner, 0, loop->count * sizeof *loop->corner);
+    if (loop->count < MIN_LOOP)
+        return;
+    for (size_t i = 0; i < loop->count; i++)
+        loop->turns[i] = turn_at(loop, i, loop->window);
+    for (size_t i = 0; i < loop->count; i++)
+    {
+        double turn = fabs(loop->turns[i]);
+        bool largest = turn >= MIN_TURN && turn >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
+        for (ptrdiff_t k = -window; k <= window && largest; k++)
+        {
+            size_t other = (i + loop->count + (size_t)(window + k) - (size_t)window) % loop->count;
+            double turned = fabs(loop->turns[other]);
+            largest = turned < turn || (turned == turn && k >= 0) || loop->turns[other] * loop->turns[i] < 0;
+        }
+        loop->corner[i] = largest;
+    }
+    for (size_t i = 0; i < loop->count; i++)
+        if (loop->corner[i])
+            place_corner(loop, i);
+}
+
+// Curves
+
+/// The points of a piece with their parameters in [0, 1].
+typedef struct fair_piece
+{
+    double (*points)[2];
+    double *at;
+    size_t count;
+    bool closed; ///< a loop without corners: the last point is the first one
+} fair_piece;
+
+/// A control point as a combination of unknowns.
+typedef struct control_rule
+{
+    size_t unknown[2]; ///< SIZE_MAX for none
+    double weight[2];
+    const double *fixed; ///< null for none
+} control_rule;
+
+/// Ends are fixed. In a closed piece, ends and derivatives there agree: unknowns 0 and 1 are the end and the step to the
+/// next control point.
+static control_rule rule_of(const fair_piece *piece, size_t functions, size_t index)
+{
+    control_rule rule = {{SIZE_MAX, SIZE_MAX}, {1, 0}, NULL};
+    size_t last = functions - 1;
+    if (!piece->closed)
+    {
+        if (index == 0 || index == last)
+            rule.fixed = piece->points[index == 0 ? 0 : piece->count - 1];
+        else
+            rule.unknown[0] = index - 1;
+        return rule;
+    }
+    bool end = index == 0 || index == last, beside = index == 1 || index + 1 == last;
+    rule.unknown[0] = end || beside ? 0 : index;
+    if (beside)
+    {
+        rule.unknown[1] = 1;
+        rule.weight[1] = index == 1 ? 1 : -1;
+    }
+    return rule;
+}
+
+/// Add the square of sum_k factors[k] c_(first + k) - target to the normal equations.
+static void add_equation(const fair_piece *piece, size_t functions, size_t unknowns, size_t first, size_t count,
+                         const double *factors, const double target[2], double weight, double *matrix, double *right)
+{
+    double left[2] = {target[0], target[1]}, row[2 * (DEGREE + 1)];
+    size_t column[2 * (DEGREE + 1)], made = 0;
+    for (size_t k = 0; k < count; k++)
+    {
+        control_rule rule = rule_of(piece, functions, first + k);
+        for (int d = 0; d < 2 && rule.fixed != NULL; d++)
+            left[d] -= factors[k] * rule.fixed[d];
+        for (int e = 0; e < 2; e++)
+            if (rule.unknown[e] != SIZE_MAX)
+            {
+                column[made] = rule.unknown[e];
+                row[made++] = factors[k] * rule.weight[e];
+            }
+    }
+    for (size_t a = 0; a < made; a++)
+    {
+        for (size_t d = 0; d < 2; d++)
+            right[2 * column[a] + d] += weight * row[a] * left[d];
+        for (size_t b = 0; b < made; b++)
+            matrix[column[a] * unknowns + column[b]] += weight * row[a] * row[b];
+    }
+}
+
+/// Solve a dense positive definite system with two right sides by Cholesky's method, in place.
+static void solve_dense(size_t count, double *matrix, double *right)
+{
+    for (size_t j = 0; j < count; j++)
+    {
+        double *row = matrix + j * count;
+        for (size_t k = 0; k <= j; k++)
+        {
+            double sum = row[k];
+            for (size_t m = 0; m < k; m++)
+                sum -= row[m] * matrix[k * count + m];
+            row[k] = k < j ? sum / matrix[k * count + k] : sqrt(fmax(sum, 1e-30));
+        }
+        for (size_t d = 0; d < 2; d++)
+        {
+            for (size_t m = 0; m < j; m++)
+                right[2 * j + d] -= row[m] * right[2 * m + d];
+            right[2 * j + d] /= row[j];
+        }
+    }
+    for (size_t j = count; j-- > 0;)
+        for (size_t d = 0; d < 2; d++)
+        {
+            for (size_t m = j + 1; m < count; m++)
+                right[2 * j + d] -= matrix[m * count + j] * right[2 * m + d];
+            right[2 * j + d] /= matrix[j * count + j];
+        }
+}
+
+/// Fit a curve with a number of spans. `residuals` receives root mean square and largest residual.
+static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_curve *curve, double residuals[2],
+                            bat_error *error)
+{
+    size_t functions = spans + DEGREE, unknowns = functions - 2;
+    *curve = (bat_spline_curve){.dimension = 2};
+    bat_status status = bat_knot_vector_uniform(DEGREE, spans, &curve->knots, error);
+    if (status != BAT_OK)
+        return status;
+    double *matrix = calloc(unknowns * unknowns, sizeof *matrix), *right = calloc(2 * unknowns, sizeof *right);
+    curve->control = memory_array(functions, 2 * sizeof *curve->control);
+    if (matrix == NULL || right == NULL || curve->control == NULL)
+    {
+        free(matrix);
+        free(right);
+        bat_spline_curve_free(curve);
+        return error_memory(error, unknowns * unknowns * sizeof *matrix);
+    }
+    static const double differences[] = {1, -2, 1}, none[2] = {0, 0};
+    for (size_t i = 0; i < piece->count; i++)
+    {
+        double basis[DEGREE + 1];
+        size_t span = bat_knot_vector_span(&curve->knots, piece->at[i]);
+        bat_knot_vector_basis(&curve->knots, span, piece->at[i], 0, basis);
+        add_equation(piece, functions, unknowns, span - DEGREE, DEGREE + 1, basis, piece->points[i], 1, matrix, right);
+    }
+    for (size_t i = 0; i + 2 < functions; i++)
+        add_equation(piece, functions, unknowns, i, 3, differences, none, REGULAR, matrix, right);
+    solve_dense(unknowns, matrix, right);
+    for (size_t i = 0; i < functions; i++)
+    {
+        control_rule rule = rule_of(piece, functions, i);
+        for (size_t d = 0; d < 2; d++)
+        {
+            double value = rule.fixed != NULL ? rule.fixed[d] : 0;
+            for (int e = 0; e < 2; e++)
+                value += rule.unknown[e] != SIZE_MAX ? rule.weight[e] * right[2 * rule.unknown[e] + d] : 0;
+            curve->control[2 * i + d] = value;
+        }
+    }
+    free(matrix);
+    free(right);
+    residuals[0] = residuals[1] = 0;
+    for (size_t i = 0; i < piece->count; i++)
+    {
+        double place[2];
+        spline_curve_place(curve, piece->at[i], place);
+        double apart = hypot(place[0] - piece->points[i][0], place[1] - piece->points[i][1]);
+        residuals[0] += apart * apart / (double)piece->count;
+        residuals[1] = fmax(residuals[1], apart);
+    }
+    residuals[0] = sqrt(residuals[0]);
+    return BAT_OK;
+}
+
+/// The polygon of a piece's points.
+static bat_status fit_polygon(const fair_piece *piece, bat_spline_curve *curve, bat_error *error)
+{
+    *curve = (bat_spline_curve){.dimension = 2};
+    bat_status status = bat_knot_vector_uniform(1, piece->count - 1, &curve->knots, error);
+    if (status != BAT_OK)
+        return status;
+    curve->control = memory_array(piece->count, 2 * sizeof *curve->control);
+    if (curve->control == NULL)
+    {
+        bat_spline_curve_free(curve);
+        return error_memory(error, piece->count * 2 * sizeof *curve->control);
+    }
+    memcpy(curve->control, piece->points, piece->count * 2 * sizeof *curve->control);
+    return BAT_OK;
+}
+
+/// Set the parameters in proportion to the lengths of chords.
+static void set_parameters(fair_piece *piece)
+{
+    piece->at[0] = 0;
+    for (size_t i = 1; i < piece->count; i++)
+        piece->at[i] = piece->at[i - 1] +
+                       hypot(piece->points[i][0] - piece->points[i - 1][0], piece->points[i][1] - piece->points[i - 1][1]);
+    double length = piece->at[piece->count - 1];
+    for (size_t i = 1; i < piece->count; i++)
+        piece->at[i] = length > 0 ? fmin(piece->at[i] / length, 1) : (double)i / (double)(piece->count - 1);
+}
+
+/// Fit the curve with the fewest spans within the tolerance; the polygon of exact points where there is none.
+static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline_curve *curve, bat_error *error)
+{
+    double tolerance = loop->offset > 0 ? FAIR * loop->roughness : fmax(EXACT * loop->spacing, FAIR * loop->roughness);
+    size_t first = piece->closed ? 4 : 1, most = piece->count < MAX_SPANS ? piece->count : MAX_SPANS;
+    set_parameters(piece);
+    if (piece->count == 2 && !piece->closed)
+        return fit_polygon(piece, curve, error);
+    for (size_t spans = first;; spans *= 2)
+    {
+        double residuals[2] = {0, 0};
+        bat_status status = fit_spans(piece, spans, curve, residuals, error);
+        if (status != BAT_OK || residuals[0] <= tolerance || (2 * spans > most && loop->offset > 0))
+            return status;
+        if (2 * spans <= most)
+        {
+            bat_spline_curve_free(curve);
+            continue;
+        }
+        if (residuals[1] <= loop->spacing / 4)
+            return BAT_OK;
+        bat_spline_curve_free(curve);
+        return fit_polygon(piece, curve, error);
+    }
+}
+
+/// Append a point of the loop, shifted to the edge across the direction of its neighbours up to the next corners.
+static void add_shifted(const fair_loop *loop, size_t index, ptrdiff_t room_before, ptrdiff_t room_after, fair_piece *piece)
+{
+    ptrdiff_t window = (ptrdiff_t)loop->window;
+    double mean[2], axis[2];
+    const double *point = loop->points[index];
+    fit_line(loop, index, -(room_before < window ? room_before : window), room_after < window ? room_after : window, mean,
+             axis);
+    piece->points[piece->count][0] = point[0] + axis[1] * loop->offset;
+    piece->points[piece->count++][1] = point[1] - axis[0] * loop->offset;
+}
+
+/// Gather the points from a corner to the next one, or all points of a loop without corners.
+static void gather_piece(const fair_loop *loop, size_t begin, size_t steps, fair_piece *piece)
+{
+    piece->count = 0;
+    if (piece->closed)
+    {
+        for (size_t k = 0; k < loop->count; k++)
+            add_shifted(loop, k, (ptrdiff_t)loop->window, (ptrdiff_t)loop->window, piece);
+        memcpy(piece->points[piece->count++], piece->points[0], sizeof *piece->points);
+        return;
+    }
+    memcpy(piece->points[piece->count++], loop->places[begin], sizeof *piece->points);
+    for (size_t k = 1; k < steps; k++)
+        add_shifted(loop, (begin + k) % loop->count, (ptrdiff_t)k - 1, (ptrdiff_t)(steps - k) - 1, piece);
+    memcpy(piece->points[piece->count++], loop->places[(begin + steps) % loop->count], sizeof *piece->points);
+}
+
+/// Leave out points that the shift has moved past their corners: those that do not advance towards the end.
+static void drop_overrun(fair_piece *piece)
+{
+    if (piece->closed || piece->count < 4)
+        return;
+    const double *from = piece->points[0], *to = piece->points[piece->count - 1];
+    for (int end = 0; end < 2; end++)
+    {
+        const double *corner = end == 0 ? from : to;
+        size_t inner = end == 0 ? 2 : piece->count - 3, outer = end == 0 ? 1 : piece->count - 2;
+        double x = piece->points[inner][0] - piece->points[outer][0], y = piece->points[inner][1] - piece->points[outer][1];
+        double along = x * (piece->points[outer][0] - corner[0]) + y * (piece->points[outer][1] - corner[1]);
+        if (along > 0 || piece->count < 4)
+            continue;
+        memmove(piece->points + outer, piece->points + outer + 1, (piece->count - outer - 1) * sizeof *piece->points);
+        piece->count--;
+        to = piece->points[piece->count - 1];
+    }
+}
+
+/// Fit the pieces of a loop.
+static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
+{
+    size_t first = 0, pieces = trim->loops[trim->loop_count];
+    while (first < loop->count && !loop->corner[first])
+        first++;
+    fair_piece piece = {.points = memory_array(loop->count + 2, sizeof *piece.points),
+                        .at = memory_array(loop->count + 2, sizeof *piece.at),
+                        .closed = first == loop->count};
+    bat_status status =
+        piece.points == NULL || piece.at == NULL ? error_memory(error, loop->count * 3 * sizeof(double)) : BAT_OK;
+    size_t begin = piece.closed ? 0 : first, left = loop->count;
+    while (status == BAT_OK && left > 0)
+    {
+        size_t steps = 1;
+        while (steps < left && (piece.closed || !loop->corner[(begin + steps) % loop->count]))
+            steps++;
+        gather_piece(loop, begin, steps, &piece);
+        drop_overrun(&piece);
+        status = fit_piece(loop, &piece, &trim->pieces[pieces], error);
+        pieces += status == BAT_OK;
+        begin = (begin + steps) % loop->count;
+        left -= steps;
+    }
+    free(piece.points);
+    free(piece.at);
+    trim->loops[trim->loop_count + 1] = pieces;
+    trim->loop_count++;
+    return status;
+}
+
+/// The polygon of a loop's own points as its only piece.
+static bat_status fit_points(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
+{
+    fair_piece piece = {.points = memory_array(loop->count + 1, sizeof *piece.points), .count = loop->count + 1};
+    if (piece.points == NULL)
+        return error_memory(error, loop->count * 2 * sizeof(double));
+    memcpy(piece.points, loop->points, loop->count * sizeof *piece.points);
+    memcpy(piece.points[loop->count], loop->points[0], sizeof *piece.points);
+    size_t at = trim->loops[trim->loop_count];
+    bat_status status = fit_polygon(&piece, &trim->pieces[at], error);
+    free(piece.points);
+    trim->loops[trim->loop_count + 1] = at + (status == BAT_OK);
+    trim->loop_count++;
+    return status;
+}
+
+static double side_of(const double *a, const double *b, const double *c)
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// Whether two edges of polygons cross.
+static bool edges_cross(const double *a, const double *b, const double *c, const double *d)
+{
+    return side_of(a, b, c) * side_of(a, b, d) < 0 && side_of(c, d, a) * side_of(c, d, b) < 0;
+}
+
+/// Whether the polygons of curves cross themselves or each other.
+static bat_status find_crossing(const bat_spline_trim *trim, bool *crosses, bat_error *error)
+{
+    trim_region region;
+    bat_status status = trim_region_make(trim, &region, error);
+    *crosses = false;
+    for (size_t row = 0; row < TRIM_ROWS && status == BAT_OK && !*crosses; row++)
+        for (size_t i = region.row_edges[row]; i < region.row_edges[row + 1] && !*crosses; i++)
+            for (size_t k = region.row_edges[row]; k < i && !*crosses; k++)
+            {
+                uint32_t e = region.edges[i], f = region.edges[k];
+                *crosses = edges_cross(region.points[e], region.points[trim_region_next(&region, e)], region.points[f],
+                                       region.points[trim_region_next(&region, f)]);
+            }
+    if (status == BAT_OK)
+        trim_region_free(&region);
+    return status;
+}
+
+/// Scale the curves to the square. Control points stay in it.
+static void scale_curves(const double sides[2], bat_spline_trim *trim)
+{
+    for (size_t p = 0; p < trim->loops[trim->loop_count]; p++)
+    {
+        bat_spline_curve *piece = &trim->pieces[p];
+        for (size_t k = 0; k < 2 * bat_knot_vector_functions(&piece->knots); k++)
+            piece->control[k] = fmin(fmax(piece->control[k] / sides[k % 2], 0), 1);
+    }
+}
+
+static bat_status loop_make(const outline_loops *loops, size_t number, const double sides[2], const double *parameters,
+                            const double *spacing, double noise, fair_loop *loop, bat_error *error)
+{
+    const uint32_t *corners = loops->corners + loops->first[number];
+    size_t count = loops->first[number + 1] - loops->first[number];
+    *loop = (fair_loop){.count = count,
+                        .points = memory_array(count, sizeof *loop->points),
+                        .corner = memory_array(count, sizeof *loop->corner),
+                        .places = memory_array(count, sizeof *loop->places),
+                        .turns = memory_array(count, sizeof *loop->turns)};
+    if (loop->points == NULL || loop->corner == NULL || loop->places == NULL || loop->turns == NULL)
+        return error_memory(error, count * 5 * sizeof(double));
+    for (size_t i = 0; i < count; i++)
+        for (size_t d = 0; d < 2; d++)
+            loop->points[i][d] = parameters[2 * (size_t)corners[i] + d] * sides[d];
+    bat_status status = measure_loop(loop, corners, spacing, noise, error);
+    if (status == BAT_OK)
+        find_corners(loop);
+    return status;
+}
+
+/// Fit all loops; `plain` ones as polygons of their points.
+static bat_status fit_loops(const outline_loops *loops, const double sides[2], const double *parameters,
+                            const double *spacing, double noise, bool plain, bat_spline_trim *trim, bat_error *error)
+{
+    size_t corners = loops->first[loops->count];
+    *trim = (bat_spline_trim){.pieces = calloc(corners, sizeof *trim->pieces),
+                              .loops = calloc(loops->count + 1, sizeof *trim->loops)};
+    bat_status status =
+        trim->pieces == NULL || trim->loops == NULL ? error_memory(error, corners * sizeof *trim->pieces) : BAT_OK;
+    for (size_t l = 0; l < loops->count && status == BAT_OK; l++)
+    {
+        fair_loop loop;
+        status = loop_make(loops, l, sides, parameters, spacing, noise, &loop, error);
+        if (status == BAT_OK)
+            status = plain ? fit_points(&loop, trim, error) : fit_loop(&loop, trim, error);
+        fair_loop_free(&loop);
+    }
+    if (status == BAT_OK)
+        scale_curves(sides, trim);
+    else
+        bat_spline_trim_free(trim);
+    return status;
+}
+
+bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters,
+                           const double *spacing, double noise, bat_spline_trim *trim, bat_error *error)
+{
+    bool crosses = false;
+    bat_status status = fit_loops(loops, sides, parameters, spacing, noise, false, trim, error);
+    if (status == BAT_OK)
+        status = find_crossing(trim, &crosses, error);
+    if (status == BAT_OK && crosses)
+    {
+        bat_spline_trim_free(trim);
+        status = fit_loops(loops, sides, parameters, spacing, noise, true, trim, error);
+    }
+    if (status != BAT_OK)
+        bat_spline_trim_free(trim);
+    return status;
+}

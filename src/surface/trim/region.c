@@ -1,0 +1,255 @@
+/// @file
+/// Trimming curves and their polygons; see region.h.
+
+#include "surface/trim/region.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    SPAN_POINTS = 8 ///< corners of the polygon for each span of a curve
+};
+
+static const double CLOSED = 1e-9;
+
+void bat_spline_curve_free(bat_spline_curve *curve)
+{
+    bat_knot_vector_free(&curve->knots);
+    free(curve->control);
+    *curve = (bat_spline_curve){0};
+}
+
+void bat_spline_trim_free(bat_spline_trim *trim)
+{
+    for (size_t i = 0; trim->loop_count > 0 && i < trim->loops[trim->loop_count]; i++)
+        bat_spline_curve_free(&trim->pieces[i]);
+    free(trim->pieces);
+    free(trim->loops);
+    *trim = (bat_spline_trim){0};
+}
+
+bat_status bat_spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *copy, bat_error *error)
+{
+    if (trim->loop_count == 0)
+    {
+        *copy = (bat_spline_trim){0};
+        return BAT_OK;
+    }
+    size_t pieces = trim->loops[trim->loop_count];
+    bat_spline_trim made = {.pieces = calloc(pieces, sizeof *made.pieces),
+                            .loops = calloc(trim->loop_count + 1, sizeof *made.loops)};
+    if (made.pieces == NULL || made.loops == NULL)
+    {
+        free(made.pieces);
+        free(made.loops);
+        return error_memory(error, pieces * sizeof *made.pieces);
+    }
+    memcpy(made.loops, trim->loops, (trim->loop_count + 1) * sizeof *made.loops);
+    made.loop_count = trim->loop_count;
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < pieces && status == BAT_OK; i++)
+    {
+        const bat_spline_curve *from = &trim->pieces[i];
+        bat_spline_curve *to = &made.pieces[i];
+        size_t size = bat_knot_vector_functions(&from->knots) * from->dimension;
+        to->dimension = from->dimension;
+        status = bat_knot_vector_copy(&from->knots, &to->knots, error);
+        to->control = memory_array(size, sizeof *to->control);
+        if (status == BAT_OK && to->control == NULL)
+            status = error_memory(error, size * sizeof *to->control);
+        if (status == BAT_OK)
+            memcpy(to->control, from->control, size * sizeof *to->control);
+    }
+    if (status == BAT_OK)
+        *copy = made;
+    else
+        bat_spline_trim_free(&made);
+    return status;
+}
+
+void spline_curve_domain(const bat_spline_curve *curve, double domain[2])
+{
+    const bat_knot_vector *knots = &curve->knots;
+    domain[0] = knots->knots[knots->degree];
+    domain[1] = knots->knots[bat_knot_vector_functions(knots)];
+}
+
+void spline_curve_place(const bat_spline_curve *curve, double t, double *place)
+{
+    double basis[BAT_SPLINE_MAX_DEGREE + 1];
+    size_t span = bat_knot_vector_span(&curve->knots, t), degree = (size_t)curve->knots.degree;
+    bat_knot_vector_basis(&curve->knots, span, t, 0, basis);
+    memset(place, 0, curve->dimension * sizeof *place);
+    for (size_t k = 0; k <= degree; k++)
+        for (size_t c = 0; c < curve->dimension; c++)
+            place[c] += basis[k] * curve->control[(span - degree + k) * curve->dimension + c];
+}
+
+static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_error *error)
+{
+    bat_status status = bat_knot_vector_check(&piece->knots, error);
+    if (status != BAT_OK)
+        return status;
+    double domain[2];
+    spline_curve_domain(piece, domain);
+    const bat_knot_vector *knots = &piece->knots;
+    bool good = piece->dimension == 2 && piece->control != NULL && knots->degree > 0 && knots->knots[0] == domain[0] &&
+                knots->knots[knots->count - 1] == domain[1];
+    for (size_t k = 0; good && k < 2 * bat_knot_vector_functions(knots); k++)
+        good = piece->control[k] >= 0 && piece->control[k] <= 1;
+    return good ? BAT_OK
+                : error_set(error, BAT_INVALID_ARGUMENT, index, 0,
+                            "trimming curve %zu is not a clamped planar spline in the unit square", index);
+}
+
+bat_status bat_spline_trim_check(const bat_spline_trim *trim, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    for (size_t l = 0; l < trim->loop_count; l++)
+    {
+        size_t begin = trim->loops[l], end = trim->loops[l + 1];
+        if (end <= begin)
+            return error_set(error, BAT_INVALID_ARGUMENT, l, 0, "trimming loop %zu is empty", l);
+        for (size_t i = begin; i < end && status == BAT_OK; i++)
+            status = check_piece(&trim->pieces[i], i, error);
+        for (size_t i = begin; i < end && status == BAT_OK; i++)
+        {
+            const bat_spline_curve *piece = &trim->pieces[i], *next = &trim->pieces[i + 1 < end ? i + 1 : begin];
+            const double *last = piece->control + 2 * (bat_knot_vector_functions(&piece->knots) - 1);
+            if (!(hypot(last[0] - next->control[0], last[1] - next->control[1]) <= CLOSED))
+                status =
+                    error_set(error, BAT_INVALID_ARGUMENT, i, 0, "trimming loop %zu is not closed after curve %zu", l, i);
+        }
+        if (status != BAT_OK)
+            return status;
+    }
+    return BAT_OK;
+}
+
+static size_t polygon_points(const bat_spline_curve *piece)
+{
+    size_t spans = bat_knot_vector_functions(&piece->knots) - (size_t)piece->knots.degree;
+    return spans * (piece->knots.degree == 1 ? 1 : SPAN_POINTS);
+}
+
+/// Append the corners of a piece without its end.
+static void sample_piece(const bat_spline_curve *piece, trim_region *region)
+{
+    size_t degree = (size_t)piece->knots.degree, functions = bat_knot_vector_functions(&piece->knots);
+    size_t steps = degree == 1 ? 1 : SPAN_POINTS;
+    for (size_t span = degree; span < functions; span++)
+    {
+        double from = piece->knots.knots[span], to = piece->knots.knots[span + 1];
+        for (size_t k = 0; k < steps && to > from; k++)
+            spline_curve_place(piece, from + (to - from) * (double)k / (double)steps, region->points[region->count++]);
+    }
+}
+
+size_t trim_region_next(const trim_region *region, size_t corner)
+{
+    size_t low = 0, high = region->loop_count;
+    while (high - low > 1)
+    {
+        size_t middle = low + (high - low) / 2;
+        if (region->loops[middle] <= corner)
+            low = middle;
+        else
+            high = middle;
+    }
+    return corner + 1 < region->loops[low + 1] ? corner + 1 : region->loops[low];
+}
+
+static size_t row_of(double v)
+{
+    double row = floor(v * TRIM_ROWS);
+    return row < 0 ? 0 : row > TRIM_ROWS - 1 ? TRIM_ROWS - 1 : (size_t)row;
+}
+
+/// Sort the edges into rows.
+static bat_status make_rows(trim_region *region, bat_error *error)
+{
+    region->row_edges = calloc(TRIM_ROWS + 2, sizeof *region->row_edges);
+    size_t *fill = region->row_edges;
+    if (fill == NULL)
+        return error_memory(error, TRIM_ROWS * sizeof *fill);
+    for (int pass = 0; pass < 2; pass++)
+    {
+        for (size_t e = 0; e < region->count; e++)
+        {
+            size_t a = row_of(region->points[e][1]), b = row_of(region->points[trim_region_next(region, e)][1]);
+            for (size_t row = a < b ? a : b; row <= (a < b ? b : a); row++)
+            {
+                if (pass == 0)
+                    fill[row + 2]++;
+                else
+                    region->edges[fill[row + 1]++] = (uint32_t)e;
+            }
+        }
+        if (pass == 1)
+            break;
+        for (size_t row = 1; row < TRIM_ROWS + 2; row++)
+            fill[row] += fill[row - 1];
+        region->edges = memory_array(fill[TRIM_ROWS + 1], sizeof *region->edges);
+        if (region->edges == NULL)
+            return error_memory(error, fill[TRIM_ROWS + 1] * sizeof *region->edges);
+    }
+    return BAT_OK;
+}
+
+bat_status trim_region_make(const bat_spline_trim *trim, trim_region *region, bat_error *error)
+{
+    *region = (trim_region){0};
+    if (trim->loop_count == 0)
+        return BAT_OK;
+    size_t total = 0;
+    for (size_t i = 0; i < trim->loops[trim->loop_count]; i++)
+        total += polygon_points(&trim->pieces[i]);
+    region->points = memory_array(total, sizeof *region->points);
+    region->loops = memory_array(trim->loop_count + 1, sizeof *region->loops);
+    if (region->points == NULL || region->loops == NULL)
+    {
+        trim_region_free(region);
+        return error_memory(error, total * sizeof *region->points);
+    }
+    region->loop_count = trim->loop_count;
+    for (size_t l = 0; l < trim->loop_count; l++)
+    {
+        region->loops[l] = region->count;
+        for (size_t i = trim->loops[l]; i < trim->loops[l + 1]; i++)
+            sample_piece(&trim->pieces[i], region);
+    }
+    region->loops[trim->loop_count] = region->count;
+    bat_status status = make_rows(region, error);
+    if (status != BAT_OK)
+        trim_region_free(region);
+    return status;
+}
+
+void trim_region_free(trim_region *region)
+{
+    free(region->points);
+    free(region->loops);
+    free(region->edges);
+    free(region->row_edges);
+    *region = (trim_region){0};
+}
+
+bool trim_region_contains(const trim_region *region, double u, double v)
+{
+    if (region->loop_count == 0)
+        return true;
+    bool inside = false;
+    size_t row = row_of(v);
+    for (size_t k = region->row_edges[row]; k < region->row_edges[row + 1]; k++)
+    {
+        const double *a = region->points[region->edges[k]], *b = region->points[trim_region_next(region, region->edges[k])];
+        if ((a[1] > v) != (b[1] > v) && u < a[0] + (v - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+            inside = !inside;
+    }
+    return inside;
+}
