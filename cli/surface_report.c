@@ -107,6 +107,14 @@ static void print_rounds(const surface_findings *findings)
     }
 }
 
+static void print_trim(const bat_surface_result *result)
+{
+    const bat_spline_trim *trim = &result->surface.trim;
+    if (trim->loop_count > 0)
+        (void)printf("trimmed by an outline and %zu holes, %zu curves in all; %zu holes are filled\n", trim->loop_count - 1,
+                     trim->loops[trim->loop_count], result->filled_holes);
+}
+
 static void print_verdict(const surface_findings *findings)
 {
     const bat_surface_result *result = findings->result;
@@ -149,6 +157,7 @@ void surface_report_print(const surface_findings *findings)
     print_candidates(findings);
     print_rounds(findings);
     print_end(findings);
+    print_trim(findings->result);
     print_verdict(findings);
 }
 
@@ -215,6 +224,15 @@ static json_t *held_out_json(const bat_surface_fit_report *report)
                      report_number(report->held_out_rms), "largest", report_number(report->held_out_largest));
 }
 
+static json_t *trim_json(const bat_surface_result *result)
+{
+    const bat_spline_trim *trim = &result->surface.trim;
+    if (trim->loop_count == 0)
+        return json_null();
+    return json_pack("{s:I, s:I, s:I}", "holes", (json_int_t)trim->loop_count - 1, "curves",
+                     (json_int_t)trim->loops[trim->loop_count], "filled_holes", (json_int_t)result->filled_holes);
+}
+
 json_t *surface_report_json(const surface_findings *findings)
 {
     const bat_surface_result *result = findings->result;
@@ -225,14 +243,14 @@ json_t *surface_report_json(const surface_findings *findings)
         (void)json_array_append_new(candidates, candidate_json(findings, &result->candidates[i]));
     for (size_t i = 0; i < result->report.count; i++)
         (void)json_array_append_new(rounds, round_json(findings, &result->report.rounds[i]));
-    return json_pack("{s:o, s:s, s:s, s:I, s:o, s:[ii], s:o, s:o, s:b, s:I, s:I, s:o, s:o, s:o, s:o, s:b, s:[fff]}", "cloud",
-                     cloud_json(findings), "chosen", bat_surface_parameters_name(result->chosen), "reason", reason,
+    return json_pack("{s:o, s:s, s:s, s:I, s:o, s:[ii], s:o, s:o, s:b, s:I, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[fff]}",
+                     "cloud", cloud_json(findings), "chosen", bat_surface_parameters_name(result->chosen), "reason", reason,
                      "trial_points", (json_int_t)result->trial_points, "candidates", candidates, "degree",
                      findings->options->fit.space.degree[0], findings->options->fit.space.degree[1], "rounds", rounds,
                      "result", round_json(findings, &result->report.rounds[result->report.count - 1]), "reached",
                      (int)result->report.reached, "moved", (json_int_t)result->report.moved, "outliers",
                      (json_int_t)result->report.outliers, "folds", folds_json(findings->cloud, &result->folds), "held_out",
                      held_out_json(&result->report), "noise", report_number(result->noise), "verdict",
-                     verdict_json(&result->verdict), "below_noise", (int)result->below_noise, "seconds", result->seconds[0],
-                     result->seconds[1], result->seconds[2]);
+                     verdict_json(&result->verdict), "below_noise", (int)result->below_noise, "trim", trim_json(result),
+                     "seconds", result->seconds[0], result->seconds[1], result->seconds[2]);
 }

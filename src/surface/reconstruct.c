@@ -373,8 +373,9 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool one_sided, bat
         return tell_one_sided(error);
     char text[200];
     surface_verdict_text(verdict, text, sizeof text);
-    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the surface is wrong: %s; --force writes it nevertheless",
-                     text);
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                     "the surface is wrong: %s; %s--force writes it nevertheless", text,
+                     work->options->trim ? "" : "--trim fits concave outlines and holes, ");
 }
 
 /// Count folds of the parameters of the part.

@@ -3,15 +3,18 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
+#include "surface/trim/region.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// @file
 /// Uniform triangulations of spline surfaces.
 
-/// The smallest and largest number of steps along a side.
+/// The smallest number of steps along a side, also of a trimmed surface, and the largest.
 #define MIN_STEPS ((size_t)96)
+#define MIN_TRIMMED_STEPS ((size_t)256)
 #define MAX_STEPS ((size_t)320)
 
 /// Steps across a cell of the finest level, up to the largest number of all steps.
@@ -21,13 +24,15 @@
 /// whole.
 #define OPEN_SHARE 0.2
 
-static size_t steps_for(const bat_hierarchical_space *space, int direction)
+static size_t steps_for(const bat_spline_surface *surface, int direction)
 {
+    const bat_hierarchical_space *space = surface->space;
     size_t cells = bat_hierarchical_space_options(space).spans[direction];
+    size_t least = surface->trim.loop_count > 0 ? MIN_TRIMMED_STEPS : MIN_STEPS;
     for (size_t level = 1; level < bat_hierarchical_space_levels(space) && cells < MAX_STEPS; level++)
         cells *= 2;
     size_t steps = cells < MAX_STEPS ? STEPS_OF_CELL * cells : MAX_STEPS;
-    return steps < MIN_STEPS ? MIN_STEPS : steps > MAX_STEPS ? MAX_STEPS : steps;
+    return steps < least ? least : steps > MAX_STEPS ? MAX_STEPS : steps;
 }
 
 /// The vertex in column i and row j of the grid.
@@ -77,9 +82,50 @@ static bat_status evaluate_grid(const bat_spline_surface *surface, const size_t 
     return status;
 }
 
+/// Keep the triangles whose corners are within the trimming curves, and the vertices of these.
+static bat_status trim_patch(const bat_spline_surface *surface, const size_t steps[2], bat_mesh *mesh, bat_error *error)
+{
+    trim_region region;
+    bat_status status = trim_region_make(&surface->trim, &region, error);
+    if (status != BAT_OK)
+        return status;
+    uint32_t *numbers = memory_array(mesh->vertex_count, sizeof *numbers);
+    if (numbers == NULL)
+    {
+        trim_region_free(&region);
+        return error_memory(error, mesh->vertex_count * sizeof *numbers);
+    }
+    memset(numbers, 0, mesh->vertex_count * sizeof *numbers);
+    for (size_t j = 0; j <= steps[1]; j++)
+        for (size_t i = 0; i <= steps[0]; i++)
+            numbers[vertex_at(steps, i, j)] =
+                trim_region_contains(&region, (double)i / (double)steps[0], (double)j / (double)steps[1]);
+    size_t vertices = 0, faces = 0;
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+    {
+        bool kept = numbers[v] == 1;
+        memmove(mesh->positions + 3 * vertices, mesh->positions + 3 * v, 3 * sizeof *mesh->positions);
+        numbers[v] = kept ? (uint32_t)vertices : BAT_MESH_NONE;
+        vertices += kept;
+    }
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const uint32_t *face = mesh->faces + 3 * f;
+        const uint32_t corners[3] = {numbers[face[0]], numbers[face[1]], numbers[face[2]]};
+        bool kept = corners[0] != BAT_MESH_NONE && corners[1] != BAT_MESH_NONE && corners[2] != BAT_MESH_NONE;
+        memcpy(mesh->faces + 3 * faces, corners, sizeof corners);
+        faces += kept;
+    }
+    mesh->vertex_count = vertices;
+    mesh->face_count = faces;
+    free(numbers);
+    trim_region_free(&region);
+    return BAT_OK;
+}
+
 bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error)
 {
-    const size_t steps[2] = {steps_for(surface->space, 0), steps_for(surface->space, 1)};
+    const size_t steps[2] = {steps_for(surface, 0), steps_for(surface, 1)};
     bat_mesh made = {.vertex_count = (steps[0] + 1) * (steps[1] + 1), .face_count = 2 * steps[0] * steps[1]};
     made.positions = memory_array(made.vertex_count, 3 * sizeof *made.positions);
     made.faces = memory_array(made.face_count, 3 * sizeof *made.faces);
@@ -94,9 +140,17 @@ bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh,
         return status;
     }
     fill_faces(steps, made.faces);
-    *mesh = made;
     *loop_count = 2 * (steps[0] + steps[1]);
-    return BAT_OK;
+    if (surface->trim.loop_count > 0)
+    {
+        status = trim_patch(surface, steps, &made, error);
+        *loop_count = 0;
+    }
+    if (status == BAT_OK)
+        *mesh = made;
+    else
+        bat_mesh_free(&made);
+    return status;
 }
 
 void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3])

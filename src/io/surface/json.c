@@ -218,6 +218,75 @@ static bat_status read_control(const json_file *file, bat_spline_surface *surfac
     return status;
 }
 
+/// Read an array of numbers into memory of its own.
+static bool read_numbers(const json_t *array, size_t count, double *numbers)
+{
+    bool good = json_is_array(array) && json_array_size(array) == count;
+    for (size_t i = 0; i < count && good; i++)
+    {
+        good = json_is_number(json_array_get(array, i));
+        numbers[i] = good ? json_number_value(json_array_get(array, i)) : 0;
+    }
+    return good;
+}
+
+/// Read a trimming curve. `good` is false for anything that is no curve.
+static bat_status read_curve(const json_file *file, const json_t *object, bat_spline_curve *piece, bool *good)
+{
+    uint64_t degree;
+    const json_t *knots = json_object_get(object, "knots"), *control = json_object_get(object, "control");
+    size_t count = json_array_size(knots), functions = json_array_size(control);
+    *good = whole(json_object_get(object, "degree"), BAT_SPLINE_MAX_DEGREE, &degree) && degree > 0 && functions > degree &&
+            count == functions + (size_t)degree + 1;
+    if (!*good)
+        return BAT_OK;
+    *piece = (bat_spline_curve){.dimension = 2,
+                                .control = memory_array(functions, 2 * sizeof(double)),
+                                .knots = {memory_array(count, sizeof(double)), count, (int)degree}};
+    if (piece->control == NULL || piece->knots.knots == NULL)
+        return error_memory(file->error, count * sizeof(double));
+    *good = read_numbers(knots, count, piece->knots.knots);
+    for (size_t i = 0; i < functions && *good; i++)
+        *good = read_numbers(json_array_get(control, i), 2, piece->control + 2 * i);
+    return BAT_OK;
+}
+
+static bat_status read_trim(const json_file *file, bat_spline_trim *trim)
+{
+    const json_t *loops = json_object_get(file->root, "trim");
+    size_t count = json_array_size(loops), pieces = 0;
+    if (loops == NULL)
+        return BAT_OK;
+    for (size_t l = 0; l < count; l++)
+        pieces += json_array_size(json_array_get(loops, l));
+    if (count == 0 || pieces == 0)
+        return bad_member(file, "trim", "is not an array of loops, which are arrays of curves");
+    trim->pieces = calloc(pieces, sizeof *trim->pieces);
+    trim->loops = calloc(count + 1, sizeof *trim->loops);
+    if (trim->pieces == NULL || trim->loops == NULL)
+        return error_memory(file->error, pieces * sizeof *trim->pieces);
+    bool good = true;
+    bat_status status = BAT_OK;
+    for (size_t l = 0, made = 0; l < count && good && status == BAT_OK; l++)
+    {
+        const json_t *loop = json_array_get(loops, l);
+        trim->loop_count = l + 1;
+        for (size_t i = 0; i < json_array_size(loop) && good && status == BAT_OK; i++)
+        {
+            trim->loops[l + 1] = made + 1;
+            status = read_curve(file, json_array_get(loop, i), &trim->pieces[made++], &good);
+        }
+        good = good && json_array_size(loop) > 0;
+        if (status == BAT_OK && !good)
+            status =
+                bad_element(file, "trim", l, "holds something that is not a curve with degree, knots and control points");
+    }
+    bat_error failure;
+    if (status == BAT_OK && bat_spline_trim_check(trim, &failure) != BAT_OK)
+        status = bad_member(file, "trim", failure.text);
+    return status;
+}
+
 static bat_status read_surface(const json_file *file, bat_spline_surface *surface)
 {
     bat_hierarchical_options options;
@@ -244,7 +313,8 @@ static bat_status read_surface(const json_file *file, bat_spline_surface *surfac
     // Check the dimension before memory for all points is allocated.
     if (json_array_size(json_array_get(control, 0)) != surface->dimension)
         return bad_element(file, "control", 0, "does not have as many coordinates as \"dimension\" says");
-    return read_control(file, surface);
+    status = read_control(file, surface);
+    return status == BAT_OK ? read_trim(file, &surface->trim) : status;
 }
 
 bat_status surface_json_read(const file_text *text, bat_spline_surface *surface, bat_error *error)
@@ -328,6 +398,46 @@ static void append_functions(text_buffer *text, const bat_hierarchical_space *sp
     text_append_string(text, "],\n");
 }
 
+static void append_numbers(text_buffer *text, const double *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        text_append_string(text, i > 0 ? ", " : "[");
+        append_number(text, numbers[i]);
+    }
+    text_append_string(text, "]");
+}
+
+/// Append the trimming curves: an array of loops, each an array of curves.
+static void append_trim(text_buffer *text, const bat_spline_trim *trim)
+{
+    if (trim->loop_count == 0)
+        return;
+    text_append_string(text, "\"trim\": [\n");
+    for (size_t l = 0; l < trim->loop_count; l++)
+    {
+        text_append_string(text, "[");
+        for (size_t i = trim->loops[l]; i < trim->loops[l + 1]; i++)
+        {
+            const bat_spline_curve *piece = &trim->pieces[i];
+            size_t functions = bat_knot_vector_functions(&piece->knots);
+            char head[64];
+            (void)snprintf(head, sizeof head, "{\"degree\": %d, \"knots\": ", piece->knots.degree);
+            text_append_string(text, head);
+            append_numbers(text, piece->knots.knots, piece->knots.count);
+            text_append_string(text, ", \"control\": [");
+            for (size_t k = 0; k < functions; k++)
+            {
+                text_append_string(text, k > 0 ? ", " : "");
+                append_numbers(text, piece->control + 2 * k, 2);
+            }
+            text_append_string(text, i + 1 < trim->loops[l + 1] ? "]},\n" : "]}");
+        }
+        text_append_string(text, row_end(l, trim->loop_count));
+    }
+    text_append_string(text, "],\n");
+}
+
 static void append_control(text_buffer *text, const bat_spline_surface *surface)
 {
     size_t count = bat_hierarchical_space_functions(surface->space);
@@ -353,6 +463,7 @@ bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink
     append_head(&text, surface);
     bat_status status = append_boxes(&text, surface->space, error);
     append_functions(&text, surface->space);
+    append_trim(&text, &surface->trim);
     append_control(&text, surface);
     if (status == BAT_OK)
         status = sink_write(sink, &text, error);

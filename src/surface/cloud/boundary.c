@@ -124,8 +124,8 @@ static bat_status choose(const alpha_boundary_cloud *cloud, const alpha_boundary
         search->several = true;
         return error_set(
             error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-            "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one: close "
-            "the holes, cut the cloud, or give its outer loop by --boundary",
+            "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one: --trim cuts "
+            "the holes out, --boundary gives its outer loop",
             longest->count, other->count);
     }
     *chosen = longest;

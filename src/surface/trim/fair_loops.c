@@ -28,16 +28,16 @@ enum
     DEGREE = 3
 };
 
-/// Mean distance of the true edge of randomly scattered points from their loop, in units of its roughness; measured on
-/// squares with 1,000 to 50,000 points.
-static const double OFFSET = 1.25;
+/// Mean distance of the true edge of randomly scattered points from their loop, in units of its roughness; measured by the
+/// areas of an L, a U, a star and a plate with holes.
+static const double OFFSET = 1.35;
 /// Loops with less roughness, in spacings, pass through points of the edge.
 static const double ROUGH = 0.08;
 static const double MIN_TURN = 0.6;
 /// Share of the turn over twice the window that is in the window.
 static const double TURN_SHARE = 0.7;
 /// A corner is at most so many spacings away from its point.
-static const double MAX_REACH = 3;
+static const double MAX_REACH = 6;
 /// Tolerances of the fit, in spacings and in units of the roughness.
 static const double EXACT = 2e-3;
 static const double FAIR = 1.1;
