@@ -42,7 +42,6 @@ static const struct
     {BAT_INVALID_ARGUMENT, "option extrapolate", "extrapolate", "goes on with constant velocity"},
     {BAT_NO_CONVERGENCE, "acceleration continuous", "tangents", "limited does without"},
     {BAT_INVALID_POINT, "rounding makes", "precision", "N keeps more decimals"},
-    {BAT_INVALID_POINT, "repeats", "drop-duplicates", "leaves it out"},
 };
 
 int report_bad_input(const arguments *given, const char *file, const bat_error *error)

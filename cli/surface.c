@@ -45,12 +45,12 @@ static const option_spec OPTIONS[] = {
     {"boundary", 0, "N|FILE", "the first N points are the boundary loop, or FILE's are; default: found, or told in IN"},
     {"corners", 0, "A,B,C,D", "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found"},
     {"sides", 0, "NAME", "parameters along the sides: chord-length (default), centripetal or uniform"},
-    {"drop-duplicates", 0, NULL, "leave out points that repeat another instead of refusing them"},
+    {"strict", 0, NULL, "refuse points that repeat another instead of leaving them out"},
     {"picture", 0, "FILE", "draw cloud, surface, distances and parameters (.png, .svg or .pdf)"},
     {"parameters", 0, "FILE", "write u v of each point, in the order of IN"},
     {"unit", 0, "UNIT", "mm (default), m or inch: what STEP and IGES name as the unit of the coordinates"},
     {"samples", 0, "N", "of each cell and direction, for VTK and OBJ; default: the degree plus 1"},
-    {"from", 0, "FORMAT", "xyz, csv, ply or obj; default: by the file's ending, failing that by its content"},
+    {"from", 0, "FORMAT", "xyz, csv, ply, obj, pcd or las; default: by the file's ending, failing that by its content"},
     {"to", 0, "FORMAT", "step, iges, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
     {"threads", 0, "N", "default: all; the result does not depend on it"},
     {"json", 0, NULL, "print the report as one JSON object"},
@@ -68,9 +68,9 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN},
 
 static const verb_spec SPEC = {
     .usage = "batten surface IN [-o OUT] [--tolerance T|--functions N] [--degree P,Q] [--picture FILE] [options]",
-    .summary =
-        "Fit an adaptive spline surface to the points of a file (XYZ, CSV, PLY, OBJ; - for standard input): a patch with "
-        "one\nboundary, or a mesh of one. A spline surface (.xml, .json) as IN is written in another format.",
+    .summary = "Fit an adaptive spline surface to the points of a file (XYZ, CSV, PLY, OBJ, PCD, LAS; - for standard "
+               "input): a patch with "
+               "one\nboundary, or a mesh of one. A spline surface (.xml, .json) as IN is written in another format.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 1,
@@ -134,7 +134,7 @@ static bool read_input(const arguments *given, surface_job *job)
     const char *from = argument(given, "from"), *boundary = argument(given, "boundary"),
                *corners = argument(given, "corners");
     job->has_corners = corners != NULL;
-    job->read.drop_duplicates = argument_flag(given, "drop-duplicates");
+    job->read.strict = argument_flag(given, "strict");
     if (from != NULL && bat_cloud_format_by_name(from, &job->read.format, &error) != BAT_OK)
     {
         (void)usage_error(given, "%s", error.text);

@@ -57,6 +57,8 @@ static void print_cloud(const surface_findings *findings)
 {
     const bat_cloud *cloud = findings->cloud;
     (void)printf("%s: %zu points", findings->input, cloud->count);
+    if (cloud->duplicates > 0)
+        (void)printf(", without %zu that repeat others", cloud->duplicates);
     if (cloud->boundary_count > 0)
         (void)printf(", %zu of them on the boundary%s; corners%s: points", cloud->boundary_count,
                      findings->result->boundary_found ? " that was found" : "",
@@ -202,9 +204,10 @@ static json_t *cloud_json(const surface_findings *findings)
     json_t *corners = json_array();
     for (int k = 0; k < 4 && cloud->has_corners; k++)
         (void)json_array_append_new(corners, json_integer((json_int_t)place_of(cloud, cloud->corners[k])));
-    return json_pack("{s:s, s:I, s:I, s:b, s:o, s:b}", "file", findings->input, "points", (json_int_t)cloud->count,
-                     "boundary", (json_int_t)cloud->boundary_count, "boundary_found", (int)findings->result->boundary_found,
-                     "corners", corners, "corners_found", (int)findings->result->corners_found);
+    return json_pack("{s:s, s:I, s:I, s:I, s:b, s:o, s:b}", "file", findings->input, "points", (json_int_t)cloud->count,
+                     "duplicates", (json_int_t)cloud->duplicates, "boundary", (json_int_t)cloud->boundary_count,
+                     "boundary_found", (int)findings->result->boundary_found, "corners", corners, "corners_found",
+                     (int)findings->result->corners_found);
 }
 
 static json_t *verdict_json(const bat_surface_verdict *verdict)

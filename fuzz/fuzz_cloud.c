@@ -67,10 +67,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     file_text text;
     PROMISE(file_text_copy((const char *)data, size, &text, NULL) == BAT_OK);
     (void)cloud_format_of_text(&text);
-    for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_OBJ; format++)
+    for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_LAS; format++)
         for (int choice = 0; choice < 3; choice++)
         {
-            const bat_cloud_read_options options = {.drop_duplicates = choice > 0};
+            const bat_cloud_read_options options = {.strict = choice == 0};
             const file_text *boundary = choice > 1 ? &text : NULL;
             bat_cloud cloud = {0};
             bat_error error = {0};

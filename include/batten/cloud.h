@@ -20,6 +20,7 @@ typedef struct bat_cloud
     size_t *order;       ///< count: the index of each point in the input; null: the same order. Owned
     uint32_t *triangles; ///< triangle_count x 3, of a cloud made from a mesh; null for none. Owned
     size_t triangle_count;
+    size_t duplicates; ///< points of the input that were left out because they repeat another
 } bat_cloud;
 
 /// Free what a cloud owns and make it empty.

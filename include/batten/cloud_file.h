@@ -6,16 +6,19 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of clouds: XYZ, CSV, PLY and OBJ. docs/formats.md describes the formats.
+/// Readers of clouds: XYZ, CSV, PLY, OBJ, PCD and LAS; writers of the first four. docs/formats.md describes the formats.
 
 /// Formats of clouds.
 typedef enum bat_cloud_format
 {
-    BAT_CLOUD_FORMAT_AUTO, ///< by the file's ending: .xyz, .txt or .asc, .csv, .ply, .obj; failing that by the content
-    BAT_CLOUD_FORMAT_XYZ,  ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
-    BAT_CLOUD_FORMAT_CSV,  ///< with or without a line of names; x, y, z by name or the first three
-    BAT_CLOUD_FORMAT_PLY,  ///< vertices, ASCII or binary; faces, if there are, make it a mesh
-    BAT_CLOUD_FORMAT_OBJ   ///< vertices; faces, if there are, make it a mesh
+    /// By the file's ending: .xyz, .txt or .asc, .csv, .ply, .obj, .pcd, .las; failing that by the content.
+    BAT_CLOUD_FORMAT_AUTO,
+    BAT_CLOUD_FORMAT_XYZ, ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
+    BAT_CLOUD_FORMAT_CSV, ///< with or without a line of names; x, y, z by name or the first three
+    BAT_CLOUD_FORMAT_PLY, ///< vertices, ASCII or binary; faces, if there are, make it a mesh
+    BAT_CLOUD_FORMAT_OBJ, ///< vertices; faces, if there are, make it a mesh
+    BAT_CLOUD_FORMAT_PCD, ///< of the Point Cloud Library: text, binary or compressed; reading only
+    BAT_CLOUD_FORMAT_LAS  ///< 1.0 to 1.4, not compressed; reading only
 } bat_cloud_format;
 
 /// A format, or "auto", by name.
@@ -39,8 +42,9 @@ typedef struct bat_cloud_read_options
     /// A second file with the boundary loop; null for none. Its points go first, also in the cloud's `order`. Points of the
     /// first file that repeat one of them are left out.
     const char *boundary_path;
-    /// Drop points that repeat an earlier one instead of failing. In a mesh, merge vertices with equal positions.
-    bool drop_duplicates;
+    /// Refuse points that repeat an earlier one. Otherwise they are left out, and bat_cloud::duplicates counts them; in a
+    /// mesh, vertices in the same place are merged. Default false.
+    bool strict;
     /// Four points of the file, counted from 0, for bat_cloud_set_corners(); the boundary is found where it is not known.
     /// Null: as the file says, the default.
     const size_t *corners;
@@ -58,7 +62,7 @@ BAT_API bat_status bat_cloud_read_options_check(const bat_cloud_read_options *op
 /// @param cloud   receives the cloud; release it with bat_cloud_free()
 /// @param error   `line` is a line of the main file. A failure of the boundary's file is told in the text, with its line
 /// @return BAT_OK; BAT_BAD_FILE with the line; BAT_INVALID_POINT with line and point for a point that is not finite or
-///         repeats another; BAT_INVALID_ARGUMENT for an option that contradicts the file; the failures of
+///         repeats another, if strict; BAT_INVALID_ARGUMENT for an option that contradicts the file; the failures of
 ///         bat_cloud_from_mesh(), bat_cloud_find_boundary() and bat_cloud_set_corners(); BAT_FILE_ACCESS, BAT_TOO_LARGE,
 ///         BAT_UNSUPPORTED or BAT_NO_MEMORY; `cloud` is untouched on failure
 BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud,

@@ -159,10 +159,10 @@ static void test_bad_files_are_refused_at_their_line(void **state)
     check_status(bat_cloud_read("any.xyz", &unknown, &cloud, NULL), BAT_INVALID_ARGUMENT);
 }
 
-static void test_repeated_points_are_refused_or_dropped(void **state)
+static void test_repeated_points_are_counted_or_refused(void **state)
 {
     (void)state;
-    const bat_cloud_read_options drop = {.drop_duplicates = true};
+    const bat_cloud_read_options strict = {.strict = true};
     static const struct
     {
         const char *ending, *text;
@@ -182,8 +182,9 @@ static void test_repeated_points_are_refused_or_dropped(void **state)
     {
         static const double expected[] = {1, 2, 3, 4, 5, 6, 0, 0, 0};
         static const size_t order[] = {0, 1, 3};
-        assert_refused(files[i].text, files[i].ending, BAT_INVALID_POINT, files[i].line, files[i].words);
-        bat_cloud cloud = must_read_with(files[i].text, files[i].ending, &drop);
+        assert_refused_with(files[i].text, files[i].ending, &strict, BAT_INVALID_POINT, files[i].line, files[i].words);
+        bat_cloud cloud = must_read(files[i].text, files[i].ending);
+        assert_int_equal(cloud.duplicates, 2);
         assert_memory_equal(cloud.order, order, sizeof order);
         assert_points(&cloud, 3, expected);
     }
@@ -224,8 +225,7 @@ static void test_the_boundary_is_said_in_a_remark(void **state)
     }
     assert_refused("\n# 7 boundary points first\n" SIX, ".xyz", BAT_BAD_FILE, 2, "only 6");
     assert_refused("# 3 boundary points first\n" SIX, ".xyz", BAT_BAD_FILE, 1, "four corners");
-    const bat_cloud_read_options five = {.boundary = 5}, seven = {.boundary = 7}, two = {.boundary = 2},
-                                 drop = {.drop_duplicates = true};
+    const bat_cloud_read_options five = {.boundary = 5}, seven = {.boundary = 7}, two = {.boundary = 2};
     bat_cloud cloud = must_read_with("# 4 boundary points first\n# corners 0 1 2 3\n" SIX, ".xyz", &five);
     assert_int_equal(cloud.boundary_count, 5);
     assert_false(cloud.has_corners);
@@ -233,8 +233,8 @@ static void test_the_boundary_is_said_in_a_remark(void **state)
     assert_refused_with(SIX, ".xyz", &seven, BAT_INVALID_ARGUMENT, 0, "only 6");
     assert_refused_with(SIX, ".xyz", &two, BAT_INVALID_ARGUMENT, 0, "four corners");
     // Points that are dropped from the boundary shorten it.
-    cloud = must_read_with(
-        "# 6 boundary points first\n# corners 0 1 2 4\n0 0 0\n1 0 0\n1 0 0\n1 1 0\n0 1 0\n0 .5 0\n.5 .5 0\n", ".xyz", &drop);
+    cloud = must_read("# 6 boundary points first\n# corners 0 1 2 4\n0 0 0\n1 0 0\n1 0 0\n1 1 0\n0 1 0\n0 .5 0\n.5 .5 0\n",
+                      ".xyz");
     assert_int_equal(cloud.boundary_count, 5);
     assert_false(cloud.has_corners);
     bat_cloud_free(&cloud);
@@ -246,7 +246,7 @@ static void assert_with_boundary(const char *boundary, const char *text, bat_sta
     bat_error error = {0};
     char boundary_path[256];
     (void)snprintf(boundary_path, sizeof boundary_path, "%s", file_of(boundary, strlen(boundary), ".csv"));
-    const bat_cloud_read_options options = {.boundary_path = boundary_path};
+    const bat_cloud_read_options options = {.boundary_path = boundary_path, .strict = true};
     bat_status status = bat_cloud_read(file_of(text, strlen(text), ".xyz"), &options, cloud, &error);
     (void)remove(boundary_path);
     (void)remove(temporary_path(".xyz"));
@@ -301,12 +301,13 @@ static void test_files_with_faces_are_meshes(void **state)
     assert_refused("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", ".obj", BAT_UNSUPPORTED, 0,
                    "closed");
     assert_refused(SQUARE "f 1 2 9\n", ".obj", BAT_BAD_FILE, 6, "names vertex 8");
-    const bat_cloud_read_options five = {.boundary = 4}, drop = {.drop_duplicates = true};
+    const bat_cloud_read_options five = {.boundary = 4}, strict = {.strict = true};
     assert_refused_with(SQUARE "f 1 2 3\n", ".obj", &five, BAT_INVALID_ARGUMENT, 0, "its own boundary");
-    // A mesh with unshared vertices is welded where duplicates may be dropped.
+    // A mesh with unshared vertices is welded.
     static const char soup[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
-    assert_refused(soup, ".obj", BAT_UNSUPPORTED, 0, "several");
-    cloud = must_read_with(soup, ".obj", &drop);
+    assert_refused_with(soup, ".obj", &strict, BAT_UNSUPPORTED, 0, "several");
+    cloud = must_read(soup, ".obj");
+    assert_int_equal(cloud.duplicates, 2);
     assert_int_equal(cloud.count, 4);
     assert_int_equal(cloud.boundary_count, 4);
     bat_cloud_free(&cloud);
@@ -444,7 +445,7 @@ int main(void)
         cmocka_unit_test(test_every_format_gives_the_points),
         cmocka_unit_test(test_binary_ply),
         cmocka_unit_test(test_bad_files_are_refused_at_their_line),
-        cmocka_unit_test(test_repeated_points_are_refused_or_dropped),
+        cmocka_unit_test(test_repeated_points_are_counted_or_refused),
         cmocka_unit_test(test_the_boundary_is_said_in_a_remark),
         cmocka_unit_test(test_the_boundary_in_a_file_of_its_own),
         cmocka_unit_test(test_files_with_faces_are_meshes),

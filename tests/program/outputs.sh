@@ -108,7 +108,7 @@ nothing 1 'square.obj:5: .*; --triangulate cuts' measure square.obj
 nothing 1 'thin.obj:4: .*; --repair drops' decimate thin.obj -o out.obj --vertices 3
 nothing 1 'fins.obj: .*; --repair cuts' mesh fins.obj -o out.obj
 nothing 1 'long.csv:2: .*; --project moves' curve long.csv --space sphere -o out.csv
-nothing 1 'twice.xyz:6: .*; --drop-duplicates leaves' surface twice.xyz -o out.obj
+nothing 1 'twice.xyz:6: .*repeats' surface twice.xyz --strict -o out.obj
 nothing 1 'huge.obj: the first mesh: vertex 1' measure huge.obj mesh.obj
 nothing 1 'huge.obj: the second mesh: vertex 1' measure mesh.obj huge.obj
 nothing 1 'sphere.csv: ' measure good.csv sphere.csv

@@ -37,6 +37,16 @@ static const bat_choice FORMATS[] = {
      .reads = true,
      .writes = true,
      .value = BAT_CLOUD_FORMAT_OBJ},
+    {.name = "pcd",
+     .summary = "clouds: points of the Point Cloud Library; text, binary or compressed",
+     .endings = ".pcd",
+     .reads = true,
+     .value = BAT_CLOUD_FORMAT_PCD},
+    {.name = "las",
+     .summary = "clouds: points of laser scans, versions 1.0 to 1.4, not compressed",
+     .endings = ".las",
+     .reads = true,
+     .value = BAT_CLOUD_FORMAT_LAS},
 };
 static const choice_table TABLE = CHOICE_TABLE("cloud format", FORMATS);
 
@@ -54,6 +64,10 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
     static const char *const obj_words[] = {"v", "vn", "vt", "o", "g", "f", "s", "mtllib", "usemtl"};
     if (mesh_ply_resembles(text))
         return BAT_CLOUD_FORMAT_PLY;
+    if (cloud_las_resembles(text))
+        return BAT_CLOUD_FORMAT_LAS;
+    if (cloud_pcd_resembles(text))
+        return BAT_CLOUD_FORMAT_PCD;
     word_scan scan = word_scan_start(text->data, text->size);
     if (!scan_next_content(&scan))
         return BAT_CLOUD_FORMAT_XYZ;
@@ -121,6 +135,10 @@ static bat_status source_read(cloud_source *source, bat_error *error)
         return cloud_xyz_read(source->text, listing, error);
     if (source->format == BAT_CLOUD_FORMAT_CSV)
         return cloud_csv_read(source->text, listing, error);
+    if (source->format == BAT_CLOUD_FORMAT_PCD)
+        return cloud_pcd_read(source->text, listing, error);
+    if (source->format == BAT_CLOUD_FORMAT_LAS)
+        return cloud_las_read(source->text, listing, error);
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = true;
     bat_status status = source->format == BAT_CLOUD_FORMAT_PLY ? mesh_ply_read_points(source->text, &options, mesh, error)
@@ -150,9 +168,9 @@ static bat_status repeats(const cloud_source *source, size_t first, size_t secon
                      line_of_point(source, first));
 }
 
-/// Append the points of a file to a cloud with enough memory. Duplicates are dropped or refused; duplicates of points in an
-/// earlier file are always dropped.
-static bat_status append_distinct(const cloud_source *source, size_t first_place, bool drop, point_table *table,
+/// Append the points of a file to a cloud with enough memory. Duplicates are counted or refused; duplicates of points in an
+/// earlier file are always left out.
+static bat_status append_distinct(const cloud_source *source, size_t first_place, bool strict, point_table *table,
                                   bat_cloud *cloud, bat_error *error)
 {
     size_t before = cloud->count;
@@ -161,8 +179,9 @@ static bat_status append_distinct(const cloud_source *source, size_t first_place
         double *place = cloud->points + 3 * cloud->count;
         memcpy(place, source->listing.points + 3 * i, 3 * sizeof *place);
         uint32_t other = point_table_find(table, place);
-        if (other != BAT_MESH_NONE && other >= before && !drop)
+        if (other != BAT_MESH_NONE && other >= before && strict)
             return repeats(source, cloud->order[other] - first_place, i, error);
+        cloud->duplicates += other != BAT_MESH_NONE && other >= before;
         if (other != BAT_MESH_NONE)
             continue;
         if (!point_table_add(table, (uint32_t)cloud->count))
@@ -173,7 +192,7 @@ static bat_status append_distinct(const cloud_source *source, size_t first_place
 }
 
 /// Combine the points of the boundary's file, if any, and of the main file.
-static bat_status join(const cloud_source *boundary, const cloud_source *source, bool drop, bat_cloud *cloud,
+static bat_status join(const cloud_source *boundary, const cloud_source *source, bool strict, bat_cloud *cloud,
                        bat_error *error)
 {
     size_t total = boundary->listing.count + source->listing.count;
@@ -191,13 +210,13 @@ static bat_status join(const cloud_source *boundary, const cloud_source *source,
     bat_error found;
     if (status == BAT_OK && boundary->text != NULL)
     {
-        status = append_distinct(boundary, 0, drop, &table, cloud, &found);
+        status = append_distinct(boundary, 0, strict, &table, cloud, &found);
         cloud->boundary_count = cloud->count;
         if (status != BAT_OK)
             status = name_boundary_file(status, &found, error);
     }
     if (status == BAT_OK)
-        status = append_distinct(source, boundary->listing.count, drop, &table, cloud, error);
+        status = append_distinct(source, boundary->listing.count, strict, &table, cloud, error);
     point_table_free(&table);
     return status;
 }
@@ -252,7 +271,7 @@ static bat_status cloud_of_points(const cloud_source *boundary, const cloud_sour
                                   const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
 {
     bat_cloud made = {0};
-    bat_status status = join(boundary, source, options->drop_duplicates, &made, error);
+    bat_status status = join(boundary, source, options->strict, &made, error);
     if (status == BAT_OK && boundary->text == NULL)
         status = apply_remarks(source, options, &made, error);
     if (status == BAT_OK)
@@ -287,9 +306,12 @@ static bat_status cloud_of_mesh(const cloud_source *source, const bat_cloud_read
     cloud_remarks remarks = cloud_remarks_read(source->text);
     if (options->boundary > 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the file is a mesh, which has its own boundary");
-    bat_status status = options->drop_duplicates ? bat_mesh_weld(&source->mesh, 0, NULL, &welded, error) : BAT_OK;
+    bat_status status = options->strict ? BAT_OK : bat_mesh_weld(&source->mesh, 0, NULL, &welded, error);
+    size_t repeated = status != BAT_OK || options->strict ? 0 : source->mesh.vertex_count - welded.vertex_count;
     if (status == BAT_OK)
-        status = bat_cloud_from_mesh(options->drop_duplicates ? &welded : &source->mesh, cloud, error);
+        status = bat_cloud_from_mesh(repeated > 0 ? &welded : &source->mesh, cloud, error);
+    if (status == BAT_OK)
+        cloud->duplicates = repeated;
     bat_mesh_free(&welded);
     if (status != BAT_OK || !remarks.has_corners || remarks.boundary != cloud->boundary_count || !keeps_boundary(cloud))
         return status;
@@ -361,7 +383,7 @@ bat_cloud_read_options bat_cloud_read_defaults(void)
 bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_cloud_read_options, format, OPTION_CHOICE, 0, BAT_CLOUD_FORMAT_OBJ),
+        OPTION_FIELD(bat_cloud_read_options, format, OPTION_CHOICE, 0, BAT_CLOUD_FORMAT_LAS),
     };
     if (options == NULL)
         return BAT_OK;

@@ -30,6 +30,13 @@ static inline double *listing_next(point_listing *listing)
 bat_status cloud_xyz_read(const file_text *text, point_listing *listing, bat_error *error);
 bat_status cloud_csv_read(const file_text *text, point_listing *listing, bat_error *error);
 
+/// Also skips points that a PCD file marks as missing, and points that a LAS file marks as withheld.
+bat_status cloud_pcd_read(const file_text *text, point_listing *listing, bat_error *error);
+bat_status cloud_las_read(const file_text *text, point_listing *listing, bat_error *error);
+/// Whether a text begins as such files do.
+bool cloud_pcd_resembles(const file_text *text);
+bool cloud_las_resembles(const file_text *text);
+
 /// The failure for a coordinate that is not a number.
 bat_status cloud_number_fault(const char *begin, const char *end, size_t point, size_t line, bat_error *error);
 

@@ -1,0 +1,439 @@
+// Trimmed surfaces: areas of concave shapes with holes, and what CAD files of them hold.
+
+#include "cloud_helpers.h"
+#include "folder_helpers.h"
+
+#include "batten/batten.h"
+#include "io/surface/tessellate.h"
+#include "surface/trim/region.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+enum
+{
+    MAX_CORNERS = 12,
+    MAX_HOLES = 3,
+    POINTS = 3000
+};
+
+/// A polygon with circular holes.
+typedef struct plane_shape
+{
+    const char *name;
+    size_t corner_count, hole_count;
+    double corners[MAX_CORNERS][2];
+    double holes[MAX_HOLES][3]; ///< centre and radius
+} plane_shape;
+
+static const plane_shape SHAPES[] = {
+    {.name = "L", .corner_count = 6, .corners = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}},
+    {.name = "U", .corner_count = 8, .corners = {{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}}},
+    {.name = "star",
+     .corner_count = 10,
+     .corners = {{1, 0},
+                 {0.364, 0.264},
+                 {0.309, 0.951},
+                 {-0.139, 0.428},
+                 {-0.809, 0.588},
+                 {-0.45, 0},
+                 {-0.809, -0.588},
+                 {-0.139, -0.428},
+                 {0.309, -0.951},
+                 {0.364, -0.264}}},
+    {.name = "plate",
+     .corner_count = 4,
+     .hole_count = 3,
+     .corners = {{0, 0}, {3, 0}, {3, 2}, {0, 2}},
+     .holes = {{0.6, 0.6, 0.3}, {1.5, 1.3, 0.4}, {2.4, 0.7, 0.25}}},
+};
+
+enum
+{
+    SHAPE_COUNT = sizeof SHAPES / sizeof *SHAPES
+};
+
+static double area_of(const plane_shape *shape)
+{
+    double area = 0;
+    for (size_t i = 0; i < shape->corner_count; i++)
+    {
+        const double *a = shape->corners[i], *b = shape->corners[(i + 1) % shape->corner_count];
+        area += (a[0] * b[1] - a[1] * b[0]) / 2;
+    }
+    for (size_t h = 0; h < shape->hole_count; h++)
+        area -= PI * shape->holes[h][2] * shape->holes[h][2];
+    return area;
+}
+
+static bool is_inside(const plane_shape *shape, double x, double y)
+{
+    bool inside = false;
+    for (size_t i = 0; i < shape->corner_count; i++)
+    {
+        const double *a = shape->corners[i], *b = shape->corners[(i + 1) % shape->corner_count];
+        if ((a[1] > y) != (b[1] > y) && x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]))
+            inside = !inside;
+    }
+    for (size_t h = 0; h < shape->hole_count; h++)
+        inside = inside && hypot(x - shape->holes[h][0], y - shape->holes[h][1]) > shape->holes[h][2];
+    return inside;
+}
+
+/// The way a shape lies in space: flat, or on a cylinder, both without a change of area.
+static void add_lifted(bat_cloud *cloud, double x, double y, bool bent)
+{
+    static const double radius = 0.8;
+    if (bent)
+        add_point(cloud, radius * sin(x / radius), y, radius * (1 - cos(x / radius)));
+    else
+        add_point(cloud, 0.8 * x + 0.36 * y, 0.8 * y, -0.6 * x + 0.48 * y);
+}
+
+/// Points at random places of a shape, and on demand on its edges, as a scanner or a mesh gives them.
+static bat_cloud cloud_of(const plane_shape *shape, size_t count, bool edges, bool bent, uint64_t seed)
+{
+    bat_random random = bat_random_seed(seed);
+    bat_cloud cloud = {0};
+    double spacing = sqrt(area_of(shape) / (double)count);
+    for (size_t i = 0; edges && i < shape->corner_count; i++)
+    {
+        const double *a = shape->corners[i], *b = shape->corners[(i + 1) % shape->corner_count];
+        size_t steps = (size_t)ceil(hypot(b[0] - a[0], b[1] - a[1]) / spacing);
+        for (size_t k = 0; k < steps; k++)
+        {
+            double t = (double)k / (double)steps;
+            add_lifted(&cloud, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), bent);
+        }
+    }
+    for (size_t h = 0; edges && h < shape->hole_count; h++)
+    {
+        const double *hole = shape->holes[h];
+        size_t steps = (size_t)ceil(2 * PI * hole[2] / spacing);
+        for (size_t k = 0; k < steps; k++)
+        {
+            double angle = 2 * PI * (double)k / (double)steps;
+            add_lifted(&cloud, hole[0] + hole[2] * cos(angle), hole[1] + hole[2] * sin(angle), bent);
+        }
+    }
+    while (cloud.count < count)
+    {
+        double x = 4 * bat_random_uniform(&random) - 1, y = 4 * bat_random_uniform(&random) - 1;
+        if (is_inside(shape, x, y))
+            add_lifted(&cloud, x, y, bent);
+    }
+    return cloud;
+}
+
+static bat_surface_result must_trim(bat_cloud *cloud, double fill)
+{
+    bat_surface_options options = bat_surface_defaults();
+    bat_surface_result result = {0};
+    bat_error error = {0};
+    options.trim = true;
+    options.fill_holes = fill;
+    options.fit.threads = 1;
+    if (bat_surface_reconstruct(cloud, &options, &result, &error) != BAT_OK)
+        fail_msg("%s", error.text);
+    return result;
+}
+
+static double area_of_triangles(const bat_spline_surface *surface)
+{
+    surface_tessellation made;
+    check_status(surface_tessellate(surface, 0, &made, NULL), BAT_OK);
+    double area = 0;
+    assert_int_equal(made.quad_count, 0);
+    for (size_t t = 0; t < made.triangle_count; t++)
+    {
+        const double *a = made.positions + 3 * (size_t)made.triangles[3 * t],
+                     *b = made.positions + 3 * (size_t)made.triangles[3 * t + 1],
+                     *c = made.positions + 3 * (size_t)made.triangles[3 * t + 2];
+        double u[3], v[3], normal[3];
+        for (size_t k = 0; k < 3; k++)
+        {
+            u[k] = b[k] - a[k];
+            v[k] = c[k] - a[k];
+        }
+        for (size_t k = 0; k < 3; k++)
+            normal[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+        area += sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) / 2;
+    }
+    tessellation_free(&made);
+    return area;
+}
+
+#ifdef CAD_READER
+/// What Open CASCADE finds in a file.
+static void check_by_reader(const char *path, double area)
+{
+    char command[512], line[256] = "";
+    int valid = 0, faces = 0;
+    double found = 0, tolerance = 1;
+    (void)snprintf(command, sizeof command, "%s %s", CAD_READER, path);
+    FILE *pipe = popen(command, "r"); // NOLINT(cert-env33-c): the reader is part of the build
+    assert_non_null(pipe);
+    while (fgets(line, sizeof line, pipe) != NULL && strncmp(line, "valid", 5) != 0)
+        continue;
+    assert_int_equal(pclose(pipe), 0);
+    assert_int_equal(sscanf(line, "valid %d faces %d area %lf tolerance %lf", &valid, &faces, &found, &tolerance), 4);
+    if (valid != 1 || faces != 1 || fabs(found / area - 1) > 0.005 || tolerance > 1e-3)
+        fail_msg("%s, but the area is %g", line, area);
+}
+#endif
+
+static void check_shape(const plane_shape *shape, bool edges, bool bent)
+{
+    bat_cloud cloud = cloud_of(shape, POINTS, edges, bent, 7);
+    bat_surface_result result = must_trim(&cloud, 0);
+    double area = area_of(shape), found = area_of_triangles(&result.surface);
+    assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
+    assert_int_equal(result.surface.trim.loop_count, 1 + shape->hole_count);
+    check_status(bat_spline_trim_check(&result.surface.trim, NULL), BAT_OK);
+    if (fabs(found / area - 1) > 0.005)
+        fail_msg("%s %s %s: the area is %.2f %% off", shape->name, edges ? "with edges" : "at random",
+                 bent ? "bent" : "flat", 100 * (found / area - 1));
+#ifdef CAD_READER
+    check_status(bat_surface_write("out.step", &result.surface, NULL, NULL), BAT_OK);
+    check_by_reader("out.step", area);
+    check_status(bat_surface_write("out.iges", &result.surface, NULL, NULL), BAT_OK);
+    check_by_reader("out.iges", area);
+#endif
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+static void flat_shapes_have_their_areas(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < SHAPE_COUNT; i++)
+    {
+        check_shape(&SHAPES[i], true, false);
+        check_shape(&SHAPES[i], false, false);
+    }
+}
+
+static void bent_shapes_have_their_areas(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < SHAPE_COUNT; i++)
+        check_shape(&SHAPES[i], true, true);
+    check_shape(&SHAPES[0], false, true);
+    check_shape(&SHAPES[3], false, true);
+}
+
+static void cad_files_are_read_by_open_cascade(void **state)
+{
+    (void)state;
+#ifndef CAD_READER
+    skip(); // The tests of areas write no CAD files then.
+#endif
+}
+
+/// Corners of exact outlines are kept, so that straight edges become one straight piece each.
+static void straight_edges_are_pieces(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[0], POINTS, true, false, 3);
+    bat_surface_result result = must_trim(&cloud, 0);
+    assert_int_equal(result.surface.trim.loops[1], 6);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+static void small_holes_are_filled(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[3], POINTS, true, false, 5);
+    bat_surface_result result = must_trim(&cloud, 0.7);
+    assert_int_equal(result.surface.trim.loop_count, 2);
+    assert_int_equal(result.filled_holes, 2);
+    trim_region region;
+    check_status(trim_region_make(&result.surface.trim, &region, NULL), BAT_OK);
+    // The largest hole is still there: a quarter of its box is outside.
+    size_t outside = 0;
+    for (int i = 0; i < 100; i++)
+        for (int j = 0; j < 100; j++)
+            outside += !trim_region_contains(&region, (i + 0.5) / 100, (j + 0.5) / 100);
+    check_near((double)outside / 10000, PI * 0.16 / 6, 0.06);
+    trim_region_free(&region);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+static void the_order_of_points_does_not_matter(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[1], 1000, false, false, 9), shuffled;
+    check_status(bat_cloud_copy(&cloud, &shuffled, NULL), BAT_OK);
+    shuffle_cloud(&shuffled, 4);
+    bat_surface_result a = must_trim(&cloud, 0), b = must_trim(&shuffled, 0);
+    size_t pieces = a.surface.trim.loops[1];
+    assert_int_equal(pieces, b.surface.trim.loops[1]);
+    for (size_t i = 0; i < pieces; i++)
+    {
+        const bat_spline_curve *p = &a.surface.trim.pieces[i], *q = &b.surface.trim.pieces[i];
+        assert_int_equal(p->knots.count, q->knots.count);
+        assert_memory_equal(p->control, q->control, 2 * bat_knot_vector_functions(&p->knots) * sizeof *p->control);
+    }
+    bat_surface_result_free(&a);
+    bat_surface_result_free(&b);
+    bat_cloud_free(&cloud);
+    bat_cloud_free(&shuffled);
+}
+
+static void curves_go_through_json(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[3], 1000, true, true, 6);
+    bat_surface_result result = must_trim(&cloud, 0);
+    const bat_spline_trim *trim = &result.surface.trim;
+    bat_spline_surface back = {0};
+    check_status(bat_surface_write("out.json", &result.surface, NULL, NULL), BAT_OK);
+    check_status(bat_surface_read("out.json", &back, NULL), BAT_OK);
+    assert_int_equal(back.trim.loop_count, trim->loop_count);
+    assert_memory_equal(back.trim.loops, trim->loops, (trim->loop_count + 1) * sizeof *trim->loops);
+    for (size_t i = 0; i < trim->loops[trim->loop_count]; i++)
+    {
+        const bat_spline_curve *p = &trim->pieces[i], *q = &back.trim.pieces[i];
+        assert_int_equal(p->knots.degree, q->knots.degree);
+        assert_memory_equal(p->knots.knots, q->knots.knots, p->knots.count * sizeof *p->control);
+        assert_memory_equal(p->control, q->control, 2 * bat_knot_vector_functions(&p->knots) * sizeof *p->control);
+    }
+    bat_spline_surface_free(&back);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+/// Records of 80 columns, sections in order, and the counts of the last record.
+static void iges_has_its_form(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[3], 1000, true, false, 6);
+    bat_surface_result result = must_trim(&cloud, 0);
+    bat_surface_write_options options = bat_surface_write_defaults();
+    options.unit = BAT_SURFACE_UNIT_INCH;
+    check_status(bat_surface_write("out.igs", &result.surface, &options, NULL), BAT_OK);
+    FILE *file = fopen("out.igs", "r");
+    char line[128], last[128] = "";
+    unsigned counts[128] = {0}, written[4];
+    bool inches = false;
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file) != NULL)
+    {
+        assert_int_equal(strlen(line), 81);
+        unsigned char section = (unsigned char)line[72];
+        assert_int_equal(strtoul(line + 73, NULL, 10), ++counts[section]);
+        inches = inches || (section == 'G' && strstr(line, "4HINCH") != NULL);
+        memcpy(last, line, sizeof last);
+    }
+    assert_int_equal(fclose(file), 0);
+    assert_true(inches);
+    assert_int_equal(sscanf(last, "S%7uG%7uD%7uP%7u", &written[0], &written[1], &written[2], &written[3]), 4);
+    assert_int_equal(written[0], counts['S']);
+    assert_int_equal(written[1], counts['G']);
+    assert_int_equal(written[2], counts['D']);
+    assert_int_equal(written[3], counts['P']);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+static void units_stand_in_step(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)", "'INCH'"};
+    bat_cloud cloud = cloud_of(&SHAPES[0], 500, true, false, 6);
+    bat_surface_result result = must_trim(&cloud, 0);
+    for (int trimmed = 1; trimmed >= 0; trimmed--)
+    {
+        for (size_t unit = 0; unit < 3; unit++)
+        {
+            bat_surface_write_options options = bat_surface_write_defaults();
+            options.unit = (bat_surface_unit)unit;
+            check_status(bat_surface_write("out.stp", &result.surface, &options, NULL), BAT_OK);
+            FILE *file = fopen("out.stp", "r");
+            assert_non_null(file);
+            char line[512];
+            bool found = false, curves = false;
+            while (fgets(line, sizeof line, file) != NULL)
+            {
+                found = found || strstr(line, words[unit]) != NULL;
+                curves = curves || strstr(line, "=PCURVE(") != NULL;
+            }
+            assert_int_equal(fclose(file), 0);
+            assert_true(found);
+            assert_int_equal(curves, trimmed);
+        }
+        bat_spline_trim_free(&result.surface.trim);
+    }
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+static void refuse(bat_cloud *cloud, const bat_surface_options *options, bat_status expected, const char *words)
+{
+    bat_surface_result result = {0};
+    bat_error error = {0};
+    assert_int_equal(bat_surface_reconstruct(cloud, options, &result, &error), expected);
+    if (strstr(error.text, words) == NULL)
+        fail_msg("\"%s\" instead of \"%s\"", error.text, words);
+    bat_cloud_free(cloud);
+}
+
+static void what_cannot_be_trimmed_is_refused(void **state)
+{
+    (void)state;
+    bat_surface_options options = bat_surface_defaults();
+    options.trim = true;
+    bat_cloud cloud = {0};
+    for (int i = 0; i < 200; i++)
+        add_point(&cloud, i, 0, 0);
+    refuse(&cloud, &options, BAT_NO_CONVERGENCE, "line");
+    bat_random random = bat_random_seed(3);
+    for (int i = 0; i < 800; i++)
+        add_point(&cloud, bat_random_uniform(&random) + (i % 2) * 5, bat_random_uniform(&random), 0);
+    refuse(&cloud, &options, BAT_NO_CONVERGENCE, "pieces");
+    cloud = cloud_of(&SHAPES[0], 100, true, false, 6);
+    options.parameters = BAT_SURFACE_PARAMETERS_LEARNED;
+    refuse(&cloud, &options, BAT_INVALID_ARGUMENT, "parameters");
+    cloud = cloud_of(&SHAPES[0], 100, true, false, 6);
+    options = bat_surface_defaults();
+    options.fill_holes = 1;
+    refuse(&cloud, &options, BAT_INVALID_ARGUMENT, "fill_holes");
+}
+
+/// Wrong trimming curves are refused before anything is written.
+static void wrong_curves_are_refused(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[0], 500, true, false, 6);
+    bat_surface_result result = must_trim(&cloud, 0);
+    double *control = result.surface.trim.pieces[0].control, first = control[0];
+    control[0] = 1.5;
+    assert_int_equal(bat_surface_write("none.step", &result.surface, NULL, NULL), BAT_INVALID_ARGUMENT);
+    control[0] = first < 0.5 ? first + 0.25 : first - 0.25;
+    assert_int_equal(bat_surface_write("none.json", &result.surface, NULL, NULL), BAT_INVALID_ARGUMENT);
+    control[0] = NAN;
+    assert_int_equal(bat_surface_write("none.obj", &result.surface, NULL, NULL), BAT_INVALID_ARGUMENT);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(flat_shapes_have_their_areas),
+        cmocka_unit_test(bent_shapes_have_their_areas),
+        cmocka_unit_test(cad_files_are_read_by_open_cascade),
+        cmocka_unit_test(straight_edges_are_pieces),
+        cmocka_unit_test(small_holes_are_filled),
+        cmocka_unit_test(the_order_of_points_does_not_matter),
+        cmocka_unit_test(curves_go_through_json),
+        cmocka_unit_test(iges_has_its_form),
+        cmocka_unit_test(units_stand_in_step),
+        cmocka_unit_test(what_cannot_be_trimmed_is_refused),
+        cmocka_unit_test(wrong_curves_are_refused),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}
