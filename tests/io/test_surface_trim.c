@@ -10,6 +10,8 @@
 #include <math.h>
 
 static const double PI = 3.14159265358979323846;
+/// Largest relative errors of areas, of points at random places and of such with points on the edges.
+static const double LIMITS[2] = {0.02, 0.005};
 
 enum
 {
@@ -166,7 +168,7 @@ static double area_of_triangles(const bat_spline_surface *surface)
 
 #ifdef CAD_READER
 /// What Open CASCADE finds in a file.
-static void check_by_reader(const char *path, double area)
+static void check_by_reader(const char *path, double area, double limit)
 {
     char command[512], line[256] = "";
     int valid = 0, faces = 0;
@@ -178,7 +180,7 @@ static void check_by_reader(const char *path, double area)
         continue;
     assert_int_equal(pclose(pipe), 0);
     assert_int_equal(sscanf(line, "valid %d faces %d area %lf tolerance %lf", &valid, &faces, &found, &tolerance), 4);
-    if (valid != 1 || faces != 1 || fabs(found / area - 1) > 0.005 || tolerance > 1e-3)
+    if (valid != 1 || faces != 1 || fabs(found / area - 1) > limit || tolerance > 1e-3)
         fail_msg("%s, but the area is %g", line, area);
 }
 #endif
@@ -191,14 +193,14 @@ static void check_shape(const plane_shape *shape, bool edges, bool bent)
     assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
     assert_int_equal(result.surface.trim.loop_count, 1 + shape->hole_count);
     check_status(bat_spline_trim_check(&result.surface.trim, NULL), BAT_OK);
-    if (fabs(found / area - 1) > 0.005)
+    if (fabs(found / area - 1) > LIMITS[edges])
         fail_msg("%s %s %s: the area is %.2f %% off", shape->name, edges ? "with edges" : "at random",
                  bent ? "bent" : "flat", 100 * (found / area - 1));
 #ifdef CAD_READER
     check_status(bat_surface_write("out.step", &result.surface, NULL, NULL), BAT_OK);
-    check_by_reader("out.step", area);
+    check_by_reader("out.step", area, LIMITS[edges]);
     check_status(bat_surface_write("out.iges", &result.surface, NULL, NULL), BAT_OK);
-    check_by_reader("out.iges", area);
+    check_by_reader("out.iges", area, LIMITS[edges]);
 #endif
     bat_surface_result_free(&result);
     bat_cloud_free(&cloud);
@@ -251,12 +253,12 @@ static void small_holes_are_filled(void **state)
     assert_int_equal(result.filled_holes, 2);
     trim_region region;
     check_status(trim_region_make(&result.surface.trim, &region, NULL), BAT_OK);
-    // The largest hole is still there: a quarter of its box is outside.
+    // The largest hole is still there. The rectangle is two spacings wider than the plate on each side.
     size_t outside = 0;
-    for (int i = 0; i < 100; i++)
-        for (int j = 0; j < 100; j++)
+    for (int i = 10; i < 90; i++)
+        for (int j = 10; j < 90; j++)
             outside += !trim_region_contains(&region, (i + 0.5) / 100, (j + 0.5) / 100);
-    check_near((double)outside / 10000, PI * 0.16 / 6, 0.06);
+    check_near((double)outside / 10000, PI * 0.16 / 6.93, 0.005);
     trim_region_free(&region);
     bat_surface_result_free(&result);
     bat_cloud_free(&cloud);

@@ -3,7 +3,7 @@
 ///
 /// The roughness of a loop is the median over its corners of the root mean square residual of a parabola that is fitted to
 /// the nearest corners along the loop. A corner of the curve is where straight lines through the points before and after
-/// turn by more than MIN_TURN, and wider ones by little more. It is put where these lines meet. The points between two
+/// turn by more than MIN_TURNS, and wider ones by little more. It is put where these lines meet. The points between two
 /// corners, or all points of a loop without corners, are fitted by a cubic spline with as few spans as bring the residuals
 /// down to the roughness.
 
@@ -21,8 +21,6 @@
 enum
 {
     ARM = 4, ///< neighbours on each side for the roughness
-    MIN_WINDOW = 3,
-    MAX_WINDOW = 6, ///< points on each side of a corner; the larger for rough loops
     MIN_LOOP = 8,
     MAX_SPANS = 256,
     DEGREE = 3
@@ -33,16 +31,22 @@ enum
 static const double OFFSET = 1.35;
 /// Loops with less roughness, in spacings, pass through points of the edge.
 static const double ROUGH = 0.08;
-static const double MIN_TURN = 0.6;
+/// Smallest turns of corners, of exact and of rough loops.
+static const double MIN_TURNS[2] = {0.6, 0.9};
 /// Share of the turn over twice the window that is in the window.
 static const double TURN_SHARE = 0.7;
-/// A corner is at most so many spacings away from its point.
-static const double MAX_REACH = 6;
+/// Lengths on each side of a corner, in spacings, of exact and of rough loops.
+static const double WINDOWS[2] = {3, 6};
+/// A corner is at most so many spacings away from its point, over the sine of half its angle.
+static const double MAX_REACH = 2;
 /// Tolerances of the fit, in spacings and in units of the roughness.
 static const double EXACT = 2e-3;
-static const double FAIR = 1.1;
-/// Weight of second differences of control points, which makes the system regular.
-static const double REGULAR = 1e-7;
+static const double FAIR = 1.25;
+/// Weights of second differences of control points, of exact and of rough loops, relative to the points of a span. They make
+/// the system regular and prevent oscillations where points are sparse.
+static const double REGULAR[2] = {1e-6, 1e-3};
+/// Least points of a span, of exact and of rough loops.
+static const double SPAN_POINTS[2] = {2, 8};
 
 /// A loop in the chart.
 typedef struct fair_loop
@@ -52,7 +56,9 @@ typedef struct fair_loop
     double spacing;   ///< median of its points
     double roughness; ///< without the part of the noise
     double offset;
-    size_t window;
+    double window;       ///< length on each side of a corner
+    bool has_corners;    ///< whether corners can be found
+    double *at;          ///< count + 1: length of the loop up to a point
     bool *corner;        ///< count
     double (*places)[2]; ///< count: of corners, on the curve
     double *turns;       ///< count
@@ -61,6 +67,7 @@ typedef struct fair_loop
 static void fair_loop_free(fair_loop *loop)
 {
     free(loop->points);
+    free(loop->at);
     free(loop->corner);
     free(loop->places);
     free(loop->turns);
@@ -138,11 +145,35 @@ static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const d
     double rough = values[loop->count / 2];
     loop->roughness = sqrt(fmax(rough * rough - noise * noise, 0));
     loop->offset = loop->roughness > ROUGH * loop->spacing ? OFFSET * loop->roughness : 0;
-    loop->window = loop->offset > 0 ? MAX_WINDOW : MIN_WINDOW;
-    while (loop->window > 1 && 8 * loop->window > loop->count)
-        loop->window--;
+    loop->at[0] = 0;
+    for (size_t i = 0; i < loop->count; i++)
+    {
+        const double *a = loop->points[i], *b = point_at(loop, i, 1);
+        loop->at[i + 1] = loop->at[i] + hypot(b[0] - a[0], b[1] - a[1]);
+    }
+    double length = loop->at[loop->count];
+    loop->window = WINDOWS[loop->offset > 0] * loop->spacing;
+    // Windows of short loops are too small to tell the corners of a rough one from its roughness.
+    loop->has_corners = loop->count >= MIN_LOOP && (loop->offset == 0 || loop->window < length / 10);
+    loop->window = fmin(loop->window, length / 16);
     free(values);
     return BAT_OK;
+}
+
+/// The number of steps from a point that stay within a length of the loop, at least 1 and at most a quarter of the loop.
+static ptrdiff_t steps_within(const fair_loop *loop, size_t index, int direction, double length)
+{
+    ptrdiff_t count = (ptrdiff_t)loop->count, steps = 0;
+    double walked = 0;
+    while (steps < 1 || (walked < length && 4 * steps < count))
+    {
+        ptrdiff_t from = ((ptrdiff_t)index + direction * steps) % count;
+        from = from < 0 ? from + count : from;
+        ptrdiff_t edge = direction > 0 ? from : (from + count - 1) % count;
+        walked += loop->at[edge + 1] - loop->at[edge];
+        steps++;
+    }
+    return steps > 1 && walked > length ? steps - 1 : steps;
 }
 
 /// The line of least squares through consecutive points: their mean and the direction in which they follow each other.
@@ -172,25 +203,26 @@ static void fit_line(const fair_loop *loop, size_t index, ptrdiff_t first, ptrdi
     }
 }
 
-/// The angle by which a loop turns at a point, from windows of a number of points on both sides.
-static double turn_at(const fair_loop *loop, size_t index, size_t window)
+/// The angle by which a loop turns at a point, from windows of a length on both sides.
+static double turn_at(const fair_loop *loop, size_t index, double window)
 {
     double mean[2], before[2], after[2];
-    fit_line(loop, index, -(ptrdiff_t)window, 0, mean, before);
-    fit_line(loop, index, 0, (ptrdiff_t)window, mean, after);
+    fit_line(loop, index, -steps_within(loop, index, -1, window), 0, mean, before);
+    fit_line(loop, index, 0, steps_within(loop, index, 1, window), mean, after);
     return atan2(before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]);
 }
 
 /// Where the lines before and after a corner meet, shifted to the edge; the point itself where that is far away.
 static void place_corner(fair_loop *loop, size_t index)
 {
-    ptrdiff_t window = (ptrdiff_t)loop->window;
     // A loop of exact points has a point at the corner. In rough loops the nearest points belong to no side.
     ptrdiff_t gap = loop->offset > 0 ? 1 : 0;
+    ptrdiff_t before = steps_within(loop, index, -1, loop->window) + gap;
+    ptrdiff_t after = steps_within(loop, index, 1, loop->window) + gap;
     double p[2], a[2], q[2], b[2];
     const double *point = loop->points[index];
-    fit_line(loop, index, -window - gap, -gap, p, a);
-    fit_line(loop, index, gap, window + gap, q, b);
+    fit_line(loop, index, -before, -gap, p, a);
+    fit_line(loop, index, gap, after, q, b);
     // The inside is to the left.
     const double shift[2][2] = {{a[1] * loop->offset, -a[0] * loop->offset}, {b[1] * loop->offset, -b[0] * loop->offset}};
     for (int d = 0; d < 2; d++)
@@ -199,35 +231,46 @@ static void place_corner(fair_loop *loop, size_t index)
         q[d] += shift[1][d];
         loop->places[index][d] = point[d] + (shift[0][d] + shift[1][d]) / 2;
     }
-    double cross = a[0] * b[1] - a[1] * b[0];
+    double cross = a[0] * b[1] - a[1] * b[0], along = a[0] * b[0] + a[1] * b[1];
     if (loop->offset == 0 || fabs(cross) < 0.3)
         return;
     double t = ((q[0] - p[0]) * b[1] - (q[1] - p[1]) * b[0]) / cross;
+    // The angle between the sides is pi less the turn.
+    double half_sine = sqrt(fmax(1 + along, 1e-2) / 2);
     const double meet[2] = {p[0] + t * a[0], p[1] + t * a[1]};
-    if (hypot(meet[0] - point[0], meet[1] - point[1]) <= MAX_REACH * (loop->spacing + loop->offset))
+    if (hypot(meet[0] - point[0], meet[1] - point[1]) <= MAX_REACH * loop->spacing / half_sine)
         memcpy(loop->places[index], meet, sizeof meet);
+}
+
+/// Whether a corner has no rival of a larger turn within its window.
+static bool is_sharpest(const fair_loop *loop, size_t index)
+{
+    ptrdiff_t count = (ptrdiff_t)loop->count;
+    double turn = loop->turns[index];
+    for (ptrdiff_t k = -steps_within(loop, index, -1, loop->window); k <= steps_within(loop, index, 1, loop->window); k++)
+    {
+        size_t other = (size_t)(((ptrdiff_t)index + k + count) % count);
+        double rival = loop->turns[other];
+        if (rival * turn > 0 && (fabs(rival) > fabs(turn) || (fabs(rival) == fabs(turn) && k < 0)))
+            return false;
+    }
+    return true;
 }
 
 static void find_corners(fair_loop *loop)
 {
-    ptrdiff_t window = (ptrdiff_t)loop->window;
     memset(loop->corner, 0, loop->count * sizeof *loop->corner);
-    if (loop->count < MIN_LOOP)
+    if (!loop->has_corners)
         return;
     for (size_t i = 0; i < loop->count; i++)
-        loop->turns[i] = turn_at(loop, i, loop->window);
-    for (size_t i = 0; i < loop->count; i++)
     {
-        double turn = fabs(loop->turns[i]);
-        bool largest = turn >= MIN_TURN && turn >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
-        for (ptrdiff_t k = -window; k <= window && largest; k++)
-        {
-            size_t other = (i + loop->count + (size_t)(window + k) - (size_t)window) % loop->count;
-            double turned = fabs(loop->turns[other]);
-            largest = turned < turn || (turned == turn && k >= 0) || loop->turns[other] * loop->turns[i] < 0;
-        }
-        loop->corner[i] = largest;
+        double turn = turn_at(loop, i, loop->window);
+        bool sharp =
+            fabs(turn) >= MIN_TURNS[loop->offset > 0] && fabs(turn) >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
+        loop->turns[i] = sharp ? turn : 0;
     }
+    for (size_t i = 0; i < loop->count; i++)
+        loop->corner[i] = loop->turns[i] != 0 && is_sharpest(loop, i);
     for (size_t i = 0; i < loop->count; i++)
         if (loop->corner[i])
             place_corner(loop, i);
@@ -242,6 +285,7 @@ typedef struct fair_piece
     double *at;
     size_t count;
     bool closed; ///< a loop without corners: the last point is the first one
+    bool rough;
 } fair_piece;
 
 /// A control point as a combination of unknowns.
@@ -359,7 +403,8 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
         add_equation(piece, functions, unknowns, span - DEGREE, DEGREE + 1, basis, piece->points[i], 1, matrix, right);
     }
     for (size_t i = 0; i + 2 < functions; i++)
-        add_equation(piece, functions, unknowns, i, 3, differences, none, REGULAR, matrix, right);
+        add_equation(piece, functions, unknowns, i, 3, differences, none,
+                     REGULAR[piece->rough] * (double)piece->count / (double)spans, matrix, right);
     solve_dense(unknowns, matrix, right);
     for (size_t i = 0; i < functions; i++)
     {
@@ -420,7 +465,7 @@ static void set_parameters(fair_piece *piece)
 static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline_curve *curve, bat_error *error)
 {
     double tolerance = loop->offset > 0 ? FAIR * loop->roughness : fmax(EXACT * loop->spacing, FAIR * loop->roughness);
-    size_t first = piece->closed ? 4 : 1, most = piece->count < MAX_SPANS ? piece->count : MAX_SPANS;
+    size_t first = piece->closed ? 4 : 1, most = (size_t)fmin((double)piece->count / SPAN_POINTS[piece->rough], MAX_SPANS);
     set_parameters(piece);
     if (piece->count == 2 && !piece->closed)
         return fit_polygon(piece, curve, error);
@@ -445,11 +490,17 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
 /// Append a point of the loop, shifted to the edge across the direction of its neighbours up to the next corners.
 static void add_shifted(const fair_loop *loop, size_t index, ptrdiff_t room_before, ptrdiff_t room_after, fair_piece *piece)
 {
-    ptrdiff_t window = (ptrdiff_t)loop->window;
+    ptrdiff_t before = steps_within(loop, index, -1, loop->window), after = steps_within(loop, index, 1, loop->window);
     double mean[2], axis[2];
     const double *point = loop->points[index];
-    fit_line(loop, index, -(room_before < window ? room_before : window), room_after < window ? room_after : window, mean,
-             axis);
+    before = room_before < before ? room_before : before;
+    after = room_after < after ? room_after : after;
+    if (before + after == 0)
+    {
+        before = 1; // a single point between two corners
+        after = 1;
+    }
+    fit_line(loop, index, -before, after, mean, axis);
     piece->points[piece->count][0] = point[0] + axis[1] * loop->offset;
     piece->points[piece->count++][1] = point[1] - axis[0] * loop->offset;
 }
@@ -461,7 +512,7 @@ static void gather_piece(const fair_loop *loop, size_t begin, size_t steps, fair
     if (piece->closed)
     {
         for (size_t k = 0; k < loop->count; k++)
-            add_shifted(loop, k, (ptrdiff_t)loop->window, (ptrdiff_t)loop->window, piece);
+            add_shifted(loop, k, (ptrdiff_t)loop->count, (ptrdiff_t)loop->count, piece);
         memcpy(piece->points[piece->count++], piece->points[0], sizeof *piece->points);
         return;
     }
@@ -499,7 +550,8 @@ static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_err
         first++;
     fair_piece piece = {.points = memory_array(loop->count + 2, sizeof *piece.points),
                         .at = memory_array(loop->count + 2, sizeof *piece.at),
-                        .closed = first == loop->count};
+                        .closed = first == loop->count,
+                        .rough = loop->offset > 0};
     bat_status status =
         piece.points == NULL || piece.at == NULL ? error_memory(error, loop->count * 3 * sizeof(double)) : BAT_OK;
     size_t begin = piece.closed ? 0 : first, left = loop->count;
@@ -586,10 +638,11 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
     size_t count = loops->first[number + 1] - loops->first[number];
     *loop = (fair_loop){.count = count,
                         .points = memory_array(count, sizeof *loop->points),
+                        .at = memory_array(count + 1, sizeof *loop->at),
                         .corner = memory_array(count, sizeof *loop->corner),
                         .places = memory_array(count, sizeof *loop->places),
                         .turns = memory_array(count, sizeof *loop->turns)};
-    if (loop->points == NULL || loop->corner == NULL || loop->places == NULL || loop->turns == NULL)
+    if (loop->points == NULL || loop->at == NULL || loop->corner == NULL || loop->places == NULL || loop->turns == NULL)
         return error_memory(error, count * 5 * sizeof(double));
     for (size_t i = 0; i < count; i++)
         for (size_t d = 0; d < 2; d++)
