@@ -40,6 +40,7 @@ static const double MAX_TAIL = 0.05;           ///< of one point in 200,
 static const double MISSED_SPACINGS = 0.5;     ///< and in spacings, whichever is more
 static const double MAX_FARTHEST = 0.05;       ///< distance of the surface, as a share of the size,
 static const double FARTHEST_SPACINGS = 2.5;   ///< and in spacings, whichever is more
+static const double FARTHEST_TRIMMED = 4;      ///< the same of a trimmed surface, whose curves span gaps and corners
 
 // Distances in spacings and standard deviations of the noise that are not far.
 static const double FAR_SPACINGS = 3;
@@ -357,14 +358,16 @@ static void sum_samples(const cloud_geometry *geometry, const surface_samples *s
     verdict->cross_share = verdict->area > 0 ? 1 - fmax(front, back) / verdict->area : 1;
 }
 
-/// @param tail distance that 99.5 % of the points are within
-static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, double tail)
+/// @param farthest distance of the surface from the points that passes, in spacings
+/// @param tail     distance that 99.5 % of the points are within
+static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, double farthest,
+                                  double tail)
 {
     double size = ldexp(geometry->size, 1 - geometry->frame.exponent);
     double ratio = verdict->area / verdict->cloud_area, noise = ldexp(geometry->noise, 1 - geometry->frame.exponent);
     // A negation is true for what is not a number.
     if (!(verdict->far_share <= MAX_FAR) ||
-        !(verdict->farthest <= fmax(MAX_FARTHEST * size, FARTHEST_SPACINGS * verdict->spacing) + FAR_NOISE * noise))
+        !(verdict->farthest <= fmax(MAX_FARTHEST * size, farthest * verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_STRAYS;
     double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
     if (!(verdict->missed <= fmax(MAX_MISSED * size, spacings * verdict->spacing) + FAR_NOISE * noise) ||
@@ -431,7 +434,7 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     verdict->farthest = ldexp(verdict->farthest, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
-    verdict->fault = fault_of(geometry, verdict, tail);
+    verdict->fault = fault_of(geometry, verdict, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, tail);
     samples_free(&samples);
     return status;
 }

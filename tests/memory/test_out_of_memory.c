@@ -113,6 +113,10 @@ static const test_case CASES[] = {
     {"surface given", verb_surface, "surface hull.xyz -o out.obj --parameterization hull.uv --functions 20 --quiet"},
     {"surface xml", verb_surface, "surface fit.xml -o out.json --quiet"},
     {"surface json", verb_surface, "surface fit.json -o out.xml --quiet"},
+    {"surface trim", verb_surface, "surface hull.xyz -o out.step --trim --functions 20 --quiet --force"},
+    {"surface trimmed triangles", verb_surface, "surface hull.xyz -o out.obj --trim --functions 9 --quiet --force"},
+    {"surface trimmed iges", verb_surface, "surface hull.xyz -o out.iges --trim --functions 9 --quiet --force"},
+    {"surface trimmed json", verb_surface, "surface trimmed.json -o out.json --quiet"},
     {"surface picture", verb_surface,
      "surface hull.xyz --picture out.png --parameterization uniform --functions 20 --quiet"},
     {"shape", verb_shape, "shape stone -o out.ply --vertices 200"},
@@ -426,12 +430,13 @@ static int make_input(void **state)
     make(verb_shape, "shape scan -o scan.xyz --vertices 250 --quiet");
     make(verb_surface, "surface hull.xyz -o fit.xml --parameters hull.uv --parameterization uniform --functions 40 --quiet");
     make(verb_surface, "surface fit.xml -o fit.json --quiet");
+    make(verb_surface, "surface hull.xyz -o trimmed.json --trim --functions 20 --force --quiet");
     if (mkdir("runs", 0700) != 0 || chdir("runs") != 0)
         return -1;
     static const char *const inputs[] = {"plane.csv",      "many.csv",     "table.csv", "track.geojson", "path.obj",
                                          "lines.geojsonl", "rotation.csv", "keys.csv",  "sheet.obj",     "fins.obj",
                                          "cage.ply",       "stone.ply",    "hull.xyz",  "scan.xyz",      "fit.xml",
-                                         "tiles.obj",      "fit.json",     "hull.uv",   "strait.csv"};
+                                         "tiles.obj",      "fit.json",     "hull.uv",   "strait.csv",    "trimmed.json"};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
     {
         char target[64];

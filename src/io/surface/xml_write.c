@@ -86,12 +86,35 @@ static void append_control(text_buffer *text, const bat_spline_surface *surface)
     text_append_string(text, "</coefs>\n</Geometry>\n");
 }
 
+/// Trimming curves are further geometries, planar B-splines in the parameters of the surface.
+static void append_trim(text_buffer *text, const bat_spline_trim *trim)
+{
+    for (size_t l = 0; l < trim->loop_count; l++)
+        for (size_t i = trim->loops[l]; i < trim->loops[l + 1]; i++)
+        {
+            const bat_spline_curve *piece = &trim->pieces[i];
+            char line[160];
+            (void)snprintf(line, sizeof line,
+                           "<Geometry type=\"BSpline\" id=\"%zu\" label=\"loop %zu\">\n<Basis type=\"BSplineBasis\">\n"
+                           "<KnotVector degree=\"%d\">",
+                           i + 1, l, piece->knots.degree);
+            text_append_string(text, line);
+            for (size_t k = 0; k < piece->knots.count; k++)
+                append_number(text, piece->knots.knots[k], ' ');
+            text_append_string(text, "</KnotVector>\n</Basis>\n<coefs geoDim=\"2\">");
+            for (size_t k = 0; k < 2 * bat_knot_vector_functions(&piece->knots); k++)
+                append_number(text, piece->control[k], k % 2 == 0 ? ' ' : '\n');
+            text_append_string(text, "</coefs>\n</Geometry>\n");
+        }
+}
+
 bat_status surface_xml_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error)
 {
     text_buffer text = {0};
     text_append_string(&text, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<xml>\n");
     bat_status status = append_basis(&text, surface, error);
     append_control(&text, surface);
+    append_trim(&text, &surface->trim);
     text_append_string(&text, "</xml>\n");
     if (status == BAT_OK)
         status = sink_write(sink, &text, error);
