@@ -209,6 +209,7 @@ static bat_status make_trimming(reconstruction *work, bat_error *error)
     bat_status status = trimming_make(&work->geometry, work->options->fill_holes, &work->trimming, error);
     if (status != BAT_OK)
         return status;
+    work->geometry.area = work->trimming.loops.area;
     work->planar = memory_array(work->cloud->count, 2 * sizeof *work->planar);
     if (work->planar == NULL)
         return error_memory(error, work->cloud->count * 2 * sizeof *work->planar);

@@ -336,7 +336,7 @@ static void test_write_refuses(void **state)
     const bat_surface_write_options many = {.samples = 5000}, points = {.point_count = 3}, unknown = {.format = 17};
     check_status(bat_surface_write("/nowhere/a.step", &surface, NULL, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "dimension 1"));
-    check_status(bat_surface_write("/nowhere/a.iges", &surface, NULL, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_surface_write("/nowhere/a.brep", &surface, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, ".step"));
     check_status(bat_surface_write("-", &surface, NULL, NULL), BAT_INVALID_ARGUMENT);
     check_status(bat_surface_write("/nowhere/a.xml", &surface, &unknown, NULL), BAT_INVALID_ARGUMENT);

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector3.h"
 #include "mesh/key_map.h"
 #include "surface/parameterize/delaunay.h"
 
@@ -368,6 +369,26 @@ static bat_status store_loops(const uint32_t *corners, const traced_loop *traced
     return BAT_OK;
 }
 
+/// The area in space of the triangles inside. Those of a projection are divided by the cosine of their tilt.
+static double solid_area(const outline_work *work)
+{
+    static const double MIN_COSINE = 0.2;
+    const double *direction = work->chart->direction;
+    bool projected = vector3_dot(direction, direction) > 0;
+    double sum = 0;
+    for (size_t t = 0; t < work->triangles.count; t++)
+    {
+        const uint32_t *corners = work->triangles.corners + 3 * t;
+        double area = doubled_area(place_of(work, corners[0]), place_of(work, corners[1]), place_of(work, corners[2])) / 2;
+        double cosine = 0;
+        for (size_t k = 0; k < 3; k++)
+            cosine += fabs(vector3_dot(direction, work->geometry->oriented.planes[corners[k]].axes[2])) / 3;
+        if (work->solid[t])
+            sum += projected ? area / fmax(cosine, MIN_COSINE) : area;
+    }
+    return sum;
+}
+
 static bat_status find_loops(outline_work *work, double fill, outline_loops *loops, bat_error *error)
 {
     size_t points = work->geometry->order.cloud.count, sides = 3 * work->triangles.count, borders = 0;
@@ -388,6 +409,8 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
         status = count == 0 || traced[0].area <= 0
                      ? error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "no outline was found: the points are too few")
                      : store_loops(corners, traced, count, fill, loops, error);
+        if (status == BAT_OK)
+            loops->area = solid_area(work);
     }
     free(last);
     free(visited);

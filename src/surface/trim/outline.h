@@ -14,6 +14,7 @@ typedef struct outline_loops
     size_t *first;     ///< count + 1: the first corner of each loop
     size_t count;      ///< the outline comes first, counter-clockwise; then holes, clockwise, the largest area first
     bool *filled;      ///< count: whether a hole is to be closed
+    double area;       ///< of the surface within, in units of the scaled cloud
 } outline_loops;
 
 /// Find the loops.

@@ -23,6 +23,8 @@ enum
 /// Cosine of the largest angle between a normal and the direction of projection, and the share of points that keep it.
 static const double MAX_TILT = 0.6;
 static const double TILT_SHARE = 0.98;
+/// A cloud is flat when its smallest standard deviation is this share of the middle one.
+static const double FLAT = 0.03;
 /// Rounds end when no rotation changes by more.
 static const double MIN_TURN = 1e-5;
 /// Smallest ratio of the sides of a chart.
@@ -37,6 +39,31 @@ void planar_chart_free(planar_chart *chart)
 
 // Projection
 
+/// Fit a plane to all points. False when out of memory.
+static bool fit_plane(const cloud_geometry *geometry, local_plane *plane)
+{
+    size_t count = geometry->order.cloud.count;
+    neighbour_list all = {.entries = memory_array(count, sizeof *all.entries), .count = count};
+    if (all.entries == NULL)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        all.entries[i] = (neighbour){.item = (uint32_t)i};
+    *plane = local_plane_fit(geometry->order.cloud.points, &all);
+    free(all.entries);
+    return true;
+}
+
+/// Turn a vector so that its largest coordinate is positive.
+static void set_direction(const double vector[3], double direction[3])
+{
+    size_t largest = 0;
+    for (size_t c = 1; c < 3; c++)
+        largest = fabs(vector[c]) > fabs(vector[largest]) ? c : largest;
+    double sign = vector[largest] < 0 ? -1 : 1;
+    for (size_t c = 0; c < 3; c++)
+        direction[c] = sign * vector[c];
+}
+
 /// The direction of the mean normal, on the side of its largest coordinate; false where the normals cancel or are tilted.
 static bool find_direction(const cloud_geometry *geometry, double direction[3])
 {
@@ -46,18 +73,13 @@ static bool find_direction(const cloud_geometry *geometry, double direction[3])
         for (size_t c = 0; c < 3; c++)
             direction[c] += geometry->oriented.planes[i].axes[2][c];
     double length = sqrt(vector3_dot(direction, direction));
-    size_t largest = 0;
-    for (size_t c = 1; c < 3; c++)
-        largest = fabs(direction[c]) > fabs(direction[largest]) ? c : largest;
     if (!(length > 0))
         return false;
     for (size_t c = 0; c < 3; c++)
         direction[c] /= length;
     for (size_t i = 0; i < count; i++)
         upright += vector3_dot(direction, geometry->oriented.planes[i].axes[2]) >= MAX_TILT;
-    if (direction[largest] < 0)
-        for (size_t c = 0; c < 3; c++)
-            direction[c] = -direction[c];
+    set_direction(direction, direction);
     return (double)upright >= TILT_SHARE * (double)count;
 }
 
@@ -522,16 +544,24 @@ static bat_status set_rectangle(const cloud_geometry *geometry, double margin, p
 
 bat_status planar_chart_make(const cloud_geometry *geometry, double margin, planar_chart *chart, bat_error *error)
 {
-    double direction[3];
+    local_plane plane;
     size_t count = geometry->order.cloud.count;
     *chart = (planar_chart){.places = memory_array(count, sizeof *chart->places)};
     if (chart->places == NULL)
         return error_memory(error, count * sizeof *chart->places);
-    bat_status status = BAT_OK;
-    if (find_direction(geometry, direction))
-        project(geometry, direction, chart->places);
-    else
+    bat_status status = fit_plane(geometry, &plane) ? BAT_OK : error_memory(error, count * sizeof(neighbour));
+    if (status == BAT_OK && plane.variance[2] <= FLAT * FLAT * plane.variance[1])
+    {
+        set_direction(plane.axes[2], chart->direction);
+        project(geometry, chart->direction, chart->places);
+    }
+    else if (status == BAT_OK && find_direction(geometry, chart->direction))
+        project(geometry, chart->direction, chart->places);
+    else if (status == BAT_OK)
+    {
+        memset(chart->direction, 0, sizeof chart->direction);
         status = unroll_cloud(geometry, chart->places, error);
+    }
     if (status == BAT_OK)
         status = set_rectangle(geometry, margin, chart, error);
     if (status != BAT_OK)

@@ -5,7 +5,8 @@
 
 /// @file
 /// Charts with free boundary: places of the points of a cloud in a rectangle, with little distortion. A cloud whose normals
-/// are within MAX_TILT of one direction is projected along it. Other clouds get the places u that minimize
+/// are within MAX_TILT of one direction is projected along it, and so is one that is flat as a whole. Other clouds get the
+/// places u that minimize
 ///     sum over neighbours i, j of |u_j - u_i - R_i p_ij|^2,
 /// where p_ij is the projection of x_j - x_i to the tangent plane of x_i, with the length of x_j - x_i, and R_i a rotation:
 /// the energy of Sorkine and Alexa, "As-rigid-as-possible surface modeling" (2007), from the tangent planes that are
@@ -16,6 +17,7 @@ typedef struct planar_chart
 {
     double (*places)[2]; ///< [count of the cloud], in units of the scaled cloud, from 0 to `sides`
     double sides[2];     ///< of the rectangle, the longer one first
+    double direction[3]; ///< of the projection; zero for an unrolled cloud
 } planar_chart;
 
 /// Make a chart.
