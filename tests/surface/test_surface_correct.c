@@ -9,7 +9,8 @@ static bat_spline_surface surface_of(surface_shape shape)
 {
     bat_hierarchical_space *space = refined_space(3, 3, true);
     surface_sample sample = sample_make(shape, 3000, 40, 0, 21);
-    bat_spline_surface surface = {space, calloc(3 * bat_hierarchical_space_functions(space), sizeof(double)), 3};
+    bat_spline_surface surface = {
+        .space = space, .control = calloc(3 * bat_hierarchical_space_functions(space), sizeof(double)), .dimension = 3};
     double lambda = 0;
     assert_non_null(surface.control);
     check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, surface.control, NULL), BAT_OK);

@@ -9,7 +9,8 @@
 static bat_spline_surface fit(bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
                               double *lambda)
 {
-    bat_spline_surface surface = {space, calloc(3 * bat_hierarchical_space_functions(space), sizeof(double)), 3};
+    bat_spline_surface surface = {
+        .space = space, .control = calloc(3 * bat_hierarchical_space_functions(space), sizeof(double)), .dimension = 3};
     bat_error error;
     assert_non_null(surface.control);
     if (bat_spline_fit(space, data, weights, lambda, surface.control, &error) != BAT_OK)
@@ -44,7 +45,7 @@ static void splines_of_the_space_are_reproduced(void **state)
     for (size_t k = 0; k < 3 * functions; k++)
         control[k] = bat_random_uniform(&random);
     surface_sample sample = sample_make(shape_biquadratic, 4000, 80, 0, 8);
-    bat_spline_surface given = {space, control, 3};
+    bat_spline_surface given = {.space = space, .control = control, .dimension = 3};
     check_status(bat_spline_surface_evaluate(&given, sample.data.parameters, sample.data.count, 0, sample.points, NULL),
                  BAT_OK);
     bat_spline_surface surface = fit(space, &sample.data, NULL, &lambda);
