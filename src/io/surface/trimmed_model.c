@@ -218,8 +218,10 @@ static void join_images(const trimmed_model *model)
         for (size_t i = trim->loops[l]; i < trim->loops[l + 1]; i++)
         {
             const bat_spline_curve *next = &model->images[i + 1 < trim->loops[l + 1] ? i + 1 : trim->loops[l]];
-            size_t last = bat_knot_vector_functions(&model->images[i].knots) - 1;
-            memcpy(model->images[i].control + 3 * last, next->control, 3 * sizeof(double));
+            bat_spline_curve *image = &model->images[i];
+            size_t last = bat_knot_vector_functions(&image->knots) - 1;
+            for (size_t c = 0; c < 3 && image->control != NULL && next->control != NULL; c++)
+                image->control[3 * last + c] = next->control[c];
         }
 }
 

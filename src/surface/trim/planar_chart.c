@@ -245,7 +245,7 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
         mean[k % 3] += work->positions[k] / (double)work->node_count;
     neighbour_list near = {0};
     uint32_t *queue = memory_array(work->node_count, sizeof *queue);
-    bool *reached = calloc(work->node_count, sizeof *reached);
+    bool *reached = calloc(work->node_count + 1, sizeof *reached);
     bat_status status = queue == NULL || reached == NULL ? error_memory(error, work->node_count * sizeof *queue)
                                                          : neighbours_nearest(&work->tree, mean, 1, &near, error);
     size_t head = 0, tail = 0;
