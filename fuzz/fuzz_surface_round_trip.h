@@ -41,7 +41,7 @@ static inline void write_and_read(const bat_spline_surface *surface)
         MAX_CELLS = 2000 // limits the time of an input
     };
     bool small = bat_hierarchical_space_cells(surface->space) <= MAX_CELLS;
-    for (int i = BAT_SURFACE_FORMAT_XML; i <= BAT_SURFACE_FORMAT_JSON; i++)
+    for (int i = BAT_SURFACE_FORMAT_XML; i <= BAT_SURFACE_FORMAT_IGES; i++)
     {
         text_buffer text = {0};
         bool exact = i == BAT_SURFACE_FORMAT_XML || i == BAT_SURFACE_FORMAT_JSON;

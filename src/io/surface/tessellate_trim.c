@@ -17,7 +17,8 @@
 
 enum
 {
-    MAX_ROUNDS = 8 ///< divisions; at acute corners they would not end
+    MAX_ROUNDS = 8, ///< divisions; at acute corners they would not end
+    MAX_PARTS = 256 ///< of an edge of a polygon; more where points are near
 };
 
 /// Points of one curve after the other, in the plane of parameters times mean lengths of tangents.
@@ -76,7 +77,7 @@ static bool add_polygons(const bat_spline_surface *surface, size_t samples, cons
             const double *a = region->points[i], *b = region->points[trim_region_next(region, i)];
             double length = hypot((b[0] - a[0]) * cut->scale[0], (b[1] - a[1]) * cut->scale[1]);
             double step = step_at(surface, samples, cut, (a[0] + b[0]) / 2, (a[1] + b[1]) / 2);
-            size_t parts = length > step ? (size_t)ceil(length / step) : 1;
+            size_t parts = length > step ? (size_t)fmin(ceil(length / step), MAX_PARTS) : 1;
             for (size_t k = 0; k < parts && good; k++)
             {
                 double share = (double)k / (double)parts;

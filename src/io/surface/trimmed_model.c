@@ -14,7 +14,7 @@
 
 enum
 {
-    MAX_FUNCTIONS = 1 << 22,
+    MAX_FUNCTIONS = 1 << 20,
     MAX_PARTS = 64, ///< of a span of a trimming curve
     DEGREE = 3
 };

@@ -17,7 +17,7 @@ typedef struct trimmed_model
 } trimmed_model;
 
 /// Make the model.
-/// @return BAT_OK; BAT_TOO_LARGE where the finest level has more than 2^22 functions; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_TOO_LARGE where the finest level has more than 2^20 functions; BAT_NO_MEMORY
 bat_status trimmed_model_make(const bat_spline_surface *surface, trimmed_model *model, bat_error *error);
 void trimmed_model_free(trimmed_model *model);
 
