@@ -409,7 +409,7 @@ surface 'empty.in.xyz: there are no points' empty.in.xyz
 surface 'three.in.xyz: a surface patch needs at least four points' three.in.xyz
 surface 'nan.in.xyz:8: point 7 is not finite' nan.in.xyz
 surface 'short.in.xyz:3: point 2 has no z' short.in.xyz
-surface 'twice.in.xyz:9: .* line 4' twice.in.xyz
+surface 'twice.in.xyz:9: .* line 4' twice.in.xyz --strict
 surface 'straight.in.xyz: no boundary loop' straight.in.xyz
 surface 'two.in.xyz: .*boundary loops' two.in.xyz
 surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
@@ -435,6 +435,9 @@ refused 1 'no/such' surface cloud.in.xyz --parameterization uniform --parameters
 refused 2 'missing' surface
 refused 2 'tolerance is -1, but must be' surface cloud.in.xyz --tolerance -1
 refused 2 'tolerance takes a number above 0' surface cloud.in.xyz --tolerance 0
+refused 2 'fill-holes goes with --trim' surface cloud.in.xyz --fill-holes 1
+refused 2 'exclude each other' surface cloud.in.xyz --trim --parameterization learned
+refused 2 'unit' surface cloud.in.xyz --unit cubit
 refused 2 'takes a number, not' surface cloud.in.xyz --tolerance x
 refused 2 'share is 1.5, but must be' surface cloud.in.xyz --tolerance 1 --share 1.5
 refused 2 'share needs' surface cloud.in.xyz --share 0.9
