@@ -107,7 +107,7 @@ static void pcd_as_text(void **state)
     static const double points[] = {0.5, -1, 2, 1, 2, 3};
     assert_read(&file, ".pcd", 2, points);
     assert_read(&file, ".", 2, points); // by the content
-    put_text(&file, "9 9 9 9\n");           // more than POINTS is ignored
+    put_text(&file, "9 9 9 9\n");       // more than POINTS is ignored
     assert_read(&file, ".pcd", 2, points);
 }
 
