@@ -368,7 +368,7 @@ static bool is_below_noise(const bat_surface_fit_options *options, const bat_sur
 }
 
 /// Fail where the surface is judged to be wrong.
-static bat_status refuse(const bat_surface_verdict *verdict, bool one_sided, bat_error *error)
+static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool one_sided, bat_error *error)
 {
     if (one_sided)
         return tell_one_sided(error);
@@ -376,7 +376,7 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool one_sided, bat
     surface_verdict_text(verdict, text, sizeof text);
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                      "the surface is wrong: %s; %s--force writes it nevertheless", text,
-                     work->options->trim ? "" : "--trim fits concave outlines and holes, ");
+                     trimmed ? "" : "--trim fits concave outlines and holes, ");
 }
 
 /// Count folds of the parameters of the part.
@@ -510,7 +510,7 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
         !one_sided)
         status = reconstruct_again(cloud, options, &made, error);
     if (status == BAT_OK && made.verdict.fault != BAT_SURFACE_FAULT_NONE && !options->force)
-        status = refuse(&made.verdict, one_sided, error);
+        status = refuse(&made.verdict, options->trim, one_sided, error);
     if (status == BAT_OK)
         *result = made;
     else
