@@ -411,7 +411,7 @@ surface 'nan.in.xyz:8: point 7 is not finite' nan.in.xyz
 surface 'short.in.xyz:3: point 2 has no z' short.in.xyz
 surface 'twice.in.xyz:9: .* line 4' twice.in.xyz --strict
 surface 'straight.in.xyz: no boundary loop' straight.in.xyz
-surface 'two.in.xyz: .*boundary loops' two.in.xyz
+surface 'two.in.xyz: .*several pieces' two.in.xyz
 surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
 surface 'closed.in.obj: .*closed' closed.in.obj
 surface 'none.in.xyz: cannot open' none.in.xyz
@@ -426,7 +426,7 @@ surface 'none.in.uv: cannot open' cloud.in.xyz --parameterization none.in.uv
 surface 'empty.in.xyz: 0 rows of parameters for 300 points' cloud.in.xyz --parameterization empty.in.xyz
 surface 'cloud.in.xyz:1: .*more than u and v' cloud.in.xyz --parameterization cloud.in.xyz
 surface 'cloud.in.xyz: ' cloud.in.xyz --model cloud.in.xyz
-"$batten" surface cloud.in.xyz --parameterization uniform --functions 20 -o fit.in.xml --quiet
+"$batten" surface cloud.in.xyz --parameterization uniform --functions 20 --force -o fit.in.xml --quiet
 head -c 900 fit.in.xml > truncated.in.xml
 surface 'truncated.in.xml:[0-9]+: ' truncated.in.xml
 surface 'empty.in.xml: cannot open' empty.in.xml
@@ -451,7 +451,7 @@ refused 2 'there is no parameterization .fancy.; there are auto' surface cloud.i
 refused 2 'goes with auto and learned' surface cloud.in.xyz --parameterization uniform --model good.in.csv
 refused 2 'there are chord-length, centripetal, uniform' surface cloud.in.xyz --sides short
 refused 2 "ending of OUT names no format" surface cloud.in.xyz -o out.csv
-refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to iges
+refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to brep
 refused 2 'no cloud format' surface cloud.in.xyz --from stl
 refused 2 'both need standard output' surface cloud.in.xyz -o - --to step --json
 refused 2 'there is no output' surface cloud.in.xyz --quiet
