@@ -263,7 +263,7 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
         status = trimming_curves(geometry, candidate->trimming, candidate->corrected, &candidate->surface.trim, &failure);
     if (status == BAT_OK)
         status = surface_judge(geometry, &candidate->surface, candidate->corrected, candidate->fit.distances, cloud->count,
-                               options->threads, &candidate->report.verdict, &failure);
+                               options, &candidate->report.verdict, &failure);
     return record_failure(status, &failure, candidate, error);
 }
 

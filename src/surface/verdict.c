@@ -358,10 +358,11 @@ static void sum_samples(const cloud_geometry *geometry, const surface_samples *s
     verdict->cross_share = verdict->area > 0 ? 1 - fmax(front, back) / verdict->area : 1;
 }
 
-/// @param farthest distance of the surface from the points that passes, in spacings
-/// @param tail     distance that 99.5 % of the points are within
+/// @param farthest  distance of the surface from the points that passes, in spacings
+/// @param tail      distance that 99.5 % of the points are within
+/// @param tolerance that was asked for; a distance within it is no fault, up to the limit of the tail
 static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, double farthest,
-                                  double tail)
+                                  double tail, double tolerance)
 {
     double size = ldexp(geometry->size, 1 - geometry->frame.exponent);
     double ratio = verdict->area / verdict->cloud_area, noise = ldexp(geometry->noise, 1 - geometry->frame.exponent);
@@ -370,7 +371,8 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
         !(verdict->farthest <= fmax(MAX_FARTHEST * size, farthest * verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_STRAYS;
     double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
-    if (!(verdict->missed <= fmax(MAX_MISSED * size, spacings * verdict->spacing) + FAR_NOISE * noise) ||
+    double missed = fmax(fmax(MAX_MISSED * size, spacings * verdict->spacing), fmin(tolerance, MAX_TAIL * size));
+    if (!(verdict->missed <= missed + FAR_NOISE * noise) ||
         !(tail <= fmax(MAX_TAIL * size, verdict->spacing) + FAR_NOISE * noise))
         return BAT_SURFACE_FAULT_MISSED;
     if (geometry->order.cloud.count < MIN_PLANE_POINTS)
@@ -411,7 +413,8 @@ static bat_status clip_samples(const bat_spline_trim *trim, const double *parame
 }
 
 bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *parameters,
-                         const double *distances, size_t count, int threads, bat_surface_verdict *verdict, bat_error *error)
+                         const double *distances, size_t count, const bat_surface_fit_options *options,
+                         bat_surface_verdict *verdict, bat_error *error)
 {
     surface_samples samples = {0};
     double tail = 0;
@@ -422,7 +425,7 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     if (status == BAT_OK && samples.count > 0)
         status = bat_spline_surface_evaluate(surface, samples.parameters, samples.count, 1, samples.values, error);
     if (status == BAT_OK)
-        status = measure_samples(geometry, threads, &samples, error);
+        status = measure_samples(geometry, options->threads, &samples, error);
     if (status == BAT_OK)
         sum_samples(geometry, &samples, verdict);
     if (status == BAT_OK && samples.count > 0)
@@ -434,7 +437,8 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     verdict->farthest = ldexp(verdict->farthest, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
-    verdict->fault = fault_of(geometry, verdict, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, tail);
+    verdict->fault = fault_of(geometry, verdict, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, tail,
+                              options->tolerance);
     samples_free(&samples);
     return status;
 }

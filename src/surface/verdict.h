@@ -30,9 +30,11 @@ void cloud_geometry_free(cloud_geometry *geometry);
 /// Judge a surface over the bounding box of the parameters of the points.
 /// @param parameters of the points, [count x 2]
 /// @param distances of the points of the cloud from the surface, [count], in the units of the cloud
+/// @param options   of the fit: threads, and the tolerance that was asked for
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *parameters,
-                         const double *distances, size_t count, int threads, bat_surface_verdict *verdict, bat_error *error);
+                         const double *distances, size_t count, const bat_surface_fit_options *options,
+                         bat_surface_verdict *verdict, bat_error *error);
 
 /// The fault of a surface as a sentence.
 void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size);
