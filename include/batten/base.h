@@ -54,6 +54,9 @@ typedef enum bat_status
 /// A short name of a status, for example "invalid point". Never null.
 BAT_API const char *bat_status_name(bat_status status);
 
+/// The default of every `max_points`: 2^40 - 1, or 2^26 - 1 where size_t has 32 bits.
+#define BAT_MAX_POINTS (SIZE_MAX / (sizeof(size_t) > 4 ? 1 << 24 : 1 << 6))
+
 #define BAT_NO_INDEX ((size_t)-1)
 #define BAT_ERROR_TEXT_SIZE 240
 

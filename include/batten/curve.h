@@ -103,7 +103,7 @@ typedef struct bat_curve_refine_options
     size_t levels;           ///< 0 to 60; default 5
     bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
-    size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
+    size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default BAT_MAX_POINTS
     int threads;             ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;   ///< default: none
     bat_curve_simple simple; ///< default BAT_CURVE_SIMPLE_RINGS

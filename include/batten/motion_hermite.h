@@ -141,7 +141,7 @@ typedef struct bat_hermite_options
     bat_hermite_mask mask; ///< TRANSPORT; default bat_hermite_mask_merrien(-1/8, -1/2)
     bat_curve_base base;   ///< TRANSPORT: in whose tangent space to sum; default BAT_CURVE_BASE_VERTEX
     size_t levels;         ///< 0 to 60; each doubles the number of edges; default 5
-    size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default SIZE_MAX / 2^24
+    size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default BAT_MAX_POINTS
     int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
 } bat_hermite_options;

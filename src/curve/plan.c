@@ -19,7 +19,7 @@ bat_curve_refine_options bat_curve_refine_defaults(void)
         .scheme = {.kind = BAT_CURVE_SCHEME_AUTO},
         .levels = 5,
         .ends = BAT_CURVE_END_REFLECT,
-        .max_points = SIZE_MAX >> 24,
+        .max_points = BAT_MAX_POINTS,
         .max_levels = STOP_DEFAULT_LEVELS,
     };
 }

@@ -33,6 +33,7 @@ static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_repo
 static void refine_many(const bat_curve *coarse, const bat_curve_refine_options *options, int threads, bat_curve *fine,
                         bat_curve_refine_report *report, shared_work *work)
 {
+    (void)threads; // without OpenMP
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (size_t i = 0; i < work->total; i++)
     {

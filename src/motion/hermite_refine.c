@@ -28,7 +28,7 @@ bat_hermite_options bat_hermite_defaults(void)
         .mask = bat_hermite_mask_merrien(-0.125, -0.5),
         .base = BAT_CURVE_BASE_VERTEX,
         .levels = 5,
-        .max_points = SIZE_MAX >> 24,
+        .max_points = BAT_MAX_POINTS,
     };
 }
 

@@ -201,7 +201,7 @@ static bat_status count_samples(const bat_hermite_curve *curve, double rate, siz
     double duration = time_of(curve, interval_count(curve)) - time_of(curve, 0), steps = duration * rate;
     if (!(rate > 0 && isfinite(rate)))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the rate must be positive, not %g", rate);
-    if (!(steps < (double)(SIZE_MAX >> 24)))
+    if (!(steps < (double)BAT_MAX_POINTS))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%.15g samples are too many; a lower rate makes fewer",
                          steps);
     *count = curve->closed ? (size_t)ceil(steps - RATE_TOLERANCE) : (size_t)floor(steps + RATE_TOLERANCE) + 1;

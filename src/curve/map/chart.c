@@ -78,6 +78,7 @@ static void chart_curve(const map_chart *chart, const bat_curve *curve, const ba
 bat_status chart_curves_make(const map_chart *chart, const bat_curve *curves, size_t count, const chart_curves *coarse,
                              size_t *const *starts, int threads, chart_curves *charts, bat_error *error)
 {
+    (void)threads; // without OpenMP
     *charts = (chart_curves){.count = count, .curves = memory_array(count, sizeof *charts->curves)};
     if (charts->curves == NULL)
         return error_memory(error, count * sizeof *charts->curves);

@@ -767,6 +767,7 @@ static size_t divide_all(const edge_search *search, node_pair *parts, size_t cou
 /// Search the parts and hand over their pairs in order. False, without having handed over any, when one failed.
 static bool search_shared(edge_search *search, const node_pair *parts, size_t count, int threads)
 {
+    (void)threads; // without OpenMP
     found_pairs *kept = calloc(count > 0 ? count : 1, sizeof *kept);
     bool done = kept != NULL;
     if (done)

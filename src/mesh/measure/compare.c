@@ -173,7 +173,7 @@ static bat_status measure_samples(compare_way *way, int threads, size_t first_pi
 }
 
 /// The most samples. Their number stays exact in a double and fits size_t, also with 3 k^2 rounded for each face.
-static const size_t MAX_SAMPLES = (size_t)1 << 40;
+static const size_t MAX_SAMPLES = SIZE_MAX / 64 < 1ULL << 40 ? SIZE_MAX / 64 : (size_t)(1ULL << 40);
 
 bat_mesh_compare_options bat_mesh_compare_defaults(void)
 {
