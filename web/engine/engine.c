@@ -1,0 +1,463 @@
+#include "engine.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <emscripten/emscripten.h>
+
+/// Calls back into JavaScript. 0 stops the operation.
+__attribute__((import_module("env"), import_name("engine_progress"))) extern int engine_progress(double fraction);
+
+static bool report_progress(void *context, double fraction)
+{
+    (void)context;
+    return engine_progress(fraction) != 0;
+}
+
+const bat_progress ENGINE_PROGRESS = {report_progress, NULL};
+
+/// The failure of the last operation.
+static bat_error failure;
+
+bat_status engine_fail(bat_error *error, bat_status status, const char *text, const char *name)
+{
+    *error = (bat_error){.status = status, .index = BAT_NO_INDEX};
+    // The texts above are short; names may have any length.
+    size_t used = 0;
+    for (; *text != 0 && used + 1 < sizeof error->text; text++)
+        if (text[0] == '%')
+            for (const char *letter = name; *letter != 0 && used + 2 < sizeof error->text; letter++)
+                error->text[used++] = *letter;
+        else
+            error->text[used++] = *text;
+    error->text[used] = 0;
+    return status;
+}
+
+json_t *engine_number(double value)
+{
+    if (isfinite(value))
+        return json_real(value);
+    return json_string(isnan(value) ? "NaN" : value > 0 ? "Infinity" : "-Infinity");
+}
+
+json_t *engine_size(size_t value)
+{
+    return value == BAT_NO_INDEX ? json_null() : json_integer((json_int_t)value);
+}
+
+json_t *engine_array(const char *type, const void *data, size_t count)
+{
+    return data == NULL ? json_null() : json_pack("[s,I,I]", type, (json_int_t)(uintptr_t)data, (json_int_t)count);
+}
+
+json_t *engine_numbers(const double *values, size_t count)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; i < count; i++)
+        (void)json_array_append_new(array, engine_number(values[i]));
+    return array;
+}
+
+void engine_set(json_t *object, const char *name, json_t *value)
+{
+    (void)json_object_set_new_nocheck(object, name, value);
+}
+
+void *engine_own(engine_object *object, void *memory)
+{
+    if (object->array_count == ENGINE_ARRAYS)
+        abort();
+    return object->arrays[object->array_count++] = memory;
+}
+
+static bool is_listed(const char *const *names, const char *name)
+{
+    for (; names != NULL && *names != NULL; names++)
+        if (strcmp(*names, name) == 0)
+            return true;
+    return false;
+}
+
+static bat_status store(const engine_option *option, const json_t *value, void *target, bat_error *error)
+{
+    char *field = (char *)target + option->offset;
+    double number = json_number_value(value);
+    switch (option->type)
+    {
+    case ENGINE_BOOL:
+        if (!json_is_boolean(value))
+            return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be true or false", option->name);
+        *(bool *)field = json_is_true(value);
+        return BAT_OK;
+    case ENGINE_TEXT:
+    case ENGINE_CHOICE:
+        if (!json_is_string(value))
+            return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a text", option->name);
+        if (option->type == ENGINE_CHOICE)
+            return option->by_name(json_string_value(value), (int *)(void *)field, error);
+        *(const char **)(void *)field = json_string_value(value);
+        return BAT_OK;
+    case ENGINE_NUMBER:
+        if (!json_is_number(value))
+            return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a finite number", option->name);
+        *(double *)(void *)field = number;
+        return BAT_OK;
+    case ENGINE_SIZE:
+    case ENGINE_INT:
+    case ENGINE_UINT64:
+    default:
+        break;
+    }
+    double low = option->type == ENGINE_INT ? -0x1p31 : 0;
+    double high = option->type == ENGINE_INT ? 0x1p31 - 1 : option->type == ENGINE_SIZE ? 0x1p32 - 1 : 0x1p53;
+    if (!json_is_number(value) || !(number >= low && number <= high) || number != floor(number))
+        return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a whole number in its range", option->name);
+    if (option->type == ENGINE_INT)
+        *(int *)(void *)field = (int)number;
+    else if (option->type == ENGINE_SIZE)
+        *(size_t *)(void *)field = (size_t)number;
+    else
+        *(uint64_t *)(void *)field = (uint64_t)number;
+    return BAT_OK;
+}
+
+bat_status engine_options(const json_t *json, const engine_option *options, size_t count, const char *const *also,
+                          void *target, bat_error *error)
+{
+    const char *name;
+    json_t *value;
+    json_object_foreach((json_t *)json, name, value)
+    {
+        if (is_listed(also, name))
+            continue;
+        const engine_option *option = NULL;
+        for (size_t i = 0; i < count; i++)
+            if (strcmp(options[i].name, name) == 0)
+                option = &options[i];
+        if (option == NULL)
+            return engine_fail(error, BAT_INVALID_ARGUMENT, "there is no option '%'", name);
+        bat_status status = store(option, value, target, error);
+        if (status != BAT_OK)
+            return status;
+    }
+    return BAT_OK;
+}
+
+bat_status engine_no_options(const json_t *json, const char *const *also, bat_error *error)
+{
+    return engine_options(json, NULL, 0, also, NULL, error);
+}
+
+bat_status engine_text(const json_t *json, const char *name, const char **text, bat_error *error)
+{
+    const json_t *value = json_object_get(json, name);
+    *text = json_string_value(value);
+    if (value != NULL && *text == NULL)
+        return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a text", name);
+    return BAT_OK;
+}
+
+// Called by JavaScript.
+
+EMSCRIPTEN_KEEPALIVE void *engine_allocate(size_t size)
+{
+    return malloc(size > 0 ? size : 1);
+}
+
+EMSCRIPTEN_KEEPALIVE void engine_release(void *memory)
+{
+    free(memory);
+}
+
+/// The failure of the last operation that gave no object, as JSON; release it with engine_release().
+EMSCRIPTEN_KEEPALIVE char *engine_failure(void)
+{
+    json_t *json = json_pack("{s:i,s:s}", "status", (int)failure.status, "name", bat_status_name(failure.status));
+    engine_set(json, "index", engine_size(failure.index));
+    engine_set(json, "line", engine_size(failure.line));
+    engine_set(json, "text", json_string(failure.text));
+    char *text = json_dumps(json, JSON_COMPACT);
+    json_decref(json);
+    return text;
+}
+
+EMSCRIPTEN_KEEPALIVE void engine_free(engine_object *object)
+{
+    if (object == NULL)
+        return;
+    bat_curve_set_free(&object->set);
+    bat_mesh_free(&object->mesh);
+    for (size_t i = 0; i < object->array_count; i++)
+        free(object->arrays[i]);
+    json_decref(object->report);
+    free(object->text);
+    free(object);
+}
+
+static void report_curves(engine_object *object)
+{
+    json_t *curves = json_array();
+    const bat_curve_set *set = &object->set;
+    for (size_t i = 0; i < set->count; i++)
+    {
+        const bat_curve *curve = &set->curves[i];
+        json_t *row = json_object();
+        engine_set(row, "points", engine_array("f64", curve->points, curve->count * set->space->point_dim));
+        engine_set(row, "closed", json_boolean(curve->closed));
+        if (curve->channels != NULL)
+            engine_set(row, "channels", engine_array("f64", curve->channels, curve->count * curve->channel_count));
+        if (curve->corners != NULL)
+            engine_set(row, "corners", engine_array("u8", curve->corners, curve->count));
+        (void)json_array_append_new(curves, row);
+    }
+    engine_set(object->report, "curves", curves);
+    engine_set(object->report, "space", json_string(set->space->name));
+    engine_set(object->report, "point_dim", engine_size(set->space->point_dim));
+    json_t *notes = json_array();
+    const char *note;
+    for (size_t i = 0; set->attributes != NULL && (note = bat_curve_set_note(set, i)) != NULL; i++)
+        (void)json_array_append_new(notes, json_string(note));
+    engine_set(object->report, "notes", notes);
+}
+
+static void report_mesh(engine_object *object)
+{
+    const bat_mesh *mesh = &object->mesh;
+    json_t *report = object->report;
+    engine_set(report, "positions", engine_array("f64", mesh->positions, 3 * mesh->vertex_count));
+    engine_set(report, "faces", engine_array("u32", mesh->faces, 3 * mesh->face_count));
+    engine_set(report, "texture", engine_array("f64", mesh->texture, 2 * mesh->texture_count));
+    engine_set(report, "texture_faces", engine_array("u32", mesh->texture_faces, 3 * mesh->face_count));
+    engine_set(report, "channels", engine_array("f64", mesh->channels, mesh->channel_count * mesh->vertex_count));
+    json_t *names = json_array(), *creases = json_array(), *corners = json_array();
+    for (size_t i = 0; i < mesh->channel_count; i++)
+        (void)json_array_append_new(names, json_string(mesh->channel_names[i]));
+    for (size_t i = 0; i < mesh->crease_count; i++)
+    {
+        const bat_mesh_crease *crease = &mesh->creases[i];
+        (void)json_array_append_new(creases,
+                                    json_pack("[I,I,f]", (json_int_t)crease->a, (json_int_t)crease->b, crease->sharpness));
+    }
+    for (size_t i = 0; i < mesh->corner_count; i++)
+        (void)json_array_append_new(corners,
+                                    json_pack("[I,f]", (json_int_t)mesh->corners[i].vertex, mesh->corners[i].sharpness));
+    engine_set(report, "channel_names", names);
+    engine_set(report, "creases", creases);
+    engine_set(report, "corners", corners);
+}
+
+/// The report of an object as JSON; it lives as long as the object.
+EMSCRIPTEN_KEEPALIVE const char *engine_report(engine_object *object)
+{
+    if (object->text == NULL)
+    {
+        if (object->kind == ENGINE_CURVES)
+            report_curves(object);
+        else if (object->kind == ENGINE_MESH)
+            report_mesh(object);
+        object->text = json_dumps(object->report, JSON_COMPACT);
+    }
+    return object->text;
+}
+
+static engine_object *new_object(engine_kind kind)
+{
+    engine_object *object = calloc(1, sizeof *object);
+    if (object == NULL)
+        return NULL;
+    object->kind = kind;
+    object->report = json_object();
+    return object;
+}
+
+static const engine_row *find(const char *name)
+{
+    const engine_row *const tables[] = {ENGINE_CURVE_ROWS, ENGINE_MESH_ROWS, ENGINE_MOTION_ROWS};
+    for (size_t i = 0; i < ENGINE_COUNT(tables); i++)
+        for (const engine_row *row = tables[i]; row->name != NULL; row++)
+            if (strcmp(row->name, name) == 0)
+                return row;
+    return NULL;
+}
+
+/// Run an operation.
+/// @param options a JSON object; null for none
+/// @return the result, for engine_free(); null on failure, which engine_failure() tells
+EMSCRIPTEN_KEEPALIVE engine_object *engine_run(const char *name, const char *options, engine_object *first,
+                                               engine_object *second, const void *bytes, size_t size)
+{
+    failure = (bat_error){.status = BAT_OK, .index = BAT_NO_INDEX};
+    engine_call call = {.inputs = {first, second}, .bytes = bytes, .size = size};
+    const engine_row *row = find(name);
+    if (row == NULL)
+    {
+        (void)engine_fail(&failure, BAT_INVALID_ARGUMENT, "there is no operation '%'", name);
+        return NULL;
+    }
+    for (size_t i = 0; i < ENGINE_INPUTS; i++)
+        if (row->inputs[i] != ENGINE_VALUES && (call.inputs[i] == NULL || call.inputs[i]->kind != row->inputs[i]))
+        {
+            (void)engine_fail(&failure, BAT_INVALID_ARGUMENT, "% needs another input", name);
+            return NULL;
+        }
+    json_t *json = options != NULL ? json_loads(options, JSON_REJECT_DUPLICATES, NULL) : json_object();
+    engine_object *result = new_object(row->result);
+    bat_status status = BAT_OK;
+    if (result == NULL)
+        status = engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
+    else if (!json_is_object(json))
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "the options of % are no JSON object", name);
+    else
+    {
+        call.options = json;
+        status = row->run(&call, result, &failure);
+    }
+    json_decref(json);
+    if (status == BAT_OK)
+        return result;
+    engine_free(result);
+    return NULL;
+}
+
+/// Make curves of arrays. The arrays are copied.
+/// @param layout JSON: the name of the space, its `point_dim`, `channel_count`, and lists `counts` and `closed`
+EMSCRIPTEN_KEEPALIVE engine_object *engine_curves(const char *layout, const double *points, const double *channels,
+                                                  const unsigned char *corners)
+{
+    failure = (bat_error){.status = BAT_OK, .index = BAT_NO_INDEX};
+    json_t *json = json_loads(layout, 0, NULL);
+    const char *name = json_string_value(json_object_get(json, "space"));
+    bat_space space;
+    bat_status status = bat_space_by_name(name != NULL ? name : "plane",
+                                          (size_t)json_integer_value(json_object_get(json, "point_dim")), &space, &failure);
+    const json_t *counts = json_object_get(json, "counts"), *closed = json_object_get(json, "closed");
+    size_t count = json_array_size(counts),
+           channel_count = (size_t)json_integer_value(json_object_get(json, "channel_count"));
+    if (status == BAT_OK && count == 0)
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "there is no curve", "");
+    engine_object *object = status == BAT_OK ? new_object(ENGINE_CURVES) : NULL;
+    bat_curve *curves = object != NULL ? calloc(count, sizeof *curves) : NULL;
+    bool complete = curves != NULL;
+    for (size_t i = 0; i < count && complete; i++)
+    {
+        size_t rows = (size_t)json_integer_value(json_array_get(counts, i)), numbers = rows * space.point_dim;
+        curves[i] = (bat_curve){.space = &space,
+                                .points = malloc((numbers + 1) * sizeof(double)),
+                                .count = rows,
+                                .closed = json_is_true(json_array_get(closed, i)),
+                                .channels = channels != NULL ? malloc((rows * channel_count + 1) * sizeof(double)) : NULL,
+                                .channel_count = channels != NULL ? channel_count : 0,
+                                .corners = corners != NULL ? malloc(rows + 1) : NULL};
+        complete = curves[i].points != NULL && (channels == NULL || curves[i].channels != NULL) &&
+                   (corners == NULL || curves[i].corners != NULL);
+        if (!complete)
+            break;
+        memcpy(curves[i].points, points, numbers * sizeof *points);
+        points += numbers;
+        if (channels != NULL)
+        {
+            memcpy(curves[i].channels, channels, rows * channel_count * sizeof *channels);
+            channels += rows * channel_count;
+        }
+        if (corners != NULL)
+        {
+            memcpy(curves[i].corners, corners, rows);
+            corners += rows;
+        }
+    }
+    json_decref(json);
+    if (complete)
+    {
+        status = bat_curve_set_take(curves, count, &object->set, &failure);
+        if (status == BAT_OK)
+            return object;
+    }
+    else if (status == BAT_OK)
+        (void)engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
+    for (size_t i = 0; curves != NULL && i < count; i++)
+        bat_curve_free(&curves[i]);
+    free(curves);
+    engine_free(object);
+    return NULL;
+}
+
+/// Make a mesh of arrays from engine_allocate(), which it takes.
+/// @param creases, corners rows of three numbers and of two, copied; null for none
+EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(double *positions, size_t vertex_count, uint32_t *faces, size_t face_count,
+                                                const double *creases, size_t crease_count, const double *corners,
+                                                size_t corner_count)
+{
+    failure = (bat_error){.status = BAT_OK, .index = BAT_NO_INDEX};
+    engine_object *object = new_object(ENGINE_MESH);
+    bat_mesh_crease *edges = malloc((crease_count + 1) * sizeof *edges);
+    bat_mesh_corner *points = malloc((corner_count + 1) * sizeof *points);
+    if (object == NULL || edges == NULL || points == NULL)
+    {
+        (void)engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
+        free(edges);
+        free(points);
+        free(positions);
+        free(faces);
+        engine_free(object);
+        return NULL;
+    }
+    for (size_t i = 0; i < crease_count; i++)
+        edges[i] = (bat_mesh_crease){(uint32_t)creases[3 * i], (uint32_t)creases[3 * i + 1], creases[3 * i + 2]};
+    for (size_t i = 0; i < corner_count; i++)
+        points[i] = (bat_mesh_corner){(uint32_t)corners[2 * i], corners[2 * i + 1]};
+    object->mesh = (bat_mesh){.positions = positions,
+                              .vertex_count = vertex_count,
+                              .faces = faces,
+                              .face_count = face_count,
+                              .creases = edges,
+                              .crease_count = crease_count,
+                              .corners = points,
+                              .corner_count = corner_count};
+    return object;
+}
+
+/// A table of the library as JSON, by the name of its function, as "bat_curve_scheme_list"; null for another name. Release
+/// it with engine_release().
+EMSCRIPTEN_KEEPALIVE char *engine_list(const char *name)
+{
+    static const struct
+    {
+        const char *name;
+        bool (*list)(size_t index, bat_choice *choice);
+    } TABLES[] = {
+        {"bat_space_list", bat_space_list},
+        {"bat_curve_scheme_list", bat_curve_scheme_list},
+        {"bat_curve_end_rule_list", bat_curve_end_rule_list},
+        {"bat_curve_simple_list", bat_curve_simple_list},
+        {"bat_curve_map_topology_list", bat_curve_map_topology_list},
+        {"bat_curve_format_list", bat_curve_format_list},
+        {"bat_curve_model_list", bat_curve_model_list},
+        {"bat_motion_list", bat_motion_list},
+        {"bat_motion_ends_list", bat_motion_ends_list},
+        {"bat_motion_shape_list", bat_motion_shape_list},
+        {"bat_mesh_scheme_list", bat_mesh_scheme_list},
+        {"bat_mesh_format_list", bat_mesh_format_list},
+    };
+    for (size_t i = 0; i < ENGINE_COUNT(TABLES); i++)
+    {
+        if (strcmp(TABLES[i].name, name) != 0)
+            continue;
+        json_t *rows = json_array();
+        bat_choice choice;
+        for (size_t row = 0; TABLES[i].list(row, &choice); row++)
+            (void)json_array_append_new(rows, json_pack("{s:s,s:s,s:s,s:s,s:b,s:b}", "name", choice.name, "settings",
+                                                        choice.settings, "summary", choice.summary, "endings",
+                                                        choice.endings, "reads", choice.reads, "writes", choice.writes));
+        char *text = json_dumps(rows, JSON_COMPACT);
+        json_decref(rows);
+        return text;
+    }
+    return NULL;
+}
+
+EMSCRIPTEN_KEEPALIVE const char *engine_version(void)
+{
+    return bat_version();
+}

@@ -1,0 +1,257 @@
+#include "engine.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const NONE[] = {NULL};
+
+static bat_status scheme_by_name(const char *name, int *value, bat_error *error)
+{
+    bat_mesh_scheme scheme = BAT_MESH_SCHEME_LOOP;
+    bat_status status = bat_mesh_scheme_by_name(name, &scheme, error);
+    *value = (int)scheme;
+    return status;
+}
+
+static bat_status format_by_name(const char *name, int *value, bat_error *error)
+{
+    bat_mesh_format format = BAT_MESH_FORMAT_AUTO;
+    bat_status status = bat_mesh_format_by_name(name, &format, error);
+    *value = (int)format;
+    return status;
+}
+
+static bat_status encoding_by_name(const char *name, int *value, bat_error *error)
+{
+    static const char *const NAMES[] = {"binary", "big-endian", "text"};
+    for (size_t i = 0; i < ENGINE_COUNT(NAMES); i++)
+        if (strcmp(NAMES[i], name) == 0)
+        {
+            *value = (int)i;
+            return BAT_OK;
+        }
+    return engine_fail(error, BAT_INVALID_ARGUMENT, "there is no encoding '%'; there are binary, big-endian, text", name);
+}
+
+static bat_status refine_mesh(const engine_call *call, engine_object *result, bat_error *error)
+{
+    static const engine_option OPTIONS[] = {
+        ENGINE_OPTION_CHOICE(bat_mesh_refine_options, scheme, scheme_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_refine_options, then, scheme_by_name),
+        ENGINE_OPTION(bat_mesh_refine_options, levels, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mesh_refine_options, limit, ENGINE_BOOL),
+        ENGINE_OPTION(bat_mesh_refine_options, crease_angle, ENGINE_NUMBER),
+    };
+    bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.progress = ENGINE_PROGRESS;
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    size_t fallback = 0;
+    if (status == BAT_OK)
+        status = bat_mesh_refine(&call->inputs[0]->mesh, &options, &result->mesh, &fallback, error);
+    if (status == BAT_OK)
+        engine_set(result->report, "fallback", engine_size(fallback));
+    return status;
+}
+
+static bat_status limit_normals(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_status status = engine_no_options(call->options, NONE, error);
+    const bat_mesh *mesh = &call->inputs[0]->mesh;
+    double *normals = engine_own(result, malloc((3 * mesh->vertex_count + 1) * sizeof *normals));
+    if (normals == NULL)
+        return engine_fail(error, BAT_NO_MEMORY, "memory is used up", "");
+    if (status == BAT_OK)
+        status = bat_mesh_limit_normals(mesh, 1, normals, error);
+    if (status == BAT_OK)
+        engine_set(result->report, "values", engine_array("f64", normals, 3 * mesh->vertex_count));
+    return status;
+}
+
+static bat_status decimate(const engine_call *call, engine_object *result, bat_error *error)
+{
+    static const engine_option OPTIONS[] = {
+        ENGINE_OPTION(bat_mesh_decimate_options, vertices, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mesh_decimate_options, candidates, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mesh_decimate_options, seed, ENGINE_UINT64),
+        ENGINE_OPTION(bat_mesh_decimate_options, least_normal, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, least_quality, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, boundary_weight, ENGINE_NUMBER),
+    };
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.progress = ENGINE_PROGRESS;
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    return status == BAT_OK ? bat_mesh_decimate(&call->inputs[0]->mesh, &options, &result->mesh, NULL, error) : status;
+}
+
+static void report_repairs(engine_object *result, const bat_mesh_repair_report *report)
+{
+    json_t *json = json_object();
+    engine_set(json, "degenerate_faces", engine_size(report->degenerate_faces));
+    engine_set(json, "duplicate_faces", engine_size(report->duplicate_faces));
+    engine_set(json, "flipped_faces", engine_size(report->flipped_faces));
+    engine_set(json, "crowded_edges", engine_size(report->crowded_edges));
+    engine_set(json, "opposed_edges", engine_size(report->opposed_edges));
+    engine_set(json, "split_vertices", engine_size(report->split_vertices));
+    engine_set(json, "added_vertices", engine_size(report->added_vertices));
+    engine_set(json, "unused_vertices", engine_size(report->unused_vertices));
+    engine_set(result->report, "repairs", json);
+}
+
+static bat_status repair(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_mesh_repair_report report = {0};
+    bat_status status = engine_no_options(call->options, NONE, error);
+    if (status == BAT_OK)
+        status = bat_mesh_repair(&call->inputs[0]->mesh, &report, &result->mesh, error);
+    if (status == BAT_OK)
+        report_repairs(result, &report);
+    return status;
+}
+
+static bat_status weld(const engine_call *call, engine_object *result, bat_error *error)
+{
+    struct
+    {
+        double distance;
+    } options = {0};
+    static const engine_option OPTIONS[] = {{"distance", 0, ENGINE_NUMBER, NULL}};
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    size_t merged = 0;
+    if (status == BAT_OK)
+        status = bat_mesh_weld(&call->inputs[0]->mesh, options.distance, &merged, &result->mesh, error);
+    if (status == BAT_OK)
+        engine_set(result->report, "merged", engine_size(merged));
+    return status;
+}
+
+static bat_status read_mesh(const engine_call *call, engine_object *result, bat_error *error)
+{
+    static const engine_option OPTIONS[] = {
+        ENGINE_OPTION_CHOICE(bat_mesh_read_options, format, format_by_name),
+        ENGINE_OPTION(bat_mesh_read_options, triangulate, ENGINE_BOOL),
+        ENGINE_OPTION(bat_mesh_read_options, keep_degenerate, ENGINE_BOOL),
+        ENGINE_OPTION(bat_mesh_read_options, repair, ENGINE_BOOL),
+    };
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    bat_mesh_repair_report report = {0};
+    options.repairs = &report;
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    if (status == BAT_OK)
+        status = bat_mesh_read_memory(call->bytes, call->size, &options, &result->mesh, error);
+    if (status == BAT_OK)
+        report_repairs(result, &report);
+    return status;
+}
+
+static bat_status write_mesh(const engine_call *call, engine_object *result, bat_error *error)
+{
+    static const engine_option OPTIONS[] = {
+        ENGINE_OPTION_CHOICE(bat_mesh_write_options, format, format_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_write_options, encoding, encoding_by_name),
+    };
+    bat_mesh_write_options options = bat_mesh_write_defaults();
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    char *bytes = NULL;
+    size_t size = 0;
+    if (status == BAT_OK)
+        status = bat_mesh_write_memory(&call->inputs[0]->mesh, &options, &bytes, &size, error);
+    if (status == BAT_OK)
+        engine_set(result->report, "bytes", engine_array("u8", engine_own(result, bytes), size));
+    return status;
+}
+
+static bat_status summarize(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_mesh_summary summary;
+    bat_status status = engine_no_options(call->options, NONE, error);
+    if (status == BAT_OK)
+        status = bat_mesh_summarize(&call->inputs[0]->mesh, &summary, error);
+    if (status != BAT_OK)
+        return status;
+    json_t *report = result->report;
+    engine_set(report, "vertices", engine_size(summary.vertices));
+    engine_set(report, "isolated_vertices", engine_size(summary.isolated_vertices));
+    engine_set(report, "edges", engine_size(summary.edges));
+    engine_set(report, "faces", engine_size(summary.faces));
+    engine_set(report, "components", engine_size(summary.components));
+    engine_set(report, "boundary_edges", engine_size(summary.boundary_edges));
+    engine_set(report, "boundary_loops", engine_size(summary.boundary_loops));
+    engine_set(report, "crowded_edges", engine_size(summary.crowded_edges));
+    engine_set(report, "reversed_edges", engine_size(summary.reversed_edges));
+    engine_set(report, "pinched_vertices", engine_size(summary.pinched_vertices));
+    engine_set(report, "degenerate_faces", engine_size(summary.degenerate_faces));
+    engine_set(report, "euler", json_integer(summary.euler));
+    engine_set(report, "manifold", json_boolean(summary.manifold));
+    engine_set(report, "oriented", json_boolean(summary.oriented));
+    engine_set(report, "closed", json_boolean(summary.closed));
+    engine_set(report, "genus", json_integer(summary.genus));
+    engine_set(report, "area", engine_number(summary.area));
+    engine_set(report, "volume", engine_number(summary.volume));
+    engine_set(report, "low", engine_numbers(summary.low, 3));
+    engine_set(report, "high", engine_numbers(summary.high, 3));
+    engine_set(report, "diagonal", engine_number(summary.diagonal));
+    engine_set(report, "least_edge", engine_number(summary.least_edge));
+    engine_set(report, "mean_edge", engine_number(summary.mean_edge));
+    engine_set(report, "greatest_edge", engine_number(summary.greatest_edge));
+    engine_set(report, "least_quality", engine_number(summary.least_quality));
+    engine_set(report, "mean_quality", engine_number(summary.mean_quality));
+    engine_set(report, "least_angle", engine_number(summary.least_angle));
+    return BAT_OK;
+}
+
+static bat_status compare(const engine_call *call, engine_object *result, bat_error *error)
+{
+    static const engine_option OPTIONS[] = {
+        ENGINE_OPTION(bat_mesh_compare_options, vertices, ENGINE_BOOL),
+        ENGINE_OPTION(bat_mesh_compare_options, samples, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mesh_compare_options, tolerance, ENGINE_NUMBER),
+    };
+    bat_mesh_compare_options options = bat_mesh_compare_defaults();
+    options.progress = ENGINE_PROGRESS;
+    bat_mesh_distance distance;
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    if (status == BAT_OK)
+        status = bat_mesh_compare(&call->inputs[0]->mesh, &call->inputs[1]->mesh, &options, &distance, error);
+    if (status != BAT_OK)
+        return status;
+    json_t *report = result->report;
+    engine_set(report, "hausdorff_there", engine_number(distance.hausdorff_there));
+    engine_set(report, "hausdorff_back", engine_number(distance.hausdorff_back));
+    engine_set(report, "hausdorff", engine_number(distance.hausdorff));
+    engine_set(report, "hausdorff_most", engine_number(distance.hausdorff_most));
+    engine_set(report, "mean_there", engine_number(distance.mean_there));
+    engine_set(report, "mean_back", engine_number(distance.mean_back));
+    engine_set(report, "mean", engine_number(distance.mean));
+    engine_set(report, "rms_there", engine_number(distance.rms_there));
+    engine_set(report, "rms_back", engine_number(distance.rms_back));
+    engine_set(report, "diagonal", engine_number(distance.diagonal));
+    return BAT_OK;
+}
+
+static bat_status vertex_distances(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_status status = engine_no_options(call->options, NONE, error);
+    const bat_mesh *from = &call->inputs[0]->mesh;
+    double *distances = engine_own(result, malloc((from->vertex_count + 1) * sizeof *distances));
+    if (distances == NULL)
+        return engine_fail(error, BAT_NO_MEMORY, "memory is used up", "");
+    if (status == BAT_OK)
+        status = bat_mesh_vertex_distances(from, &call->inputs[1]->mesh, 1, distances, error);
+    if (status == BAT_OK)
+        engine_set(result->report, "values", engine_array("f64", distances, from->vertex_count));
+    return status;
+}
+
+const engine_row ENGINE_MESH_ROWS[] = {
+    {"bat_mesh_refine", refine_mesh, {ENGINE_MESH}, ENGINE_MESH},
+    {"bat_mesh_limit_normals", limit_normals, {ENGINE_MESH}, ENGINE_VALUES},
+    {"bat_mesh_decimate", decimate, {ENGINE_MESH}, ENGINE_MESH},
+    {"bat_mesh_repair", repair, {ENGINE_MESH}, ENGINE_MESH},
+    {"bat_mesh_weld", weld, {ENGINE_MESH}, ENGINE_MESH},
+    {"bat_mesh_read_memory", read_mesh, {ENGINE_VALUES}, ENGINE_MESH},
+    {"bat_mesh_write_memory", write_mesh, {ENGINE_MESH}, ENGINE_VALUES},
+    {"bat_mesh_summarize", summarize, {ENGINE_MESH}, ENGINE_VALUES},
+    {"bat_mesh_compare", compare, {ENGINE_MESH, ENGINE_MESH}, ENGINE_VALUES},
+    {"bat_mesh_vertex_distances", vertex_distances, {ENGINE_MESH, ENGINE_MESH}, ENGINE_VALUES},
+    {NULL, NULL, {ENGINE_VALUES}, ENGINE_VALUES},
+};

@@ -1,0 +1,267 @@
+// The library as JavaScript functions with the names of the C functions. Arrays go into the memory of the WebAssembly module
+// and results are copied out of it, so that no result changes or has to be released.
+
+/** A failure of the library: `status` is the name of the C status, `index` and `line` tell the place where there is one. */
+export class BattenError extends Error {
+  constructor(failure) {
+    super(failure.text);
+    this.name = "BattenError";
+    this.status = failure.name;
+    this.index = failure.index ?? null;
+    this.line = failure.line || null;
+  }
+}
+
+const ARRAYS = { f64: Float64Array, u32: Uint32Array, u8: Uint8Array };
+const NOT_FINITE = { Infinity, "-Infinity": -Infinity, NaN };
+
+/** The tables of the library. */
+export const LISTS = [
+  "bat_space_list",
+  "bat_curve_scheme_list",
+  "bat_curve_end_rule_list",
+  "bat_curve_simple_list",
+  "bat_curve_map_topology_list",
+  "bat_curve_format_list",
+  "bat_curve_model_list",
+  "bat_motion_list",
+  "bat_motion_ends_list",
+  "bat_motion_shape_list",
+  "bat_mesh_scheme_list",
+  "bat_mesh_format_list",
+];
+
+/** Curves inside the module, with what their file tells beside them: properties of features, names of columns. */
+export class CurveSet {
+  #release;
+  constructor(engine, handle, report, release) {
+    Object.assign(this, report);
+    this.handle = handle;
+    this.#release = release;
+  }
+  /** Give the memory back; the arrays that were copied out stay. */
+  free() {
+    this.#release();
+    this.handle = 0;
+  }
+}
+
+/** Make the functions of a compiled module. */
+export async function instantiate(source) {
+  const module = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(source);
+  let memory;
+  let onProgress = null;
+  const encoder = new TextEncoder();
+  const decoder = new TextDecoder();
+  const bytes = (address, size) => new Uint8Array(memory.buffer, address, size);
+  const ignored = () => 0;
+  const imports = { env: {}, wasi_snapshot_preview1: {} };
+  for (const { module: space, name, kind } of WebAssembly.Module.imports(module))
+    if (kind === "function") (imports[space] ??= {})[name] = ignored;
+  imports.env.engine_progress = (fraction) => (onProgress === null || onProgress(fraction) !== false ? 1 : 0);
+  const { exports } = await WebAssembly.instantiate(module, imports);
+  memory = exports.memory;
+  exports._initialize?.();
+
+  const text = (address) => {
+    const all = new Uint8Array(memory.buffer);
+    return decoder.decode(all.subarray(address, all.indexOf(0, address)));
+  };
+  const allocate = (size) => {
+    const address = exports.engine_allocate(size);
+    if (address === 0) throw new BattenError({ name: "out of memory", text: `no memory for ${size} bytes` });
+    return address >>> 0;
+  };
+  const put = (array) => {
+    const address = allocate(array.byteLength);
+    bytes(address, array.byteLength).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+    return address;
+  };
+  const putText = (string) => put(encoder.encode(`${string}\0`));
+  const takeText = (address) => {
+    const string = text(address);
+    exports.engine_release(address);
+    return string;
+  };
+  const fail = () => {
+    throw new BattenError(JSON.parse(takeText(exports.engine_failure())));
+  };
+  const parse = (string) =>
+    JSON.parse(string, (key, value) => {
+      if (typeof value === "string" && Object.hasOwn(NOT_FINITE, value)) return NOT_FINITE[value];
+      if (Array.isArray(value) && value.length === 3 && Object.hasOwn(ARRAYS, value[0])) {
+        const Type = ARRAYS[value[0]];
+        return value[2] > 0 ? new Type(memory.buffer, value[1], value[2]).slice() : new Type();
+      }
+      return value;
+    });
+  const read = (handle) => parse(text(exports.engine_report(handle)));
+
+  const asDoubles = (values) => (values instanceof Float64Array ? values : Float64Array.from(values.flat(Infinity)));
+  const asIndices = (values) => (values instanceof Uint32Array ? values : Uint32Array.from(values.flat(Infinity)));
+
+  /** Handles of inputs, with what to release after the call. */
+  function curvesOf(input, temporary) {
+    if (input instanceof CurveSet) {
+      if (input.handle === 0) throw new BattenError({ name: "invalid argument", text: "the curves were freed" });
+      return input.handle;
+    }
+    const list = Array.isArray(input) ? input : [input];
+    const arrays = list.map((curve) => asDoubles(curve.points));
+    const first = list[0] ?? {};
+    let dim = first.point_dim ?? 0;
+    const probe = pointDim(first.space ?? "plane", dim || (first.points?.[0]?.length ?? 0));
+    dim = probe;
+    const counts = arrays.map((points) => {
+      if (points.length % dim !== 0)
+        throw new BattenError({ name: "invalid argument", text: `${points.length} numbers are no points of ${dim} each` });
+      return points.length / dim;
+    });
+    const channelled = list.every((curve) => curve.channels != null);
+    const cornered = list.some((curve) => curve.corners != null);
+    const channels = channelled ? list.map((curve) => asDoubles(curve.channels)) : [];
+    const layout = {
+      space: first.space ?? "plane",
+      point_dim: dim,
+      counts,
+      closed: list.map((curve) => Boolean(curve.closed)),
+      channel_count: channelled ? channels[0].length / counts[0] : 0,
+    };
+    channels.forEach((values, i) => {
+      if (values.length !== layout.channel_count * counts[i])
+        throw new BattenError({ name: "invalid argument", text: "channels need as many numbers for each point" });
+    });
+    const joined = (parts, Type) => {
+      const all = new Type(parts.reduce((sum, part) => sum + part.length, 0));
+      let at = 0;
+      for (const part of parts) {
+        all.set(part, at);
+        at += part.length;
+      }
+      return all;
+    };
+    const addresses = [putText(JSON.stringify(layout)), put(joined(arrays, Float64Array))];
+    addresses.push(channelled ? put(joined(channels, Float64Array)) : 0);
+    const flags = list.map((curve, i) => {
+      const row = new Uint8Array(counts[i]);
+      (curve.corners ?? []).forEach((flag, k) => (row[k] = flag ? 1 : 0));
+      return row;
+    });
+    addresses.push(cornered ? put(joined(flags, Uint8Array)) : 0);
+    const handle = exports.engine_curves(...addresses);
+    addresses.forEach((address) => exports.engine_release(address));
+    if (handle === 0) fail();
+    temporary.push(handle);
+    return handle;
+  }
+
+  /** The coordinates of a point of a space; `wanted` where the space has any number of them. */
+  function pointDim(space, wanted) {
+    const known = { plane: 2, sphere: 3, disk: 2, rotation: 4, rigid: 7 };
+    if (space !== "sphere" && known[space]) return known[space];
+    return wanted || { sphere: 3, euclidean: 3, spd: 6, hyperbolic: 3 }[space] || 1;
+  }
+
+  function meshOf(mesh, temporary) {
+    const positions = asDoubles(mesh.positions);
+    const faces = asIndices(mesh.faces);
+    if (positions.length % 3 !== 0 || faces.length % 3 !== 0)
+      throw new BattenError({ name: "invalid argument", text: "positions and faces come in threes" });
+    const creases = Float64Array.from((mesh.creases ?? []).flat());
+    const corners = Float64Array.from((mesh.corners ?? []).flat());
+    const [a, b] = [creases.length ? put(creases) : 0, corners.length ? put(corners) : 0];
+    // The module takes the first two arrays.
+    const [p, f] = [put(positions), put(faces)];
+    const handle = exports.engine_mesh(p, positions.length / 3, f, faces.length / 3, a, creases.length / 3, b, corners.length / 2);
+    exports.engine_release(a);
+    exports.engine_release(b);
+    if (handle === 0) fail();
+    temporary.push(handle);
+    return handle;
+  }
+
+  /** Run an operation. `keep` leaves the result in the module, as a CurveSet. */
+  function run(name, inputs, options, { data = null, keep = false } = {}) {
+    const temporary = [];
+    const addresses = [];
+    const { progress = null, ...settings } = options ?? {};
+    const previous = onProgress;
+    onProgress = progress;
+    try {
+      const handles = inputs.map((input) => input(temporary));
+      addresses.push(putText(name), putText(JSON.stringify(settings)), data === null ? 0 : put(data));
+      const result = exports.engine_run(
+        addresses[0], addresses[1], handles[0] ?? 0, handles[1] ?? 0, addresses[2], data === null ? 0 : data.byteLength,
+      );
+      if (result === 0) fail();
+      if (!keep) temporary.push(result);
+      const report = read(result);
+      if (!keep) return report;
+      return new CurveSet(null, result, report, () => exports.engine_free(result));
+    } finally {
+      onProgress = previous;
+      temporary.forEach((handle) => exports.engine_free(handle));
+      addresses.forEach((address) => exports.engine_release(address));
+    }
+  }
+
+  const curves = (input) => (temporary) => curvesOf(input, temporary);
+  const mesh = (input) => (temporary) => meshOf(input, temporary);
+  const asBytes = (data) => (typeof data === "string" ? encoder.encode(data) : new Uint8Array(data.buffer ?? data, data.byteOffset ?? 0, data.byteLength));
+  /** The curves of a result, one for one curve, each with the space of all. */
+  const plain = (result, single) => {
+    const list = result.curves.map((curve) => ({ space: result.space, point_dim: result.point_dim, ...curve }));
+    return single ? Object.assign(list[0], { report: result.report }) : Object.assign(list, { report: result.report });
+  };
+  const refined = (name) => (coarse, options) => {
+    if (coarse instanceof CurveSet) return run(name, [curves(coarse)], options, { keep: true });
+    return plain(run(name, [curves(coarse)], options), !Array.isArray(coarse));
+  };
+  const first = (name, field) => (curve) => run(name, [curves(curve)])[field];
+
+  const api = {
+    bat_version: () => text(exports.engine_version()),
+    bat_curve_refine: refined("bat_curve_refine"),
+    bat_curve_map_refine: refined("bat_curve_map_refine"),
+    bat_curve_read_memory: (data, options) =>
+      run("bat_curve_read_memory", [], options, { data: asBytes(data), keep: true }),
+    bat_curve_write_memory: (set, options) => run("bat_curve_write_memory", [curves(set)], options).bytes,
+    bat_curve_fairness: (curve, options) => {
+      const rows = run("bat_curve_fairness", [curves(curve)], options).fairness;
+      return Array.isArray(curve) || curve instanceof CurveSet ? rows : rows[0];
+    },
+    bat_curve_is_simple: (curve) => {
+      const rows = first("bat_curve_is_simple", "simple")(curve);
+      return Array.isArray(curve) || curve instanceof CurveSet ? rows : rows[0];
+    },
+    bat_curve_exterior_angles: first("bat_curve_exterior_angles", "values"),
+    bat_curve_edge_lengths: first("bat_curve_edge_lengths", "values"),
+    bat_curve_compare: (a, b, options) => run("bat_curve_compare", [curves(a), curves(b)], options),
+    bat_mask_analyze: (scheme, options) => run("bat_mask_analyze", [], { ...options, scheme }),
+    bat_mask_basis: (scheme, level) => run("bat_mask_basis", [], { scheme, ...(level === undefined ? {} : { level }) }),
+    bat_motion_curves: (set, options) => {
+      if (set instanceof CurveSet) return run("bat_motion_curves", [curves(set)], options, { keep: true });
+      return plain(run("bat_motion_curves", [curves(set)], options), !Array.isArray(set));
+    },
+    bat_motion_spline_sample: ({ times, ...keys }, at, options) =>
+      run("bat_motion_spline_sample", [curves(times ? { ...keys, channels: times } : keys)], options, { data: asDoubles(at) }),
+    bat_mesh_refine: (coarse, options) => run("bat_mesh_refine", [mesh(coarse)], options),
+    bat_mesh_limit_normals: (refinedMesh) => run("bat_mesh_limit_normals", [mesh(refinedMesh)]).values,
+    bat_mesh_decimate: (fine, options) => run("bat_mesh_decimate", [mesh(fine)], options),
+    bat_mesh_repair: (broken) => run("bat_mesh_repair", [mesh(broken)]),
+    bat_mesh_weld: (soup, distance = 0) => run("bat_mesh_weld", [mesh(soup)], { distance }),
+    bat_mesh_read_memory: (data, options) => run("bat_mesh_read_memory", [], options, { data: asBytes(data) }),
+    bat_mesh_write_memory: (any, options) => run("bat_mesh_write_memory", [mesh(any)], options).bytes,
+    bat_mesh_summarize: (any) => run("bat_mesh_summarize", [mesh(any)]),
+    bat_mesh_compare: (a, b, options) => run("bat_mesh_compare", [mesh(a), mesh(b)], options),
+    bat_mesh_vertex_distances: (from, onto) => run("bat_mesh_vertex_distances", [mesh(from), mesh(onto)]).values,
+  };
+  for (const name of LISTS)
+    api[name] = () => {
+      const address = putText(name);
+      const rows = JSON.parse(takeText(exports.engine_list(address)));
+      exports.engine_release(address);
+      return rows;
+    };
+  return api;
+}

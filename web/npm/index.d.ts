@@ -1,0 +1,360 @@
+/** Rows of numbers, or the same numbers one after the other. */
+export type Rows = Float64Array | number[] | number[][];
+
+/** A failure of the library. */
+export class BattenError extends Error {
+  /** The name of the C status: "invalid argument", "bad file", … */
+  status: string;
+  /** The point, vertex or face at fault, counted from 0. */
+  index: number | null;
+  /** The line of the file at fault, counted from 1. */
+  line: number | null;
+}
+
+/** A polyline in a space. */
+export interface Curve {
+  /** "plane" (the default), "sphere", "disk", …: bat_space_list(). */
+  space?: string;
+  /** Coordinates of a point, for "euclidean", "spd" and "hyperbolic" where `points` is flat. */
+  point_dim?: number;
+  points: Rows;
+  closed?: boolean;
+  channels?: Rows | null;
+  /** Not 0 at corners. */
+  corners?: ArrayLike<number> | null;
+}
+
+/** A curve that came out of the library. */
+export interface CurveResult extends Curve {
+  space: string;
+  point_dim: number;
+  points: Float64Array;
+  closed: boolean;
+  channels?: Float64Array;
+  corners?: Uint8Array;
+}
+
+export interface CurveRefineReport {
+  checked: number;
+  given_crossing: number;
+  crossing: number;
+  crossings: number;
+  drawn_back: number;
+  straight: number;
+  left_crossing: number;
+  corners: number;
+  min_levels: number;
+  max_levels: number;
+}
+
+export interface CurveMapReport extends CurveRefineReport {
+  map: boolean;
+  arcs: number;
+  shared: number;
+  nodes: number;
+  snapped: number;
+  largest_snap: number;
+  largest_area_error: number;
+}
+
+/** Curves inside the module, with what their file tells beside them. */
+export class CurveSet {
+  readonly curves: { points: Float64Array; closed: boolean; channels?: Float64Array; corners?: Uint8Array }[];
+  readonly space: string;
+  readonly point_dim: number;
+  /** What the reader guessed or changed. */
+  readonly notes: string[];
+  /** Of a file that was read: whether its curves have times. */
+  readonly has_times?: boolean;
+  /** Of a file that was read: [polygon, feature] of each curve, null for lines. */
+  readonly polygons?: ([number, number] | null)[];
+  /** Of a refinement. */
+  readonly report?: CurveRefineReport | CurveMapReport;
+  free(): void;
+}
+
+/** A function of the share done; false stops the call with the status "cancelled". */
+export interface Progress {
+  progress?: (fraction: number) => boolean | void;
+}
+
+export interface CurveRefineOptions extends Progress {
+  /** A name of bat_curve_scheme_list() with settings: "learned:fairness=0.8", "mask:1/4,3/4,3/4,1/4". */
+  scheme?: string;
+  levels?: number;
+  ends?: "reflect" | "extrapolate" | "free";
+  snap?: boolean;
+  simple?: string;
+  max_points?: number;
+  corner_angle?: number;
+  max_segment?: number;
+  tolerance?: number;
+  max_levels?: number;
+  first_level?: number;
+}
+
+export interface CurveMapOptions extends CurveRefineOptions {
+  topology?: string;
+  snap_tolerance?: number;
+  keep_area?: boolean;
+  decimals?: number;
+}
+
+export interface CurveReadOptions {
+  format?: string;
+  space?: string;
+  closed?: -1 | 0 | 1;
+  strict?: boolean;
+  project?: boolean;
+  columns?: string;
+  group?: string;
+  euler?: string;
+  translation_weight?: number;
+}
+
+export interface CurveWriteOptions {
+  format?: string;
+  precision?: number;
+  crs?: string;
+}
+
+export interface Fairness {
+  bending: number;
+  g1: number;
+  length: number;
+}
+
+export interface CurveDistance {
+  mean_nn: number;
+  mean_nn_back: number;
+  mean_symmetric: number;
+  hausdorff_there: number;
+  hausdorff_back: number;
+  hausdorff: number;
+  farthest_there: number;
+  farthest_back: number;
+}
+
+export interface Weights {
+  weights: number[];
+  first: number;
+}
+
+export type Verdict = "undecided" | "proven" | "disproven";
+
+export interface Analysis {
+  mask: Weights;
+  quotient: Weights;
+  multiplicity: number;
+  remainder: number;
+  is_interpolatory: boolean;
+  is_symmetric: boolean;
+  shift: number;
+  generation_degree: number;
+  reproduction_degree: number;
+  matrix_first: number;
+  matrix_size: number;
+  matrix: number[];
+  eigenvalues: { real: number; imaginary: number; multiplicity: number; vector_count: number }[];
+  converges: Verdict;
+  limit: Weights;
+  tangent: Weights;
+  vertex: Weights;
+  radius_lower: number;
+  radius_upper: number;
+  product: string;
+  depth: number;
+  is_stable: boolean;
+  exponent_lower: number;
+  exponent_upper: number;
+  smooth_proven: number;
+  smooth_disproven: number;
+  lipschitz: Verdict;
+}
+
+export interface MotionOptions extends Progress {
+  scheme?: string;
+  rate?: number;
+  levels?: number;
+  tangent_order?: number;
+  velocities?: boolean;
+  ends?: string;
+  shape?: string;
+  sigma?: number;
+  angle_sigma?: number;
+}
+
+export interface Keyframes extends Curve {
+  times?: Rows;
+}
+
+/** A triangle mesh. */
+export interface Mesh {
+  /** Three a vertex. */
+  positions: Rows;
+  /** Three a face. */
+  faces: Uint32Array | number[] | number[][];
+  creases?: [number, number, number][];
+  corners?: [number, number][];
+}
+
+export interface MeshResult extends Mesh {
+  positions: Float64Array;
+  faces: Uint32Array;
+  texture: Float64Array | null;
+  texture_faces: Uint32Array | null;
+  channels: Float64Array | null;
+  channel_names: string[];
+  creases: [number, number, number][];
+  corners: [number, number][];
+}
+
+export interface MeshRefineOptions extends Progress {
+  /** A name of bat_mesh_scheme_list(). */
+  scheme?: string;
+  then?: string;
+  levels?: number;
+  limit?: boolean;
+  /** Radians. */
+  crease_angle?: number;
+}
+
+export interface MeshDecimateOptions extends Progress {
+  vertices?: number;
+  candidates?: number;
+  seed?: number;
+  least_normal?: number;
+  least_quality?: number;
+  boundary_weight?: number;
+}
+
+export interface MeshReadOptions {
+  format?: string;
+  triangulate?: boolean;
+  keep_degenerate?: boolean;
+  repair?: boolean;
+}
+
+export interface MeshWriteOptions {
+  format?: string;
+  encoding?: "binary" | "big-endian" | "text";
+}
+
+export interface MeshSummary {
+  vertices: number;
+  edges: number;
+  faces: number;
+  components: number;
+  boundary_edges: number;
+  boundary_loops: number;
+  euler: number;
+  manifold: boolean;
+  oriented: boolean;
+  closed: boolean;
+  genus: number;
+  area: number;
+  volume: number;
+  low: number[];
+  high: number[];
+  diagonal: number;
+  least_edge: number;
+  mean_edge: number;
+  greatest_edge: number;
+  least_quality: number;
+  mean_quality: number;
+  least_angle: number;
+  [name: string]: unknown;
+}
+
+export interface MeshDistance {
+  hausdorff_there: number;
+  hausdorff_back: number;
+  hausdorff: number;
+  hausdorff_most: number;
+  mean_there: number;
+  mean_back: number;
+  mean: number;
+  rms_there: number;
+  rms_back: number;
+  diagonal: number;
+}
+
+/** A row of a table of the library. */
+export interface Choice {
+  name: string;
+  settings: string;
+  summary: string;
+  endings: string;
+  reads: boolean;
+  writes: boolean;
+}
+
+export type CurveInput = Curve | Curve[] | CurveSet;
+
+/** The functions of the library, by their C names; include/batten documents each. */
+export interface Batten {
+  bat_version(): string;
+  bat_space_list(): Choice[];
+  bat_curve_scheme_list(): Choice[];
+  bat_curve_end_rule_list(): Choice[];
+  bat_curve_simple_list(): Choice[];
+  bat_curve_map_topology_list(): Choice[];
+  bat_curve_format_list(): Choice[];
+  bat_curve_model_list(): Choice[];
+  bat_motion_list(): Choice[];
+  bat_motion_ends_list(): Choice[];
+  bat_motion_shape_list(): Choice[];
+  bat_mesh_scheme_list(): Choice[];
+  bat_mesh_format_list(): Choice[];
+
+  bat_curve_refine(coarse: Curve, options?: CurveRefineOptions): CurveResult & { report: CurveRefineReport };
+  bat_curve_refine(coarse: Curve[], options?: CurveRefineOptions): CurveResult[] & { report: CurveRefineReport };
+  bat_curve_refine(coarse: CurveSet, options?: CurveRefineOptions): CurveSet;
+  bat_curve_map_refine(coarse: Curve[], options?: CurveMapOptions): CurveResult[] & { report: CurveMapReport };
+  bat_curve_map_refine(coarse: CurveSet, options?: CurveMapOptions): CurveSet;
+  bat_curve_read_memory(data: string | ArrayBuffer | ArrayBufferView, options?: CurveReadOptions): CurveSet;
+  bat_curve_write_memory(set: CurveInput, options?: CurveWriteOptions): Uint8Array;
+  bat_curve_fairness(curve: Curve): Fairness;
+  bat_curve_fairness(curves: Curve[] | CurveSet): Fairness[];
+  bat_curve_is_simple(curve: Curve): boolean;
+  bat_curve_is_simple(curves: Curve[] | CurveSet): boolean[];
+  bat_curve_exterior_angles(curve: Curve): Float64Array;
+  bat_curve_edge_lengths(curve: Curve): Float64Array;
+  bat_curve_compare(
+    first: Curve,
+    second: Curve,
+    options?: Progress & { geodesic?: boolean; to_segments?: boolean },
+  ): CurveDistance;
+  bat_mask_analyze(scheme: string, options?: { depth?: number; tolerance?: number; vertices?: number }): Analysis;
+  bat_mask_basis(scheme: string, level?: number): { values: Float64Array; level: number; first: number; last: number };
+
+  bat_motion_curves(set: CurveSet, options?: MotionOptions): CurveSet;
+  bat_motion_spline_sample(
+    keys: Keyframes,
+    times: Rows,
+    options?: { ends?: string; shape?: string; sigma?: number; angle_sigma?: number; extrapolate?: boolean },
+  ): { points: Float64Array; velocities: Float64Array; accelerations: Float64Array };
+
+  bat_mesh_refine(coarse: Mesh, options?: MeshRefineOptions): MeshResult & { fallback: number };
+  bat_mesh_limit_normals(mesh: Mesh): Float64Array;
+  bat_mesh_decimate(fine: Mesh, options?: MeshDecimateOptions): MeshResult;
+  bat_mesh_repair(broken: Mesh): MeshResult & { repairs: Record<string, number> };
+  bat_mesh_weld(mesh: Mesh, distance?: number): MeshResult & { merged: number };
+  bat_mesh_read_memory(
+    data: string | ArrayBuffer | ArrayBufferView,
+    options?: MeshReadOptions,
+  ): MeshResult & { repairs: Record<string, number> };
+  bat_mesh_write_memory(mesh: Mesh, options?: MeshWriteOptions): Uint8Array;
+  bat_mesh_summarize(mesh: Mesh): MeshSummary;
+  bat_mesh_compare(
+    first: Mesh,
+    second: Mesh,
+    options?: Progress & { vertices?: boolean; samples?: number; tolerance?: number },
+  ): MeshDistance;
+  bat_mesh_vertex_distances(from: Mesh, onto: Mesh): Float64Array;
+}
+
+/** Load the library from the file beside the package, or from the content of batten.wasm. */
+export function load(source?: ArrayBuffer | ArrayBufferView | WebAssembly.Module): Promise<Batten>;
+/** The same, from a binary only. */
+export function instantiate(source: ArrayBuffer | ArrayBufferView | WebAssembly.Module): Promise<Batten>;
