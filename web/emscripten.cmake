@@ -14,3 +14,5 @@ set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_CURRENT_LIST_DIR}/../build/web-libraries/lib/
 set(ENV{PKG_CONFIG_PATH} "")
 # Vectors of 128 bits, which all browsers have had since 2023.
 set(CMAKE_C_FLAGS_INIT -msimd128)
+# CMake does not look for libraries outside of emscripten's own folders.
+add_link_options(-L${CMAKE_CURRENT_LIST_DIR}/../build/web-libraries/lib)

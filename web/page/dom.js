@@ -1,0 +1,91 @@
+// Small helpers for plain HTML.
+
+/** An element: h("button.main", { onclick }, "text", child, …). */
+export function h(name, attributes = {}, ...children) {
+  const [tag, ...classes] = name.split(".");
+  const element = document.createElement(tag);
+  if (classes.length) element.className = classes.join(" ");
+  for (const [key, value] of Object.entries(attributes))
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else if (key in element && key !== "list" && key !== "role") element[key] = value;
+    else if (value !== null && value !== undefined) element.setAttribute(key, value);
+  element.append(...children.filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+export const group = (title, ...children) => h("section.group", { "aria-label": title }, h("h2", {}, title), ...children);
+
+/** A slider with its value beside its label. */
+export function slider(label, { min, max, step, value, format = String, change, commit }) {
+  const output = h("output", {}, format(value));
+  const input = h("input", { type: "range", min, max, step, value });
+  input.addEventListener("input", () => {
+    output.textContent = format(Number(input.value));
+    change(Number(input.value));
+  });
+  input.addEventListener("change", () => commit?.());
+  const element = h("label.field", {}, h("span", {}, `${label} `, output), input);
+  return {
+    element,
+    set(next) {
+      input.value = next;
+      output.textContent = format(Number(next));
+    },
+    input,
+  };
+}
+
+export function select(label, choices, value, change) {
+  const box = h("select", { onchange: () => change(box.value) }, ...choices.map(([name, text]) => h("option", { value: name }, text ?? name)));
+  box.value = value;
+  return { element: h("label.field", {}, h("span", {}, label), box), box, set: (next) => (box.value = next) };
+}
+
+export function check(label, checked, change) {
+  const box = h("input", { type: "checkbox", checked, onchange: () => change(box.checked) });
+  return { element: h("label.check", {}, box, h("span", {}, label)), box, set: (next) => (box.checked = next) };
+}
+
+export function table(head, rows) {
+  return h(
+    "div.scroll",
+    { tabIndex: 0, role: "group", "aria-label": head.join(", ") },
+    h("table", {}, h("thead", {}, h("tr", {}, ...head.map((text) => h("th", { scope: "col" }, text)))), h("tbody", {}, ...rows.map((row) => h("tr", {}, ...row.map((text) => h("td", {}, text)))))),
+  );
+}
+
+/** A canvas as large as its parent, in pixels of the device. */
+export function sized(canvas) {
+  const { width, height } = canvas.parentElement.getBoundingClientRect();
+  const ratio = Math.min(window.devicePixelRatio || 1, 2);
+  const [w, t] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+  if (canvas.width !== w || canvas.height !== t) {
+    canvas.width = w;
+    canvas.height = t;
+  }
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return { context, width, height };
+}
+
+export const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+export function digits(value, count = 5) {
+  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (!Number.isFinite(value)) return "∞";
+  if (Number.isInteger(value) && Math.abs(value) < 1e9) return String(value);
+  return Math.abs(value) >= 1e-4 && Math.abs(value) < 1e7 ? String(Number(value.toPrecision(count))) : value.toExponential(count - 2);
+}
+
+export function download(name, data, type = "application/octet-stream") {
+  const link = h("a", { href: URL.createObjectURL(new Blob([data], { type })), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+/** A button that opens a file, beside dropping one. */
+export function opener(label, accept, open) {
+  const input = h("input", { type: "file", accept, hidden: true, onchange: () => input.files[0] && open(input.files[0]).finally(() => (input.value = "")) });
+  return h("span.files", {}, h("button", { type: "button", onclick: () => input.click() }, label), input);
+}

@@ -1,0 +1,91 @@
+// The page's side of the worker.
+
+export class Cancelled extends Error {}
+
+/** An engine in a worker. `busy(title, fraction)` is called with null when nothing is under way. */
+export class Engine {
+  #source;
+  #binary;
+  #worker = null;
+  #waiting = new Map();
+  #next = 0;
+  #latest = new Map();
+
+  constructor(source, binary, busy) {
+    this.#source = URL.createObjectURL(new Blob([source], { type: "text/javascript" }));
+    this.#binary = binary;
+    this.busy = busy;
+    this.#start();
+  }
+
+  #start() {
+    this.#worker = new Worker(this.#source);
+    this.#worker.onmessage = ({ data }) => {
+      const waiting = this.#waiting.get(data.id);
+      if (!waiting) return;
+      if (data.progress !== undefined) {
+        waiting.fraction = data.progress;
+        return;
+      }
+      this.#waiting.delete(data.id);
+      clearInterval(waiting.timer);
+      if (this.#waiting.size === 0) this.busy(null);
+      if (data.error) waiting.reject(Object.assign(new Error(data.error.message), data.error));
+      else waiting.resolve(data.result);
+    };
+    this.#worker.onerror = (event) => {
+      const message = event.message || "the engine stopped";
+      for (const waiting of this.#waiting.values()) waiting.reject(new Error(message));
+      this.#waiting.clear();
+    };
+    this.#worker.postMessage({ binary: this.#binary });
+  }
+
+  /** Run a job. */
+  call(job, args, title = "Working") {
+    const id = this.#next++;
+    return new Promise((resolve, reject) => {
+      const waiting = { resolve, reject, fraction: 0 };
+      const began = performance.now();
+      waiting.timer = setInterval(() => {
+        if (performance.now() - began > 300) this.busy(title, waiting.fraction);
+      }, 100);
+      this.#waiting.set(id, waiting);
+      this.#worker.postMessage({ id, job, args });
+    });
+  }
+
+  /** Run a job of which only the newest counts: while one runs, all but the last of the others are dropped. */
+  async latest(channel, job, args, title) {
+    const slot = this.#latest.get(channel) ?? { running: false, next: null };
+    this.#latest.set(channel, slot);
+    if (slot.running) {
+      slot.next?.drop(new Cancelled("superseded"));
+      await new Promise((resolve, reject) => {
+        slot.next = { go: resolve, drop: reject };
+      });
+    }
+    slot.running = true;
+    try {
+      return await this.call(job, args, title);
+    } finally {
+      slot.running = false;
+      const next = slot.next;
+      slot.next = null;
+      next?.go();
+    }
+  }
+
+  /** Stop what is under way, with the worker, and start a fresh one. */
+  cancel() {
+    this.#worker.terminate();
+    const all = [...this.#waiting.values()];
+    this.#waiting.clear();
+    this.#start();
+    for (const waiting of all) {
+      clearInterval(waiting.timer);
+      waiting.reject(new Cancelled("cancelled"));
+    }
+    this.busy(null);
+  }
+}

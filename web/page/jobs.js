@@ -1,0 +1,205 @@
+// What the page asks of the engine. Each job is a function of the engine, its arguments and a progress function; arguments and
+// results are plain data.
+import { LISTS } from "../npm/engine.mjs";
+
+const DEGREE = Math.PI / 180;
+
+export function tables(batten) {
+  return { version: batten.bat_version(), lists: Object.fromEntries(LISTS.map((name) => [name, batten[name]()])) };
+}
+
+/** Refine a curve by several schemes, with the measures of each. */
+export function curve(batten, { coarse, schemes, options, measure = true }, progress) {
+  const results = schemes.map((scheme, i) => {
+    try {
+      const fine = batten.bat_curve_refine(coarse, {
+        ...options,
+        scheme,
+        progress: (fraction) => progress((i + fraction) / schemes.length),
+      });
+      const result = { scheme, points: fine.points, crossings: fine.report.left_crossing + fine.report.given_crossing, drawn: fine.report.drawn_back };
+      if (measure) {
+        result.fairness = batten.bat_curve_fairness(fine);
+        result.simple = fine.points.length < 600000 ? batten.bat_curve_is_simple(fine) : null;
+      }
+      return result;
+    } catch (error) {
+      return { scheme, error: error.message, index: error.index };
+    }
+  });
+  let given = null;
+  if (measure)
+    try {
+      given = { fairness: batten.bat_curve_fairness(coarse), simple: batten.bat_curve_is_simple(coarse) };
+    } catch {
+      given = null;
+    }
+  return { results, given };
+}
+
+/** The comb: exterior angle over mean edge length at the points of a curve. */
+export function comb(batten, { fine }) {
+  const angles = batten.bat_curve_exterior_angles(fine);
+  const lengths = batten.bat_curve_edge_lengths(fine);
+  const count = angles.length;
+  const curvature = new Float64Array(count);
+  for (let i = 0; i < count; i++) {
+    const before = lengths[(i + count - 1) % count] ?? 0;
+    const after = lengths[i] ?? before;
+    const mean = (before + after) / 2;
+    curvature[i] = mean > 0 && (fine.closed || (i > 0 && i < count - 1)) ? angles[i] / mean : 0;
+  }
+  return curvature;
+}
+
+export function readCurves(batten, { bytes, options }) {
+  const set = batten.bat_curve_read_memory(bytes, options);
+  const { curves, space, point_dim, notes, has_times } = set;
+  set.free();
+  return { curves, space, point_dim, notes, has_times };
+}
+
+export function writeCurves(batten, { curves, format }) {
+  return batten.bat_curve_write_memory(curves, { format });
+}
+
+/** Where the refined border of one curve differs from that of its neighbour, in a map refined curve by curve. */
+function tears(coarse, fine, levels) {
+  const step = 2 ** levels;
+  const edges = new Map();
+  const found = [];
+  const key = (p, i) => `${p[3 * i]},${p[3 * i + 1]},${p[3 * i + 2]}`;
+  coarse.forEach((curve, c) => {
+    const p = curve.points;
+    const count = p.length / 3;
+    const fineCount = fine[c].points.length / 3;
+    for (let i = 0; i < (curve.closed ? count : count - 1); i++) {
+      const [a, b] = [key(p, i), key(p, (i + 1) % count)];
+      const other = edges.get(`${b};${a}`) ?? edges.get(`${a};${b}`);
+      if (!other) {
+        edges.set(`${a};${b}`, { c, i, a });
+        continue;
+      }
+      const same = other.a === a;
+      const q = fine[other.c].points;
+      const otherCount = q.length / 3;
+      let worst = 0;
+      let at = null;
+      for (let k = 1; k < step; k++) {
+        const u = 3 * ((i * step + k) % fineCount);
+        const v = 3 * ((other.i * step + (same ? k : step - k)) % otherCount);
+        const r = fine[c].points;
+        const distance = Math.hypot(r[u] - q[v], r[u + 1] - q[v + 1], r[u + 2] - q[v + 2]);
+        if (distance > worst) {
+          worst = distance;
+          at = [Math.atan2(r[u + 1], r[u]) / DEGREE, Math.asin(Math.max(-1, Math.min(1, r[u + 2]))) / DEGREE];
+        }
+      }
+      if (worst > 1e-9) found.push({ at, gap: worst });
+    }
+  });
+  return found.sort((x, y) => y.gap - x.gap);
+}
+
+/** Refine a map with its topology, and each curve by itself to see what would have torn. */
+export function map(batten, { bytes, options, write }, progress) {
+  const set = batten.bat_curve_read_memory(bytes, { format: "geojson" });
+  const owned = [set];
+  try {
+    const { topology, ...rest } = options;
+    const fine = batten.bat_curve_map_refine(set, {
+      ...rest,
+      topology: topology ? "always" : "separate",
+      progress: (fraction) => progress(fraction * 0.8),
+    });
+    owned.push(fine);
+    if (write) return { text: batten.bat_curve_write_memory(fine, { format: "geojson" }) };
+    const alone = topology
+      ? batten.bat_curve_map_refine(set, { ...rest, keep_area: false, topology: "separate", progress: (f) => progress(0.8 + f * 0.2) })
+      : fine;
+    if (topology) owned.push(alone);
+    return {
+      coarse: set.curves,
+      fine: fine.curves,
+      polygons: set.polygons,
+      space: set.space,
+      notes: set.notes,
+      report: fine.report,
+      tears: set.space === "sphere" ? tears(set.curves, alone.curves, rest.levels ?? 5).slice(0, 5000) : [],
+    };
+  } finally {
+    owned.forEach((one) => one.free());
+  }
+}
+
+export function readMesh(batten, { bytes, options }) {
+  try {
+    const mesh = batten.bat_mesh_read_memory(bytes, options);
+    return { mesh, summary: batten.bat_mesh_summarize(mesh) };
+  } catch (error) {
+    if (options.triangulate || !/triangulate|polygon|corners/.test(error.message)) throw error;
+    const mesh = batten.bat_mesh_read_memory(bytes, { ...options, triangulate: true });
+    return { mesh, summary: batten.bat_mesh_summarize(mesh), triangulated: true };
+  }
+}
+
+/** Decimate, refine, and measure the distance from another scheme. */
+export function mesh(batten, { coarse, decimate, refine, against, repair }, progress) {
+  let base = coarse;
+  if (repair) base = batten.bat_mesh_repair(batten.bat_mesh_weld(base, 0));
+  const parts = (decimate ? 1 : 0) + 1 + (against ? 1 : 0);
+  let done = 0;
+  const part = (fraction) => progress((done + fraction) / parts);
+  if (decimate) {
+    base = batten.bat_mesh_decimate(base, { vertices: decimate, progress: part });
+    done++;
+  }
+  const fine = batten.bat_mesh_refine(base, { ...refine, progress: part });
+  done++;
+  const result = { base, fine, summary: batten.bat_mesh_summarize(fine), before: batten.bat_mesh_summarize(base) };
+  if (against) {
+    const { crease_angle, ...other } = refine;
+    const settings = { ...other, scheme: against, progress: part };
+    if (against === "loop" && crease_angle) settings.crease_angle = crease_angle;
+    if (settings.limit && against === "sqrt3") delete settings.limit;
+    const peer = batten.bat_mesh_refine(base, settings);
+    result.distances = batten.bat_mesh_vertex_distances(fine, peer);
+    done++;
+  }
+  return result;
+}
+
+export function writeMesh(batten, { mesh, format, encoding }) {
+  return batten.bat_mesh_write_memory(mesh, { format, encoding });
+}
+
+/** Sample the spline through keyframes. */
+export function motion(batten, { keys, samples, options }) {
+  const [begin, end] = [keys.times[0], keys.times[keys.times.length - 1]];
+  const times = Float64Array.from({ length: samples }, (_, i) => (i === samples - 1 ? end : begin + ((end - begin) * i) / (samples - 1)));
+  return { times, ...batten.bat_motion_spline_sample(keys, times, options) };
+}
+
+export function motionFile(batten, { csv, options, format }) {
+  const set = batten.bat_curve_read_memory(csv, { format: "csv" });
+  let fine = null;
+  try {
+    fine = batten.bat_motion_curves(set, options);
+    return batten.bat_curve_write_memory(fine, { format });
+  } finally {
+    set.free();
+    fine?.free();
+  }
+}
+
+export function analyze(batten, { scheme, level }) {
+  const analysis = batten.bat_mask_analyze(scheme);
+  let basis = null;
+  let refused = null;
+  try {
+    basis = batten.bat_mask_basis(scheme, level);
+  } catch (error) {
+    refused = error.message;
+  }
+  return { analysis, basis, refused };
+}

@@ -1,0 +1,249 @@
+// Maps: a GeoJSON file before and after, and where its borders would have torn.
+import { geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
+import { check, color, digits, download, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { toDegrees } from "./view.js";
+
+export function mapTab(app, section) {
+  let state = { scheme: "learned", levels: 3, topology: true, keep_area: false, decimals: 6, example: true };
+  let bytes = null;
+  let file = "map.geojson";
+  let result = null;
+  let zoom = { k: 1, x: 0, y: 0 };
+  let started = false;
+  let focus = -1;
+  const canvas = h("canvas", { role: "img", "aria-label": "The map before (dashed) and after, with tears marked" });
+  const legend = h("div.legend", {}, "");
+  const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "Map: arrow keys move, plus and minus zoom" }, canvas, legend);
+  const facts = h("div", {});
+  let frame = 0;
+
+  const example = () => new TextEncoder().encode(document.getElementById("map-example").textContent);
+
+  async function compute() {
+    if (!bytes) bytes = example();
+    try {
+      const options = { scheme: state.scheme, levels: state.levels, topology: state.topology, decimals: state.decimals, keep_area: state.topology && state.keep_area };
+      result = await app.engine.latest("map", "map", { bytes, options }, "Refining the map");
+      app.clear();
+      prepare();
+      facts.replaceChildren(
+        table(["", ""], [
+          ["curves", digits(result.coarse.length)],
+          ["points", `${sum(result.coarse)} → ${sum(result.fine)}`],
+          ["shared borders", digits(result.report.shared)],
+          ["edges drawn back", digits(result.report.drawn_back)],
+          [state.topology ? "would have torn" : "torn edges", digits(result.tears.length)],
+          ["widest gap", result.tears.length ? `${digits(result.tears[0].gap * 6371, 3)} km` : "–"],
+        ]),
+      );
+    } catch (error) {
+      app.fail(error, file);
+      if (error.message !== "superseded" && error.message !== "cancelled") {
+        result = null;
+        facts.replaceChildren();
+      }
+    }
+    redraw();
+  }
+  const sum = (curves) => curves.reduce((all, curve) => all + curve.points.length / (result.space === "sphere" ? 3 : 2), 0);
+
+  let lines = { before: null, after: null, box: null };
+  function prepare() {
+    const coordinates = ({ points, closed }) => {
+      const out = [];
+      if (result.space === "sphere") for (let i = 0; i < points.length; i += 3) out.push(toDegrees(points[i], points[i + 1], points[i + 2]));
+      else for (let i = 0; i < points.length; i += 2) out.push([points[i], points[i + 1]]);
+      if (closed) out.push(out[0]);
+      return out;
+    };
+    const collect = (curves) => ({ type: "MultiLineString", coordinates: curves.map(coordinates) });
+    lines = { before: collect(result.coarse), after: collect(result.fine) };
+  }
+
+  function projection(width, height) {
+    const base = geoEqualEarth().precision(0.1);
+    if (result && result.space === "sphere") base.fitExtent([[12, 12], [width - 12, height - 12]], sum(result.coarse) > 20000 ? { type: "Sphere" } : lines.before);
+    else base.fitExtent([[12, 12], [width - 12, height - 12]], { type: "Sphere" });
+    const [x, y] = base.translate();
+    return base.scale(base.scale() * zoom.k).translate([width / 2 + (x - width / 2) * zoom.k + zoom.x, height / 2 + (y - height / 2) * zoom.k + zoom.y]).clipExtent([[-5, -5], [width + 5, height + 5]]);
+  }
+
+  function redraw() {
+    cancelAnimationFrame(frame);
+    frame = requestAnimationFrame(draw);
+  }
+  function draw() {
+    if (section.hidden) return;
+    const { context, width, height } = sized(canvas);
+    if (!result) return;
+    let path;
+    let point;
+    if (result.space === "sphere") {
+      const project = projection(width, height);
+      path = geoPath(project, context);
+      point = (p) => project(p);
+      context.strokeStyle = color("grid");
+      context.lineWidth = 0.8;
+      context.beginPath();
+      path(geoGraticule10());
+      context.stroke();
+    } else {
+      let [a, b, c, d] = [Infinity, Infinity, -Infinity, -Infinity];
+      for (const line of lines.before.coordinates) for (const [x, y] of line) [a, b, c, d] = [Math.min(a, x), Math.min(b, y), Math.max(c, x), Math.max(d, y)];
+      const s = 0.92 * zoom.k * Math.min(width / (c - a || 1), height / (d - b || 1));
+      point = ([x, y]) => [width / 2 + (x - (a + c) / 2) * s + zoom.x, height / 2 - (y - (b + d) / 2) * s + zoom.y];
+      path = ({ coordinates }) => coordinates.forEach((line) => line.forEach((p, i) => (i ? context.lineTo(...point(p)) : context.moveTo(...point(p)))));
+    }
+    context.lineJoin = "round";
+    context.strokeStyle = color("given");
+    context.lineWidth = 0.9;
+    context.setLineDash([3, 3]);
+    context.beginPath();
+    path(lines.before);
+    context.stroke();
+    context.setLineDash([]);
+    context.strokeStyle = color("c0");
+    context.lineWidth = 1.5;
+    context.beginPath();
+    path(lines.after);
+    context.stroke();
+    context.strokeStyle = color("c1");
+    context.lineWidth = 1.6;
+    for (const [i, { at }] of result.tears.slice(0, zoom.k > 3 ? 5000 : 400).entries()) {
+      const p = point(at);
+      if (!p) continue;
+      context.beginPath();
+      context.arc(p[0], p[1], i === focus ? 14 : 4, 0, 2 * Math.PI);
+      context.stroke();
+    }
+    legend.textContent = `dashed: given; blue: refined; circles: ${state.topology ? "borders that would have torn" : "torn borders"}`;
+  }
+
+  // Moving.
+  let last = null;
+  const touches = new Map();
+  stage.addEventListener("pointerdown", (event) => {
+    stage.setPointerCapture(event.pointerId);
+    touches.set(event.pointerId, [event.clientX, event.clientY]);
+    last = [event.clientX, event.clientY];
+  });
+  stage.addEventListener("pointermove", (event) => {
+    if (!touches.has(event.pointerId)) return;
+    const before = [...touches.values()];
+    touches.set(event.pointerId, [event.clientX, event.clientY]);
+    const after = [...touches.values()];
+    if (touches.size === 2) {
+      const spread = ([p, q]) => Math.hypot(p[0] - q[0], p[1] - q[1]) || 1;
+      scale(spread(after) / spread(before));
+    } else if (last) {
+      zoom.x += event.clientX - last[0];
+      zoom.y += event.clientY - last[1];
+    }
+    last = [event.clientX, event.clientY];
+    redraw();
+  });
+  for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, (event) => touches.delete(event.pointerId));
+  function scale(factor, x = 0, y = 0) {
+    const k = Math.max(1, Math.min(300, zoom.k * factor));
+    const r = k / zoom.k;
+    zoom = k === 1 ? { k, x: 0, y: 0 } : { k, x: x + (zoom.x - x) * r, y: y + (zoom.y - y) * r };
+    redraw();
+  }
+  stage.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const box = stage.getBoundingClientRect();
+    scale(Math.exp(-event.deltaY / 400), event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
+  }, { passive: false });
+  stage.addEventListener("keydown", (event) => {
+    const steps = { ArrowLeft: [60, 0], ArrowRight: [-60, 0], ArrowUp: [0, 60], ArrowDown: [0, -60] }[event.key];
+    if (steps) {
+      zoom.x += steps[0];
+      zoom.y += steps[1];
+    } else if (event.key === "+") scale(1.4);
+    else if (event.key === "-") scale(1 / 1.4);
+    else return;
+    event.preventDefault();
+    redraw();
+  });
+  function nextTear() {
+    if (!result?.tears.length) return;
+    focus = (focus + 1) % result.tears.length;
+    zoom = { k: 1, x: 0, y: 0 };
+    const { width, height } = stage.getBoundingClientRect();
+    const p = projection(width, height)(result.tears[focus].at);
+    const k = 40;
+    zoom = { k, x: (width / 2 - p[0]) * k, y: (height / 2 - p[1]) * k };
+    app.say(`Tear ${focus + 1} of ${result.tears.length}: ${digits(result.tears[focus].gap * 6371, 3)} kilometres`);
+    redraw();
+  }
+
+  const change = (changes) => {
+    Object.assign(state, changes);
+    controls();
+    void compute().then(() => app.commit());
+  };
+  const scheme = select("Scheme", app.tables.lists.bat_curve_scheme_list.filter(({ name }) => /^(learned|angle-4|angle-6|catmull-rom|cubic|log-exp-4)$/.test(name)).map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
+  const levels = slider("Levels", { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
+  const topology = check("Keep borders shared (topology)", true, (value) => change({ topology: value }));
+  const area = check("Keep areas", false, (value) => change({ keep_area: value }));
+  const controls = () => {
+    scheme.set(state.scheme);
+    levels.set(state.levels);
+    topology.set(state.topology);
+    area.set(state.keep_area);
+    area.box.disabled = !state.topology;
+  };
+
+  async function open(chosen) {
+    app.clear();
+    bytes = new Uint8Array(await chosen.arrayBuffer());
+    file = chosen.name;
+    state.example = false;
+    zoom = { k: 1, x: 0, y: 0 };
+    focus = -1;
+    await compute();
+    app.commit();
+  }
+  async function save() {
+    try {
+      const options = { scheme: state.scheme, levels: state.levels, topology: state.topology, decimals: state.decimals, keep_area: state.keep_area };
+      const { text } = await app.engine.call("map", { bytes, options, write: true }, "Writing");
+      download(`fine-${file.replace(/\.json$/, ".geojson")}`, text, "application/geo+json");
+    } catch (error) {
+      app.fail(error, file);
+    }
+  }
+  section.append(
+    stage,
+    h("div.side", {},
+      group("Map", h("div.row", {}, opener("Open GeoJSON", ".geojson,.json", open), h("button", { type: "button", onclick: () => { bytes = example(); file = "map.geojson"; state.example = true; zoom = { k: 1, x: 0, y: 0 }; void compute().then(() => app.commit()); } }, "Example")),
+        h("p.hint", {}, "Drop a GeoJSON file of countries, parcels or coasts. The example is a map of 200 invented countries."), scheme.element, levels.element, topology.element, area.element),
+      group("Figures", facts, h("div.row", {}, h("button", { type: "button", onclick: nextTear }, "Next tear"), h("button", { type: "button", onclick: () => { zoom = { k: 1, x: 0, y: 0 }; focus = -1; redraw(); } }, "Whole map"))),
+      group("Download", h("div.row", {}, h("button", { type: "button", onclick: save }, "GeoJSON"))),
+    ),
+  );
+  return {
+    open, redraw,
+    show() {
+      if (!started) {
+        started = true;
+        void compute();
+      }
+      redraw();
+    },
+    state: () => state,
+    async restore(next) {
+      state = { ...state, ...next };
+      if (state.example) bytes = null;
+      started = true;
+      controls();
+      await compute();
+    },
+    inspect: () => ({ state, result }),
+    commands: () => ({
+      shell: `batten curve ${file} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --separate"}${state.keep_area ? " --keep-area" : ""} -o fine.geojson --picture fine.png`,
+      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_options options = bat_curve_map_defaults();\noptions.refine.levels = ${state.levels};\noptions.topology = BAT_CURVE_MAP_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, NULL, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
+      python: `import batten\nimport geopandas\n\ncountries = geopandas.read_file("${file}")\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.geojson")`,
+    }),
+  };
+}

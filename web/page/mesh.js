@@ -1,0 +1,299 @@
+// Meshes: refined by a scheme, decimated, and compared with another scheme, in three dimensions.
+import { BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { check, color, digits, download, group, h, opener, select, slider, table } from "./dom.js";
+
+/** Meshes made by a formula, as [positions, faces]. */
+const grid = (rows, columns, at) => {
+  const positions = [];
+  const faces = [];
+  for (let i = 0; i < rows; i++)
+    for (let j = 0; j < columns; j++) {
+      positions.push(...at((2 * Math.PI * i) / rows, (2 * Math.PI * j) / columns));
+      const id = (a, b) => ((a % rows) * columns) + (b % columns);
+      const [p, q, r, s] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+      faces.push(p, q, r, p, r, s);
+    }
+  return { positions: Float64Array.from(positions), faces: Uint32Array.from(faces) };
+};
+const polyhedron = (vertices, faces) => ({ positions: Float64Array.from(vertices.flat()), faces: Uint32Array.from(faces.flat()) });
+const CUBE = [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]];
+function icosahedron() {
+  const t = (1 + Math.sqrt(5)) / 2;
+  const v = [[-1, t, 0], [1, t, 0], [-1, -t, 0], [1, -t, 0], [0, -1, t], [0, 1, t], [0, -1, -t], [0, 1, -t], [t, 0, -1], [t, 0, 1], [-t, 0, -1], [-t, 0, 1]];
+  return polyhedron(v, [[0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1]]);
+}
+function bracket() {
+  // An L with thickness: its edges are creases by angle.
+  const outline = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]];
+  const triangles = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]];
+  const vertices = [...outline.map(([x, y]) => [x, y, 0]), ...outline.map(([x, y]) => [x, y, 1])];
+  const faces = [...triangles.map(([a, b, c]) => [a, c, b]), ...triangles.map((f) => f.map((i) => i + 6))];
+  outline.forEach((_, i) => {
+    const j = (i + 1) % 6;
+    faces.push([i, j, j + 6], [i, j + 6, i + 6]);
+  });
+  return polyhedron(vertices, faces);
+}
+const EXAMPLES = {
+  knot: ["Knotted tube, 480 vertices", () => grid(60, 8, (s, t) => {
+    const r = 2 + Math.cos(3 * s);
+    const c = [r * Math.cos(2 * s), r * Math.sin(2 * s), 1.2 * Math.sin(3 * s)];
+    const dr = -3 * Math.sin(3 * s);
+    const d = [dr * Math.cos(2 * s) - 2 * r * Math.sin(2 * s), dr * Math.sin(2 * s) + 2 * r * Math.cos(2 * s), 3.6 * Math.cos(3 * s)];
+    const T = new Vector3(...d).normalize();
+    const U = new Vector3(0, 0, 1).cross(T).normalize();
+    const V = T.clone().cross(U);
+    return c.map((value, i) => value + 0.55 * (Math.cos(t) * U.getComponent(i) + Math.sin(t) * V.getComponent(i)));
+  })],
+  torus: ["Torus, 72 vertices", () => grid(12, 6, (s, t) => [(2 + 0.8 * Math.cos(t)) * Math.cos(s), (2 + 0.8 * Math.cos(t)) * Math.sin(s), 0.8 * Math.sin(t)])],
+  cube: ["Cube", () => polyhedron([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], CUBE)],
+  icosahedron: ["Icosahedron", icosahedron],
+  bracket: ["Bracket with creases", bracket],
+};
+
+/** Colours from 0 to 1, readable on light and dark (Viridis, sampled). */
+const RAMP = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map((c) => new Color(c));
+
+export function meshTab(app, section) {
+  let state = { example: "knot", scheme: "learned", levels: 2, limit: false, crease: 0, decimate: 0, against: "", wires: true, flat: false, repair: false };
+  let coarse = EXAMPLES.knot[1]();
+  let file = "mesh.obj";
+  let result = null;
+  let scene = null;
+  let started = false;
+  const schemes = app.tables.lists.bat_mesh_scheme_list;
+  const stage = h("div.stage", { tabIndex: 0, role: "img", "aria-label": "The mesh; drag to turn, arrow keys turn too" });
+  const legend = h("div.legend", {}, "");
+  const facts = h("div", {});
+
+  function setup() {
+    const renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true, alpha: true });
+    renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
+    stage.append(renderer.domElement, legend);
+    renderer.domElement.setAttribute("aria-hidden", "true");
+    const camera = new PerspectiveCamera(35, 1, 0.01, 100);
+    camera.position.set(2.2, -3.2, 2.2);
+    camera.up.set(0, 0, 1);
+    const world = new Scene();
+    world.add(new HemisphereLight(0xffffff, 0x556070, 1.6));
+    const light = new DirectionalLight(0xffffff, 2.2);
+    light.position.set(1, -1, 2);
+    camera.add(light);
+    world.add(camera);
+    const surface = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ roughness: 0.55, metalness: 0.05, side: 2 }));
+    const wires = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.85 }));
+    world.add(surface, wires);
+    const controls = new OrbitControls(camera, renderer.domElement);
+    controls.addEventListener("change", redraw);
+    scene = { renderer, camera, world, surface, wires, controls };
+  }
+  stage.addEventListener("keydown", (event) => {
+    if (!scene) return;
+    const turn = { ArrowLeft: [0.15, 0], ArrowRight: [-0.15, 0], ArrowUp: [0, 0.15], ArrowDown: [0, -0.15] }[event.key];
+    const nearer = { "+": 0.85, "-": 1.18 }[event.key];
+    if (!turn && !nearer) return;
+    event.preventDefault();
+    const p = scene.camera.position;
+    if (turn) {
+      p.applyAxisAngle(new Vector3(0, 0, 1), -turn[0]);
+      const axis = new Vector3(0, 0, 1).cross(p).normalize();
+      p.applyAxisAngle(axis, -turn[1]);
+    } else p.multiplyScalar(nearer);
+    scene.controls.update();
+    redraw();
+  });
+
+  async function compute() {
+    const refine = { scheme: state.scheme, levels: state.levels };
+    if (state.limit && state.scheme !== "sqrt3") refine.limit = true;
+    if (state.crease > 0 && state.scheme === "loop") refine.crease_angle = (state.crease * Math.PI) / 180;
+    try {
+      const vertices = state.decimate ? Math.max(4, Math.round((coarse.positions.length / 3) * (1 - state.decimate / 100))) : 0;
+      result = await app.engine.latest("mesh", "mesh", { coarse, decimate: vertices, refine, against: state.against && state.against !== state.scheme ? state.against : null, repair: state.repair }, "Refining the mesh");
+      app.clear();
+      build();
+      figures();
+    } catch (error) {
+      app.fail(error, state.example ? undefined : file);
+    }
+  }
+
+  function build() {
+    if (!scene) setup();
+    const { fine, base, summary, distances } = result;
+    const [low, high] = [summary.low, summary.high];
+    const size = Math.max(...high.map((value, i) => value - low[i])) || 1;
+    const middle = low.map((value, i) => (value + high[i]) / 2);
+    const place = (positions) => Float32Array.from(positions, (value, i) => ((value - middle[i % 3]) * 2) / size);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(place(fine.positions), 3));
+    geometry.setIndex(new BufferAttribute(fine.faces, 1));
+    if (distances) {
+      const most = distances.reduce((a, b) => Math.max(a, b), 0) || 1;
+      const colors = new Float32Array(fine.positions.length);
+      const shade = new Color();
+      distances.forEach((distance, i) => {
+        const t = (distance / most) * (RAMP.length - 1);
+        const k = Math.min(RAMP.length - 2, Math.floor(t));
+        shade.copy(RAMP[k]).lerp(RAMP[k + 1], t - k);
+        colors.set([shade.r, shade.g, shade.b], 3 * i);
+      });
+      geometry.setAttribute("color", new BufferAttribute(colors, 3));
+      legend.textContent = `distance from ${state.against}: dark 0, yellow ${digits(most, 3)}`;
+    } else legend.textContent = state.wires ? "lines: the coarse mesh" : "";
+    let shown = geometry;
+    if (state.flat) shown = geometry.toNonIndexed();
+    shown.computeVertexNormals();
+    scene.surface.geometry.dispose();
+    scene.surface.geometry = shown;
+    scene.surface.material.vertexColors = Boolean(distances);
+    scene.surface.material.needsUpdate = true;
+    const lines = new BufferGeometry();
+    lines.setAttribute("position", new BufferAttribute(place(base.positions), 3));
+    const edges = new Set();
+    for (let f = 0; f < base.faces.length && base.faces.length < 900000; f += 3)
+      for (let c = 0; c < 3; c++) {
+        const [a, b] = [base.faces[f + c], base.faces[f + ((c + 1) % 3)]];
+        if (a < b) edges.add(a * 2 ** 26 + b);
+        else edges.add(b * 2 ** 26 + a);
+      }
+    const indices = new Uint32Array(2 * edges.size);
+    let at = 0;
+    for (const edge of edges) {
+      indices[at++] = Math.floor(edge / 2 ** 26);
+      indices[at++] = edge % 2 ** 26;
+    }
+    lines.setIndex(new BufferAttribute(indices, 1));
+    scene.wires.geometry.dispose();
+    scene.wires.geometry = lines;
+    scene.wires.visible = state.wires;
+    redraw();
+  }
+  function figures() {
+    const { before, summary, fine } = result;
+    facts.replaceChildren(
+      table(["", "coarse", "fine"], [
+        ["vertices", digits(before.vertices), digits(summary.vertices)],
+        ["faces", digits(before.faces), digits(summary.faces)],
+        ["boundary loops", digits(before.boundary_loops), digits(summary.boundary_loops)],
+        ["genus", before.genus < 0 ? "–" : digits(before.genus), summary.genus < 0 ? "–" : digits(summary.genus)],
+        ["area", digits(before.area), digits(summary.area)],
+        ["volume", digits(before.volume), digits(summary.volume)],
+        ["mean quality", digits(before.mean_quality, 3), digits(summary.mean_quality, 3)],
+      ]),
+      ...(fine.fallback ? [h("p.hint", {}, `${fine.fallback} places fell back to a classical rule.`)] : []),
+    );
+  }
+  let frame = 0;
+  function redraw() {
+    cancelAnimationFrame(frame);
+    frame = requestAnimationFrame(() => {
+      if (section.hidden || !scene) return;
+      const { width, height } = stage.getBoundingClientRect();
+      scene.renderer.setSize(width, height, false);
+      scene.camera.aspect = width / height;
+      scene.camera.updateProjectionMatrix();
+      scene.surface.material.color.set(scene.surface.material.vertexColors ? "#ffffff" : color("c0")).lerp(new Color("#ffffff"), scene.surface.material.vertexColors ? 0 : 0.35);
+      scene.wires.material.color.set(color("ink"));
+      scene.renderer.render(scene.world, scene.camera);
+    });
+  }
+
+  const change = (changes) => {
+    Object.assign(state, changes);
+    controls();
+    return compute().then(() => app.commit());
+  };
+  const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, [title]]) => [name, title])], "knot", (name) => {
+    if (!name) return;
+    coarse = EXAMPLES[name][1]();
+    void change({ example: name, ...(name === "bracket" ? { scheme: "loop", crease: 40 } : {}), decimate: 0 });
+  });
+  const scheme = select("Scheme", schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
+  const against = select("Colour by distance from", [["", "nothing"], ...schemes.map(({ name }) => [name])], "", (value) => change({ against: value }));
+  const levels = slider("Levels", { min: 0, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
+  const crease = slider("Creases above", { min: 0, max: 120, step: 5, value: 0, format: (value) => (value ? `${value}°` : "none"), change: () => {}, commit: () => change({ crease: Number(crease.input.value) }) });
+  const decimate = slider("Decimate first", { min: 0, max: 98, step: 1, value: 0, format: (value) => `${value} %`, change: () => {}, commit: () => change({ decimate: Number(decimate.input.value) }) });
+  const limit = check("On the limit surface", false, (value) => change({ limit: value }));
+  const wires = check("Wires of the coarse mesh", true, (value) => change({ wires: value }));
+  const flat = check("Flat normals", false, (value) => change({ flat: value }));
+  const repair = check("Weld and repair first", false, (value) => change({ repair: value }));
+  function controls() {
+    example.set(state.example);
+    scheme.set(state.scheme);
+    against.set(state.against);
+    levels.set(state.levels);
+    crease.set(state.crease);
+    crease.input.disabled = state.scheme !== "loop";
+    decimate.set(state.decimate);
+    limit.set(state.limit);
+    wires.set(state.wires);
+    flat.set(state.flat);
+    repair.set(state.repair);
+  }
+  async function open(chosen) {
+    app.clear();
+    try {
+      const bytes = new Uint8Array(await chosen.arrayBuffer());
+      const answer = await app.engine.call("readMesh", { bytes, options: {} }, "Reading");
+      coarse = answer.mesh;
+      file = chosen.name;
+      if (answer.triangulated) app.say("Polygons were cut into triangles");
+      Object.assign(state, { example: "", decimate: 0, repair: !answer.summary.manifold || /\.stl$/i.test(file) });
+      if (coarse.faces.length / 3 > 60000) state.levels = Math.min(state.levels, 1);
+      controls();
+      await compute();
+      app.commit();
+    } catch (error) {
+      app.fail(error, chosen.name);
+    }
+  }
+  async function save(format) {
+    if (!result) return;
+    try {
+      download(`fine.${format}`, await app.engine.call("writeMesh", { mesh: { positions: result.fine.positions, faces: result.fine.faces }, format, encoding: "binary" }, "Writing"));
+    } catch (error) {
+      app.fail(error);
+    }
+  }
+  section.append(
+    stage,
+    h("div.side", {},
+      group("Mesh", h("div.row", {}, opener("Open file", ".obj,.ply,.stl,.off", open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, decimate.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF or STL. Drag turns, the wheel zooms.")),
+      group("Refine", scheme.element, levels.element, crease.element, limit.element, wires.element, flat.element, against.element),
+      group("Figures", facts),
+      group("Download", h("div.row", {}, ...["obj", "ply", "stl"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
+    ),
+  );
+  controls();
+  return {
+    open, redraw,
+    show() {
+      if (!started) {
+        started = true;
+        void compute();
+      }
+      redraw();
+    },
+    state: () => state,
+    async restore(next) {
+      state = { ...state, ...next };
+      started = true;
+      if (EXAMPLES[state.example]) coarse = EXAMPLES[state.example][1]();
+      controls();
+      await compute();
+    },
+    inspect: () => ({ state, result }),
+    commands() {
+      const creases = state.scheme === "loop" && state.crease > 0;
+      const vertices = state.decimate && result ? result.before.vertices : 0;
+      const input = state.example ? "mesh.obj" : file;
+      return {
+        shell: `${vertices ? `batten decimate ${input} --vertices ${vertices} -o coarse.ply\n` : ""}batten mesh ${vertices ? "coarse.ply" : input} --scheme ${state.scheme} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${state.limit ? " --limit" : ""}${state.repair && !vertices ? " --repair" : ""}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
+        c: `bat_mesh coarse, fine;\nbat_error error;\nbat_mesh_read("${input}", NULL, &coarse, &error);${vertices ? `\nbat_mesh_decimate_options less = bat_mesh_decimate_defaults();\nless.vertices = ${vertices};\nbat_mesh small;\nbat_mesh_decimate(&coarse, &less, &small, NULL, &error);` : ""}\nbat_mesh_refine_options options = bat_mesh_refine_defaults();\nbat_mesh_scheme_by_name("${state.scheme}", &options.scheme, &error);\noptions.levels = ${state.levels};${creases ? `\noptions.crease_angle = ${state.crease} * 3.14159265358979 / 180;` : ""}${state.limit ? "\noptions.limit = true;" : ""}\nif (bat_mesh_refine(&${vertices ? "small" : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);`,
+        python: `import batten\nimport trimesh\n\nmesh = trimesh.load("${input}")\n${vertices ? `mesh, to_fine = batten.decimate(mesh, vertices=${vertices})\n` : ""}fine = batten.refine_mesh(mesh, scheme="${state.scheme}", levels=${state.levels}${creases ? `, crease_angle=math.radians(${state.crease})` : ""}${state.limit ? ", limit=True" : ""})`,
+      };
+    },
+  };
+}
