@@ -9,6 +9,8 @@
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
 #   make fuzz       every fuzzer for FUZZ_SECONDS
+#   make web        the page out/web/index.html and the npm package in web/npm
+#   make web-test   their tests, and the library's unit tests as 32-bit code under Node
 #   make style      check the format and run clang-tidy; `make format` formats
 #   make install    the library and the program to PREFIX, below DESTDIR
 #   make install-research  the library batten-research beside them
@@ -24,7 +26,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest python bench sanitize sanitize-clang fuzz style format install install-research clean dependencies ci-dependencies
+.PHONY: all demo test smallest python bench sanitize sanitize-clang fuzz web web-test style format install install-research clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -56,6 +58,24 @@ sanitize-clang: ci-dependencies
 fuzz: ci-dependencies
 	@$(call configure,fuzz) && $(call compile,fuzz) --target fuzzers
 	@scripts/run-fuzzers build/fuzz $(FUZZ_SECONDS) $(JOBS)
+
+# Debian's emscripten finds its JavaScript modules by NODE_PATH.
+web web-test: export NODE_PATH := $(or $(NODE_PATH),/usr/share/nodejs)
+
+web:
+	@scripts/install-deps web
+	@mkdir -p build
+	@web/libraries
+	@$(call configure,web) && $(call compile,web) --target batten_engine
+	@cp build/web/web/batten.wasm LICENSE web/npm/
+	@[ -d web/node_modules ] || npm ci --prefix web --ignore-scripts --no-progress
+	@node web/page/build.mjs web/npm/batten.wasm out/web/index.html
+
+web-test: web all
+	@web/test/run engine build/release/batten
+	@web/test/run page build/release/batten
+	@$(call compile,web) --target web_tests
+	@$(call test,web) -L unit
 
 style: ci-dependencies
 	@$(call configure,clang)

@@ -11,7 +11,9 @@
 #include "curve/stop.h"
 #include "curve/topology/keep_simple.h"
 
+#include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -254,7 +256,10 @@ static bat_status count_rows(pieces *all, bat_error *error)
         part->count = !part->closed;
         bool planned = !all->stops && !part->straight;
         for (size_t e = 0; e < part->edges && !planned && part->count <= limit; e++)
-            part->count += (size_t)1 << all->levels[part->edge + e];
+        {
+            size_t level = all->levels[part->edge + e];
+            part->count = level < CHAR_BIT * sizeof(size_t) - 1 ? part->count + ((size_t)1 << level) : SIZE_MAX;
+        }
         part->count = planned ? part->plan.count : part->count;
         if (part->count > limit || rows > limit - part->count)
             return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has more than %zu points", limit);

@@ -6,6 +6,7 @@
 #include "curve/stop.h"
 #include "space/known.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -231,8 +232,8 @@ bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, siz
 {
     size_t support = (size_t)abs(kernel->first) + (size_t)abs(kernel->last);
     size_t most = (size_t)PTRDIFF_MAX / 8 / sizeof(double) / kernel->dim;
-    return levels <= CASCADE_MOST_LEVELS && count <= limit >> levels && count <= SIZE_MAX - support &&
-           count + support <= most >> levels;
+    return levels <= CASCADE_MOST_LEVELS && levels < CHAR_BIT * sizeof(size_t) && count <= limit >> levels &&
+           count <= SIZE_MAX - support && count + support <= most >> levels;
 }
 
 static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, refine_plan *plan, bat_error *error)

@@ -25,7 +25,7 @@ fail()
 }
 
 # The Markdown files of the project: no hidden folders, no builds.
-find . \( -path './.*' -o -path './build*' -o -path ./out \) -prune -o -name '*.md' -print | sed 's|^\./||' | sort > "$scratch/pages"
+find . \( -path './.*' -o -path './build*' -o -path ./out -o -name node_modules \) -prune -o -name '*.md' -print | sed 's|^\./||' | sort > "$scratch/pages"
 test -s "$scratch/pages" || fail "there are no Markdown files in $source"
 
 # Prints FILE, tab, LINE, tab, TARGET for every link outside of code.

@@ -15,7 +15,7 @@ export function analyzeTab(app, section) {
   let result = null;
   let started = false;
   const canvas = h("canvas", { role: "img", "aria-label": "The basic limit function" });
-  const legend = h("div.legend", {}, "basic limit function");
+  const legend = h("div.legend", { style: "top:8px;bottom:auto" }, "The basic limit function: the limit of 1 at point 0 and 0 elsewhere");
   const stage = h("div.stage", {}, canvas, legend);
   const facts = h("div", {});
   const values = h("div", {});
@@ -77,7 +77,7 @@ export function analyzeTab(app, section) {
     const { values: ys, level, first, last } = result.basis;
     let [low, high] = [0, 0];
     for (const y of ys) [low, high] = [Math.min(low, y), Math.max(high, y)];
-    const pad = 44;
+    const pad = 58;
     const x = (t) => pad + ((t - first) / (last - first || 1)) * (width - 2 * pad);
     const y = (v) => height - pad - ((v - low) / (high - low || 1)) * (height - 2 * pad);
     context.font = "12px system-ui, sans-serif";

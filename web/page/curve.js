@@ -413,14 +413,13 @@ export function curveTab(app, section) {
   }
 
   section.append(
-    stage,
+    h("div.column", {}, stage, group("Figures", measures)),
     h(
       "div.side",
       {},
       group("Curve", h("div.row", {}, example.element, space.element), h("div.row", {}, closed.element, comb.element), h("div.row", {}, opener("Open file", ".csv,.geojson,.json,.obj", (file) => open(file)), h("button", { type: "button", onclick: () => { fit(); redraw(); } }, "Fit view")),
         h("p.hint", {}, "Drag points. Double-click adds a point or marks a corner, a right click removes. Keys on a point: arrows, A adds, Delete removes, C corner.")),
       group("Schemes", schemeList, fairness.element, levels.element, ends.element),
-      group("Figures", measures),
       group("Download", h("div.row", {}, h("button", { type: "button", onclick: () => save("csv") }, "CSV"), h("button", { type: "button", onclick: () => save("geojson") }, "GeoJSON"), h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
     ),
   );

@@ -118,6 +118,7 @@ export function map(batten, { bytes, options, write }, progress) {
       ? batten.bat_curve_map_refine(set, { ...rest, keep_area: false, topology: "separate", progress: (f) => progress(0.8 + f * 0.2) })
       : fine;
     if (topology) owned.push(alone);
+    const torn = set.space === "sphere" ? tears(set.curves, alone.curves, rest.levels ?? 5) : [];
     return {
       coarse: set.curves,
       fine: fine.curves,
@@ -125,7 +126,8 @@ export function map(batten, { bytes, options, write }, progress) {
       space: set.space,
       notes: set.notes,
       report: fine.report,
-      tears: set.space === "sphere" ? tears(set.curves, alone.curves, rest.levels ?? 5).slice(0, 5000) : [],
+      tears: torn.slice(0, 5000),
+      torn: torn.length,
     };
   } finally {
     owned.forEach((one) => one.free());

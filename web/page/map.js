@@ -32,7 +32,7 @@ export function mapTab(app, section) {
           ["points", `${sum(result.coarse)} → ${sum(result.fine)}`],
           ["shared borders", digits(result.report.shared)],
           ["edges drawn back", digits(result.report.drawn_back)],
-          [state.topology ? "would have torn" : "torn edges", digits(result.tears.length)],
+          [state.topology ? "would have torn" : "torn edges", digits(result.torn)],
           ["widest gap", result.tears.length ? `${digits(result.tears[0].gap * 6371, 3)} km` : "–"],
         ]),
       );

@@ -258,11 +258,10 @@ export function meshTab(app, section) {
     }
   }
   section.append(
-    stage,
+    h("div.column", {}, stage, group("Figures", facts)),
     h("div.side", {},
       group("Mesh", h("div.row", {}, opener("Open file", ".obj,.ply,.stl,.off", open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, decimate.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF or STL. Drag turns, the wheel zooms.")),
       group("Refine", scheme.element, levels.element, crease.element, limit.element, wires.element, flat.element, against.element),
-      group("Figures", facts),
       group("Download", h("div.row", {}, ...["obj", "ply", "stl"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
     ),
   );

@@ -7,7 +7,12 @@ const parse = (text) =>
   text
     .split("\n")
     .filter((line) => /^[-\d.]/.test(line))
-    .map((line) => line.split(",").map(Number));
+    .map((line) => line.split(",").map(Number))
+    .map((row) => {
+      // Files have few digits; quaternions are of unit length to 1e-9.
+      const length = Math.hypot(...row.slice(4));
+      return row.map((value, i) => (i < 4 ? value : value / length));
+    });
 
 export function motionTab(app, section) {
   const first = parse(samples["camera-keyframes.csv"]);
@@ -360,7 +365,7 @@ export function motionTab(app, section) {
     },
     inspect: () => ({ state, result }),
     commands: () => ({
-      shell: `cat > keyframes.csv <<'END'\n${csv()}END\nbatten motion keyframes.csv --rate ${state.rate}${state.ends === "auto" ? "" : ` --ends ${state.ends}`}${state.shape === "resting" ? "" : ` --scheme spline:shape=${state.shape}`} -o frames.tum`,
+      shell: `cat > keyframes.csv <<'END'\n${csv()}END\nbatten motion keyframes.csv --rate ${state.rate}${state.ends === "auto" ? "" : ` --ends ${state.ends}`}${state.shape === "resting" ? "" : ` --tangents ${state.shape}`} -o frames.tum`,
       c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_options options = bat_motion_defaults();\noptions.rate = ${state.rate};\nbat_motion_shape_by_name("${state.shape}", &options.spline.shape, &error);\nbat_motion_ends_by_name("${state.ends}", &options.spline.ends, &error);\nif (bat_motion_curves(&keys, &options, &frames, NULL, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
       python: `import batten\nimport numpy as np\n\nkeys = np.loadtxt("keyframes.csv", delimiter=",", skiprows=2)\npose = batten.Motion(keys[:, 0], keys[:, 1:], space="rigid", shape="${state.shape}", ends="${state.ends}")\nframes = pose(np.arange(keys[0, 0], keys[-1, 0], 1 / ${state.rate}))`,
     }),

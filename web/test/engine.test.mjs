@@ -1,0 +1,196 @@
+// The engine against the native program, and the package as its users get it.
+// Environment: BATTEN, the native program; SOURCE, the folder of the source.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, describe, test } from "node:test";
+import { BattenError, load } from "../npm/index.mjs";
+
+const program = process.env.BATTEN;
+const source = process.env.SOURCE;
+const data = (name) => join(source, "examples/data", name);
+let folder;
+let batten;
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "batten-web-"));
+  batten = await load();
+});
+after(() => rmSync(folder, { recursive: true, force: true }));
+
+const native = (...command) => execFileSync(program, command, { encoding: "utf8", maxBuffer: 1 << 28 });
+/** The numbers of a text, in their order. */
+const numbers = (text) => text.match(/[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?/g).map(Number);
+
+/** Compare a text of the engine with a file of the program, number by number. */
+function compare(text, file, tolerance) {
+  const [ours, theirs] = [numbers(text), numbers(readFileSync(file, "utf8"))];
+  assert.equal(ours.length, theirs.length);
+  const scale = theirs.reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+  let worst = 0;
+  ours.forEach((value, i) => (worst = Math.max(worst, Math.abs(value - theirs[i]) / scale)));
+  assert.ok(worst <= tolerance, `relative difference ${worst}, allowed ${tolerance}`);
+  return worst;
+}
+const decode = (bytes) => new TextDecoder().decode(bytes);
+const tolerance = (scheme) => (scheme.startsWith("learned") ? 1e-5 : 1e-12);
+
+describe("equal to the native program", () => {
+  const curves = [
+    ["outline.csv", "csv", ["learned", "angle-4", "angle-6", "four-point", "chaikin", "cubic", "catmull-rom:parameters=centripetal"]],
+    ["hyperbolic.csv", "csv", ["learned", "angle-4", "log-exp-4", "geodesic"]],
+    ["iss-track.geojson", "geojson", ["learned", "angle-4", "log-exp-6:base=midpoint"]],
+    ["coast.geojson", "geojson", ["learned", "angle-4"]],
+    ["quarter-arc.csv", "csv", ["angle-6", "six-point"]],
+    ["camera-path.obj", "obj", ["four-point", "lane-riesenfeld"]],
+  ];
+  for (const [file, format, schemes] of curves)
+    for (const scheme of schemes)
+      test(`${file} by ${scheme}`, () => {
+        const out = join(folder, `curve.${format}`);
+        native("curve", data(file), "--scheme", scheme, "--levels", "4", "--precision", "12", "--separate", "-o", out);
+        const coarse = batten.bat_curve_read_memory(readFileSync(data(file)));
+        const fine = batten.bat_curve_refine(coarse, { scheme, levels: 4 });
+        compare(decode(batten.bat_curve_write_memory(fine, { format, precision: 12 })), out, tolerance(scheme));
+      });
+
+  test("a map keeps its shared borders", () => {
+    const out = join(folder, "map.geojson");
+    native("curve", data("map.geojson"), "--scheme", "angle-4", "--levels", "2", "-o", out);
+    const coarse = batten.bat_curve_read_memory(readFileSync(data("map.geojson")));
+    const fine = batten.bat_curve_map_refine(coarse, { scheme: "angle-4", levels: 2 });
+    assert.ok(fine.report.map && fine.report.shared > 100);
+    compare(decode(batten.bat_curve_write_memory(fine)), out, 1e-12);
+  });
+
+  test("a camera move", () => {
+    const out = join(folder, "frames.tum");
+    native("motion", data("camera-keyframes.csv"), "--rate", "25", "-o", out);
+    const keys = batten.bat_curve_read_memory(readFileSync(data("camera-keyframes.csv")));
+    const frames = batten.bat_motion_curves(keys, { rate: 25 });
+    compare(decode(batten.bat_curve_write_memory(frames, { format: "tum" })), out, 1e-12);
+  });
+
+  for (const [scheme, levels] of [["learned", 2], ["loop", 2], ["butterfly", 2], ["sqrt3", 2]])
+    test(`a cage by ${scheme}`, () => {
+      const cage = join(folder, "cage.obj");
+      const out = join(folder, "fine.obj");
+      native("shape", "cage", "-o", cage);
+      native("mesh", cage, "--scheme", scheme, "--levels", String(levels), "-o", out);
+      const fine = batten.bat_mesh_refine(batten.bat_mesh_read_memory(readFileSync(cage)), { scheme, levels });
+      const text = decode(batten.bat_mesh_write_memory(fine, { format: "obj" }));
+      const vertices = (all) => all.split("\n").filter((line) => line.startsWith("v ")).join("\n");
+      const other = join(folder, "vertices.txt");
+      writeFileSync(other, vertices(readFileSync(out, "utf8")));
+      compare(vertices(text), other, tolerance(scheme));
+      const faces = (all) => all.split("\n").filter((line) => line.startsWith("f ")).join("\n");
+      assert.equal(faces(text), faces(readFileSync(out, "utf8")));
+    });
+
+  test("a decimated mesh", () => {
+    const fine = join(folder, "creature.ply");
+    const out = join(folder, "coarse.obj");
+    native("shape", "creature", "--vertices", "1500", "--seed", "3", "-o", fine);
+    native("decimate", fine, "--vertices", "200", "-o", out);
+    const coarse = batten.bat_mesh_decimate(batten.bat_mesh_read_memory(readFileSync(fine)), { vertices: 200 });
+    compare(decode(batten.bat_mesh_write_memory(coarse, { format: "obj" })), out, 1e-9);
+  });
+
+  test("an analysis", () => {
+    for (const scheme of ["chaikin", "four-point", "six-point", "mask:1/8,4/8,6/8,4/8,1/8"]) {
+      const theirs = JSON.parse(native("analyze", scheme, "--json"));
+      const ours = batten.bat_mask_analyze(scheme);
+      const smooth = JSON.stringify(theirs).match(/"smooth_proven":\s*(-?\d+)/);
+      if (smooth) assert.equal(ours.smooth_proven, Number(smooth[1]));
+      assert.equal(ours.converges, "proven");
+      assert.ok(ours.exponent_lower <= ours.exponent_upper);
+    }
+  });
+});
+
+describe("values", () => {
+  test("chaikin cuts corners at quarters", () => {
+    const fine = batten.bat_curve_refine({ points: [[0, 0], [4, 0], [4, 4]], closed: true }, { scheme: "chaikin", levels: 1 });
+    assert.deepEqual([...fine.points].map((v) => Math.round(v * 1e12) / 1e12).sort((a, b) => a - b), [0, 0, 1, 1, 1, 1, 3, 3, 3, 4, 4, 3].sort((a, b) => a - b));
+  });
+  test("the default limit of points lets a million through", () => {
+    const n = 1 << 16;
+    const points = Float64Array.from({ length: 2 * n }, (_, i) => (i % 2 ? Math.sin : Math.cos)((Math.PI * (i - (i % 2))) / n));
+    assert.equal(batten.bat_curve_refine({ points, closed: true }, { scheme: "four-point", levels: 4, simple: "never" }).points.length, 2 * n * 16);
+  });
+  test("tables name what the functions take", () => {
+    for (const { name } of batten.bat_mesh_scheme_list()) assert.ok(batten.bat_mesh_refine(cube(), { scheme: name, levels: 1 }).faces.length > 36);
+    for (const list of ["bat_space_list", "bat_curve_scheme_list", "bat_motion_list", "bat_mesh_format_list"]) assert.ok(batten[list]().length > 2);
+  });
+  test("memory is given back", () => {
+    // Curves that stay would need 160 MB more.
+    const points = Float64Array.from({ length: 20000 }, (_, i) => (i % 2 ? Math.sin : Math.cos)((Math.PI * (i - (i % 2))) / 10000));
+    const before = process.memoryUsage().arrayBuffers;
+    for (let i = 0; i < 60; i++) batten.bat_curve_refine({ points, closed: true }, { scheme: "four-point", levels: 4, simple: "never" });
+    globalThis.gc?.();
+    assert.ok(process.memoryUsage().arrayBuffers - before < 400e6);
+  });
+});
+
+const cube = () => ({
+  positions: [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
+  faces: [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]],
+});
+
+describe("failures", () => {
+  const fails = (call, status, text, line) =>
+    assert.throws(call, (error) => {
+      assert.ok(error instanceof BattenError, String(error));
+      assert.equal(error.status, status);
+      assert.match(error.message, text);
+      if (line !== undefined) assert.equal(error.line, line);
+      return true;
+    });
+  test("files tell the line", () => {
+    fails(() => batten.bat_curve_read_memory("x,y\n0,0\n1,oops\n2,3\n", { format: "csv" }), "bad file", /./, 3);
+    fails(() => batten.bat_mesh_read_memory("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", { format: "obj" }), "bad file", /./, 4);
+    fails(() => batten.bat_curve_read_memory('{"type":"Feature",\n"geometry": [}'), "bad file", /./, 2);
+  });
+  test("options", () => {
+    const curve = { points: [[0, 0], [1, 0], [1, 1]], closed: true };
+    fails(() => batten.bat_curve_refine(curve, { scheme: "nope" }), "invalid argument", /nope/);
+    fails(() => batten.bat_curve_refine(curve, { level: 3 }), "invalid argument", /no option 'level'/);
+    fails(() => batten.bat_curve_refine(curve, { levels: 61 }), "invalid argument", /levels/);
+    fails(() => batten.bat_curve_refine(curve, { levels: 2.5 }), "invalid argument", /levels/);
+    fails(() => batten.bat_curve_refine(curve, { levels: 40 }), "too large", /./);
+    fails(() => batten.bat_curve_refine({ points: [[0, 0], [1, 0], [1, 0]], closed: true }), "invalid point", /./);
+    fails(() => batten.bat_curve_refine({ points: [[0, 0], [Number.NaN, 0], [1, 0]], closed: true }), "invalid point", /./);
+    fails(() => batten.bat_mesh_refine({ positions: [0, 0, 0], faces: [0, 1, 2] }), "invalid point", /./);
+    fails(() => batten.bat_mask_analyze("learned"), "unsupported", /no mask/);
+  });
+  test("a progress function stops a call", () => {
+    const n = 20000;
+    const points = Float64Array.from({ length: 2 * n }, (_, i) => (i % 2 ? Math.sin : Math.cos)((Math.PI * (i - (i % 2))) / n));
+    let calls = 0;
+    const progress = () => {
+      calls++;
+      return false;
+    };
+    const many = Array.from({ length: 50 }, () => ({ points, closed: true }));
+    fails(() => batten.bat_curve_refine(many, { levels: 3, progress }), "cancelled", /./);
+    assert.ok(calls > 0);
+  });
+});
+
+test("npm pack, and ten lines that use the package", () => {
+  const npm = (...command) => execFileSync("npm", command, { cwd: folder, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+  const tarball = npm("pack", "--silent", join(source, "web/npm")).trim().split("\n").pop();
+  const contents = execFileSync("tar", ["-tzf", join(folder, tarball)], { encoding: "utf8" });
+  for (const name of ["index.mjs", "engine.mjs", "index.d.ts", "batten.wasm", "README.md", "LICENSE"]) assert.match(contents, new RegExp(`package/${name}`));
+  const home = join(folder, "user/node_modules/batten");
+  mkdirSync(home, { recursive: true });
+  execFileSync("tar", ["-xzf", join(folder, tarball), "-C", home, "--strip-components", "1"]);
+  copyFileSync(join(source, "web/test/ten-lines.mjs"), join(folder, "user/ten-lines.mjs"));
+  const said = execFileSync(process.execPath, [join(folder, "user/ten-lines.mjs"), data("outline.csv"), join(folder, "fair.csv")], { encoding: "utf8" });
+  assert.match(said, /352 points, closed: true/);
+  const out = join(folder, "native.csv");
+  native("curve", data("outline.csv"), "--scheme", "learned", "--levels", "4", "-o", out);
+  compare(readFileSync(join(folder, "fair.csv"), "utf8"), out, 1e-5);
+});

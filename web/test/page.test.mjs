@@ -1,0 +1,258 @@
+// The page in Chromium: opened from disk, by mouse, touch and keyboard.
+// Environment: BATTEN, SOURCE; CHROMIUM; PAGE, the file of the page; SHOTS, a folder for screenshots (optional).
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { gzipSync } from "node:zlib";
+import puppeteer from "puppeteer-core";
+
+const { BATTEN: program, SOURCE: source, CHROMIUM: chromium, PAGE: file, SHOTS: shots } = process.env;
+const TABS = ["curve", "map", "motion", "mesh", "analyze", "scan"];
+const data = (name) => join(source, "examples/data", name);
+/** The limit of the compressed page, in bytes. */
+const PAGE_SIZE = 2.5e6;
+const WAIT = { timeout: 120000, polling: 50 };
+
+let browser;
+let page;
+let folder;
+const requests = [];
+const complaints = [];
+
+before(async () => {
+  folder = mkdtempSync(join(tmpdir(), "batten-page-"));
+  browser = await puppeteer.launch({
+    executablePath: chromium,
+    headless: true,
+    timeout: 120000,
+    protocolTimeout: 240000,
+    args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+  });
+  page = await browser.newPage();
+  await page.setViewport({ width: 1280, height: 900 });
+  page.on("request", (request) => requests.push(request.url()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("console", (message) => {
+    if (["error", "warn", "warning"].includes(message.type()) && !/GPU stall|swiftshader|WebGL/i.test(message.text())) complaints.push(message.text());
+  });
+  await open();
+});
+after(async () => {
+  await browser?.close();
+  rmSync(folder, { recursive: true, force: true });
+});
+
+async function open(hash = "") {
+  await page.goto("about:blank");
+  await page.goto(pathToFileURL(file).href + hash, { waitUntil: "domcontentloaded", timeout: 120000 });
+  await page.waitForFunction("window.batten", WAIT);
+}
+const tab = async (name) => {
+  await page.click(`#tab-${name}`);
+  await page.waitForFunction(
+    (which) => {
+      const { result, results } = window.batten.tabs[which].inspect();
+      return which === "scan" || result || results?.length;
+    },
+    WAIT,
+    name,
+  );
+};
+const inspect = (expression) => page.evaluate(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`);
+/** Wait until an expression of the current tab's state holds. */
+const until = (expression) =>
+  page.waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`, WAIT);
+const alertText = () => page.$eval("#alert", (box) => box.textContent);
+
+/** Drop a file onto the page. */
+async function drop(path, text) {
+  const name = path.split("/").pop();
+  const bytes = [...(text === undefined ? readFileSync(path) : Buffer.from(text))];
+  await page.evaluate(
+    (fileName, content) => {
+      const transfer = new DataTransfer();
+      transfer.items.add(new File([new Uint8Array(content)], fileName));
+      document.body.dispatchEvent(new DragEvent("drop", { dataTransfer: transfer, bubbles: true, cancelable: true }));
+    },
+    name,
+    bytes,
+  );
+}
+
+test("the page is one small file", () => {
+  const text = readFileSync(file);
+  const size = gzipSync(text, { level: 9 }).length;
+  assert.ok(size < PAGE_SIZE, `${size} bytes`);
+  assert.doesNotMatch(text.toString().replace(/<script[\s\S]*<\/script>/g, ""), /(?:src|href)="(?!data:|#)/);
+});
+
+test("the first curve equals the native one", async () => {
+  const out = join(folder, "outline.csv");
+  execFileSync(program, ["curve", data("outline.csv"), "--scheme", "four-point", "--levels", "5", "-o", out]);
+  await until("results.length === 2");
+  const ours = await inspect('[...results.find((one) => one.scheme === "four-point").points]');
+  const theirs = readFileSync(out, "utf8").split("\n").filter((line) => /^[-\d.]/.test(line)).flatMap((line) => line.split(",").map(Number));
+  assert.equal(ours.length, theirs.length);
+  ours.forEach((value, i) => assert.ok(Math.abs(value - theirs[i]) < 1e-12 * 50));
+});
+
+test("a dragged point moves the curve; undo and redo take it back and forth", async () => {
+  const stage = await (await page.$("#curve .stage svg")).boundingBox();
+  const [x, y] = await inspect("view[0]");
+  const given = await inspect("[...state.points[0]]");
+  await page.mouse.move(stage.x + x, stage.y + y);
+  await page.mouse.down();
+  await page.mouse.move(stage.x + x + 40, stage.y + y - 25, { steps: 5 });
+  await page.mouse.up();
+  const moved = await inspect("[...state.points[0]]");
+  assert.notDeepEqual(moved, given);
+  await until(`Math.abs(results[0].points[0] - ${moved[0]}) < 1e-9`);
+  await page.click("#undo");
+  await until(`state.points[0][0] === ${given[0]}`);
+  await page.keyboard.down("Control");
+  await page.keyboard.press("y");
+  await page.keyboard.up("Control");
+  await until(`state.points[0][0] === ${moved[0]}`);
+  await page.click("#undo");
+  await until(`state.points[0][0] === ${given[0]}`);
+});
+
+test("keys move, add, mark and remove a point", async () => {
+  const count = await inspect("state.points.length");
+  await page.focus("#curve .stage svg circle:nth-of-type(3)");
+  const before = await inspect("state.points[2][0]");
+  await page.keyboard.press("ArrowRight");
+  await until(`state.points[2][0] > ${before}`);
+  await page.keyboard.press("a");
+  await until(`state.points.length === ${count + 1}`);
+  await page.focus("#curve .stage svg circle:nth-of-type(4)");
+  await page.keyboard.press("c");
+  await until("state.corners.includes(3)");
+  await page.keyboard.press("Delete");
+  await until(`state.points.length === ${count} && state.corners.length === 0`);
+});
+
+test("touch drags a point", async () => {
+  const stage = await (await page.$("#curve .stage svg")).boundingBox();
+  const [x, y] = await inspect("view[5]");
+  const before = await inspect("[...state.points[5]]");
+  await page.touchscreen.touchStart(stage.x + x, stage.y + y);
+  await page.touchscreen.touchMove(stage.x + x + 30, stage.y + y + 10);
+  await page.touchscreen.touchEnd();
+  await until(`state.points[5][0] !== ${before[0]}`);
+});
+
+test("schemes, spaces and the comb", async () => {
+  for (const space of ["sphere", "disk", "plane"]) {
+    await page.evaluate((name) => {
+      const box = [...document.querySelectorAll("#curve select")].find((one) => [...one.options].some((option) => option.value === "disk"));
+      box.value = name;
+      box.dispatchEvent(new Event("change"));
+    }, space);
+    await until(`state.space === "${space}" && results.some((one) => one.scheme.startsWith("learned") && one.points)`);
+  }
+  const boxes = await page.$$("#curve .schemes input");
+  const before = await inspect("state.schemes.length");
+  await boxes[1].click();
+  await until(`results.length === ${before + 1}`);
+  await page.evaluate(() => [...document.querySelectorAll("#curve .check")].find((label) => label.textContent === "Curvature comb").click());
+  await until("state.comb");
+  assert.equal(await alertText(), "");
+});
+
+test("a link restores the state", async () => {
+  await page.waitForFunction("location.hash.startsWith('#s=')", WAIT);
+  await new Promise((resolve) => setTimeout(resolve, 500));
+  const [hash, state] = await page.evaluate(() => [location.hash, JSON.stringify(window.batten.tabs.curve.state())]);
+  await open(hash);
+  assert.equal(await page.evaluate(() => JSON.stringify(window.batten.tabs.curve.state())), state);
+  await open("#s=broken");
+  assert.match(await alertText(), /the link cannot be read/);
+  await open();
+});
+
+test("good and broken files", async () => {
+  await drop(data("coast.geojson"));
+  await until('state.space === "sphere" && state.points.length > 200 && results[0].points');
+  await drop("broken.csv", "x,y\n0,0\n1,oops\n2,3\n");
+  await page.waitForFunction(() => /broken\.csv:3: /.test(document.getElementById("alert").textContent), WAIT);
+  await drop("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  await tab("mesh");
+  await drop("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  await page.waitForFunction(() => /broken\.obj:4: /.test(document.getElementById("alert").textContent), WAIT);
+  const cage = join(folder, "cage.ply");
+  execFileSync(program, ["shape", "cage", "-o", cage]);
+  await drop(cage);
+  await until("result.before.vertices === 162");
+  assert.equal(await alertText(), "");
+  await tab("map");
+  await drop("broken.geojson", '{"type":"FeatureCollection",\n"features":[}');
+  await page.waitForFunction(() => /broken\.geojson:2: /.test(document.getElementById("alert").textContent), WAIT);
+});
+
+test("a large file can be cancelled", async () => {
+  await tab("curve");
+  const n = 100000;
+  const rows = Array.from({ length: n }, (_, i) => {
+    const t = (2 * Math.PI * i) / n;
+    return `${((1 + 0.1 * Math.sin(40 * t)) * Math.cos(t)).toFixed(6)},${((1 + 0.1 * Math.sin(40 * t)) * Math.sin(t)).toFixed(6)}`;
+  });
+  const path = join(folder, "large.csv");
+  writeFileSync(path, `# closed\nx,y\n${rows.join("\n")}\n`);
+  // By the file chooser: a hundred thousand points are too many for an argument of a call.
+  const input = await page.$("#curve input[type=file]");
+  await input.uploadFile(path);
+  await page.waitForSelector("#progress:not([hidden])", { timeout: 120000 });
+  await page.click("#cancel");
+  await page.waitForFunction(() => document.getElementById("progress").hidden, WAIT);
+  await input.uploadFile(path);
+  await until("results.length > 0 && results[0].points && results[0].points.length >= 200000");
+});
+
+test("every tab, both themes, wide and narrow: nothing overflows, and axe finds nothing serious", async () => {
+  const axe = readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+  await open();
+  for (const theme of ["light", "dark"])
+    for (const width of [1280, 360]) {
+      await page.setViewport({ width, height: width > 500 ? 900 : 780 });
+      await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: theme }]);
+      if ((await page.evaluate(() => document.documentElement.dataset.theme)) !== theme) await page.click("#theme");
+      for (const name of TABS) {
+        await tab(name);
+        await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+        assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, `${name} overflows ${width} pixels`);
+        assert.ok((await page.$eval("#shell", (box) => box.textContent)).includes("batten"), `${name} has no command`);
+        // The stage is not empty.
+        if (name !== "scan")
+          assert.ok(
+            await page.evaluate((which) => {
+              const canvas = document.querySelector(`#${which} canvas`);
+              const copy = document.createElement("canvas");
+              [copy.width, copy.height] = [canvas.width, canvas.height];
+              const context = copy.getContext("2d");
+              context.drawImage(canvas, 0, 0);
+              return context.getImageData(0, 0, copy.width, copy.height).data.some((value, i) => i % 4 === 3 && value > 0);
+            }, name),
+            `${name} draws nothing`,
+          );
+        if (shots) {
+          mkdirSync(shots, { recursive: true });
+          await page.screenshot({ path: join(shots, `${name}-${theme}-${width}.png`) });
+        }
+        if (!(await page.evaluate("Boolean(window.axe)"))) await page.evaluate(axe);
+        const { violations } = await page.evaluate(() => window.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] }));
+        const serious = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
+        assert.deepEqual(serious.map(({ id, nodes }) => `${name} ${theme} ${width}: ${id}: ${nodes[0].html.slice(0, 120)}`), []);
+      }
+    }
+});
+
+test("no request left, nothing was complained of", () => {
+  assert.deepEqual(requests.filter((address) => !/^(file:|blob:|data:|about:)/.test(address)), []);
+  assert.equal(new Set(requests.filter((address) => address.startsWith("file:")).map((address) => address.split("#")[0])).size, 1);
+  assert.deepEqual(complaints, []);
+});
