@@ -201,6 +201,8 @@ export function curveTab(app, section) {
       return dim === 3 ? toDegrees(big[k], big[k + 1], big[k + 2]) : [big[k], big[k + 1]];
     }) : state.points;
     view.fit(shown);
+    const { width, height } = stage.getBoundingClientRect();
+    view.resize(width || 1, height || 1);
   };
   const round = (p) => (p ? p.map((value) => Number(value.toPrecision(7))) : null);
   function move(i, point) {

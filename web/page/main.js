@@ -66,13 +66,12 @@ function buttons() {
   $("redo").disabled = future.length === 0;
 }
 
-async function step(from, to) {
-  if (from === past ? past.length < 2 : future.length === 0) return;
-  to.push(from.pop());
+/** Restore the newest state; of several steps in a row the last one counts. */
+async function step() {
+  buttons();
   const { tab, state } = JSON.parse(past[past.length - 1]);
   show(tab);
   await tabs[tab].restore(state);
-  buttons();
   void writeLink();
   app.commands();
 }
@@ -158,17 +157,15 @@ function theme(name) {
   for (const tab of Object.values(tabs)) tab.redraw?.();
 }
 
-$("undo").onclick = () => step(past, future);
+$("undo").onclick = () => {
+  if (past.length < 2) return;
+  future.push(past.pop());
+  void step();
+};
 $("redo").onclick = () => {
   if (future.length === 0) return;
   past.push(future.pop());
-  const { tab, state } = JSON.parse(past[past.length - 1]);
-  show(tab);
-  void tabs[tab].restore(state).then(() => {
-    buttons();
-    void writeLink();
-    app.commands();
-  });
+  void step();
 };
 $("link").onclick = async () => {
   const code = await encoded();

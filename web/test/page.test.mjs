@@ -65,7 +65,10 @@ const tab = async (name) => {
 const inspect = (expression) => page.evaluate(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`);
 /** Wait until an expression of the current tab's state holds. */
 const until = (expression) =>
-  page.waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`, WAIT);
+  page
+    .waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`, WAIT)
+    .catch(async (error) => assert.fail(`${expression} did not hold: ${error.message}; ${await inspect("JSON.stringify({ ...state, points: undefined })")} ${await alertText()}`));
+const focus = (point) => page.$eval(`#curve .stage svg circle:nth-of-type(${point})`, (circle) => circle.focus());
 const alertText = () => page.$eval("#alert", (box) => box.textContent);
 
 /** Drop a file onto the page. */
@@ -123,13 +126,13 @@ test("a dragged point moves the curve; undo and redo take it back and forth", as
 
 test("keys move, add, mark and remove a point", async () => {
   const count = await inspect("state.points.length");
-  await page.focus("#curve .stage svg circle:nth-of-type(3)");
+  await focus(3);
   const before = await inspect("state.points[2][0]");
   await page.keyboard.press("ArrowRight");
   await until(`state.points[2][0] > ${before}`);
   await page.keyboard.press("a");
   await until(`state.points.length === ${count + 1}`);
-  await page.focus("#curve .stage svg circle:nth-of-type(4)");
+  await focus(4);
   await page.keyboard.press("c");
   await until("state.corners.includes(3)");
   await page.keyboard.press("Delete");
