@@ -35,8 +35,9 @@ const app = {
     const place = [file, error.line].filter((part) => part).join(":");
     alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${error.message}`;
   },
+  /** Results clear the message; that of a broken link stays until the user does something. */
   clear() {
-    alertBox.textContent = "";
+    if (!kept) alertBox.textContent = "";
   },
   /** The state of the current tab changed for good: a step of undo. */
   commit() {
@@ -56,6 +57,7 @@ const app = {
   },
 };
 
+let kept = false;
 const past = [];
 const future = [];
 let current = "curve";
@@ -147,6 +149,7 @@ function makeTabs(list) {
 }
 
 function choose(name) {
+  kept = false;
   show(name);
   app.commit();
 }
@@ -226,6 +229,7 @@ addEventListener("drop", async (event) => {
 
 /** Open a file in the current tab, or in the one that its ending names. */
 async function openFile(file) {
+  kept = false;
   app.clear();
   const ending = file.name.toLowerCase().match(/\.[a-z0-9]+$/)?.[0] ?? "";
   if (/^\.(ply|stl|off|gltf|glb)$/.test(ending)) show("mesh");
@@ -268,6 +272,7 @@ async function start() {
   } catch (error) {
     show("curve");
     app.fail(new Error(`the link cannot be read: ${error.message}`));
+    kept = true;
   }
   if (tabs[current].section.hidden) show(current);
   app.commit();
