@@ -33,6 +33,7 @@ before(async () => {
     args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
   });
   page = await browser.newPage();
+  page.setDefaultNavigationTimeout(120000);
   await page.setViewport({ width: 1280, height: 900 });
   page.on("request", (request) => requests.push(request.url()));
   page.on("pageerror", (error) => complaints.push(error.message));
