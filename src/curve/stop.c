@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "space/known.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,7 +56,9 @@ bat_status stop_check(const refine_plan *plan, bat_error *error)
 
 size_t stop_deepest(const bat_curve_refine_options *options, size_t edges)
 {
+    const size_t bits = CHAR_BIT * sizeof(size_t) - 1;
     size_t deepest = options->max_levels + STOP_LOOKAHEAD;
+    deepest = deepest < bits ? deepest : bits;
     while (deepest > 0 && edges > (size_t)(PTRDIFF_MAX / 16) >> deepest)
         deepest--;
     return deepest;
