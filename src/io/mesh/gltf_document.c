@@ -16,7 +16,7 @@
 /// The JSON of a glTF file, and its buffers: the binary chunk, data URIs, or files beside it.
 
 /// The largest whole number that a double holds with all its neighbours; JSON has no larger ones.
-#define MAX_WHOLE ((size_t)1 << 53)
+#define MAX_WHOLE (SIZE_MAX < UINT64_C(1) << 53 ? (uint64_t)SIZE_MAX : UINT64_C(1) << 53)
 
 static uint32_t word_at(const void *bytes)
 {

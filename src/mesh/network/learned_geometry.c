@@ -459,6 +459,7 @@ static void lay_out(learned_geometry *g, void *memory)
 
 learned_geometry learned_geometry_in(const mesh_flaps *flaps, const double *positions, int threads, void *memory)
 {
+    (void)threads; // without OpenMP
     learned_geometry g = {.flaps = flaps, .positions = positions};
     size_t vertices = flaps->vertex_count, edges = flaps->edge_count;
     star_table table;
