@@ -3,6 +3,8 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
 
 /// @file
 /// Elementary functions without branches or calls, so that a loop over arrays becomes vector code, and the attribute that
@@ -20,20 +22,27 @@ static const double LANES_HALF_PI = 1.57079632679489661923;
 static const double LANES_PI = 3.14159265358979323846;
 static const double LANES_TAN_PI_8 = 0.41421356237309504880;
 
+/// copysign(magnitude, sign) for a magnitude of 0 or more. Compilers to WebAssembly make no vector code of copysign().
+static inline double lane_copysign(double magnitude, double sign)
+{
+    uint64_t a, b;
+    memcpy(&a, &magnitude, sizeof a);
+    memcpy(&b, &sign, sizeof b);
+    a |= b & UINT64_C(1) << 63;
+    memcpy(&magnitude, &a, sizeof a);
+    return magnitude;
+}
+
 /// (atan(r) / r - 1) / r^2 as a function of z = r^2, |r| <= tan(pi/8).
 static inline double lane_atan_tail(double z)
 {
-    double p = -0x1.3a31b1c0fd3b7p-6;
-    p = p * z + 0x1.4162c02b1dda3p-5;
-    p = p * z - 0x1.a0999c632b6edp-5;
-    p = p * z + 0x1.dfe6497e96323p-5;
-    p = p * z - 0x1.10fa77b1a6d57p-4;
-    p = p * z + 0x1.3b1263064f6b9p-4;
-    p = p * z - 0x1.745d0b28a7e37p-4;
-    p = p * z + 0x1.c71c71853d7fap-4;
-    p = p * z - 0x1.2492492436201p-3;
-    p = p * z + 0x1.999999999934cp-3;
-    return p * z - 0x1.5555555555555p-2;
+    // In pairs (Estrin's scheme): the chain of dependent products is half as long as Horner's.
+    double z2 = z * z, z4 = z2 * z2;
+    double low = (0x1.999999999934cp-3 * z - 0x1.5555555555555p-2) + z2 * (0x1.c71c71853d7fap-4 * z - 0x1.2492492436201p-3);
+    double middle =
+        (0x1.3b1263064f6b9p-4 * z - 0x1.745d0b28a7e37p-4) + z2 * (0x1.dfe6497e96323p-5 * z - 0x1.10fa77b1a6d57p-4);
+    double high = (0x1.4162c02b1dda3p-5 * z - 0x1.a0999c632b6edp-5) - z2 * 0x1.3a31b1c0fd3b7p-6;
+    return low + z4 * (middle + z4 * high);
 }
 
 /// atan(sqrt(z)) / sqrt(z) for 0 <= z <= tan(pi/8)^2.
@@ -59,7 +68,7 @@ static inline double lane_atan2(double y, double x)
     angle = ay < ax ? angle : LANES_HALF_PI - angle;
     angle = high > 0 ? angle : 0;
     angle = x < 0 ? LANES_PI - angle : angle;
-    return copysign(angle, y);
+    return lane_copysign(angle, y);
 }
 
 /// tan(x) for |x| <= pi/4.
@@ -67,14 +76,11 @@ static inline double lane_tan(double x)
 {
     const double squared_half_pi = 0x1.3bd3cc9be45dep+1;
     double z = x * x;
-    double p = -0x1.9af1808dc3037p-31;
-    p = p * z - 0x1.fbcc415f7cd4cp-27;
-    p = p * z - 0x1.63ecaf96e6ce6p-22;
-    p = p * z - 0x1.f438abc49aeb0p-18;
-    p = p * z - 0x1.68b80174a21cfp-13;
-    p = p * z - 0x1.1cda811844c12p-8;
-    p = p * z - 0x1.6b96676b3e154p-3;
-    p = p * z + squared_half_pi;
+    double z2 = z * z;
+    double low = (squared_half_pi - 0x1.6b96676b3e154p-3 * z) - z2 * (0x1.68b80174a21cfp-13 * z + 0x1.1cda811844c12p-8);
+    double high =
+        (-0x1.63ecaf96e6ce6p-22 * z - 0x1.f438abc49aeb0p-18) - z2 * (0x1.9af1808dc3037p-31 * z + 0x1.fbcc415f7cd4cp-27);
+    double p = low + z2 * z2 * high;
     return x * (p / (squared_half_pi - z));
 }
 
