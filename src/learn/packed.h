@@ -16,7 +16,11 @@
 enum
 {
     LEARN_PANEL = 32, ///< columns
-    LEARN_TILE = 6    ///< rows
+#if defined(__wasm__)
+    LEARN_TILE = 4 ///< rows: browsers leave 15 registers of 128 bits
+#else
+    LEARN_TILE = 6 ///< rows
+#endif
 };
 
 static inline size_t learn_whole_panels(size_t columns)

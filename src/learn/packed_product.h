@@ -29,18 +29,21 @@ static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict
         for (size_t c = 0; c < columns; c += PRODUCT_VECTORS * LANES)
         {
             const real *weight = layer->weight + c / LEARN_PANEL * layer->panel_stride + c % LEARN_PANEL;
-            const real *row = x + r * stride;
+            const real *row[LEARN_TILE];
             WIDE sums[LEARN_TILE][PRODUCT_VECTORS], weights[PRODUCT_VECTORS];
             for (size_t i = 0; i < LEARN_TILE; i++)
+            {
+                row[i] = x + (r + i) * stride;
                 for (size_t v = 0; v < PRODUCT_VECTORS; v++)
                     sums[i][v] = *(const WIDE *)(layer->bias + c + v * LANES);
-            for (size_t k = 0; k < inputs; k++)
+            }
+            for (size_t k = 0; k < inputs; k++, weight += input_stride)
             {
                 for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                    weights[v] = *(const WIDE *)(weight + k * input_stride + v * LANES);
+                    weights[v] = *(const WIDE *)(weight + v * LANES);
                 for (size_t i = 0; i < LEARN_TILE; i++)
                     for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                        sums[i][v] += PRODUCT_SCALED(row[i * stride + k], weights[v]);
+                        sums[i][v] += PRODUCT_SCALED(row[i][k], weights[v]);
             }
             for (size_t i = 0; i < LEARN_TILE; i++)
                 for (size_t v = 0; v < PRODUCT_VECTORS; v++)
