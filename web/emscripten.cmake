@@ -12,7 +12,7 @@ include(${emscripten}/cmake/Modules/Platform/Emscripten.cmake)
 # pkg-config must not find the libraries of this machine.
 set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_CURRENT_LIST_DIR}/../build/web-libraries/lib/pkgconfig)
 set(ENV{PKG_CONFIG_PATH} "")
-# Vectors of 128 bits, which all browsers have had since 2023.
-set(CMAKE_C_FLAGS_INIT -msimd128)
+# Vectors of 128 bits and instructions that copy memory, which all browsers have had since 2023.
+set(CMAKE_C_FLAGS_INIT "-msimd128 -mbulk-memory")
 # CMake does not look for libraries outside of emscripten's own folders.
 add_link_options(-L${CMAKE_CURRENT_LIST_DIR}/../build/web-libraries/lib)
