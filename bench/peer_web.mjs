@@ -29,7 +29,8 @@ function torus(rows, columns) {
       positions.set([(2 + Math.cos(t)) * Math.cos(s), (2 + Math.cos(t)) * Math.sin(s), Math.sin(t)], 3 * at);
       faces.set([at, next + j, next + beside, at, next + beside, i * columns + beside], 6 * at);
     }
-  return engine.engine_mesh(put(positions), rows * columns, put(faces), 2 * rows * columns, 0, 0, 0, 0);
+  const layout = { positions: [put(positions), positions.length], faces: [put(faces), faces.length] };
+  return engine.engine_mesh(text(JSON.stringify(layout)));
 }
 function wave(count) {
   const points = new Float64Array(2 * count);

@@ -222,6 +222,11 @@ static void report_curves(engine_object *object)
     engine_set(object->report, "notes", notes);
 }
 
+static json_t *text_or_null(const char *text)
+{
+    return text != NULL ? json_string(text) : json_null();
+}
+
 static void report_mesh(engine_object *object)
 {
     const bat_mesh *mesh = &object->mesh;
@@ -243,6 +248,18 @@ static void report_mesh(engine_object *object)
     for (size_t i = 0; i < mesh->corner_count; i++)
         (void)json_array_append_new(corners,
                                     json_pack("[I,f]", (json_int_t)mesh->corners[i].vertex, mesh->corners[i].sharpness));
+    engine_set(report, "face_labels", engine_array("u32", mesh->face_labels, mesh->face_count));
+    json_t *labels = json_array();
+    for (size_t i = 0; i < mesh->label_count; i++)
+    {
+        const bat_mesh_label *label = &mesh->labels[i];
+        (void)json_array_append_new(labels,
+                                    json_pack("{s:s?,s:s?,s:s?,s:s?}", "object", label->object, "group", label->group,
+                                              "material", label->material, "smoothing", label->smoothing));
+    }
+    engine_set(report, "labels", labels);
+    engine_set(report, "material_files", text_or_null(mesh->material_files));
+    engine_set(report, "material_json", text_or_null(mesh->material_json));
     engine_set(report, "channel_names", names);
     engine_set(report, "creases", creases);
     engine_set(report, "corners", corners);
@@ -383,39 +400,107 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_curves(const char *layout, const doub
     return NULL;
 }
 
-/// Make a mesh of arrays from engine_allocate(), which it takes.
-/// @param creases, corners rows of three numbers and of two, copied; null for none
-EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(double *positions, size_t vertex_count, uint32_t *faces, size_t face_count,
-                                                const double *creases, size_t crease_count, const double *corners,
-                                                size_t corner_count)
+/// Take an array of a layout, which is [address, count of numbers]; null where the layout has none.
+static void *take(const json_t *layout, const char *name, size_t *count)
+{
+    const json_t *array = json_object_get(layout, name);
+    *count = (size_t)json_integer_value(json_array_get(array, 1));
+    return (void *)(uintptr_t)json_integer_value(json_array_get(array, 0));
+}
+
+/// A copy of a text; null for none. False without memory.
+static bool copy_text(const json_t *text, char **copy)
+{
+    *copy = json_is_string(text) ? strdup(json_string_value(text)) : NULL;
+    return *copy != NULL || !json_is_string(text);
+}
+
+static bool take_texts(const json_t *layout, bat_mesh *mesh)
+{
+    const json_t *names = json_object_get(layout, "channel_names"), *labels = json_object_get(layout, "labels");
+    bool complete = copy_text(json_object_get(layout, "material_files"), &mesh->material_files) &&
+                    copy_text(json_object_get(layout, "material_json"), &mesh->material_json);
+    mesh->channel_names = mesh->channel_count > 0 ? calloc(mesh->channel_count, sizeof *mesh->channel_names) : NULL;
+    for (size_t i = 0; i < mesh->channel_count && mesh->channel_names != NULL && complete; i++)
+        complete = copy_text(json_array_get(names, i), &mesh->channel_names[i]);
+    mesh->label_count = json_array_size(labels);
+    mesh->labels = mesh->label_count > 0 ? calloc(mesh->label_count, sizeof *mesh->labels) : NULL;
+    for (size_t i = 0; i < mesh->label_count && mesh->labels != NULL && complete; i++)
+    {
+        const json_t *row = json_array_get(labels, i);
+        bat_mesh_label *label = &mesh->labels[i];
+        complete = copy_text(json_object_get(row, "object"), &label->object) &&
+                   copy_text(json_object_get(row, "group"), &label->group) &&
+                   copy_text(json_object_get(row, "material"), &label->material) &&
+                   copy_text(json_object_get(row, "smoothing"), &label->smoothing);
+    }
+    return complete && (mesh->channel_names != NULL || mesh->channel_count == 0) &&
+           (mesh->labels != NULL || mesh->label_count == 0);
+}
+
+static bool take_sharpness(const json_t *layout, bat_mesh *mesh)
+{
+    const json_t *creases = json_object_get(layout, "creases"), *corners = json_object_get(layout, "corners");
+    mesh->crease_count = json_array_size(creases);
+    mesh->corner_count = json_array_size(corners);
+    mesh->creases = malloc((mesh->crease_count + 1) * sizeof *mesh->creases);
+    mesh->corners = malloc((mesh->corner_count + 1) * sizeof *mesh->corners);
+    if (mesh->creases == NULL || mesh->corners == NULL)
+        return false;
+    for (size_t i = 0; i < mesh->crease_count; i++)
+    {
+        const json_t *row = json_array_get(creases, i);
+        mesh->creases[i] = (bat_mesh_crease){(uint32_t)json_integer_value(json_array_get(row, 0)),
+                                             (uint32_t)json_integer_value(json_array_get(row, 1)),
+                                             json_number_value(json_array_get(row, 2))};
+    }
+    for (size_t i = 0; i < mesh->corner_count; i++)
+    {
+        const json_t *row = json_array_get(corners, i);
+        mesh->corners[i] = (bat_mesh_corner){(uint32_t)json_integer_value(json_array_get(row, 0)),
+                                             json_number_value(json_array_get(row, 1))};
+    }
+    return true;
+}
+
+/// Make a mesh.
+/// @param layout JSON with the fields of bat_mesh: texts, rows of `creases`, `corners` and `labels`, and arrays as
+///               [address, count of numbers] of engine_allocate(), which the mesh takes, also on failure
+EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
 {
     failure = (bat_error){.status = BAT_OK, .index = BAT_NO_INDEX};
+    json_t *json = json_loads(layout, 0, NULL);
     engine_object *object = new_object(ENGINE_MESH);
-    bat_mesh_crease *edges = malloc((crease_count + 1) * sizeof *edges);
-    bat_mesh_corner *points = malloc((corner_count + 1) * sizeof *points);
-    if (object == NULL || edges == NULL || points == NULL)
-    {
-        (void)engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
-        free(edges);
-        free(points);
-        free(positions);
-        free(faces);
-        engine_free(object);
-        return NULL;
-    }
-    for (size_t i = 0; i < crease_count; i++)
-        edges[i] = (bat_mesh_crease){(uint32_t)creases[3 * i], (uint32_t)creases[3 * i + 1], creases[3 * i + 2]};
-    for (size_t i = 0; i < corner_count; i++)
-        points[i] = (bat_mesh_corner){(uint32_t)corners[2 * i], corners[2 * i + 1]};
-    object->mesh = (bat_mesh){.positions = positions,
-                              .vertex_count = vertex_count,
-                              .faces = faces,
-                              .face_count = face_count,
-                              .creases = edges,
-                              .crease_count = crease_count,
-                              .corners = points,
-                              .corner_count = corner_count};
-    return object;
+    if (object == NULL)
+        abort(); // nothing owns the arrays
+    bat_mesh *mesh = &object->mesh;
+    size_t positions, corners, texture, texture_corners, channels, labels;
+    *mesh = (bat_mesh){.positions = take(json, "positions", &positions),
+                       .faces = take(json, "faces", &corners),
+                       .texture = take(json, "texture", &texture),
+                       .texture_faces = take(json, "texture_faces", &texture_corners),
+                       .channels = take(json, "channels", &channels),
+                       .face_labels = take(json, "face_labels", &labels)};
+    mesh->vertex_count = positions / 3;
+    mesh->face_count = corners / 3;
+    mesh->texture_count = texture / 2;
+    mesh->channel_count = json_array_size(json_object_get(json, "channel_names"));
+    bat_status status = BAT_OK;
+    if (positions % 3 != 0 || corners % 3 != 0 || texture % 2 != 0)
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "positions and faces come in threes, texture in pairs", "");
+    else if (mesh->texture_faces != NULL && texture_corners != corners)
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "texture_faces must have as many numbers as faces", "");
+    else if (channels != mesh->channel_count * mesh->vertex_count)
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "channels need a number for each name at each vertex", "");
+    else if (mesh->face_labels != NULL && labels != mesh->face_count)
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "face_labels need a number for each face", "");
+    if (!take_texts(json, mesh) || !take_sharpness(json, mesh))
+        status = engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
+    json_decref(json);
+    if (status == BAT_OK)
+        return object;
+    engine_free(object);
+    return NULL;
 }
 
 /// A table of the library as JSON, by the name of its function, as "bat_curve_scheme_list"; null for another name. Release
@@ -439,6 +524,7 @@ EMSCRIPTEN_KEEPALIVE char *engine_list(const char *name)
         {"bat_motion_shape_list", bat_motion_shape_list},
         {"bat_mesh_scheme_list", bat_mesh_scheme_list},
         {"bat_mesh_format_list", bat_mesh_format_list},
+        {"bat_mesh_decimate_method_list", bat_mesh_decimate_method_list},
     };
     for (size_t i = 0; i < ENGINE_COUNT(TABLES); i++)
     {

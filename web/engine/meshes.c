@@ -1,5 +1,6 @@
 #include "engine.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,16 +22,48 @@ static bat_status format_by_name(const char *name, int *value, bat_error *error)
     return status;
 }
 
-static bat_status encoding_by_name(const char *name, int *value, bat_error *error)
+static bat_status method_by_name(const char *name, int *value, bat_error *error)
 {
-    static const char *const NAMES[] = {"binary", "big-endian", "text"};
-    for (size_t i = 0; i < ENGINE_COUNT(NAMES); i++)
-        if (strcmp(NAMES[i], name) == 0)
+    bat_mesh_decimate_method method = BAT_MESH_DECIMATE_MEMORYLESS;
+    bat_status status = bat_mesh_decimate_method_by_name(name, &method, error);
+    *value = (int)method;
+    return status;
+}
+
+/// The number of a name in a list.
+static bat_status by_list(const char *const *names, size_t count, const char *what, const char *name, int *value,
+                          bat_error *error)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(names[i], name) == 0)
         {
             *value = (int)i;
             return BAT_OK;
         }
-    return engine_fail(error, BAT_INVALID_ARGUMENT, "there is no encoding '%'; there are binary, big-endian, text", name);
+    return engine_fail(error, BAT_INVALID_ARGUMENT, what, name);
+}
+
+static bat_status encoding_by_name(const char *name, int *value, bat_error *error)
+{
+    static const char *const NAMES[] = {"binary", "big-endian", "text"};
+    return by_list(NAMES, ENGINE_COUNT(NAMES), "there is no encoding '%'; there are binary, big-endian, text", name, value,
+                   error);
+}
+
+static bat_status normals_by_name(const char *name, int *value, bat_error *error)
+{
+    static const char *const NAMES[] = {"none", "angle", "area"};
+    return by_list(NAMES, ENGINE_COUNT(NAMES), "there are no normals '%'; there are none, angle, area", name, value, error);
+}
+
+/// Report notes and free them.
+static void report_notes(engine_object *result, bat_mesh_notes *notes)
+{
+    json_t *rows = json_array();
+    for (size_t i = 0; i < notes->count; i++)
+        (void)json_array_append_new(rows, json_string(notes->texts[i]));
+    engine_set(result->report, "notes", rows);
+    bat_mesh_notes_free(notes);
 }
 
 static bat_status refine_mesh(const engine_call *call, engine_object *result, bat_error *error)
@@ -38,18 +71,36 @@ static bat_status refine_mesh(const engine_call *call, engine_object *result, ba
     static const engine_option OPTIONS[] = {
         ENGINE_OPTION_CHOICE(bat_mesh_refine_options, scheme, scheme_by_name),
         ENGINE_OPTION_CHOICE(bat_mesh_refine_options, then, scheme_by_name),
+        ENGINE_OPTION(bat_mesh_refine_options, fairness, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_refine_options, levels, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_refine_options, limit, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_refine_options, crease_angle, ENGINE_NUMBER),
     };
+    static const char *const ALSO[] = {"limit_normals", NULL};
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.progress = ENGINE_PROGRESS;
-    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), ALSO, &options, error);
+    double *normals = NULL;
+    if (json_is_true(json_object_get(call->options, "limit_normals")))
+        options.limit_normals = &normals;
     size_t fallback = 0;
     if (status == BAT_OK)
         status = bat_mesh_refine(&call->inputs[0]->mesh, &options, &result->mesh, &fallback, error);
+    if (status != BAT_OK)
+        return status;
+    engine_set(result->report, "fallback", engine_size(fallback));
+    if (normals != NULL)
+        engine_set(result->report, "limit_normals",
+                   engine_array("f64", engine_own(result, normals), 3 * result->mesh.vertex_count));
+    return BAT_OK;
+}
+
+/// The scheme that "auto" stands for.
+static bat_status scheme_for(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_status status = engine_no_options(call->options, NONE, error);
     if (status == BAT_OK)
-        engine_set(result->report, "fallback", engine_size(fallback));
+        engine_set(result->report, "scheme", json_string(bat_mesh_scheme_name(bat_mesh_scheme_for(&call->inputs[0]->mesh))));
     return status;
 }
 
@@ -71,16 +122,28 @@ static bat_status decimate(const engine_call *call, engine_object *result, bat_e
 {
     static const engine_option OPTIONS[] = {
         ENGINE_OPTION(bat_mesh_decimate_options, vertices, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mesh_decimate_options, faces, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mesh_decimate_options, ratio, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, error, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, relative_error, ENGINE_BOOL),
+        ENGINE_OPTION_CHOICE(bat_mesh_decimate_options, method, method_by_name),
         ENGINE_OPTION(bat_mesh_decimate_options, candidates, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_decimate_options, seed, ENGINE_UINT64),
         ENGINE_OPTION(bat_mesh_decimate_options, least_normal, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_decimate_options, least_quality, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_decimate_options, boundary_weight, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, attributes, ENGINE_NUMBER),
     };
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    double distance = NAN;
     options.progress = ENGINE_PROGRESS;
+    options.distance = &distance;
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
-    return status == BAT_OK ? bat_mesh_decimate(&call->inputs[0]->mesh, &options, &result->mesh, NULL, error) : status;
+    if (status == BAT_OK)
+        status = bat_mesh_decimate(&call->inputs[0]->mesh, &options, &result->mesh, NULL, error);
+    if (status == BAT_OK && options.error > 0)
+        engine_set(result->report, "distance", engine_number(distance));
+    return status;
 }
 
 static void report_repairs(engine_object *result, const bat_mesh_repair_report *report)
@@ -134,12 +197,15 @@ static bat_status read_mesh(const engine_call *call, engine_object *result, bat_
     };
     bat_mesh_read_options options = bat_mesh_read_defaults();
     bat_mesh_repair_report report = {0};
+    bat_mesh_notes notes = {0};
     options.repairs = &report;
+    options.notes = &notes;
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
     if (status == BAT_OK)
         status = bat_mesh_read_memory(call->bytes, call->size, &options, &result->mesh, error);
     if (status == BAT_OK)
         report_repairs(result, &report);
+    report_notes(result, &notes);
     return status;
 }
 
@@ -148,15 +214,19 @@ static bat_status write_mesh(const engine_call *call, engine_object *result, bat
     static const engine_option OPTIONS[] = {
         ENGINE_OPTION_CHOICE(bat_mesh_write_options, format, format_by_name),
         ENGINE_OPTION_CHOICE(bat_mesh_write_options, encoding, encoding_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_write_options, normals, normals_by_name),
     };
     bat_mesh_write_options options = bat_mesh_write_defaults();
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
+    bat_mesh_notes notes = {0};
     char *bytes = NULL;
     size_t size = 0;
+    options.notes = &notes;
     if (status == BAT_OK)
         status = bat_mesh_write_memory(&call->inputs[0]->mesh, &options, &bytes, &size, error);
     if (status == BAT_OK)
         engine_set(result->report, "bytes", engine_array("u8", engine_own(result, bytes), size));
+    report_notes(result, &notes);
     return status;
 }
 
@@ -244,6 +314,7 @@ static bat_status vertex_distances(const engine_call *call, engine_object *resul
 
 const engine_row ENGINE_MESH_ROWS[] = {
     {"bat_mesh_refine", refine_mesh, {ENGINE_MESH}, ENGINE_MESH},
+    {"bat_mesh_scheme_for", scheme_for, {ENGINE_MESH}, ENGINE_VALUES},
     {"bat_mesh_limit_normals", limit_normals, {ENGINE_MESH}, ENGINE_VALUES},
     {"bat_mesh_decimate", decimate, {ENGINE_MESH}, ENGINE_MESH},
     {"bat_mesh_repair", repair, {ENGINE_MESH}, ENGINE_MESH},

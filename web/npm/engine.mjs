@@ -29,6 +29,7 @@ export const LISTS = [
   "bat_motion_shape_list",
   "bat_mesh_scheme_list",
   "bat_mesh_format_list",
+  "bat_mesh_decimate_method_list",
 ];
 
 /** Curves inside the module, with what their file tells beside them: properties of features, names of columns. */
@@ -163,18 +164,25 @@ export async function instantiate(source) {
   }
 
   function meshOf(mesh, temporary) {
-    const positions = asDoubles(mesh.positions);
-    const faces = asIndices(mesh.faces);
-    if (positions.length % 3 !== 0 || faces.length % 3 !== 0)
-      throw new BattenError({ name: "invalid argument", text: "positions and faces come in threes" });
-    const creases = Float64Array.from((mesh.creases ?? []).flat());
-    const corners = Float64Array.from((mesh.corners ?? []).flat());
-    const [a, b] = [creases.length ? put(creases) : 0, corners.length ? put(corners) : 0];
-    // The module takes the first two arrays.
-    const [p, f] = [put(positions), put(faces)];
-    const handle = exports.engine_mesh(p, positions.length / 3, f, faces.length / 3, a, creases.length / 3, b, corners.length / 2);
-    exports.engine_release(a);
-    exports.engine_release(b);
+    const array = (values, convert) => {
+      const numbers = values == null ? [] : convert(values);
+      return numbers.length > 0 ? [put(numbers), numbers.length] : undefined;
+    };
+    const { channel_names, creases, corners, labels, material_files, material_json } = mesh;
+    // The module takes the arrays.
+    const layout = putText(
+      JSON.stringify({
+        positions: array(mesh.positions, asDoubles),
+        faces: array(mesh.faces, asIndices),
+        texture: array(mesh.texture, asDoubles),
+        texture_faces: array(mesh.texture_faces, asIndices),
+        channels: array(mesh.channels, asDoubles),
+        face_labels: array(mesh.face_labels, asIndices),
+        channel_names, creases, corners, labels, material_files, material_json,
+      }),
+    );
+    const handle = exports.engine_mesh(layout);
+    exports.engine_release(layout);
     if (handle === 0) fail();
     temporary.push(handle);
     return handle;
@@ -246,6 +254,7 @@ export async function instantiate(source) {
     bat_motion_spline_sample: ({ times, ...keys }, at, options) =>
       run("bat_motion_spline_sample", [curves(times ? { ...keys, channels: times } : keys)], options, { data: asDoubles(at) }),
     bat_mesh_refine: (coarse, options) => run("bat_mesh_refine", [mesh(coarse)], options),
+    bat_mesh_scheme_for: (coarse) => run("bat_mesh_scheme_for", [mesh(coarse)]).scheme,
     bat_mesh_limit_normals: (refinedMesh) => run("bat_mesh_limit_normals", [mesh(refinedMesh)]).values,
     bat_mesh_decimate: (fine, options) => run("bat_mesh_decimate", [mesh(fine)], options),
     bat_mesh_repair: (broken) => run("bat_mesh_repair", [mesh(broken)]),

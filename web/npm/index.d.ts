@@ -194,8 +194,27 @@ export interface Mesh {
   positions: Rows;
   /** Three a face. */
   faces: Uint32Array | number[] | number[][];
+  /** Texture coordinates, two a row, and those at the corners of the faces. */
+  texture?: Rows | null;
+  texture_faces?: Uint32Array | number[] | number[][] | null;
+  /** Further numbers at the vertices, one a name in each row. */
+  channels?: Rows | null;
+  channel_names?: string[];
   creases?: [number, number, number][];
   corners?: [number, number][];
+  /** The label of each face, and the labels. */
+  face_labels?: Uint32Array | number[] | null;
+  labels?: MeshLabel[];
+  material_files?: string | null;
+  material_json?: string | null;
+}
+
+/** Names that faces share. */
+export interface MeshLabel {
+  object: string | null;
+  group: string | null;
+  material: string | null;
+  smoothing: string | null;
 }
 
 export interface MeshResult extends Mesh {
@@ -207,25 +226,40 @@ export interface MeshResult extends Mesh {
   channel_names: string[];
   creases: [number, number, number][];
   corners: [number, number][];
+  face_labels: Uint32Array | null;
+  labels: MeshLabel[];
+  material_files: string | null;
+  material_json: string | null;
 }
 
 export interface MeshRefineOptions extends Progress {
   /** A name of bat_mesh_scheme_list(). */
   scheme?: string;
   then?: string;
+  /** 0 to 1, of the learned scheme. */
+  fairness?: number;
   levels?: number;
   limit?: boolean;
+  /** With `limit`: add `limit_normals` to the result. */
+  limit_normals?: boolean;
   /** Radians. */
   crease_angle?: number;
 }
 
 export interface MeshDecimateOptions extends Progress {
   vertices?: number;
+  faces?: number;
+  ratio?: number;
+  error?: number;
+  relative_error?: boolean;
+  /** A name of bat_mesh_decimate_method_list(). */
+  method?: string;
   candidates?: number;
   seed?: number;
   least_normal?: number;
   least_quality?: number;
   boundary_weight?: number;
+  attributes?: number;
 }
 
 export interface MeshReadOptions {
@@ -238,6 +272,7 @@ export interface MeshReadOptions {
 export interface MeshWriteOptions {
   format?: string;
   encoding?: "binary" | "big-endian" | "text";
+  normals?: "none" | "angle" | "area";
 }
 
 export interface MeshSummary {
@@ -306,6 +341,7 @@ export interface Batten {
   bat_motion_shape_list(): Choice[];
   bat_mesh_scheme_list(): Choice[];
   bat_mesh_format_list(): Choice[];
+  bat_mesh_decimate_method_list(): Choice[];
 
   bat_curve_refine(coarse: Curve, options?: CurveRefineOptions): CurveResult & { report: CurveRefineReport };
   bat_curve_refine(coarse: Curve[], options?: CurveRefineOptions): CurveResult[] & { report: CurveRefineReport };

@@ -73,18 +73,18 @@ describe("equal to the native program", () => {
     compare(decode(batten.bat_curve_write_memory(frames, { format: "tum" })), out, 1e-12);
   });
 
-  for (const [scheme, levels] of [["learned", 2], ["loop", 2], ["butterfly", 2], ["sqrt3", 2]])
+  for (const [scheme, levels, fairness] of [["auto", 2], ["learned", 2, 1], ["loop", 2], ["butterfly", 2], ["sqrt3", 2]])
     test(`a cage by ${scheme}`, () => {
       const cage = join(folder, "cage.obj");
       const out = join(folder, "fine.obj");
       native("shape", "cage", "-o", cage);
-      native("mesh", cage, "--scheme", scheme, "--levels", String(levels), "-o", out);
-      const fine = batten.bat_mesh_refine(batten.bat_mesh_read_memory(readFileSync(cage)), { scheme, levels });
+      native("mesh", cage, "--scheme", scheme, "--levels", String(levels), ...(fairness ? ["--fairness", String(fairness)] : []), "-o", out);
+      const fine = batten.bat_mesh_refine(batten.bat_mesh_read_memory(readFileSync(cage)), { scheme, levels, ...(fairness ? { fairness } : {}) });
       const text = decode(batten.bat_mesh_write_memory(fine, { format: "obj" }));
       const vertices = (all) => all.split("\n").filter((line) => line.startsWith("v ")).join("\n");
       const other = join(folder, "vertices.txt");
       writeFileSync(other, vertices(readFileSync(out, "utf8")));
-      compare(vertices(text), other, tolerance(scheme));
+      compare(vertices(text), other, tolerance(scheme === "auto" ? "learned" : scheme));
       const faces = (all) => all.split("\n").filter((line) => line.startsWith("f ")).join("\n");
       assert.equal(faces(text), faces(readFileSync(out, "utf8")));
     });
@@ -96,6 +96,40 @@ describe("equal to the native program", () => {
     native("decimate", fine, "--vertices", "200", "-o", out);
     const coarse = batten.bat_mesh_decimate(batten.bat_mesh_read_memory(readFileSync(fine)), { vertices: 200 });
     compare(decode(batten.bat_mesh_write_memory(coarse, { format: "obj" })), out, 1e-9);
+  });
+
+  for (const [name, target] of [["faces", 300], ["ratio", 0.2], ["error", 0.02]])
+    test(`a mesh decimated by ${name}`, () => {
+      const fine = join(folder, "fine.ply");
+      const out = join(folder, "coarse.obj");
+      native("shape", "creature", "--vertices", "600", "--seed", "5", "-o", fine);
+      native("decimate", fine, `--${name}`, String(target), "-o", out);
+      const coarse = batten.bat_mesh_decimate(batten.bat_mesh_read_memory(readFileSync(fine)), { [name]: target });
+      compare(decode(batten.bat_mesh_write_memory(coarse, { format: "obj" })), out, 1e-9);
+      if (name === "error") assert.ok(coarse.distance > 0 && coarse.distance <= target);
+    });
+
+  test("names, texture and values of a mesh go through all calls", () => {
+    const given = join(folder, "labels.obj");
+    const out = join(folder, "fine-labels.obj");
+    writeFileSync(given, TEXTURED);
+    native("mesh", given, "--scheme", "loop", "--levels", "1", "-o", out);
+    const fine = batten.bat_mesh_refine(batten.bat_mesh_read_memory(TEXTURED), { scheme: "loop", levels: 1 });
+    assert.equal(decode(batten.bat_mesh_write_memory(fine, { format: "obj" })), readFileSync(out, "utf8"));
+    assert.deepEqual(fine.labels.map(({ material }) => material), ["wood", "steel"]);
+    const coloured = { ...cube(), channels: Float64Array.from({ length: 16 }, (_, i) => i), channel_names: ["heat", "load"] };
+    const again = batten.bat_mesh_read_memory(batten.bat_mesh_write_memory(coloured, { format: "ply" }));
+    assert.deepEqual([again.channels, again.channel_names], [coloured.channels, ["heat", "load"]]);
+  });
+
+  test("glTF", () => {
+    const out = join(folder, "fine.gltf");
+    const given = join(folder, "cage.glb");
+    native("shape", "cage", "-o", join(folder, "cage.ply"));
+    native("mesh", join(folder, "cage.ply"), "--levels", "0", "-o", given);
+    native("mesh", given, "--scheme", "loop", "--levels", "1", "-o", out);
+    const fine = batten.bat_mesh_refine(batten.bat_mesh_read_memory(readFileSync(given)), { scheme: "loop", levels: 1 });
+    assert.equal(decode(batten.bat_mesh_write_memory(fine, { format: "gltf" })), readFileSync(out, "utf8"));
   });
 
   test("an analysis", () => {
@@ -120,6 +154,10 @@ describe("values", () => {
     const points = Float64Array.from({ length: 2 * n }, (_, i) => (i % 2 ? Math.sin : Math.cos)((Math.PI * (i - (i % 2))) / n));
     assert.equal(batten.bat_curve_refine({ points, closed: true }, { scheme: "four-point", levels: 4, simple: "never" }).points.length, 2 * n * 16);
   });
+  test("what auto stands for", () => {
+    assert.equal(batten.bat_mesh_scheme_for(cube()), "loop");
+    assert.equal(batten.bat_mesh_refine(cube(), { levels: 1, limit: true, limit_normals: true, scheme: "loop" }).limit_normals.length, 3 * 26);
+  });
   test("tables name what the functions take", () => {
     for (const { name } of batten.bat_mesh_scheme_list()) assert.ok(batten.bat_mesh_refine(cube(), { scheme: name, levels: 1 }).faces.length > 36);
     for (const list of ["bat_space_list", "bat_curve_scheme_list", "bat_motion_list", "bat_mesh_format_list"]) assert.ok(batten[list]().length > 2);
@@ -134,6 +172,23 @@ describe("values", () => {
   });
 });
 
+const TEXTURED = `mtllib parts.mtl
+o table
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+g top
+usemtl wood
+f 1/1 2/2 3/3
+g side
+usemtl steel
+f 1/1 3/3 4/4
+`;
 const cube = () => ({
   positions: [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
   faces: [[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]],
@@ -164,6 +219,10 @@ describe("failures", () => {
     fails(() => batten.bat_curve_refine({ points: [[0, 0], [Number.NaN, 0], [1, 0]], closed: true }), "invalid point", /./);
     fails(() => batten.bat_mesh_refine({ positions: [0, 0, 0], faces: [0, 1, 2] }), "invalid point", /./);
     fails(() => batten.bat_mask_analyze("learned"), "unsupported", /no mask/);
+    fails(() => batten.bat_mesh_refine(cube(), { scheme: "learned", fairness: 2 }), "invalid argument", /fairness/);
+    fails(() => batten.bat_mesh_decimate(cube(), { ratio: 0.5, faces: 4 }), "invalid argument", /./);
+    fails(() => batten.bat_mesh_refine({ ...cube(), texture: [[0, 0]], texture_faces: [0, 0, 0] }), "invalid argument", /texture_faces/);
+    fails(() => batten.bat_mesh_refine({ ...cube(), channels: [1], channel_names: ["s"] }), "invalid argument", /channels/);
   });
   test("a progress function stops a call", () => {
     const n = 20000;
