@@ -153,20 +153,25 @@ export function mesh(batten, { coarse, decimate, refine, against, repair }, prog
   let done = 0;
   const part = (fraction) => progress((done + fraction) / parts);
   if (decimate) {
-    base = batten.bat_mesh_decimate(base, { vertices: decimate, progress: part });
+    base = batten.bat_mesh_decimate(base, { ...decimate, progress: part });
     done++;
   }
-  const fine = batten.bat_mesh_refine(base, { ...refine, progress: part });
+  const scheme = refine.scheme === "auto" ? batten.bat_mesh_scheme_for(base) : refine.scheme;
+  const settings = (name) => {
+    const { fairness, limit, crease_angle, ...rest } = refine;
+    const all = { ...rest, scheme: name, progress: part };
+    if (name === "learned") all.fairness = fairness;
+    if (["learned", "loop"].includes(name)) all.crease_angle = crease_angle;
+    if (name !== "sqrt3") all.limit = limit;
+    return all;
+  };
+  const fine = batten.bat_mesh_refine(base, settings(scheme));
   done++;
-  const result = { base, fine, summary: batten.bat_mesh_summarize(fine), before: batten.bat_mesh_summarize(base) };
-  if (against) {
-    const { crease_angle, ...other } = refine;
-    const settings = { ...other, scheme: against, progress: part };
-    if (against === "loop" && crease_angle) settings.crease_angle = crease_angle;
-    if (settings.limit && against === "sqrt3") delete settings.limit;
-    const peer = batten.bat_mesh_refine(base, settings);
+  const result = { base, fine, scheme, summary: batten.bat_mesh_summarize(fine), before: batten.bat_mesh_summarize(base) };
+  if (against && against !== scheme) {
+    const peer = batten.bat_mesh_refine(base, settings(against));
     result.distances = batten.bat_mesh_vertex_distances(fine, peer);
-    done++;
+    result.against = against;
   }
   return result;
 }

@@ -55,8 +55,16 @@ const EXAMPLES = {
 /** Colours from 0 to 1, readable on light and dark (Viridis, sampled). */
 const RAMP = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map((c) => new Color(c));
 
+/** Decimation: nothing where `keep` is 100 and `within` is 0. */
+const FIRST = { example: "knot", scheme: "auto", fairness: 0.25, levels: 2, limit: false, crease: 0, keep: 100, within: 0, against: "", wires: true, flat: false, repair: false };
+/** Of the camera, in degrees. */
+const VIEW_ANGLE = 35;
+/** Which schemes have an option. */
+const CREASED = ["auto", "learned", "loop"];
+const LIMITED = (name) => name !== "sqrt3";
+
 export function meshTab(app, section) {
-  let state = { example: "knot", scheme: "learned", levels: 2, limit: false, crease: 0, decimate: 0, against: "", wires: true, flat: false, repair: false };
+  let state = structuredClone(FIRST);
   let coarse = EXAMPLES.knot[1]();
   let file = "mesh.obj";
   let result = null;
@@ -72,7 +80,7 @@ export function meshTab(app, section) {
     renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
     stage.append(renderer.domElement, legend);
     renderer.domElement.setAttribute("aria-hidden", "true");
-    const camera = new PerspectiveCamera(35, 1, 0.01, 100);
+    const camera = new PerspectiveCamera(VIEW_ANGLE, 1, 0.01, 100);
     camera.position.set(2.2, -3.2, 2.2);
     camera.up.set(0, 0, 1);
     const world = new Scene();
@@ -82,7 +90,7 @@ export function meshTab(app, section) {
     camera.add(light);
     world.add(camera);
     const surface = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ roughness: 0.55, metalness: 0.05, side: 2 }));
-    const wires = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.85 }));
+    const wires = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.4, depthTest: false }));
     world.add(surface, wires);
     const controls = new OrbitControls(camera, renderer.domElement);
     controls.addEventListener("change", redraw);
@@ -104,13 +112,12 @@ export function meshTab(app, section) {
     redraw();
   });
 
+  /** Options of decimation; null for none. */
+  const decimation = () => (state.within > 0 ? { error: state.within / 100, relative_error: true } : state.keep < 100 ? { ratio: state.keep / 100 } : null);
   async function compute() {
-    const refine = { scheme: state.scheme, levels: state.levels };
-    if (state.limit && state.scheme !== "sqrt3") refine.limit = true;
-    if (state.crease > 0 && state.scheme === "loop") refine.crease_angle = (state.crease * Math.PI) / 180;
+    const refine = { scheme: state.scheme, levels: state.levels, fairness: state.fairness, limit: state.limit, crease_angle: (state.crease * Math.PI) / 180 };
     try {
-      const vertices = state.decimate ? Math.max(4, Math.round((coarse.positions.length / 3) * (1 - state.decimate / 100))) : 0;
-      result = await app.engine.latest("mesh", "mesh", { coarse, decimate: vertices, refine, against: state.against && state.against !== state.scheme ? state.against : null, repair: state.repair }, "Refining the mesh");
+      result = await app.engine.latest("mesh", "mesh", { coarse, decimate: decimation(), refine, against: state.against, repair: state.repair }, "Refining the mesh");
       app.clear();
       build();
       figures();
@@ -140,7 +147,7 @@ export function meshTab(app, section) {
         colors.set([shade.r, shade.g, shade.b], 3 * i);
       });
       geometry.setAttribute("color", new BufferAttribute(colors, 3));
-      legend.textContent = `distance from ${state.against}: dark 0, yellow ${digits(most, 3)}`;
+      legend.textContent = `distance from ${result.against}: dark 0, yellow ${digits(most, 3)}`;
     } else legend.textContent = state.wires ? "lines: the coarse mesh" : "";
     let shown = geometry;
     if (state.flat) shown = geometry.toNonIndexed();
@@ -180,8 +187,10 @@ export function meshTab(app, section) {
         ["genus", before.genus < 0 ? "–" : digits(before.genus), summary.genus < 0 ? "–" : digits(summary.genus)],
         ["area", digits(before.area), digits(summary.area)],
         ["volume", digits(before.volume), digits(summary.volume)],
+        ["scheme", "", result.scheme],
         ["mean quality", digits(before.mean_quality, 3), digits(summary.mean_quality, 3)],
       ]),
+      ...(result.base.distance === undefined ? [] : [h("p.hint", {}, `Decimated by at most ${digits(result.base.distance, 3)}, proven.`)]),
       ...(fine.fallback ? [h("p.hint", {}, `${fine.fallback} places fell back to a classical rule.`)] : []),
     );
   }
@@ -193,6 +202,8 @@ export function meshTab(app, section) {
       const { width, height } = stage.getBoundingClientRect();
       scene.renderer.setSize(width, height, false);
       scene.camera.aspect = width / height;
+      // The same width of the scene also where the picture is narrow.
+      scene.camera.fov = (360 / Math.PI) * Math.atan(Math.tan((VIEW_ANGLE * Math.PI) / 360) / Math.min(1, width / height / 1.15));
       scene.camera.updateProjectionMatrix();
       scene.surface.material.color.set(scene.surface.material.vertexColors ? "#ffffff" : color("c0")).lerp(new Color("#ffffff"), scene.surface.material.vertexColors ? 0 : 0.35);
       scene.wires.material.color.set(color("ink"));
@@ -208,13 +219,15 @@ export function meshTab(app, section) {
   const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, [title]]) => [name, title])], "knot", (name) => {
     if (!name) return;
     coarse = EXAMPLES[name][1]();
-    void change({ example: name, ...(name === "bracket" ? { scheme: "loop", crease: 40 } : {}), decimate: 0 });
+    void change({ example: name, ...(name === "bracket" ? { crease: 40 } : {}), keep: 100, within: 0 });
   });
   const scheme = select("Scheme", schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
   const against = select("Colour by distance from", [["", "nothing"], ...schemes.map(({ name }) => [name])], "", (value) => change({ against: value }));
   const levels = slider("Levels", { min: 0, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
+  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: state.fairness, format: (value) => value.toFixed(2), change: () => {}, commit: () => change({ fairness: Number(fairness.input.value) }) });
   const crease = slider("Creases above", { min: 0, max: 120, step: 5, value: 0, format: (value) => (value ? `${value}°` : "none"), change: () => {}, commit: () => change({ crease: Number(crease.input.value) }) });
-  const decimate = slider("Decimate first", { min: 0, max: 98, step: 1, value: 0, format: (value) => `${value} %`, change: () => {}, commit: () => change({ decimate: Number(decimate.input.value) }) });
+  const keep = slider("Decimate first to", { min: 2, max: 100, step: 1, value: 100, format: (value) => `${value} % of the faces`, change: () => {}, commit: () => change({ keep: Number(keep.input.value), within: 0 }) });
+  const within = slider("Decimate first within", { min: 0, max: 5, step: 0.1, value: 0, format: (value) => (value ? `${value} % of the diagonal` : "no distance"), change: () => {}, commit: () => change({ within: Number(within.input.value), keep: 100 }) });
   const limit = check("On the limit surface", false, (value) => change({ limit: value }));
   const wires = check("Wires of the coarse mesh", true, (value) => change({ wires: value }));
   const flat = check("Flat normals", false, (value) => change({ flat: value }));
@@ -225,8 +238,12 @@ export function meshTab(app, section) {
     against.set(state.against);
     levels.set(state.levels);
     crease.set(state.crease);
-    crease.input.disabled = state.scheme !== "loop";
-    decimate.set(state.decimate);
+    crease.input.disabled = !CREASED.includes(state.scheme);
+    fairness.set(state.fairness);
+    fairness.input.disabled = !["auto", "learned"].includes(state.scheme);
+    limit.box.disabled = !LIMITED(state.scheme);
+    keep.set(state.keep);
+    within.set(state.within);
     limit.set(state.limit);
     wires.set(state.wires);
     flat.set(state.flat);
@@ -239,8 +256,8 @@ export function meshTab(app, section) {
       const answer = await app.engine.call("readMesh", { bytes, options: {} }, "Reading");
       coarse = answer.mesh;
       file = chosen.name;
-      if (answer.triangulated) app.say("Polygons were cut into triangles");
-      Object.assign(state, { example: "", decimate: 0, repair: !answer.summary.manifold || /\.stl$/i.test(file) });
+      app.say([...(answer.triangulated ? ["Polygons were cut into triangles"] : []), ...coarse.notes].join("; "));
+      Object.assign(state, { example: "", keep: 100, within: 0, repair: !answer.summary.manifold || /\.stl$/i.test(file) });
       if (coarse.faces.length / 3 > 60000) state.levels = Math.min(state.levels, 1);
       controls();
       await compute();
@@ -252,7 +269,7 @@ export function meshTab(app, section) {
   async function save(format) {
     if (!result) return;
     try {
-      download(`fine.${format}`, await app.engine.call("writeMesh", { mesh: { positions: result.fine.positions, faces: result.fine.faces }, format, encoding: "binary" }, "Writing"));
+      download(`fine.${format}`, await app.engine.call("writeMesh", { mesh: result.fine, format, encoding: "binary" }, "Writing"));
     } catch (error) {
       app.fail(error);
     }
@@ -260,9 +277,9 @@ export function meshTab(app, section) {
   section.append(
     h("div.column", {}, stage, group("Figures", facts)),
     h("div.side", {},
-      group("Mesh", h("div.row", {}, opener("Open file", ".obj,.ply,.stl,.off", open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, decimate.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF or STL. Drag turns, the wheel zooms.")),
-      group("Refine", scheme.element, levels.element, crease.element, limit.element, wires.element, flat.element, against.element),
-      group("Download", h("div.row", {}, ...["obj", "ply", "stl"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
+      group("Mesh", h("div.row", {}, opener("Open file", ".obj,.ply,.stl,.off,.gltf,.glb", open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, keep.element, within.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF, STL or glTF. Drag turns, the wheel zooms.")),
+      group("Refine", scheme.element, fairness.element, levels.element, crease.element, limit.element, wires.element, flat.element, against.element),
+      group("Download", h("div.row", {}, ...["obj", "ply", "stl", "glb"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
     ),
   );
   controls();
@@ -277,7 +294,7 @@ export function meshTab(app, section) {
     },
     state: () => state,
     async restore(next) {
-      state = { ...state, ...next };
+      state = { ...FIRST, ...next };
       started = true;
       if (EXAMPLES[state.example]) coarse = EXAMPLES[state.example][1]();
       controls();
@@ -285,13 +302,18 @@ export function meshTab(app, section) {
     },
     inspect: () => ({ state, result }),
     commands() {
-      const creases = state.scheme === "loop" && state.crease > 0;
-      const vertices = state.decimate && result ? result.before.vertices : 0;
+      const creases = state.crease > 0 && CREASED.includes(state.scheme);
+      const fair = state.fairness !== FIRST.fairness && (result?.scheme ?? state.scheme) === "learned";
+      const limits = state.limit && LIMITED(state.scheme);
       const input = state.example ? "mesh.obj" : file;
+      const less = decimation();
+      const coarser = less ? "coarse.ply" : input;
+      const target = less && (less.error ? `--error ${Number(less.error.toFixed(4))}%` : `--ratio ${less.ratio}`);
+      const repairs = state.repair ? " --repair" : "";
       return {
-        shell: `${vertices ? `batten decimate ${input} --vertices ${vertices} -o coarse.ply\n` : ""}batten mesh ${vertices ? "coarse.ply" : input} --scheme ${state.scheme} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${state.limit ? " --limit" : ""}${state.repair && !vertices ? " --repair" : ""}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
-        c: `bat_mesh coarse, fine;\nbat_error error;\nbat_mesh_read("${input}", NULL, &coarse, &error);${vertices ? `\nbat_mesh_decimate_options less = bat_mesh_decimate_defaults();\nless.vertices = ${vertices};\nbat_mesh small;\nbat_mesh_decimate(&coarse, &less, &small, NULL, &error);` : ""}\nbat_mesh_refine_options options = bat_mesh_refine_defaults();\nbat_mesh_scheme_by_name("${state.scheme}", &options.scheme, &error);\noptions.levels = ${state.levels};${creases ? `\noptions.crease_angle = ${state.crease} * 3.14159265358979 / 180;` : ""}${state.limit ? "\noptions.limit = true;" : ""}\nif (bat_mesh_refine(&${vertices ? "small" : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);`,
-        python: `import batten\nimport trimesh\n\nmesh = trimesh.load("${input}")\n${vertices ? `mesh, to_fine = batten.decimate(mesh, vertices=${vertices})\n` : ""}fine = batten.refine_mesh(mesh, scheme="${state.scheme}", levels=${state.levels}${creases ? `, crease_angle=math.radians(${state.crease})` : ""}${state.limit ? ", limit=True" : ""})`,
+        shell: `${less ? `batten decimate ${input} ${target}${repairs} -o coarse.ply\n` : ""}batten mesh ${coarser} --scheme ${state.scheme}${fair ? ` --fairness ${state.fairness}` : ""} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${limits ? " --limit" : ""}${less ? "" : repairs}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
+        c: `bat_mesh coarse, fine;\nbat_error error;\nbat_mesh_read("${input}", NULL, &coarse, &error);${less ? `\nbat_mesh_decimate_options less = bat_mesh_decimate_defaults();\n${less.error ? `less.error = ${less.error};\nless.relative_error = true;` : `less.ratio = ${less.ratio};`}\nbat_mesh small;\nbat_mesh_decimate(&coarse, &less, &small, NULL, &error);` : ""}\nbat_mesh_refine_options options = bat_mesh_refine_defaults();\nbat_mesh_scheme_by_name("${state.scheme}", &options.scheme, &error);\noptions.levels = ${state.levels};${fair ? `\noptions.fairness = ${state.fairness};` : ""}${creases ? `\noptions.crease_angle = ${state.crease} * 3.14159265358979 / 180;` : ""}${limits ? "\noptions.limit = true;" : ""}\nif (bat_mesh_refine(&${less ? "small" : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);`,
+        python: `import batten\n${creases ? "import math\n" : ""}import trimesh\n\nmesh = trimesh.load("${input}")\n${less ? `mesh = batten.decimate(mesh, ${less.error ? `error=${less.error}, relative_error=True` : `ratio=${less.ratio}`}, map=False).mesh\n` : ""}fine = batten.refine_mesh(mesh, scheme="${state.scheme}", levels=${state.levels}${fair ? `, fairness=${state.fairness}` : ""}${creases ? `, crease_angle=math.radians(${state.crease})` : ""}${limits ? ", limit=True" : ""})`,
       };
     },
   };
