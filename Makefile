@@ -46,6 +46,7 @@ python: dependencies
 
 bench: all
 	@for program in build/release/bench/bench_*; do if [ -x $$program ]; then $$program || exit 1; fi; done
+	@web/test/run speed build/release/batten || [ $$? -eq 77 ]
 
 sanitize: dependencies
 	@$(call configure,sanitize) && $(call compile,sanitize)

@@ -467,6 +467,14 @@ export function curveTab(app, section) {
       controls();
       await compute();
     },
+    /** Drag a point to a place: the milliseconds until its curve is drawn. For measurements. */
+    async drag(i, place) {
+      const began = performance.now();
+      state.points[i] = place;
+      await compute();
+      draw();
+      return performance.now() - began;
+    },
     inspect: () => ({ state, results, given, view: state.points.map((p) => view.screen(p)) }),
     commands() {
       const scheme = full(state.schemes[0] ?? "learned");

@@ -109,11 +109,11 @@ export function mapTab(app, section) {
     context.stroke();
     context.strokeStyle = color("c1");
     context.lineWidth = 1.6;
-    for (const [i, { at }] of result.tears.slice(0, zoom.k > 3 ? 5000 : 400).entries()) {
+    for (const [i, { at }] of result.tears.slice(0, zoom.k > 3 ? 5000 : Math.round(width * 0.45)).entries()) {
       const p = point(at);
       if (!p) continue;
       context.beginPath();
-      context.arc(p[0], p[1], i === focus ? 14 : 4, 0, 2 * Math.PI);
+      context.arc(p[0], p[1], i === focus ? 14 : width < 500 ? 3 : 4, 0, 2 * Math.PI);
       context.stroke();
     }
     legend.textContent = `dashed: given; blue: refined; circles: ${state.topology ? "borders that would have torn" : "torn borders"}`;
