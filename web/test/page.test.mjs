@@ -213,8 +213,11 @@ test("a large file can be cancelled", async () => {
   await page.waitForSelector("#progress:not([hidden])", { timeout: 120000 });
   await page.click("#cancel");
   await page.waitForFunction(() => document.getElementById("progress").hidden, WAIT);
+  // The network takes seconds for so many points, and minutes on a busy machine.
+  await page.evaluate(() => [...document.querySelectorAll("#curve .schemes label")].find((label) => label.textContent === "learned").click());
+  await until('state.schemes.join() === "four-point"');
   await input.uploadFile(path);
-  await until("results.length > 0 && results[0].points && results[0].points.length >= 200000");
+  await until("results.length === 1 && results[0].points && results[0].points.length >= 200000");
 });
 
 test("every tab, both themes, wide and narrow: nothing overflows, and axe finds nothing serious", async () => {
@@ -247,6 +250,8 @@ test("every tab, both themes, wide and narrow: nothing overflows, and axe finds 
           mkdirSync(shots, { recursive: true });
           await page.screenshot({ path: join(shots, `${name}-${theme}-${width}.png`) });
         }
+        // Each theme in one width: colours do not depend on the width, and a run takes seconds.
+        if ((theme === "light") !== width > 500) continue;
         if (!(await page.evaluate("Boolean(window.axe)"))) await page.evaluate(axe);
         const { violations } = await page.evaluate(() => window.axe.run(document, { runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"] }));
         const serious = violations.filter(({ impact }) => ["serious", "critical"].includes(impact));
