@@ -90,7 +90,7 @@ export function meshTab(app, section) {
     camera.add(light);
     world.add(camera);
     const surface = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ roughness: 0.55, metalness: 0.05, side: 2 }));
-    const wires = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.4, depthTest: false }));
+    const wires = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.35, depthTest: false }));
     world.add(surface, wires);
     const controls = new OrbitControls(camera, renderer.domElement);
     controls.addEventListener("change", redraw);
@@ -205,7 +205,9 @@ export function meshTab(app, section) {
       // The same width of the scene also where the picture is narrow.
       scene.camera.fov = (360 / Math.PI) * Math.atan(Math.tan((VIEW_ANGLE * Math.PI) / 360) / Math.min(1, width / height / 1.15));
       scene.camera.updateProjectionMatrix();
-      scene.surface.material.color.set(scene.surface.material.vertexColors ? "#ffffff" : color("c0")).lerp(new Color("#ffffff"), scene.surface.material.vertexColors ? 0 : 0.35);
+      // The lines, of the theme's ink, must stand out from the surface.
+      const [shade, other] = scene.surface.material.vertexColors ? ["#ffffff", "#ffffff"] : [color("c0"), color("stage")];
+      scene.surface.material.color.set(shade).lerp(new Color(other), 0.4);
       scene.wires.material.color.set(color("ink"));
       scene.renderer.render(scene.world, scene.camera);
     });
