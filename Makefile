@@ -26,7 +26,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest python bench sanitize sanitize-clang fuzz web web-test style format install install-research clean dependencies ci-dependencies
+.PHONY: all demo test smallest python bench sanitize sanitize-clang fuzz web-packages web web-test style format install install-research clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -61,15 +61,18 @@ fuzz: ci-dependencies
 	@scripts/run-fuzzers build/fuzz $(FUZZ_SECONDS) $(JOBS)
 
 # Debian's emscripten finds its JavaScript modules by NODE_PATH.
-web web-test: export NODE_PATH := $(or $(NODE_PATH),/usr/share/nodejs)
+web-packages web web-test: export NODE_PATH := $(or $(NODE_PATH),/usr/share/nodejs)
 
-web:
+# What comes from Debian and npm; the only part that needs a network.
+web-packages:
 	@scripts/install-deps web
 	@mkdir -p build
 	@web/libraries
+	@[ -d web/node_modules ] || npm ci --prefix web --ignore-scripts --no-progress
+
+web: web-packages
 	@$(call configure,web) && $(call compile,web) --target batten_engine
 	@cp build/web/web/batten.wasm LICENSE web/npm/
-	@[ -d web/node_modules ] || npm ci --prefix web --ignore-scripts --no-progress
 	@node web/page/build.mjs web/npm/batten.wasm out/web/index.html
 
 web-test: web all
