@@ -1,5 +1,7 @@
 #include "engine.h"
 
+#include "mesh/polygon/polygon.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,6 +191,7 @@ EMSCRIPTEN_KEEPALIVE void engine_free(engine_object *object)
         return;
     bat_curve_set_free(&object->set);
     bat_mesh_free(&object->mesh);
+    bat_polygon_mesh_free(&object->polygons);
     for (size_t i = 0; i < object->array_count; i++)
         free(object->arrays[i]);
     json_decref(object->report);
@@ -229,12 +232,17 @@ static json_t *text_or_null(const char *text)
 
 static void report_mesh(engine_object *object)
 {
-    const bat_mesh *mesh = &object->mesh;
+    bool polygons = object->kind == ENGINE_POLYGONS;
+    const bat_mesh view = polygons ? polygon_mesh_view(&object->polygons) : object->mesh, *mesh = &view;
+    const uint32_t *offsets = object->polygons.offsets;
+    size_t corner_count = offsets != NULL ? offsets[mesh->face_count] : 3 * mesh->face_count;
     json_t *report = object->report;
     engine_set(report, "positions", engine_array("f64", mesh->positions, 3 * mesh->vertex_count));
-    engine_set(report, "faces", engine_array("u32", mesh->faces, 3 * mesh->face_count));
+    if (polygons)
+        engine_set(report, "offsets", engine_array("u32", offsets, mesh->face_count + 1));
+    engine_set(report, "faces", engine_array("u32", mesh->faces, corner_count));
     engine_set(report, "texture", engine_array("f64", mesh->texture, 2 * mesh->texture_count));
-    engine_set(report, "texture_faces", engine_array("u32", mesh->texture_faces, 3 * mesh->face_count));
+    engine_set(report, "texture_faces", engine_array("u32", mesh->texture_faces, corner_count));
     engine_set(report, "channels", engine_array("f64", mesh->channels, mesh->channel_count * mesh->vertex_count));
     json_t *names = json_array(), *creases = json_array(), *corners = json_array();
     for (size_t i = 0; i < mesh->channel_count; i++)
@@ -263,6 +271,9 @@ static void report_mesh(engine_object *object)
     engine_set(report, "channel_names", names);
     engine_set(report, "creases", creases);
     engine_set(report, "corners", corners);
+    engine_set(report, "rules",
+               json_pack("{s:s,s:s,s:s}", "boundary", bat_mesh_boundary_name(mesh->rules.boundary), "creasing",
+                         bat_mesh_creasing_name(mesh->rules.creasing), "linear", bat_mesh_linear_name(mesh->rules.linear)));
 }
 
 /// The report of an object as JSON; it lives as long as the object.
@@ -272,7 +283,7 @@ EMSCRIPTEN_KEEPALIVE const char *engine_report(engine_object *object)
     {
         if (object->kind == ENGINE_CURVES)
             report_curves(object);
-        else if (object->kind == ENGINE_MESH)
+        else if (object->kind != ENGINE_VALUES)
             report_mesh(object);
         object->text = json_dumps(object->report, JSON_COMPACT);
     }
@@ -316,7 +327,10 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_run(const char *name, const char *opt
     for (size_t i = 0; i < ENGINE_INPUTS; i++)
         if (row->inputs[i] != ENGINE_VALUES && (call.inputs[i] == NULL || call.inputs[i]->kind != row->inputs[i]))
         {
-            (void)engine_fail(&failure, BAT_INVALID_ARGUMENT, "% needs another input", name);
+            bool cut = row->inputs[i] == ENGINE_MESH && call.inputs[i] != NULL && call.inputs[i]->kind == ENGINE_POLYGONS;
+            const char *text =
+                cut ? "% takes triangles; bat_polygon_mesh_triangulate() cuts polygons into them" : "% needs another input";
+            (void)engine_fail(&failure, BAT_INVALID_ARGUMENT, text, name);
             return NULL;
         }
     json_t *json = options != NULL ? json_loads(options, JSON_REJECT_DUPLICATES, NULL) : json_object();
@@ -463,9 +477,27 @@ static bool take_sharpness(const json_t *layout, bat_mesh *mesh)
     return true;
 }
 
-/// Make a mesh.
-/// @param layout JSON with the fields of bat_mesh: texts, rows of `creases`, `corners` and `labels`, and arrays as
-///               [address, count of numbers] of engine_allocate(), which the mesh takes, also on failure
+/// The rules of a layout: names; "auto" for those that it has not.
+static bat_status take_rules(const json_t *layout, bat_mesh_rules *rules)
+{
+    const json_t *given = json_object_get(layout, "rules");
+    const char *boundary = json_string_value(json_object_get(given, "boundary"));
+    const char *creasing = json_string_value(json_object_get(given, "creasing"));
+    const char *linear = json_string_value(json_object_get(given, "linear"));
+    bat_status status = BAT_OK;
+    if (boundary != NULL)
+        status = bat_mesh_boundary_by_name(boundary, &rules->boundary, &failure);
+    if (status == BAT_OK && creasing != NULL)
+        status = bat_mesh_creasing_by_name(creasing, &rules->creasing, &failure);
+    if (status == BAT_OK && linear != NULL)
+        status = bat_mesh_linear_by_name(linear, &rules->linear, &failure);
+    return status;
+}
+
+/// Make a mesh: of polygons where there are `offsets`, else of triangles.
+/// @param layout JSON with the fields of bat_polygon_mesh: texts, names of `rules`, rows of `creases`, `corners` and
+///               `labels`, and arrays as [address, count of numbers] of engine_allocate(), which the mesh takes, also on
+///               failure
 EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
 {
     failure = (bat_error){.status = BAT_OK, .index = BAT_NO_INDEX};
@@ -474,7 +506,8 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
     if (object == NULL)
         abort(); // nothing owns the arrays
     bat_mesh *mesh = &object->mesh;
-    size_t positions, corners, texture, texture_corners, channels, labels;
+    size_t positions, corners, offset_count, texture, texture_corners, channels, labels;
+    uint32_t *offsets = take(json, "offsets", &offset_count);
     *mesh = (bat_mesh){.positions = take(json, "positions", &positions),
                        .faces = take(json, "faces", &corners),
                        .texture = take(json, "texture", &texture),
@@ -482,21 +515,31 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
                        .channels = take(json, "channels", &channels),
                        .face_labels = take(json, "face_labels", &labels)};
     mesh->vertex_count = positions / 3;
-    mesh->face_count = corners / 3;
+    mesh->face_count = offsets != NULL ? offset_count - 1 : corners / 3;
     mesh->texture_count = texture / 2;
     mesh->channel_count = json_array_size(json_object_get(json, "channel_names"));
-    bat_status status = BAT_OK;
-    if (positions % 3 != 0 || corners % 3 != 0 || texture % 2 != 0)
-        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "positions and faces come in threes, texture in pairs", "");
+    const char *fault = NULL;
+    if (positions % 3 != 0 || (offsets == NULL && corners % 3 != 0) || texture % 2 != 0)
+        fault = "positions and faces come in threes, texture in pairs";
+    else if (offsets != NULL && offsets[mesh->face_count] != corners)
+        fault = "the last number of offsets must be that of all corners";
     else if (mesh->texture_faces != NULL && texture_corners != corners)
-        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "texture_faces must have as many numbers as faces", "");
+        fault = "texture_faces must have as many numbers as faces";
     else if (channels != mesh->channel_count * mesh->vertex_count)
-        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "channels need a number for each name at each vertex", "");
+        fault = "channels need a number for each name at each vertex";
     else if (mesh->face_labels != NULL && labels != mesh->face_count)
-        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "face_labels need a number for each face", "");
+        fault = "face_labels need a number for each face";
+    bat_status status =
+        fault != NULL ? engine_fail(&failure, BAT_INVALID_ARGUMENT, fault, "") : take_rules(json, &mesh->rules);
     if (!take_texts(json, mesh) || !take_sharpness(json, mesh))
         status = engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
     json_decref(json);
+    if (offsets != NULL)
+    {
+        object->kind = ENGINE_POLYGONS;
+        object->polygons = polygon_mesh_from_view(mesh, offsets);
+        *mesh = (bat_mesh){0};
+    }
     if (status == BAT_OK)
         return object;
     engine_free(object);
@@ -525,6 +568,9 @@ EMSCRIPTEN_KEEPALIVE char *engine_list(const char *name)
         {"bat_mesh_scheme_list", bat_mesh_scheme_list},
         {"bat_mesh_format_list", bat_mesh_format_list},
         {"bat_mesh_decimate_method_list", bat_mesh_decimate_method_list},
+        {"bat_mesh_boundary_list", bat_mesh_boundary_list},
+        {"bat_mesh_creasing_list", bat_mesh_creasing_list},
+        {"bat_mesh_linear_list", bat_mesh_linear_list},
     };
     for (size_t i = 0; i < ENGINE_COUNT(TABLES); i++)
     {

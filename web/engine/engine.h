@@ -20,7 +20,8 @@ typedef enum engine_kind
 {
     ENGINE_VALUES, ///< numbers and arrays of the report alone
     ENGINE_CURVES,
-    ENGINE_MESH
+    ENGINE_MESH,
+    ENGINE_POLYGONS
 } engine_kind;
 
 /// Arrays that an object owns beside its curves or its mesh.
@@ -30,8 +31,9 @@ typedef enum engine_kind
 typedef struct engine_object
 {
     engine_kind kind;
-    bat_curve_set set; ///< ENGINE_CURVES
-    bat_mesh mesh;     ///< ENGINE_MESH
+    bat_curve_set set;         ///< ENGINE_CURVES
+    bat_mesh mesh;             ///< ENGINE_MESH
+    bat_polygon_mesh polygons; ///< ENGINE_POLYGONS
     void *arrays[ENGINE_ARRAYS];
     size_t array_count;
     json_t *report;

@@ -30,6 +30,30 @@ static bat_status method_by_name(const char *name, int *value, bat_error *error)
     return status;
 }
 
+static bat_status boundary_by_name(const char *name, int *value, bat_error *error)
+{
+    bat_mesh_boundary boundary = BAT_MESH_BOUNDARY_AUTO;
+    bat_status status = bat_mesh_boundary_by_name(name, &boundary, error);
+    *value = (int)boundary;
+    return status;
+}
+
+static bat_status creasing_by_name(const char *name, int *value, bat_error *error)
+{
+    bat_mesh_creasing creasing = BAT_MESH_CREASING_AUTO;
+    bat_status status = bat_mesh_creasing_by_name(name, &creasing, error);
+    *value = (int)creasing;
+    return status;
+}
+
+static bat_status linear_by_name(const char *name, int *value, bat_error *error)
+{
+    bat_mesh_linear linear = BAT_MESH_LINEAR_AUTO;
+    bat_status status = bat_mesh_linear_by_name(name, &linear, error);
+    *value = (int)linear;
+    return status;
+}
+
 /// The number of a name in a list.
 static bat_status by_list(const char *const *names, size_t count, const char *what, const char *name, int *value,
                           bat_error *error)
@@ -66,6 +90,12 @@ static void report_notes(engine_object *result, bat_mesh_notes *notes)
     bat_mesh_notes_free(notes);
 }
 
+/// Whether an operation is one of those for meshes of polygons.
+static bool takes_polygons(const engine_call *call)
+{
+    return call->inputs[0]->kind == ENGINE_POLYGONS;
+}
+
 static bat_status refine_mesh(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
@@ -75,6 +105,11 @@ static bat_status refine_mesh(const engine_call *call, engine_object *result, ba
         ENGINE_OPTION(bat_mesh_refine_options, levels, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_refine_options, limit, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_refine_options, crease_angle, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_refine_options, tolerance, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_refine_options, max_edge, ENGINE_NUMBER),
+        {"boundary", offsetof(bat_mesh_refine_options, rules.boundary), ENGINE_CHOICE, boundary_by_name},
+        {"creasing", offsetof(bat_mesh_refine_options, rules.creasing), ENGINE_CHOICE, creasing_by_name},
+        {"linear", offsetof(bat_mesh_refine_options, rules.linear), ENGINE_CHOICE, linear_by_name},
     };
     static const char *const ALSO[] = {"limit_normals", NULL};
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
@@ -85,13 +120,15 @@ static bat_status refine_mesh(const engine_call *call, engine_object *result, ba
         options.limit_normals = &normals;
     size_t fallback = 0;
     if (status == BAT_OK)
-        status = bat_mesh_refine(&call->inputs[0]->mesh, &options, &result->mesh, &fallback, error);
+        status = takes_polygons(call)
+                     ? bat_polygon_mesh_refine(&call->inputs[0]->polygons, &options, &result->polygons, &fallback, error)
+                     : bat_mesh_refine(&call->inputs[0]->mesh, &options, &result->mesh, &fallback, error);
     if (status != BAT_OK)
         return status;
+    size_t vertex_count = takes_polygons(call) ? result->polygons.vertex_count : result->mesh.vertex_count;
     engine_set(result->report, "fallback", engine_size(fallback));
     if (normals != NULL)
-        engine_set(result->report, "limit_normals",
-                   engine_array("f64", engine_own(result, normals), 3 * result->mesh.vertex_count));
+        engine_set(result->report, "limit_normals", engine_array("f64", engine_own(result, normals), 3 * vertex_count));
     return BAT_OK;
 }
 
@@ -99,22 +136,42 @@ static bat_status refine_mesh(const engine_call *call, engine_object *result, ba
 static bat_status scheme_for(const engine_call *call, engine_object *result, bat_error *error)
 {
     bat_status status = engine_no_options(call->options, NONE, error);
+    bat_mesh_scheme scheme = takes_polygons(call) ? bat_polygon_mesh_scheme_for(&call->inputs[0]->polygons)
+                                                  : bat_mesh_scheme_for(&call->inputs[0]->mesh);
     if (status == BAT_OK)
-        engine_set(result->report, "scheme", json_string(bat_mesh_scheme_name(bat_mesh_scheme_for(&call->inputs[0]->mesh))));
+        engine_set(result->report, "scheme", json_string(bat_mesh_scheme_name(scheme)));
     return status;
 }
 
 static bat_status limit_normals(const engine_call *call, engine_object *result, bat_error *error)
 {
     bat_status status = engine_no_options(call->options, NONE, error);
-    const bat_mesh *mesh = &call->inputs[0]->mesh;
-    double *normals = engine_own(result, malloc((3 * mesh->vertex_count + 1) * sizeof *normals));
+    const engine_object *given = call->inputs[0];
+    size_t vertex_count = takes_polygons(call) ? given->polygons.vertex_count : given->mesh.vertex_count;
+    double *normals = engine_own(result, malloc((3 * vertex_count + 1) * sizeof *normals));
     if (normals == NULL)
         return engine_fail(error, BAT_NO_MEMORY, "memory is used up", "");
     if (status == BAT_OK)
-        status = bat_mesh_limit_normals(mesh, 1, normals, error);
+        status = takes_polygons(call) ? bat_polygon_mesh_limit_normals(&given->polygons, 1, normals, error)
+                                      : bat_mesh_limit_normals(&given->mesh, 1, normals, error);
     if (status == BAT_OK)
-        engine_set(result->report, "values", engine_array("f64", normals, 3 * mesh->vertex_count));
+        engine_set(result->report, "values", engine_array("f64", normals, 3 * vertex_count));
+    return status;
+}
+
+static bat_status triangulate(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_status status = engine_no_options(call->options, NONE, error);
+    if (status == BAT_OK)
+        status = bat_polygon_mesh_triangulate(&call->inputs[0]->polygons, &result->mesh, error);
+    return status;
+}
+
+static bat_status of_triangles(const engine_call *call, engine_object *result, bat_error *error)
+{
+    bat_status status = engine_no_options(call->options, NONE, error);
+    if (status == BAT_OK)
+        status = bat_polygon_mesh_of_triangles(&call->inputs[0]->mesh, &result->polygons, error);
     return status;
 }
 
@@ -202,7 +259,9 @@ static bat_status read_mesh(const engine_call *call, engine_object *result, bat_
     options.notes = &notes;
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
     if (status == BAT_OK)
-        status = bat_mesh_read_memory(call->bytes, call->size, &options, &result->mesh, error);
+        status = result->kind == ENGINE_POLYGONS
+                     ? bat_polygon_mesh_read_memory(call->bytes, call->size, &options, &result->polygons, error)
+                     : bat_mesh_read_memory(call->bytes, call->size, &options, &result->mesh, error);
     if (status == BAT_OK)
         report_repairs(result, &report);
     report_notes(result, &notes);
@@ -223,7 +282,9 @@ static bat_status write_mesh(const engine_call *call, engine_object *result, bat
     size_t size = 0;
     options.notes = &notes;
     if (status == BAT_OK)
-        status = bat_mesh_write_memory(&call->inputs[0]->mesh, &options, &bytes, &size, error);
+        status = takes_polygons(call)
+                     ? bat_polygon_mesh_write_memory(&call->inputs[0]->polygons, &options, &bytes, &size, error)
+                     : bat_mesh_write_memory(&call->inputs[0]->mesh, &options, &bytes, &size, error);
     if (status == BAT_OK)
         engine_set(result->report, "bytes", engine_array("u8", engine_own(result, bytes), size));
     report_notes(result, &notes);
@@ -324,5 +385,12 @@ const engine_row ENGINE_MESH_ROWS[] = {
     {"bat_mesh_summarize", summarize, {ENGINE_MESH}, ENGINE_VALUES},
     {"bat_mesh_compare", compare, {ENGINE_MESH, ENGINE_MESH}, ENGINE_VALUES},
     {"bat_mesh_vertex_distances", vertex_distances, {ENGINE_MESH, ENGINE_MESH}, ENGINE_VALUES},
+    {"bat_polygon_mesh_refine", refine_mesh, {ENGINE_POLYGONS}, ENGINE_POLYGONS},
+    {"bat_polygon_mesh_scheme_for", scheme_for, {ENGINE_POLYGONS}, ENGINE_VALUES},
+    {"bat_polygon_mesh_limit_normals", limit_normals, {ENGINE_POLYGONS}, ENGINE_VALUES},
+    {"bat_polygon_mesh_triangulate", triangulate, {ENGINE_POLYGONS}, ENGINE_MESH},
+    {"bat_polygon_mesh_of_triangles", of_triangles, {ENGINE_MESH}, ENGINE_POLYGONS},
+    {"bat_polygon_mesh_read_memory", read_mesh, {ENGINE_VALUES}, ENGINE_POLYGONS},
+    {"bat_polygon_mesh_write_memory", write_mesh, {ENGINE_POLYGONS}, ENGINE_VALUES},
     {NULL, NULL, {ENGINE_VALUES}, ENGINE_VALUES},
 };

@@ -30,6 +30,9 @@ export const LISTS = [
   "bat_mesh_scheme_list",
   "bat_mesh_format_list",
   "bat_mesh_decimate_method_list",
+  "bat_mesh_boundary_list",
+  "bat_mesh_creasing_list",
+  "bat_mesh_linear_list",
 ];
 
 /** Curves inside the module, with what their file tells beside them: properties of features, names of columns. */
@@ -163,22 +166,34 @@ export async function instantiate(source) {
     return wanted || { sphere: 3, euclidean: 3, spd: 6, hyperbolic: 3 }[space] || 1;
   }
 
-  function meshOf(mesh, temporary) {
+  /** The offsets of polygons that are rows of corners. */
+  function offsetsOf(rows) {
+    if (!Array.isArray(rows?.[0])) throw new BattenError({ name: "invalid argument", text: "polygons need rows of corners, or offsets" });
+    const offsets = new Uint32Array(rows.length + 1);
+    rows.forEach((row, i) => (offsets[i + 1] = offsets[i] + row.length));
+    return offsets;
+  }
+
+  /** `polygons`: the operation takes a mesh of polygons. Without offsets rows of corners have three each elsewhere. */
+  function meshOf(mesh, temporary, polygons = false) {
     const array = (values, convert) => {
       const numbers = values == null ? [] : convert(values);
       return numbers.length > 0 ? [put(numbers), numbers.length] : undefined;
     };
-    const { channel_names, creases, corners, labels, material_files, material_json } = mesh;
+    const { channel_names, creases, corners, labels, material_files, material_json, rules } = mesh;
+    const triangles = mesh.offsets == null && (!Array.isArray(mesh.faces?.[0]) || mesh.faces.every((row) => row.length === 3));
+    const offsets = mesh.offsets ?? (polygons || !triangles ? offsetsOf(mesh.faces) : null);
     // The module takes the arrays.
     const layout = putText(
       JSON.stringify({
         positions: array(mesh.positions, asDoubles),
         faces: array(mesh.faces, asIndices),
+        offsets: array(offsets, asIndices),
         texture: array(mesh.texture, asDoubles),
         texture_faces: array(mesh.texture_faces, asIndices),
         channels: array(mesh.channels, asDoubles),
         face_labels: array(mesh.face_labels, asIndices),
-        channel_names, creases, corners, labels, material_files, material_json,
+        channel_names, creases, corners, labels, material_files, material_json, rules,
       }),
     );
     const handle = exports.engine_mesh(layout);
@@ -215,6 +230,7 @@ export async function instantiate(source) {
 
   const curves = (input) => (temporary) => curvesOf(input, temporary);
   const mesh = (input) => (temporary) => meshOf(input, temporary);
+  const polygons = (input) => (temporary) => meshOf(input, temporary, true);
   const asBytes = (data) => (typeof data === "string" ? encoder.encode(data) : new Uint8Array(data.buffer ?? data, data.byteOffset ?? 0, data.byteLength));
   /** The curves of a result, one for one curve, each with the space of all. */
   const plain = (result, single) => {
@@ -263,6 +279,13 @@ export async function instantiate(source) {
     bat_mesh_write_memory: (any, options) => run("bat_mesh_write_memory", [mesh(any)], options).bytes,
     bat_mesh_summarize: (any) => run("bat_mesh_summarize", [mesh(any)]),
     bat_mesh_compare: (a, b, options) => run("bat_mesh_compare", [mesh(a), mesh(b)], options),
+    bat_polygon_mesh_refine: (coarse, options) => run("bat_polygon_mesh_refine", [polygons(coarse)], options),
+    bat_polygon_mesh_scheme_for: (coarse) => run("bat_polygon_mesh_scheme_for", [polygons(coarse)]).scheme,
+    bat_polygon_mesh_limit_normals: (refinedMesh) => run("bat_polygon_mesh_limit_normals", [polygons(refinedMesh)]).values,
+    bat_polygon_mesh_triangulate: (any) => run("bat_polygon_mesh_triangulate", [polygons(any)]),
+    bat_polygon_mesh_of_triangles: (any) => run("bat_polygon_mesh_of_triangles", [mesh(any)]),
+    bat_polygon_mesh_read_memory: (data, options) => run("bat_polygon_mesh_read_memory", [], options, { data: asBytes(data) }),
+    bat_polygon_mesh_write_memory: (any, options) => run("bat_polygon_mesh_write_memory", [polygons(any)], options).bytes,
     bat_mesh_vertex_distances: (from, onto) => run("bat_mesh_vertex_distances", [mesh(from), mesh(onto)]).values,
   };
   for (const name of LISTS)

@@ -207,6 +207,20 @@ export interface Mesh {
   labels?: MeshLabel[];
   material_files?: string | null;
   material_json?: string | null;
+  rules?: MeshRules;
+}
+
+/** What a mesh says about its refinement: names of bat_mesh_boundary_list(), ..._creasing_list() and ..._linear_list(). */
+export interface MeshRules {
+  boundary?: string;
+  creasing?: string;
+  linear?: string;
+}
+
+/** A mesh of polygons: `faces` are rows of corners, or all corners one behind the other with `offsets`. */
+export interface PolygonMesh extends Mesh {
+  /** Face i has the corners offsets[i] to offsets[i + 1] - 1. */
+  offsets?: Uint32Array | number[];
 }
 
 /** Names that faces share. */
@@ -230,6 +244,11 @@ export interface MeshResult extends Mesh {
   labels: MeshLabel[];
   material_files: string | null;
   material_json: string | null;
+  rules: Required<MeshRules>;
+}
+
+export interface PolygonMeshResult extends MeshResult {
+  offsets: Uint32Array;
 }
 
 export interface MeshRefineOptions extends Progress {
@@ -244,6 +263,13 @@ export interface MeshRefineOptions extends Progress {
   limit_normals?: boolean;
   /** Radians. */
   crease_angle?: number;
+  /** Refine adaptively, until faces are as near to the limit surface, or edges as short. */
+  tolerance?: number;
+  max_edge?: number;
+  /** Rules of Loop's and Catmull and Clark's schemes, before those of the mesh. */
+  boundary?: string;
+  creasing?: string;
+  linear?: string;
 }
 
 export interface MeshDecimateOptions extends Progress {
@@ -342,6 +368,9 @@ export interface Batten {
   bat_mesh_scheme_list(): Choice[];
   bat_mesh_format_list(): Choice[];
   bat_mesh_decimate_method_list(): Choice[];
+  bat_mesh_boundary_list(): Choice[];
+  bat_mesh_creasing_list(): Choice[];
+  bat_mesh_linear_list(): Choice[];
 
   bat_curve_refine(coarse: Curve, options?: CurveRefineOptions): CurveResult & { report: CurveRefineReport };
   bat_curve_refine(coarse: Curve[], options?: CurveRefineOptions): CurveResult[] & { report: CurveRefineReport };
@@ -372,6 +401,7 @@ export interface Batten {
   ): { points: Float64Array; velocities: Float64Array; accelerations: Float64Array };
 
   bat_mesh_refine(coarse: Mesh, options?: MeshRefineOptions): MeshResult & { fallback: number };
+  bat_mesh_scheme_for(coarse: Mesh): string;
   bat_mesh_limit_normals(mesh: Mesh): Float64Array;
   bat_mesh_decimate(fine: Mesh, options?: MeshDecimateOptions): MeshResult;
   bat_mesh_repair(broken: Mesh): MeshResult & { repairs: Record<string, number> };
@@ -388,6 +418,17 @@ export interface Batten {
     options?: Progress & { vertices?: boolean; samples?: number; tolerance?: number },
   ): MeshDistance;
   bat_mesh_vertex_distances(from: Mesh, onto: Mesh): Float64Array;
+
+  bat_polygon_mesh_refine(coarse: PolygonMesh, options?: MeshRefineOptions): PolygonMeshResult & { fallback: number };
+  bat_polygon_mesh_scheme_for(coarse: PolygonMesh): string;
+  bat_polygon_mesh_limit_normals(mesh: PolygonMesh): Float64Array;
+  bat_polygon_mesh_triangulate(mesh: PolygonMesh): MeshResult;
+  bat_polygon_mesh_of_triangles(mesh: Mesh): PolygonMeshResult;
+  bat_polygon_mesh_read_memory(
+    data: string | ArrayBuffer | ArrayBufferView,
+    options?: MeshReadOptions,
+  ): PolygonMeshResult & { repairs: Record<string, number> };
+  bat_polygon_mesh_write_memory(mesh: PolygonMesh, options?: MeshWriteOptions): Uint8Array;
 }
 
 /** Load the library from the file beside the package, or from the content of batten.wasm. */

@@ -134,20 +134,25 @@ export function map(batten, { bytes, options, write }, progress) {
   }
 }
 
+/** A mesh of triangles; polygons have `offsets`. */
+const cut = (batten, mesh) => (mesh.offsets ? batten.bat_polygon_mesh_triangulate(mesh) : mesh);
+
+/** The summary of a mesh, or of its triangles with the number of polygons. */
+function summarize(batten, mesh, triangles) {
+  const summary = batten.bat_mesh_summarize(triangles);
+  return mesh.offsets ? { ...summary, faces: mesh.offsets.length - 1 } : summary;
+}
+
 export function readMesh(batten, { bytes, options }) {
-  try {
-    const mesh = batten.bat_mesh_read_memory(bytes, options);
-    return { mesh, summary: batten.bat_mesh_summarize(mesh) };
-  } catch (error) {
-    if (options.triangulate || !/triangulate|polygon|corners/.test(error.message)) throw error;
-    const mesh = batten.bat_mesh_read_memory(bytes, { ...options, triangulate: true });
-    return { mesh, summary: batten.bat_mesh_summarize(mesh), triangulated: true };
-  }
+  const { offsets, ...rest } = batten.bat_polygon_mesh_read_memory(bytes, options);
+  const mesh = rest.faces.length === 3 * (offsets.length - 1) ? rest : { ...rest, offsets };
+  return { mesh, summary: summarize(batten, mesh, cut(batten, mesh)) };
 }
 
 /** Decimate, refine, and measure the distance from another scheme. */
 export function mesh(batten, { coarse, decimate, refine, against, repair }, progress) {
   let base = coarse;
+  if (repair || decimate) base = cut(batten, base);
   if (repair) base = batten.bat_mesh_repair(batten.bat_mesh_weld(base, 0));
   const parts = (decimate ? 1 : 0) + 1 + (against ? 1 : 0);
   let done = 0;
@@ -156,28 +161,35 @@ export function mesh(batten, { coarse, decimate, refine, against, repair }, prog
     base = batten.bat_mesh_decimate(base, { ...decimate, progress: part });
     done++;
   }
-  const scheme = refine.scheme === "auto" ? batten.bat_mesh_scheme_for(base) : refine.scheme;
   const settings = (name) => {
     const { fairness, limit, crease_angle, ...rest } = refine;
     const all = { ...rest, scheme: name, progress: part };
     if (name === "learned") all.fairness = fairness;
-    if (["learned", "loop"].includes(name)) all.crease_angle = crease_angle;
+    if (["learned", "loop", "catmull-clark"].includes(name)) all.crease_angle = crease_angle;
     if (name !== "sqrt3") all.limit = limit;
     return all;
   };
-  const fine = batten.bat_mesh_refine(base, settings(scheme));
+  const byScheme = (given, name) =>
+    name === "catmull-clark"
+      ? batten.bat_polygon_mesh_refine(given.offsets ? given : batten.bat_polygon_mesh_of_triangles(given), settings(name))
+      : batten.bat_mesh_refine(cut(batten, given), settings(name));
+  const automatic = () => (base.offsets ? batten.bat_polygon_mesh_scheme_for(base) : batten.bat_mesh_scheme_for(base));
+  const scheme = refine.scheme === "auto" ? automatic() : refine.scheme;
+  const fine = byScheme(base, scheme);
+  const drawn = cut(batten, fine);
+  const triangulated = Boolean(coarse.offsets) && (!base.offsets || scheme !== "catmull-clark");
   done++;
-  const result = { base, fine, scheme, summary: batten.bat_mesh_summarize(fine), before: batten.bat_mesh_summarize(base) };
+  const result = { base, fine, drawn, scheme, triangulated, summary: summarize(batten, fine, drawn), before: summarize(batten, base, cut(batten, base)) };
   if (against && against !== scheme) {
-    const peer = batten.bat_mesh_refine(base, settings(against));
-    result.distances = batten.bat_mesh_vertex_distances(fine, peer);
+    result.distances = batten.bat_mesh_vertex_distances(drawn, cut(batten, byScheme(base, against)));
     result.against = against;
   }
   return result;
 }
 
 export function writeMesh(batten, { mesh, format, encoding }) {
-  return batten.bat_mesh_write_memory(mesh, { format, encoding });
+  const write = mesh.offsets ? batten.bat_polygon_mesh_write_memory : batten.bat_mesh_write_memory;
+  return write(mesh, { format, encoding });
 }
 
 /** Sample the spline through keyframes. */

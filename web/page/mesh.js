@@ -35,6 +35,15 @@ function bracket() {
   });
   return polyhedron(vertices, faces);
 }
+function solid() {
+  // The bracket's outlines as polygons of six corners, with quads between them: a control cage.
+  const { positions } = bracket();
+  const sides = Array.from({ length: 6 }, (_, i) => [i, (i + 1) % 6, ((i + 1) % 6) + 6, i + 6]);
+  const faces = [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11], ...sides];
+  const offsets = new Uint32Array(faces.length + 1);
+  faces.forEach((face, i) => (offsets[i + 1] = offsets[i] + face.length));
+  return { positions, faces: Uint32Array.from(faces.flat()), offsets };
+}
 const EXAMPLES = {
   knot: ["Knotted tube, 480 vertices", () => grid(60, 8, (s, t) => {
     const r = 2 + Math.cos(3 * s);
@@ -50,6 +59,7 @@ const EXAMPLES = {
   cube: ["Cube", () => polyhedron([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]], CUBE)],
   icosahedron: ["Icosahedron", icosahedron],
   bracket: ["Bracket with creases", bracket],
+  polygons: ["Bracket of polygons", solid],
 };
 
 /** Colours from 0 to 1, readable on light and dark (Viridis, sampled). */
@@ -60,7 +70,7 @@ const FIRST = { example: "knot", scheme: "auto", fairness: 0.25, levels: 2, limi
 /** Of the camera, in degrees. */
 const VIEW_ANGLE = 35;
 /** Which schemes have an option. */
-const CREASED = ["auto", "learned", "loop"];
+const CREASED = ["auto", "learned", "loop", "catmull-clark"];
 const LIMITED = (name) => name !== "sqrt3";
 
 export function meshTab(app, section) {
@@ -128,17 +138,18 @@ export function meshTab(app, section) {
 
   function build() {
     if (!scene) setup();
-    const { fine, base, summary, distances } = result;
-    const [low, high] = [summary.low, summary.high];
+    const { drawn, base, before, summary, distances } = result;
+    const low = summary.low.map((value, i) => Math.min(value, before.low[i]));
+    const high = summary.high.map((value, i) => Math.max(value, before.high[i]));
     const size = Math.max(...high.map((value, i) => value - low[i])) || 1;
     const middle = low.map((value, i) => (value + high[i]) / 2);
     const place = (positions) => Float32Array.from(positions, (value, i) => ((value - middle[i % 3]) * 2) / size);
     const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(place(fine.positions), 3));
-    geometry.setIndex(new BufferAttribute(fine.faces, 1));
+    geometry.setAttribute("position", new BufferAttribute(place(drawn.positions), 3));
+    geometry.setIndex(new BufferAttribute(drawn.faces, 1));
     if (distances) {
       const most = distances.reduce((a, b) => Math.max(a, b), 0) || 1;
-      const colors = new Float32Array(fine.positions.length);
+      const colors = new Float32Array(drawn.positions.length);
       const shade = new Color();
       distances.forEach((distance, i) => {
         const t = (distance / most) * (RAMP.length - 1);
@@ -159,12 +170,16 @@ export function meshTab(app, section) {
     const lines = new BufferGeometry();
     lines.setAttribute("position", new BufferAttribute(place(base.positions), 3));
     const edges = new Set();
-    for (let f = 0; f < base.faces.length && base.faces.length < 900000; f += 3)
-      for (let c = 0; c < 3; c++) {
-        const [a, b] = [base.faces[f + c], base.faces[f + ((c + 1) % 3)]];
+    const { faces, offsets } = base;
+    const count = offsets ? offsets.length - 1 : faces.length / 3;
+    for (let f = 0; f < count && faces.length < 900000; f++) {
+      const [begin, end] = offsets ? [offsets[f], offsets[f + 1]] : [3 * f, 3 * f + 3];
+      for (let c = begin; c < end; c++) {
+        const [a, b] = [faces[c], faces[c + 1 < end ? c + 1 : begin]];
         if (a < b) edges.add(a * 2 ** 26 + b);
         else edges.add(b * 2 ** 26 + a);
       }
+    }
     const indices = new Uint32Array(2 * edges.size);
     let at = 0;
     for (const edge of edges) {
@@ -188,9 +203,10 @@ export function meshTab(app, section) {
         ["area", digits(before.area), digits(summary.area)],
         ["volume", digits(before.volume), digits(summary.volume)],
         ["scheme", "", result.scheme],
-        ["mean quality", digits(before.mean_quality, 3), digits(summary.mean_quality, 3)],
+        ["mean quality of triangles", digits(before.mean_quality, 3), digits(summary.mean_quality, 3)],
       ]),
       ...(result.base.distance === undefined ? [] : [h("p.hint", {}, `Decimated by at most ${digits(result.base.distance, 3)}, proven.`)]),
+      ...(result.triangulated ? [h("p.hint", {}, "The polygons were cut into triangles; catmull-clark refines them as they are.")] : []),
       ...(fine.fallback ? [h("p.hint", {}, `${fine.fallback} places fell back to a classical rule.`)] : []),
     );
   }
@@ -258,7 +274,7 @@ export function meshTab(app, section) {
       const answer = await app.engine.call("readMesh", { bytes, options: {} }, "Reading");
       coarse = answer.mesh;
       file = chosen.name;
-      app.say([...(answer.triangulated ? ["Polygons were cut into triangles"] : []), ...coarse.notes].join("; "));
+      app.say(coarse.notes.join("; "));
       Object.assign(state, { example: "", keep: 100, within: 0, repair: !answer.summary.manifold || /\.stl$/i.test(file) });
       if (coarse.faces.length / 3 > 60000) state.levels = Math.min(state.levels, 1);
       controls();
@@ -309,14 +325,45 @@ export function meshTab(app, section) {
       const limits = state.limit && LIMITED(state.scheme);
       const input = state.example ? "mesh.obj" : file;
       const less = decimation();
-      const coarser = less ? "coarse.ply" : input;
-      const target = less && (less.error ? `--error ${Number(less.error.toFixed(4))}%` : `--ratio ${less.ratio}`);
+      const { triangulated = false, scheme: made = state.scheme } = result ?? {};
+      const quads = made === "catmull-clark"; // the fine mesh has polygons
+      const cuts = triangulated ? " --triangulate" : "";
       const repairs = state.repair ? " --repair" : "";
-      return {
-        shell: `${less ? `batten decimate ${input} ${target}${repairs} -o coarse.ply\n` : ""}batten mesh ${coarser} --scheme ${state.scheme}${fair ? ` --fairness ${state.fairness}` : ""} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${limits ? " --limit" : ""}${less ? "" : repairs}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
-        c: `bat_mesh coarse, fine;\nbat_error error;\nbat_mesh_read("${input}", NULL, &coarse, &error);${less ? `\nbat_mesh_decimate_options less = bat_mesh_decimate_defaults();\n${less.error ? `less.error = ${less.error};\nless.relative_error = true;` : `less.ratio = ${less.ratio};`}\nbat_mesh small;\nbat_mesh_decimate(&coarse, &less, &small, NULL, &error);` : ""}\nbat_mesh_refine_options options = bat_mesh_refine_defaults();\nbat_mesh_scheme_by_name("${state.scheme}", &options.scheme, &error);\noptions.levels = ${state.levels};${fair ? `\noptions.fairness = ${state.fairness};` : ""}${creases ? `\noptions.crease_angle = ${state.crease} * 3.14159265358979 / 180;` : ""}${limits ? "\noptions.limit = true;" : ""}\nif (bat_mesh_refine(&${less ? "small" : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);`,
-        python: `import batten\n${creases ? "import math\n" : ""}import trimesh\n\nmesh = trimesh.load("${input}")\n${less ? `mesh = batten.decimate(mesh, ${less.error ? `error=${less.error}, relative_error=True` : `ratio=${less.ratio}`}, map=False).mesh\n` : ""}fine = batten.refine_mesh(mesh, scheme="${state.scheme}", levels=${state.levels}${fair ? `, fairness=${state.fairness}` : ""}${creases ? `, crease_angle=math.radians(${state.crease})` : ""}${limits ? ", limit=True" : ""})`,
-      };
+      const target = less && (less.error ? `--error ${Number(less.error.toFixed(4))}%` : `--ratio ${less.ratio}`);
+      const shell = [
+        ...(less ? [`batten decimate ${input} ${target}${cuts}${repairs} -o coarse.ply`] : []),
+        `batten mesh ${less ? "coarse.ply" : input} --scheme ${state.scheme}${fair ? ` --fairness ${state.fairness}` : ""} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${limits ? " --limit" : ""}${less ? "" : cuts + repairs}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
+      ];
+
+      // Triangles are read, decimated, and made polygons where the scheme needs them; polygons are read as they are.
+      const direct = quads && !less; // polygons from the file on
+      const kind = (polygons) => (polygons ? "bat_polygon_mesh" : "bat_mesh");
+      const read = triangulated || state.repair ? "&read" : "NULL";
+      const c = [
+        `${kind(direct)} coarse;`, `${kind(quads)} fine;`, "bat_error error;",
+        ...(read === "NULL" ? [] : ["bat_mesh_read_options read = bat_mesh_read_defaults();"]),
+        ...(triangulated ? ["read.triangulate = true;"] : []),
+        ...(state.repair ? ["read.repair = true;"] : []),
+        `${kind(direct)}_read("${input}", ${read}, &coarse, &error);`,
+        ...(less ? ["bat_mesh_decimate_options less = bat_mesh_decimate_defaults();", ...(less.error ? [`less.error = ${less.error};`, "less.relative_error = true;"] : [`less.ratio = ${less.ratio};`]), "bat_mesh small;", "bat_mesh_decimate(&coarse, &less, &small, NULL, &error);"] : []),
+        ...(less && quads ? ["bat_polygon_mesh polygons;", "bat_polygon_mesh_of_triangles(&small, &polygons, &error);"] : []),
+        "bat_mesh_refine_options options = bat_mesh_refine_defaults();",
+        `bat_mesh_scheme_by_name("${state.scheme}", &options.scheme, &error);`, `options.levels = ${state.levels};`,
+        ...(fair ? [`options.fairness = ${state.fairness};`] : []),
+        ...(creases ? [`options.crease_angle = ${state.crease} * 3.14159265358979 / 180;`] : []),
+        ...(limits ? ["options.limit = true;"] : []),
+        `if (${kind(quads)}_refine(&${less ? (quads ? "polygons" : "small") : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)`, '    fprintf(stderr, "%s\\n", error.text);',
+      ];
+
+      const own = direct || triangulated || state.repair; // else any package can read the file
+      const reading = [...(triangulated ? [", triangulate=True"] : []), ...(state.repair ? [", repair=True"] : [])].join("");
+      const python = [
+        "import batten", ...(creases ? ["import math"] : []), ...(own ? [] : ["import trimesh"]), "",
+        own ? `mesh = batten.${direct ? "PolygonMesh" : "Mesh"}.read("${input}"${reading})` : `mesh = trimesh.load("${input}")`,
+        ...(less ? [`mesh = batten.decimate(mesh, ${less.error ? `error=${less.error}, relative_error=True` : `ratio=${less.ratio}`}, map=False).mesh`] : []),
+        `fine = batten.refine_mesh(mesh, scheme="${state.scheme}", levels=${state.levels}${fair ? `, fairness=${state.fairness}` : ""}${creases ? `, crease_angle=math.radians(${state.crease})` : ""}${limits ? ", limit=True" : ""})`,
+      ];
+      return { shell: shell.join("\n"), c: c.join("\n"), python: python.join("\n") };
     },
   };
 }

@@ -89,6 +89,35 @@ describe("equal to the native program", () => {
       assert.equal(faces(text), faces(readFileSync(out, "utf8")));
     });
 
+  for (const [name, options, flags] of [
+    ["auto", {}, []],
+    ["on the limit surface", { scheme: "catmull-clark", limit: true }, ["--scheme", "catmull-clark", "--limit"]],
+    ["with creases by angle", { crease_angle: (50 * Math.PI) / 180 }, ["--crease-angle", "50"]],
+    ["with sharp corners of the boundary", { boundary: "corners" }, ["--boundary", "corners"]],
+  ])
+    test(`a cage of polygons, ${name}`, () => {
+      const cage = join(folder, "polygons.obj");
+      const out = join(folder, "fine-polygons.obj");
+      writeFileSync(cage, POLYGONS);
+      native("mesh", cage, ...flags, "--levels", "3", "-o", out);
+      const coarse = batten.bat_polygon_mesh_read_memory(POLYGONS);
+      const fine = batten.bat_polygon_mesh_refine(coarse, { ...options, levels: 3 });
+      assert.equal(fine.offsets.length - 1, fine.faces.length / 4);
+      compare(decode(batten.bat_polygon_mesh_write_memory(fine, { format: "obj" })), out, 1e-12);
+    });
+
+  test("triangles by catmull-clark", () => {
+    const cage = join(folder, "triangles.obj");
+    const out = join(folder, "quads.ply");
+    native("shape", "cage", "-o", cage);
+    native("mesh", cage, "--scheme", "catmull-clark", "--levels", "2", "-o", out);
+    const polygons = batten.bat_polygon_mesh_of_triangles(batten.bat_mesh_read_memory(readFileSync(cage)));
+    const fine = batten.bat_polygon_mesh_refine(polygons, { scheme: "catmull-clark", levels: 2 });
+    const theirs = batten.bat_polygon_mesh_read_memory(readFileSync(out));
+    assert.deepEqual([fine.faces, fine.offsets], [theirs.faces, theirs.offsets]);
+    fine.positions.forEach((value, i) => assert.ok(Math.abs(value - theirs.positions[i]) < 1e-12));
+  });
+
   test("a decimated mesh", () => {
     const fine = join(folder, "creature.ply");
     const out = join(folder, "coarse.obj");
@@ -159,8 +188,24 @@ describe("values", () => {
     assert.equal(batten.bat_mesh_refine(cube(), { levels: 1, limit: true, limit_normals: true, scheme: "loop" }).limit_normals.length, 3 * 26);
   });
   test("tables name what the functions take", () => {
-    for (const { name } of batten.bat_mesh_scheme_list()) assert.ok(batten.bat_mesh_refine(cube(), { scheme: name, levels: 1 }).faces.length > 36);
+    const polygons = batten.bat_polygon_mesh_of_triangles(cube());
+    for (const { name } of batten.bat_mesh_scheme_list()) assert.ok(batten.bat_polygon_mesh_refine(polygons, { scheme: name, levels: 1 }).faces.length > 36);
+    for (const option of ["boundary", "creasing", "linear"])
+      for (const { name } of batten[`bat_mesh_${option}_list`]()) assert.equal(batten.bat_mesh_refine(cube(), { scheme: "loop", levels: 1, [option]: name }).faces.length, 144);
     for (const list of ["bat_space_list", "bat_curve_scheme_list", "bat_motion_list", "bat_mesh_format_list"]) assert.ok(batten[list]().length > 2);
+  });
+  test("polygons as rows, their triangles and normals", () => {
+    const quads = { positions: cube().positions, faces: [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]] };
+    assert.equal(batten.bat_polygon_mesh_scheme_for(quads), "catmull-clark");
+    assert.equal(batten.bat_polygon_mesh_triangulate(quads).faces.length, 36);
+    const fine = batten.bat_polygon_mesh_refine(quads, { levels: 1 });
+    assert.deepEqual([...fine.offsets], Array.from({ length: 25 }, (_, i) => 4 * i));
+    const normals = batten.bat_polygon_mesh_limit_normals(fine);
+    const outward = (at) => [0, 1, 2].reduce((sum, k) => sum + normals[at + k] * fine.positions[at + k], 0);
+    for (let i = 0; i < normals.length; i += 3) assert.ok(outward(i) > 0.5);
+    const labelled = batten.bat_polygon_mesh_read_memory(`${TEXTURED.replace("f 1/1 2/2 3/3", "f 1/1 2/2 3/3 4/4").split("g side")[0]}`);
+    assert.deepEqual([[...labelled.texture_faces], labelled.labels[0].material], [[0, 1, 2, 3], "wood"]);
+    assert.equal(batten.bat_polygon_mesh_refine(labelled, { levels: 1 }).texture.length, 18);
   });
   test("memory is given back", () => {
     // Curves that stay would need 160 MB more.
@@ -188,6 +233,27 @@ f 1/1 2/2 3/3
 g side
 usemtl steel
 f 1/1 3/3 4/4
+`;
+/** An L with thickness: hexagons and quads, open at one end. */
+const POLYGONS = `v 0 0 0
+v 3 0 0
+v 3 1 0
+v 1 1 0
+v 1 3 0
+v 0 3 0
+v 0 0 1
+v 3 0 1
+v 3 1 1
+v 1 1 1
+v 1 3 1
+v 0 3 1
+f 6 5 4 3 2 1
+f 7 8 9 10 11 12
+f 1 2 8 7
+f 2 3 9 8
+f 3 4 10 9
+f 4 5 11 10
+f 6 1 7 12
 `;
 const cube = () => ({
   positions: [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]],
@@ -222,6 +288,13 @@ describe("failures", () => {
     fails(() => batten.bat_mesh_refine(cube(), { scheme: "learned", fairness: 2 }), "invalid argument", /fairness/);
     fails(() => batten.bat_mesh_decimate(cube(), { ratio: 0.5, faces: 4 }), "invalid argument", /./);
     fails(() => batten.bat_mesh_refine({ ...cube(), texture: [[0, 0]], texture_faces: [0, 0, 0] }), "invalid argument", /texture_faces/);
+    fails(() => batten.bat_mesh_refine({ positions: cube().positions, faces: [[0, 3, 2, 1]] }), "invalid argument", /takes triangles/);
+    fails(() => batten.bat_polygon_mesh_refine({ ...cube(), faces: [0, 3, 2, 1], offsets: [0, 5] }), "invalid argument", /offsets/);
+    fails(() => batten.bat_polygon_mesh_refine({ ...cube(), faces: [0, 3, 2, 1, 0], offsets: [0, 4, 3, 5] }), "invalid argument", /offsets/);
+    fails(() => batten.bat_polygon_mesh_refine({ ...cube(), faces: [0, 3, 2, 1] }), "invalid argument", /rows/);
+    fails(() => batten.bat_polygon_mesh_refine({ ...cube(), faces: [[0, 3, 2, 9]] }), "invalid point", /9/);
+    fails(() => batten.bat_polygon_mesh_refine({ ...cube(), faces: [[0, 3, 2, 1]] }, { scheme: "loop" }), "unsupported", /corners/);
+    fails(() => batten.bat_mesh_refine({ ...cube(), rules: { boundary: "nope" } }), "invalid argument", /nope/);
     fails(() => batten.bat_mesh_refine({ ...cube(), channels: [1], channel_names: ["s"] }), "invalid argument", /channels/);
   });
   test("a progress function stops a call", () => {

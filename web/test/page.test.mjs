@@ -4,13 +4,14 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
 import puppeteer from "puppeteer-core";
 
-const { BATTEN: program, SOURCE: source, CHROMIUM: chromium, PAGE: file, SHOTS: shots } = process.env;
+const { SOURCE: source, CHROMIUM: chromium, PAGE: file, SHOTS: shots } = process.env;
+const program = resolve(process.env.BATTEN); // some commands run in another folder
 const TABS = ["curve", "map", "motion", "mesh", "analyze", "scan"];
 const data = (name) => join(source, "examples/data", name);
 /** The limit of the compressed page, in bytes. */
@@ -69,6 +70,17 @@ const until = (expression) =>
   page
     .waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`, WAIT)
     .catch(async (error) => assert.fail(`${expression} did not hold: ${error.message}; ${await inspect("JSON.stringify({ ...state, points: undefined })")} ${await alertText()}`));
+/** Choose in a list of the current tab, by its label. */
+const choose = (label, value) =>
+  page.evaluate(
+    (title, chosen) => {
+      const box = [...document.querySelectorAll(`#${window.batten.current()} label`)].find((one) => one.textContent.startsWith(title)).querySelector("select");
+      box.value = chosen;
+      box.dispatchEvent(new Event("change"));
+    },
+    label,
+    value,
+  );
 const focus = (point) => page.$eval(`#curve .stage svg circle:nth-of-type(${point})`, (circle) => circle.focus());
 const alertText = () => page.$eval("#alert", (box) => box.textContent);
 
@@ -193,6 +205,25 @@ test("good and broken files", async () => {
   await drop(cage);
   await until("result.before.vertices === 162");
   assert.equal(await alertText(), "");
+  // Polygons stay polygons, and so do the edges that are drawn.
+  const cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  await drop("cube.obj", cube);
+  await until('result.before.faces === 6 && result.scheme === "catmull-clark"');
+  assert.equal(await inspect("result.summary.faces"), 6 * 4 ** (await inspect("state.levels")));
+  const commands = () => page.evaluate(() => window.batten.tabs.mesh.commands());
+  assert.match((await commands()).python, /PolygonMesh\.read\("cube\.obj"\)/);
+  writeFileSync(join(folder, "cube.obj"), cube);
+  const [verb, ...words] = (await commands()).shell.replace("batten ", "").split(" ");
+  execFileSync(program, [verb, ...words, "--quiet"], { cwd: folder });
+  const theirs = readFileSync(join(folder, "fine.obj"), "utf8").split("\n").filter((line) => line.startsWith("v ")).flatMap((line) => line.split(" ").slice(1).map(Number));
+  const ours = await inspect("[...result.fine.positions]");
+  assert.equal(ours.length, theirs.length);
+  ours.forEach((value, i) => assert.ok(Math.abs(value - theirs[i]) < 1e-12));
+  await choose("Scheme", "loop");
+  await until("result.triangulated && result.summary.faces === 12 * 4 ** state.levels");
+  assert.match((await commands()).shell, /--triangulate/);
+  assert.match((await commands()).c, /read\.triangulate = true/);
+  await choose("Scheme", "auto");
   await tab("map");
   await drop("broken.geojson", '{"type":"FeatureCollection",\n"features":[}');
   await page.waitForFunction(() => /broken\.geojson:2: /.test(document.getElementById("alert").textContent), WAIT);
