@@ -6,7 +6,6 @@
 #include "curve/stop.h"
 #include "space/known.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -228,12 +227,18 @@ index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t
     return (index_range){begin, begin + length + ((doubled & 1) == 0 ? 1 : 0)};
 }
 
+/// The most levels: sizes must bear a shift by them.
+enum
+{
+    MOST_LEVELS = SIZE_MAX > UINT32_MAX ? CASCADE_MOST_LEVELS : 31
+};
+
 bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit)
 {
     size_t support = (size_t)abs(kernel->first) + (size_t)abs(kernel->last);
     size_t most = (size_t)PTRDIFF_MAX / 8 / sizeof(double) / kernel->dim;
-    return levels <= CASCADE_MOST_LEVELS && levels < CHAR_BIT * sizeof(size_t) && count <= limit >> levels &&
-           count <= SIZE_MAX - support && count + support <= most >> levels;
+    return levels <= MOST_LEVELS && count <= limit >> levels && count <= SIZE_MAX - support &&
+           count + support <= most >> levels;
 }
 
 static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, refine_plan *plan, bat_error *error)
