@@ -10,7 +10,7 @@
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make web        the page out/web/index.html and the npm package in web/npm
-#   make web-test   their tests, and the library's unit tests as 32-bit code under Node
+#   make web-test   their tests, and unit tests of the library as 32-bit code under Node
 #   make style      check the format and run clang-tidy; `make format` formats
 #   make install    the library and the program to PREFIX, below DESTDIR
 #   make install-research  the library batten-research beside them
