@@ -2,7 +2,7 @@
 // BAT_INVALID_ARGUMENT, a text that names the field, and untouched results.
 
 #include "check.h"
-#include "mesh_makers.h"
+#include "polygon_makers.h"
 
 #include "batten/batten.h"
 #include "batten/research/map_shapes.h"
@@ -443,6 +443,32 @@ static bat_status call_mesh_refine(const void *options, digest *result, bat_erro
     return status;
 }
 
+static digest digest_of_polygons(bat_polygon_mesh *mesh)
+{
+    digest sum = digest_of(mesh->positions, 3 * mesh->vertex_count * sizeof(double)) +
+                 digest_of(mesh->faces, mesh->offsets[mesh->face_count] * sizeof(uint32_t));
+    bat_polygon_mesh_free(mesh);
+    return sum;
+}
+
+static bat_status call_polygon_mesh_refine(const void *options, digest *result, bat_error *error)
+{
+    bat_polygon_mesh coarse = polygon_cube(), fine;
+    size_t fallback;
+    mark(&fine, sizeof fine);
+    mark(&fallback, sizeof fallback);
+    bat_status status = bat_polygon_mesh_refine(&coarse, options, &fine, &fallback, error);
+    bat_polygon_mesh_free(&coarse);
+    if (status == BAT_OK)
+        *result = digest_of_polygons(&fine) + fallback;
+    else
+    {
+        check_marked(&fine, sizeof fine);
+        check_marked(&fallback, sizeof fallback);
+    }
+    return status;
+}
+
 static bat_status call_mesh_decimate(const void *options, digest *result, bat_error *error)
 {
     bat_mesh fine = mesh_torus(12, 8), coarse;
@@ -494,12 +520,33 @@ static bat_status call_mesh_read(const void *options, digest *result, bat_error 
     return status;
 }
 
+static bat_status call_polygon_mesh_read(const void *options, digest *result, bat_error *error)
+{
+    bat_polygon_mesh mesh;
+    mark(&mesh, sizeof mesh);
+    bat_status status = bat_polygon_mesh_read_memory(OBJ, sizeof OBJ - 1, options, &mesh, error);
+    if (status == BAT_OK)
+        *result = digest_of_polygons(&mesh);
+    else
+        check_marked(&mesh, sizeof mesh);
+    return status;
+}
+
 static bat_status call_mesh_write(const void *options, digest *result, bat_error *error)
 {
     bat_mesh mesh = mesh_octahedron();
     const char *path = output(".ply");
     bat_status status = finish_file(path, bat_mesh_write(path, &mesh, options, error), result);
     bat_mesh_free(&mesh);
+    return status;
+}
+
+static bat_status call_polygon_mesh_write(const void *options, digest *result, bat_error *error)
+{
+    bat_polygon_mesh mesh = polygon_cube();
+    const char *path = output(".ply");
+    bat_status status = finish_file(path, bat_polygon_mesh_write(path, &mesh, options, error), result);
+    bat_polygon_mesh_free(&mesh);
     return status;
 }
 
@@ -700,7 +747,8 @@ typedef struct bad_value
     {
         BAD_INT, ///< also enumerations
         BAD_SIZE,
-        BAD_NUMBER
+        BAD_NUMBER,
+        BAD_POINTER ///< not null, whatever the value is
     } kind;
     double value;
 } bad_value;
@@ -825,13 +873,17 @@ static const option_family FAMILIES[] = {
      {BAD(motion_picture, width, BAD_NUMBER, 99), BAD(motion_picture, height, BAD_NUMBER, NAN),
       BAD(motion_picture, pixels_per_point, BAD_NUMBER, 0), BAD(motion_picture, poses, BAD_SIZE, 1001)}},
     {HEAD(mesh_refine),
-     {call_mesh_refine},
+     {call_mesh_refine, call_polygon_mesh_refine},
      {BAD(mesh_refine, scheme, BAD_INT, 17), BAD(mesh_refine, scheme, BAD_INT, -1),
       BAD(mesh_refine, then, BAD_INT, BAT_MESH_SCHEME_SQRT3), BAD(mesh_refine, then, BAD_INT, 17),
       BAD(mesh_refine, fairness, BAD_NUMBER, -0.1), BAD(mesh_refine, fairness, BAD_NUMBER, 1.1),
       BAD(mesh_refine, fairness, BAD_NUMBER, NAN), BAD(mesh_refine, levels, BAD_SIZE, 33),
       BAD(mesh_refine, crease_angle, BAD_NUMBER, NAN), BAD(mesh_refine, crease_angle, BAD_NUMBER, -1),
-      BAD(mesh_refine, crease_angle, BAD_NUMBER, 4), BAD(mesh_refine, threads, BAD_INT, -1)}},
+      BAD(mesh_refine, crease_angle, BAD_NUMBER, 4), BAD(mesh_refine, threads, BAD_INT, -1),
+      BAD(mesh_refine, limit_normals, BAD_POINTER, 1), // without `limit`
+      BAD(mesh_refine, rules.boundary, BAD_INT, 4), BAD(mesh_refine, rules.creasing, BAD_INT, 3),
+      BAD(mesh_refine, rules.linear, BAD_INT, -1), BAD(mesh_refine, tolerance, BAD_NUMBER, -1),
+      BAD(mesh_refine, tolerance, BAD_NUMBER, INFINITY), BAD(mesh_refine, max_edge, BAD_NUMBER, NAN)}},
     {HEAD(mesh_decimate),
      {call_mesh_decimate},
      {BAD(mesh_decimate, least_normal, BAD_NUMBER, 1.5), BAD(mesh_decimate, least_normal, BAD_NUMBER, NAN),
@@ -844,10 +896,11 @@ static const option_family FAMILIES[] = {
      {BAD(mesh_compare, samples, BAD_SIZE, 0), BAD(mesh_compare, samples, BAD_SIZE, 0x1p41),
       BAD(mesh_compare, tolerance, BAD_NUMBER, -1), BAD(mesh_compare, tolerance, BAD_NUMBER, NAN),
       BAD(mesh_compare, threads, BAD_INT, -1)}},
-    {HEAD(mesh_read), {call_mesh_read}, {BAD(mesh_read, format, BAD_INT, 9)}},
+    {HEAD(mesh_read), {call_mesh_read, call_polygon_mesh_read}, {BAD(mesh_read, format, BAD_INT, 9)}},
     {HEAD(mesh_write),
-     {call_mesh_write},
-     {BAD(mesh_write, format, BAD_INT, 9), BAD(mesh_write, encoding, BAD_INT, 3), BAD(mesh_write, threads, BAD_INT, -1)}},
+     {call_mesh_write, call_polygon_mesh_write},
+     {BAD(mesh_write, format, BAD_INT, 9), BAD(mesh_write, encoding, BAD_INT, 3), BAD(mesh_write, threads, BAD_INT, -1),
+      BAD(mesh_write, normals, BAD_INT, 3), BAD(mesh_write, normals, BAD_INT, -1)}},
     {HEAD(mesh_picture),
      {call_mesh_picture},
      {BAD(mesh_picture, width, BAD_NUMBER, -1), BAD(mesh_picture, height, BAD_NUMBER, NAN),
@@ -936,12 +989,16 @@ static void null_means_the_defaults(void **state)
 
 static void spoil(unsigned char *options, const bad_value *bad)
 {
+    static double *pointed;
+    double **pointer = &pointed;
     int whole = bad->kind == BAD_INT ? (int)bad->value : 0;
     size_t size = bad->kind == BAD_SIZE ? (size_t)bad->value : 0;
     if (bad->kind == BAD_INT)
         memcpy(options + bad->offset, &whole, sizeof whole);
     else if (bad->kind == BAD_SIZE)
         memcpy(options + bad->offset, &size, sizeof size);
+    else if (bad->kind == BAD_POINTER)
+        memcpy(options + bad->offset, (const void *)&pointer, sizeof pointer);
     else
         memcpy(options + bad->offset, &bad->value, sizeof bad->value);
 }
@@ -967,7 +1024,8 @@ static void fields_out_of_range_are_refused(void **state)
             family->defaults(options);
             spoil(options, bad);
             if (family->check(options, &own) != BAT_INVALID_ARGUMENT ||
-                strncmp(own.text, name_of(bad), strlen(name_of(bad))) != 0)
+                (strncmp(own.text, name_of(bad), strlen(name_of(bad))) != 0 &&
+                 strncmp(own.text, bad->field, strlen(bad->field)) != 0))
                 fail_msg("%s: %s of %g: '%s'", family->name, bad->field, bad->value, own.text);
             for (size_t c = 0; c < MOST_CALLS && family->calls[c] != NULL; c++)
             {
@@ -978,6 +1036,40 @@ static void fields_out_of_range_are_refused(void **state)
                              (int)status, error.text);
             }
         }
+}
+
+/// Any bound on memory is valid. A refinement that needs more is refused, and a sufficient bound changes nothing.
+static void memory_is_bounded(void **state)
+{
+    (void)state;
+    option_call *calls[2] = {call_mesh_refine, call_polygon_mesh_refine};
+    for (int i = 0; i < 2; i++)
+    {
+        bat_mesh_refine_options options = bat_mesh_refine_defaults();
+        bat_error error = {.text = ""};
+        digest without = 0, with = 0;
+        check_status(calls[i](&options, &without, &error), BAT_OK);
+        options.max_memory = 1 << 24;
+        check_status(calls[i](&options, &with, &error), BAT_OK);
+        assert_true(with == without);
+        options.max_memory = 1;
+        check_status(calls[i](&options, &with, &error), BAT_TOO_LARGE);
+        assert_non_null(strstr(error.text, "--max-memory"));
+    }
+}
+
+/// At most one target of decimation may be set.
+static void targets_exclude_each_other(void **state)
+{
+    (void)state;
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    bat_error error = {.text = ""};
+    digest result = 0;
+    options.vertices = 20;
+    check_status(call_mesh_decimate(&options, &result, &error), BAT_OK);
+    options.faces = 20;
+    check_status(call_mesh_decimate(&options, &result, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "exclude each other"));
 }
 
 /// The default scheme of a space is known by its name.
@@ -1041,6 +1133,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(null_means_the_defaults),
         cmocka_unit_test(fields_out_of_range_are_refused),
+        cmocka_unit_test(memory_is_bounded),
+        cmocka_unit_test(targets_exclude_each_other),
         cmocka_unit_test(every_space_has_a_default_scheme),
         cmocka_unit_test(tables_are_complete),
     };
