@@ -1,7 +1,11 @@
-// glTF: transforms, modes, joined vertices, sparse values, materials, round trips, and files with faults.
+// glTF: transforms, modes, joined vertices, sparse and quantized values, strides, buffers in files, materials, round trips,
+// wrong endings, and files with faults.
+#include "folder_helpers.h"
 #include "mesh_file_helpers.h"
 
 #include "batten/mesh.h"
+
+#include <sys/stat.h>
 
 // Three floats each: (0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0) in little-endian base64.
 #define POINTS "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA"
@@ -126,6 +130,231 @@ static void test_faults(void **state)
     bad(HEAD "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"]}", BAT_UNSUPPORTED, "KHR_draco_mesh_compression");
 }
 
+/// The positions of a file's vertices, in the order of its corners.
+static void assert_points(const char *text, const double *expected)
+{
+    bat_mesh mesh = must_read(text, BAT_MESH_FORMAT_GLTF);
+    assert_int_equal(mesh.vertex_count, 4);
+    assert_int_equal(mesh.face_count, 2);
+    for (size_t i = 0; i < 12; i++)
+        assert_true(mesh.positions[i] == expected[i]);
+    bat_mesh_free(&mesh);
+}
+
+static const double UNIT_POINTS[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+
+// Vertices 1 and 3 replaced by (5, 0, 0) and (6, 7, 8): two bytes, two of padding, six floats.
+#define SPARSE_BYTES(indices) "data:;base64," indices "AAAAAoEAAAAAAAAAAAAAAwEAAAOBAAAAAQQ=="
+#define SPARSE_FILE(uri, accessor, indices, count)                                                                          \
+    HEAD "\"buffers\":[{\"byteLength\":48,\"uri\":\"" POINTS "\"},{\"byteLength\":28,\"uri\":\"" uri "\"}],"                \
+         "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":1,\"byteLength\":2},"                               \
+         "{\"buffer\":1,\"byteOffset\":4,\"byteLength\":24}]," ACCESSOR(                                                    \
+             accessor ",\"count\":4,\"sparse\":{\"count\":" count ",\"indices\":{" indices                                  \
+                      "\"componentType\":5121},\"values\":{\"bufferView\":2}}") MESH("5")
+#define SPARSE_GOOD "\"bufferView\":1,"
+
+/// Sparse values replace those of the buffer view, or zeros where there is none.
+static void test_sparse(void **state)
+{
+    (void)state;
+    static const double replaced[] = {0, 0, 0, 5, 0, 0, 0, 1, 0, 6, 7, 8};
+    assert_points(SPARSE_FILE(SPARSE_BYTES("AQM"), ",\"bufferView\":0", SPARSE_GOOD, "2"), replaced);
+    // Vertices 0 and 2 are both zero without a view: they are one, and one triangle is left.
+    bat_mesh mesh = must_read(SPARSE_FILE(SPARSE_BYTES("AQM"), "", SPARSE_GOOD, "2"), BAT_MESH_FORMAT_GLTF);
+    static const double zero_based[] = {0, 0, 0, 5, 0, 0, 6, 7, 8};
+    assert_int_equal(mesh.vertex_count, 3);
+    assert_int_equal(mesh.face_count, 1);
+    assert_memory_equal(mesh.positions, zero_based, sizeof zero_based);
+    bat_mesh_free(&mesh);
+    bad(SPARSE_FILE(SPARSE_BYTES("AwE"), ",\"bufferView\":0", SPARSE_GOOD, "2"), BAT_BAD_FILE, "out of order");
+    bad(SPARSE_FILE(SPARSE_BYTES("AQE"), ",\"bufferView\":0", SPARSE_GOOD, "2"), BAT_BAD_FILE, "out of order");
+    bad(SPARSE_FILE(SPARSE_BYTES("AQQ"), ",\"bufferView\":0", SPARSE_GOOD, "2"), BAT_BAD_FILE, "out of range");
+    bad(SPARSE_FILE(SPARSE_BYTES("AQM"), ",\"bufferView\":0", SPARSE_GOOD, "0"), BAT_BAD_FILE, "'count' of 0");
+    bad(SPARSE_FILE(SPARSE_BYTES("AQM"), ",\"bufferView\":0", SPARSE_GOOD, "5"), BAT_BAD_FILE, "'count' of 5");
+    bad(SPARSE_FILE(SPARSE_BYTES("AQM"), ",\"bufferView\":0", SPARSE_GOOD, "3"), BAT_BAD_FILE, "not within");
+    bad(SPARSE_FILE(SPARSE_BYTES("AQM"), ",\"bufferView\":0", "", "2"), BAT_BAD_FILE, "lacks a 'bufferView'");
+}
+
+// The four points, each after four bytes of 255; the last one ends the buffer.
+#define STRIDED                                                                                                             \
+    "data:application/octet-stream;base64,"                                                                                 \
+    "/////wAAAAAAAAAAAAAAAP////8AAIA/AAAAAAAAAAD/////AAAAAAAAgD8AAAAA/////wAAgD8AAIA/AAAAAA=="
+#define STRIDED_FILE(view, accessor)                                                                                        \
+    HEAD "\"buffers\":[{\"byteLength\":64,\"uri\":\"" STRIDED "\"}]," VIEW(view)                                            \
+        ACCESSOR(",\"bufferView\":0,\"count\":4" accessor) MESH("5")
+
+/// Rows begin at multiples of the stride from the offsets of the view and of the accessor; the last one may be short.
+static void test_strides(void **state)
+{
+    (void)state;
+    assert_points(STRIDED_FILE(",\"byteLength\":64,\"byteStride\":16", ",\"byteOffset\":4"), UNIT_POINTS);
+    assert_points(STRIDED_FILE(",\"byteOffset\":4,\"byteLength\":60,\"byteStride\":16", ""), UNIT_POINTS);
+    bad(STRIDED_FILE(",\"byteLength\":64,\"byteStride\":16", ",\"byteOffset\":5"), BAT_BAD_FILE, "not within");
+    bad(STRIDED_FILE(",\"byteOffset\":4,\"byteLength\":59,\"byteStride\":16", ""), BAT_BAD_FILE, "not within");
+    bad(STRIDED_FILE(",\"byteLength\":64,\"byteStride\":256", ""), BAT_BAD_FILE, "'byteStride' of 256");
+}
+
+#define QUANTIZED_FILE(extension, size, bytes, stride, type)                                                                \
+    "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"" extension "\"],\"extensionsRequired\":[\"" extension          \
+    "\"],\"buffers\":[{\"byteLength\":" size ",\"uri\":\"data:;base64," bytes                                               \
+    "\"},{\"byteLength\":16,\"uri\":\"data:;base64,AAAAAP8AAAAA/wAA//8AAA==\"}],\"bufferViews\":[{\"buffer\":0,"            \
+    "\"byteLength\":" size ",\"byteStride\":" stride "},{\"buffer\":1,\"byteLength\":16,\"byteStride\":4}],"                \
+    "\"accessors\":[{\"type\":\"VEC3\",\"bufferView\":0,\"count\":4," type "},{\"type\":\"VEC2\",\"componentType\":5121,"   \
+    "\"normalized\":true,\"bufferView\":1,\"count\":4}],\"nodes\":[{\"mesh\":0,\"scale\":[2,2,2]}],\"meshes\":[{"           \
+    "\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"mode\":5}]}]}"
+#define WORDS "AAAAAAAAAAD/fwAAAAAAAAAA/38AAAAA/3//fwAAAAA="
+
+/// KHR_mesh_quantization: integers, normalized or not, under the scale of their node. A byte of -128 is -1.
+static void test_quantization(void **state)
+{
+    (void)state;
+    static const double fractions[] = {0, 0, 0, 2, 0, 0, 0, 2, 0, 2, 2, 0};
+    static const double whole[] = {0, 0, 0, 65534, 0, 0, 0, 65534, 0, 65534, 65534, 0};
+    static const double bytes[] = {-2, -2, -2, 2, -2, -2, -2, 2, -2, 2, 2, -2};
+    const char *normalized =
+        QUANTIZED_FILE("KHR_mesh_quantization", "32", WORDS, "8", "\"componentType\":5122,\"normalized\":true");
+    assert_points(normalized, fractions);
+    assert_points(QUANTIZED_FILE("KHR_mesh_quantization", "32", WORDS, "8", "\"componentType\":5122"), whole);
+    assert_points(QUANTIZED_FILE("KHR_mesh_quantization", "16", "gICAAH+AgACAf4AAf3+AAA==", "4",
+                                 "\"componentType\":5120,\"normalized\":true"),
+                  bytes);
+    bat_mesh mesh = must_read(normalized, BAT_MESH_FORMAT_GLTF);
+    static const double places[] = {0, 1, 1, 1, 0, 0, 1, 0}; // v is reversed
+    for (size_t c = 0; c < 6; c++)
+        assert_memory_equal(mesh.texture + 2 * (size_t)mesh.texture_faces[c], places + 2 * (size_t)mesh.faces[c],
+                            2 * sizeof(double));
+    bat_mesh_free(&mesh);
+    bad(QUANTIZED_FILE("KHR_mesh_quantization", "32", WORDS, "8", "\"componentType\":5125,\"normalized\":true"),
+        BAT_BAD_FILE, "cannot be normalized");
+    bad(QUANTIZED_FILE("KHR_mesh_quantization", "32", WORDS, "8", "\"componentType\":5124"), BAT_BAD_FILE,
+        "no 'componentType'");
+    bad(QUANTIZED_FILE("VENDOR_mesh_quantization", "32", WORDS, "8", "\"componentType\":5122"), BAT_UNSUPPORTED,
+        "'VENDOR_mesh_quantization', which is not read");
+}
+
+static void put_bytes(const char *path, const void *bytes, size_t size)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void bad_file(const char *path, bat_status expected, const char *words)
+{
+    bat_mesh mesh;
+    bat_error error = {.text = ""};
+    assert_int_equal(bat_mesh_read(path, NULL, &mesh, &error), expected);
+    if (strstr(error.text, words) == NULL)
+        fail_msg("\"%s\" does not say \"%s\"", error.text, words);
+}
+
+#define OUTSIDE(uri)                                                                                                        \
+    HEAD BUFFER(uri)                                                                                                        \
+    GOOD_VIEW GOOD_ACCESSOR MESH("5")
+
+/// Buffers in files: in the folder of the glTF file or below it, with percent escapes, and nowhere else.
+static void test_external_buffers(void **state)
+{
+    (void)state;
+    static const float points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    bat_mesh mesh;
+    assert_int_equal(mkdir("sub", 0700), 0);
+    assert_int_equal(mkdir("sub/a b", 0700), 0);
+    put_bytes("sub/points.bin", points, sizeof points);
+    put_bytes("sub/a b/points.bin", points, sizeof points);
+    put_bytes("points.bin", points, sizeof points - 1);
+    put("sub/beside.gltf", OUTSIDE("points.bin"));
+    put("sub/below.gltf", OUTSIDE("a%20b/points.bin"));
+    put("sub/above.gltf", OUTSIDE("../points.bin"));
+    put("sub/escaped.gltf", OUTSIDE("%2e%2e/points.bin"));
+    put("sub/far.gltf", OUTSIDE("https://example.org/points.bin"));
+    put("sub/root.gltf", OUTSIDE("/etc/passwd"));
+    put("sub/missing.gltf", OUTSIDE("other.bin"));
+    put("short.gltf", OUTSIDE("points.bin"));
+    for (int i = 0; i < 2; i++)
+    {
+        check_status(bat_mesh_read(i == 0 ? "sub/beside.gltf" : "sub/below.gltf", NULL, &mesh, NULL), BAT_OK);
+        assert_memory_equal(mesh.positions, UNIT_POINTS, sizeof UNIT_POINTS);
+        bat_mesh_free(&mesh);
+    }
+    bad_file("sub/above.gltf", BAT_BAD_FILE, "'../points.bin' is no file in the folder");
+    bad_file("sub/escaped.gltf", BAT_BAD_FILE, "is no file in the folder");
+    bad_file("sub/far.gltf", BAT_BAD_FILE, "is no file in the folder");
+    bad_file("sub/root.gltf", BAT_BAD_FILE, "is no file in the folder");
+    bad_file("sub/missing.gltf", BAT_FILE_ACCESS, "'other.bin'");
+    bad_file("short.gltf", BAT_BAD_FILE, "47 bytes instead of 48");
+    static const char *const made[] = {"sub/a b/points.bin",
+                                       "sub/a b",
+                                       "sub/points.bin",
+                                       "sub/beside.gltf",
+                                       "sub/below.gltf",
+                                       "sub/above.gltf",
+                                       "sub/escaped.gltf",
+                                       "sub/far.gltf",
+                                       "sub/root.gltf",
+                                       "sub/missing.gltf",
+                                       "sub"};
+    for (size_t i = 0; i < sizeof made / sizeof *made; i++)
+        assert_int_equal(remove(made[i]), 0);
+}
+
+/// A data URI may name any type, but must be in base64.
+static void test_data_uris(void **state)
+{
+    (void)state;
+    assert_points(HEAD BUFFER("data:application/gltf-buffer;base64,"
+                              "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAACAPwAAgD8AAAAA")
+                      GOOD_VIEW GOOD_ACCESSOR MESH("5"),
+                  UNIT_POINTS);
+    bad(OUTSIDE("data:,abc"), BAT_BAD_FILE, "not in base64");
+    bad(OUTSIDE("data:text/plain,abc"), BAT_BAD_FILE, "not in base64");
+    bad(OUTSIDE("data:;base64"), BAT_BAD_FILE, "not in base64");
+    bad(OUTSIDE("data:;base64,AAA"), BAT_BAD_FILE, "2 bytes instead of 48"); // without padding
+    bad(HEAD "\"buffers\":[{\"byteLength\":48}]," GOOD_VIEW GOOD_ACCESSOR MESH("5"), BAT_BAD_FILE, "neither 'uri'");
+}
+
+/// The content decides where the ending is wrong, with a note; JSON and GLB have one reader.
+static void test_wrong_endings(void **state)
+{
+    (void)state;
+    static const char json[] = HEAD BUFFER(POINTS) GOOD_VIEW GOOD_ACCESSOR MESH("5");
+    bat_mesh mesh = must_read(json, BAT_MESH_FORMAT_GLTF), back;
+    size_t size;
+    char *bytes = must_write(&mesh, BAT_MESH_FORMAT_GLB, BAT_MESH_ENCODING_BINARY, &size);
+    put_bytes("binary.obj", bytes, size);
+    put_bytes("binary.gltf", bytes, size);
+    put("json.glb", json);
+    put("json.ply", json);
+    put("obj.glb", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    static const struct
+    {
+        const char *path, *note;
+    } cases[] = {
+        {"binary.obj", "the content is glb, not obj"},
+        {"binary.gltf", NULL},
+        {"json.glb", NULL},
+        {"json.ply", "the content is gltf, not ply"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_mesh_notes notes = {0};
+        bat_mesh_read_options options = bat_mesh_read_defaults();
+        options.notes = &notes;
+        check_status(bat_mesh_read(cases[i].path, &options, &back, NULL), BAT_OK);
+        assert_same_shape(&mesh, &back);
+        bat_mesh_free(&back);
+        bool noted = false;
+        for (size_t k = 0; k < notes.count; k++)
+            noted = noted || strstr(notes.texts[k], cases[i].note != NULL ? cases[i].note : "the content is") != NULL;
+        assert_true(noted == (cases[i].note != NULL));
+        bat_mesh_notes_free(&notes);
+    }
+    bad_file("obj.glb", BAT_BAD_FILE, "begins neither as GLB");
+    free(bytes);
+    bat_mesh_free(&mesh);
+}
+
 static void test_truncated(void **state)
 {
     (void)state;
@@ -173,9 +402,20 @@ static void test_normals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_modes),         cmocka_unit_test(test_transforms), cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_far_positions), cmocka_unit_test(test_faults),     cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_notes),         cmocka_unit_test(test_normals),
+        cmocka_unit_test(test_modes),
+        cmocka_unit_test(test_transforms),
+        cmocka_unit_test(test_round_trip),
+        cmocka_unit_test(test_far_positions),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_sparse),
+        cmocka_unit_test(test_strides),
+        cmocka_unit_test(test_quantization),
+        cmocka_unit_test_setup_teardown(test_external_buffers, enter_folder, leave_folder),
+        cmocka_unit_test(test_data_uris),
+        cmocka_unit_test_setup_teardown(test_wrong_endings, enter_folder, leave_folder),
+        cmocka_unit_test(test_truncated),
+        cmocka_unit_test(test_notes),
+        cmocka_unit_test(test_normals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
