@@ -32,8 +32,8 @@ void refine_batten(const bat_polygon_mesh &mesh, bool loop, size_t levels)
     bat_polygon_mesh_free(&fine);
 }
 
-/// Print how many times as fast we are, from medians of rounds in turn.
-void compare(const char *name, const bat_polygon_mesh &mesh, bool loop, size_t levels)
+/// How many times as fast we are, from medians of rounds in turn.
+double ratio_of(const bat_polygon_mesh &mesh, bool loop, size_t levels)
 {
     std::vector<double> ours, peers;
     for (int round = 0; round < ROUNDS; round++)
@@ -45,8 +45,21 @@ void compare(const char *name, const bat_polygon_mesh &mesh, bool loop, size_t l
         peer::refine(mesh, loop, bat_mesh_rules{}, static_cast<int>(levels));
         peers.push_back(seconds_now() - start);
     }
-    double ratio = median_of(peers.data(), peers.size()) / median_of(ours.data(), ours.size());
-    std::printf("%-60s %5.1f times as fast (floor %.0f)%s\n", name, ratio, FLOOR, ratio < FLOOR ? "  BELOW" : "");
+    return median_of(peers.data(), peers.size()) / median_of(ours.data(), ours.size());
+}
+
+/// Print the ratios of refinements by `first`, ..., `last` levels.
+void compare(const char *name, const bat_polygon_mesh &mesh, bool loop, size_t first, size_t last)
+{
+    bool below = false;
+    std::printf("%-60s", name);
+    for (size_t levels = first; levels <= last; levels++)
+    {
+        double ratio = ratio_of(mesh, loop, levels);
+        below = below || ratio < FLOOR;
+        std::printf(" %4.1f", ratio);
+    }
+    std::printf(" times as fast (floor %.0f)%s\n", FLOOR, below ? "  BELOW" : "");
 }
 
 /// Make every `step`th edge of the faces sharp for two levels.
@@ -64,14 +77,15 @@ int main()
     bat_mesh irregular = mesh_irregular(120, 60, 2);
     bat_polygon_mesh triangles = polygon_mixed(&irregular, 0, 1), mixed = polygon_mixed(&irregular, 0.8, 1);
     bat_polygon_mesh quads = polygon_torus(120, 60), cube = polygon_cube();
-    compare("Loop, 14,400 irregular triangles, 3 levels", triangles, true, 3);
-    compare("Catmull-Clark, 7,200 quads, 3 levels", quads, false, 3);
-    compare("Catmull-Clark, irregular triangles and quads, 3 levels", mixed, false, 3);
-    compare("Catmull-Clark, a cube, 8 levels", cube, false, 8);
+    std::printf("levels 1, 2, 3, 4\n");
+    compare("Loop, 14,400 irregular triangles", triangles, true, 1, 4);
+    compare("Catmull-Clark, 7,200 quads", quads, false, 1, 4);
+    compare("Catmull-Clark, irregular triangles and quads", mixed, false, 1, 4);
+    compare("Catmull-Clark, a cube, 8 levels", cube, false, 8, 8);
     sharpen(triangles, 10);
     sharpen(mixed, 10);
-    compare("Loop, with creases", triangles, true, 3);
-    compare("Catmull-Clark, with creases", mixed, false, 3);
+    compare("Loop, with creases", triangles, true, 1, 4);
+    compare("Catmull-Clark, with creases", mixed, false, 1, 4);
     bat_mesh_free(&irregular);
     for (bat_polygon_mesh *mesh : {&triangles, &mixed, &quads, &cube})
         bat_polygon_mesh_free(mesh);

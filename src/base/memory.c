@@ -36,7 +36,7 @@ void *memory_array(size_t count, size_t size)
     enum
     {
         CACHE_LINE = 64,
-        LARGE = 8 << 20 ///< bytes
+        LARGE = 2 << 20 ///< bytes
     };
     size_t bytes;
     if (size_multiply_overflows(count, size, &bytes) || bytes > SIZE_MAX - CACHE_LINE)

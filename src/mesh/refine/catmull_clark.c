@@ -47,6 +47,20 @@ static void face_range(const void *context, size_t begin, size_t end)
             face_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
 }
 
+/// Four rows of values.
+typedef struct four_rows
+{
+    const double *a, *b, *c, *d;
+} four_rows;
+
+/// The vertex on an edge from `a` to `b` of this weight of the sharp rule, between faces with the vertices `c` and `d`.
+static inline void blend_row(four_rows of, double sharpness, double *restrict to, size_t dim)
+{
+    double face = (1 - sharpness) / 4, end = 0.5 - face;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = end * (of.a[i] + of.b[i]) + face * (of.c[i] + of.d[i]);
+}
+
 /// Compute the vertex on an edge, from those of its faces.
 static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, bool quads, size_t dim)
 {
@@ -64,12 +78,10 @@ static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, bool quad
             to[i] = 0.5 * (a[i] + b[i]);
         return;
     }
-    double face = (1 - sharpness) / 4, end = 0.5 - face;
     const double *middles = rows->to + faces_begin(links) * dim;
     const double *c = middles + (quads ? half_edge / 4 : sides_face(sides, half_edge)) * dim,
                  *d = middles + (quads ? twin / 4 : sides_face(sides, twin)) * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = end * (a[i] + b[i]) + face * (c[i] + d[i]);
+    blend_row((four_rows){a, b, c, d}, sharpness, to, dim);
 }
 
 static void edge_range(const void *context, size_t begin, size_t end)
@@ -197,48 +209,86 @@ static inline void parent_row(const mesh_rows *rows, uint32_t vertex, size_t dim
         to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (p[i] + q[i]);
 }
 
-/// A smooth vertex on an edge of the parent.
-static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, uint32_t next, uint32_t face, uint32_t twin_next,
-                              uint32_t twin_face, size_t dim)
+/// The new vertices in a face of the parent: those of its child quads and of the edges between them. Its own vertex, which
+/// is smooth.
+static inline void inner_rows(const mesh_rows *rows, uint32_t face, uint32_t begin, uint32_t count, size_t dim)
 {
     const mesh_level *level = rows->level, *parent = level->parent;
     const bat_mesh_connectivity *links = parent->links;
-    uint32_t twin = links->twin[half_edge], vertex = middle_of(links, half_edge);
-    double *restrict to = rows->to + vertex * dim;
-    const double *own = rows->from + vertex * dim, *a = rows->from + parent->faces[half_edge] * dim,
-                 *b = rows->from + parent->faces[next] * dim;
-    if (twin == BAT_MESH_NONE)
-    {
-        for (size_t i = 0; i < dim; i++)
-            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
-        return;
-    }
-    const double *centres = rows->from + faces_begin(links) * dim, *c = centres + face * dim, *d = centres + twin_face * dim;
-    const double *middles = rows->to + faces_begin(level->links) * dim, *p = middles + half_edge * dim,
-                 *q = middles + next * dim, *r = middles + twin * dim, *s = middles + twin_next * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = 0.5 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + ((p[i] + q[i]) + (r[i] + s[i])));
-}
-
-/// A smooth vertex in a face of the parent.
-static inline void centre_row(const mesh_rows *rows, uint32_t face, uint32_t begin, uint32_t count, size_t dim)
-{
-    const mesh_level *level = rows->level;
-    const bat_mesh_connectivity *links = level->parent->links;
     size_t vertex = faces_begin(links) + face;
-    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(level->links) * dim;
+    uint32_t last = begin + count - 1;
+    const double *own = rows->from + vertex * dim;
+    double *middles = rows->to + faces_begin(level->links) * dim, *edges = rows->to + level->links->vertex_count * dim;
     double *restrict to = rows->to + vertex * dim;
     for (size_t i = 0; i < dim; i++)
         to[i] = 0;
-    for (uint32_t h = begin; h < begin + count; h++)
+    for (uint32_t h = begin; h <= last; h++)
     {
-        const double *neighbour = rows->from + middle_of(links, h) * dim, *middle = middles + h * dim;
+        const double *corner = rows->from + parent->faces[h] * dim, *next = rows->from + middle_of(links, h) * dim,
+                     *previous = rows->from + middle_of(links, h > begin ? h - 1 : last) * dim;
+        double *restrict middle = middles + h * dim;
         for (size_t i = 0; i < dim; i++)
-            to[i] += neighbour[i] + middle[i];
+        {
+            middle[i] = 0.25 * (((corner[i] + next[i]) + own[i]) + previous[i]);
+            to[i] += next[i] + middle[i];
+        }
+    }
+    for (uint32_t h = begin; h <= last; h++)
+    {
+        const double *end = rows->from + middle_of(links, h) * dim, *p = middles + h * dim,
+                     *q = middles + (h < last ? h + 1 : begin) * dim;
+        double *restrict edge = edges + level->links->edge[4 * h + 1] * dim;
+        for (size_t i = 0; i < dim; i++)
+            edge[i] = 0.25 * (end[i] + own[i]) + 0.25 * (p[i] + q[i]);
     }
     vertex_mask mask = catmull_clark_smooth_mask(count);
     for (size_t i = 0; i < dim; i++)
         to[i] = mask.own * own[i] + mask.ring * to[i];
+}
+
+/// The half-edges along an edge of the parent, those after them, and their faces.
+typedef struct edge_place
+{
+    uint32_t half_edge, next, face, twin, twin_next, twin_face;
+} edge_place;
+
+/// The new vertices on both halves of an edge of the parent, and the vertex between them, which is smooth.
+static inline void halves_rows(const mesh_rows *rows, const edge_place *at, size_t dim)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
+    const bat_mesh_connectivity *links = parent->links;
+    uint32_t near = 4 * at->half_edge, far = 4 * at->next + 3, vertex = middle_of(links, at->half_edge);
+    double *edges = rows->to + level->links->vertex_count * dim;
+    double *restrict to = rows->to + vertex * dim, *restrict first = edges + level->links->edge[near] * dim,
+                     *restrict second = edges + level->links->edge[far] * dim;
+    const double *own = rows->from + vertex * dim, *a = rows->from + parent->faces[at->half_edge] * dim,
+                 *b = rows->from + parent->faces[at->next] * dim;
+    if (at->twin == BAT_MESH_NONE)
+    {
+        for (size_t i = 0; i < dim; i++)
+        {
+            first[i] = 0.5 * (a[i] + own[i]);
+            second[i] = 0.5 * (own[i] + b[i]);
+            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
+        }
+        return;
+    }
+    const double *centres = rows->from + faces_begin(links) * dim, *c = centres + at->face * dim,
+                 *d = centres + at->twin_face * dim;
+    const double *middles = rows->to + faces_begin(level->links) * dim, *p = middles + at->half_edge * dim,
+                 *q = middles + at->next * dim, *r = middles + at->twin * dim, *s = middles + at->twin_next * dim;
+    if (level->edge_sharpness != NULL)
+    {
+        blend_row((four_rows){a, own, p, s}, edge_weight(level, near), first, dim);
+        blend_row((four_rows){own, b, q, r}, edge_weight(level, far), second, dim);
+    }
+    else
+    {
+        blend_row((four_rows){a, own, p, s}, 0, first, dim);
+        blend_row((four_rows){own, b, q, r}, 0, second, dim);
+    }
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 0.5 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + ((p[i] + q[i]) + (r[i] + s[i])));
 }
 
 static void parent_range(const void *context, size_t begin, size_t end)
@@ -251,8 +301,8 @@ static void parent_range(const void *context, size_t begin, size_t end)
             parent_row(rows, v, rows->dim);
 }
 
-/// The vertices on edges that the parent's faces own.
-static void middle_range(const void *context, size_t begin, size_t end)
+/// The new vertices on the edges that the parent's faces own.
+static void halves_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     const mesh_level *parent = rows->level->parent;
@@ -266,37 +316,47 @@ static void middle_range(const void *context, size_t begin, size_t end)
             continue;
         bool inner = other != BAT_MESH_NONE;
         if (sides->quads && rows->dim == 3)
-            middle_row(rows, h, h % 4 == 3 ? h - 3 : h + 1, h / 4, other % 4 == 3 ? other - 3 : other + 1, other / 4, 3);
-        else
-            middle_row(rows, h, sides_next(sides, h), sides_face(sides, h), inner ? sides_next(sides, other) : 0,
-                       inner ? sides_face(sides, other) : 0, rows->dim);
+        {
+            edge_place at = {h, h % 4 == 3 ? h - 3 : h + 1, h / 4, other, other % 4 == 3 ? other - 3 : other + 1, other / 4};
+            halves_rows(rows, &at, 3);
+            continue;
+        }
+        edge_place at = {h,
+                         sides_next(sides, h),
+                         sides_face(sides, h),
+                         other,
+                         inner ? sides_next(sides, other) : 0,
+                         inner ? sides_face(sides, other) : 0};
+        halves_rows(rows, &at, rows->dim);
     }
 }
 
-static void centre_range(const void *context, size_t begin, size_t end)
+static void inner_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     const mesh_sides *sides = &rows->level->parent->sides;
     for (uint32_t f = (uint32_t)begin; f < end; f++)
         if (sides->quads && rows->dim == 3)
-            centre_row(rows, f, 4 * f, 4, 3);
+            inner_rows(rows, f, 4 * f, 4, 3);
         else
-            centre_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
+            inner_rows(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
 }
 
 void catmull_clark_rule(const mesh_rows *rows, int threads)
 {
     const mesh_level *level = rows->level, *parent = level->parent;
-    mesh_share(face_range, rows, level->links->face_count, threads);
-    mesh_share(edge_range, rows, level->links->face_count, threads);
     if (parent != NULL)
     {
+        mesh_share(inner_range, rows, parent->links->face_count, threads);
+        mesh_share(halves_range, rows, parent->links->face_count, threads);
         mesh_share(parent_range, rows, parent->links->vertex_count, threads);
-        mesh_share(middle_range, rows, parent->links->face_count, threads);
-        mesh_share(centre_range, rows, parent->links->face_count, threads);
     }
     else
+    {
+        mesh_share(face_range, rows, level->links->face_count, threads);
+        mesh_share(edge_range, rows, level->links->face_count, threads);
         mesh_share(vertex_range, rows, level->links->vertex_count, threads);
+    }
     sharpness_visit(level, sharp_vertex_row, rows);
 }
 

@@ -1,6 +1,7 @@
 #include "mesh/refine/loop.h"
 
 #include "mesh/refine/sharpness.h"
+#include "mesh/refine/split.h"
 
 #include <math.h>
 
@@ -97,30 +98,75 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
     write_row(rows, vertex, &mask, ends, dim);
 }
 
-/// Compute the vertex on the parent's edge of a half-edge. It is regular: its neighbours are the ends of that edge and the
-/// vertices on the other edges of both faces.
-static inline void middle_row(const mesh_rows *rows, uint32_t half_edge, size_t dim)
+/// Four rows of values.
+typedef struct four_rows
 {
-    const mesh_level *parent = rows->level->parent;
+    const double *a, *b, *c, *d;
+} four_rows;
+
+/// The vertex on an edge from `a` to `b` of this weight of the sharp rule, with the opposite vertices `c` and `d`.
+static inline void blend_row(four_rows of, double sharpness, double *restrict to, size_t dim)
+{
+    double opposite = (1 - sharpness) / 8, end = 0.5 - opposite;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = end * (of.a[i] + of.b[i]) + opposite * (of.c[i] + of.d[i]);
+}
+
+/// Compute the vertex on the parent's edge of a half-edge and the new vertices on both halves. The first one is regular: its
+/// neighbours are the ends of that edge and the vertices on the other edges of both faces.
+static inline void halves_rows(const mesh_rows *rows, uint32_t half_edge, size_t dim)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
     const uint32_t *edge = parent->links->edge;
     uint32_t twin = parent->links->twin[half_edge], new_vertex = (uint32_t)parent->links->vertex_count;
     uint32_t begin = parent->faces[half_edge], end = mesh_end(parent->faces, half_edge);
-    uint32_t vertex = new_vertex + edge[half_edge];
-    double *restrict to = rows->to + vertex * dim;
-    const double *a = rows->from + begin * dim, *b = rows->from + end * dim;
+    uint32_t vertex = new_vertex + edge[half_edge], near = split_near(half_edge), far = split_far(half_edge);
+    double *edges = rows->to + level->links->vertex_count * dim;
+    double *restrict to = rows->to + vertex * dim, *restrict first = edges + level->links->edge[near] * dim,
+                     *restrict second = edges + level->links->edge[far] * dim;
+    const double *own = rows->from + vertex * dim, *a = rows->from + begin * dim, *b = rows->from + end * dim;
     if (twin == BAT_MESH_NONE)
     {
-        const double *own = rows->from + vertex * dim;
         for (size_t i = 0; i < dim; i++)
+        {
+            first[i] = 0.5 * (a[i] + own[i]);
+            second[i] = 0.5 * (own[i] + b[i]);
             to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
+        }
         return;
     }
-    const double *own = rows->from + vertex * dim, *c = rows->from + (new_vertex + edge[bat_mesh_next(half_edge)]) * dim,
+    const double *c = rows->from + (new_vertex + edge[bat_mesh_next(half_edge)]) * dim,
                  *d = rows->from + (new_vertex + edge[bat_mesh_previous(half_edge)]) * dim,
                  *e = rows->from + (new_vertex + edge[bat_mesh_next(twin)]) * dim,
                  *f = rows->from + (new_vertex + edge[bat_mesh_previous(twin)]) * dim;
+    if (level->edge_sharpness != NULL)
+    {
+        blend_row((four_rows){a, own, d, e}, edge_weight(level, near), first, dim);
+        blend_row((four_rows){own, b, c, f}, edge_weight(level, far), second, dim);
+    }
+    else
+    {
+        blend_row((four_rows){a, own, d, e}, 0, first, dim);
+        blend_row((four_rows){own, b, c, f}, 0, second, dim);
+    }
     for (size_t i = 0; i < dim; i++)
         to[i] = 5.0 / 8 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + (e[i] + f[i]));
+}
+
+/// Compute the new vertices on the edges inside a face of the parent, which are never sharp.
+static inline void inner_rows(const mesh_rows *rows, uint32_t face, size_t dim)
+{
+    const mesh_level *level = rows->level, *parent = level->parent;
+    const uint32_t *corner = parent->faces + 3 * (size_t)face, *edge = parent->links->edge + 3 * (size_t)face;
+    const double *middles = rows->from + parent->links->vertex_count * dim;
+    const double *middle[3] = {middles + edge[0] * dim, middles + edge[1] * dim, middles + edge[2] * dim};
+    double *edges = rows->to + level->links->vertex_count * dim;
+    for (uint32_t c = 0; c < 3; c++)
+    {
+        uint32_t inside = split_near(3 * face + c) + 1;
+        four_rows of = {middle[c], middle[(c + 2) % 3], rows->from + corner[c] * dim, middle[(c + 1) % 3]};
+        blend_row(of, 0, edges + level->links->edge[inside] * dim, dim);
+    }
 }
 
 static void vertex_range(const void *context, size_t begin, size_t end)
@@ -144,19 +190,26 @@ static void parent_range(const void *context, size_t begin, size_t end)
             vertex_row(rows, (uint32_t)v, false, true, rows->dim);
 }
 
-/// The vertices on the edges that some faces of the parent own.
-static void middle_range(const void *context, size_t begin, size_t end)
+/// The new vertices in some faces of the parent and on the edges that these own.
+static void faces_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     const uint32_t *twin = rows->level->parent->links->twin;
-    for (uint32_t h = (uint32_t)(3 * begin); h < 3 * end; h++)
+    for (uint32_t f = (uint32_t)begin; f < end; f++)
     {
-        if (!mesh_owns(twin, h))
-            continue;
+        for (uint32_t h = 3 * f; h < 3 * f + 3; h++)
+        {
+            if (!mesh_owns(twin, h))
+                continue;
+            if (rows->dim == 3)
+                halves_rows(rows, h, 3);
+            else
+                halves_rows(rows, h, rows->dim);
+        }
         if (rows->dim == 3)
-            middle_row(rows, h, 3);
+            inner_rows(rows, f, 3);
         else
-            middle_row(rows, h, rows->dim);
+            inner_rows(rows, f, rows->dim);
     }
 }
 
@@ -175,11 +228,9 @@ static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, size_t di
             to[i] = 0.5 * (a[i] + b[i]);
         return;
     }
-    double opposite = (1 - sharpness) / 8, end = 0.5 - opposite;
     const double *c = rows->from + mesh_opposite(level->faces, half_edge) * dim,
                  *d = rows->from + mesh_opposite(level->faces, twin) * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = end * (a[i] + b[i]) + opposite * (c[i] + d[i]);
+    blend_row((four_rows){a, b, c, d}, sharpness, to, dim);
 }
 
 /// Compute the new vertices on the edges that some faces own.
@@ -210,10 +261,12 @@ void loop_rule(const mesh_rows *rows, int threads)
     if (parent != NULL)
     {
         mesh_share(parent_range, rows, parent->links->vertex_count, threads);
-        mesh_share(middle_range, rows, parent->links->face_count, threads);
+        mesh_share(faces_range, rows, parent->links->face_count, threads);
     }
     else
+    {
         mesh_share(vertex_range, rows, level->links->vertex_count, threads);
-    mesh_share(edge_range, rows, level->links->face_count, threads);
+        mesh_share(edge_range, rows, level->links->face_count, threads);
+    }
     sharpness_visit(level, sharp_vertex_row, rows);
 }

@@ -40,41 +40,7 @@ void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int 
     mesh_share(faces_range, &job, links->face_count, threads);
 }
 
-/// The numbers of the edges in the children of one face: by corner, where the half-edge owns its edge.
-typedef struct child_edges
-{
-    uint32_t near[3], inner[3], far[3];
-} child_edges;
-
-/// Number the edges in the children of one face. Edges are numbered by their smaller half-edges. Before the children of face
-/// f come three inner edges for each earlier face. The halves of the `owned_before` edges that earlier faces own come before
-/// them as well.
-static child_edges number_children(const uint32_t *twin, uint32_t face, uint32_t owned_before)
-{
-    child_edges made;
-    uint32_t next = 3 * face + 2 * owned_before;
-    for (uint32_t c = 0; c < 3; c++)
-    {
-        uint32_t previous = (c + 2) % 3;
-        made.near[c] = next;
-        next += mesh_owns(twin, 3 * face + c);
-        made.inner[c] = next++;
-        made.far[previous] = next;
-        next += mesh_owns(twin, 3 * face + previous);
-    }
-    return made;
-}
-
-/// The number of edges that the faces before the face of a half-edge own. The half-edge owns its edge.
-static uint32_t owned_before(const uint32_t *twin, const uint32_t *edge, uint32_t half_edge)
-{
-    uint32_t count = edge[half_edge];
-    for (uint32_t h = half_edge / 3 * 3; h < half_edge; h++)
-        count -= mesh_owns(twin, h);
-    return count;
-}
-
-/// The same for the first face of a range, which may own no edge.
+/// The number of edges that the faces before a face own.
 static uint32_t owned_before_face(const bat_mesh_connectivity *links, size_t face)
 {
     for (size_t h = 3 * face; h < 3 * links->face_count; h++)
@@ -89,28 +55,15 @@ typedef struct links_job
     bat_mesh_connectivity *fine;
 } links_job;
 
-/// Write the twins and edges of both halves of a half-edge; `own` belongs to its face.
-static void write_halves(const links_job *job, uint32_t half_edge, const child_edges *own)
+/// Join two half-edges of the next level along an edge of this number.
+static inline void join(bat_mesh_connectivity *fine, uint32_t half_edge, uint32_t twin, uint32_t edge)
 {
-    const uint32_t *twin = job->links->twin;
-    uint32_t c = half_edge % 3, other = twin[half_edge], near = split_near(half_edge), far = split_far(half_edge);
-    bat_mesh_connectivity *fine = job->fine;
-    if (other == BAT_MESH_NONE)
-        fine->twin[near] = fine->twin[far] = BAT_MESH_NONE;
-    else
-    {
-        fine->twin[near] = split_far(other);
-        fine->twin[far] = split_near(other);
-    }
-    if (mesh_owns(twin, half_edge))
-    {
-        fine->edge[near] = own->near[c];
-        fine->edge[far] = own->far[c];
+    fine->twin[half_edge] = twin;
+    fine->edge[half_edge] = edge;
+    if (twin == BAT_MESH_NONE)
         return;
-    }
-    child_edges owner = number_children(twin, other / 3, owned_before(twin, job->links->edge, other));
-    fine->edge[near] = owner.far[other % 3];
-    fine->edge[far] = owner.near[other % 3];
+    fine->twin[twin] = half_edge;
+    fine->edge[twin] = edge;
 }
 
 /// The first half-edge at the vertex on an edge, as bat_mesh_connect() chooses it.
@@ -121,28 +74,35 @@ static uint32_t first_of_middle(const uint32_t *twin, uint32_t half_edge)
     return split_near(half_edge) + 1;
 }
 
+/// Join the half-edges in the children of a face, on both sides of the edges that it owns. Edges are numbered by their
+/// smaller half-edges. Before them come three inner edges for each earlier face, and both halves of the `*owned` edges that
+/// earlier faces own.
+static inline void face_links(const links_job *job, uint32_t face, uint32_t *owned)
+{
+    const uint32_t *twin = job->links->twin;
+    uint32_t number = 3 * face + 2 * *owned, begin = 3 * face;
+    for (uint32_t c = 0; c < 3; c++)
+    {
+        uint32_t h = begin + c, previous = begin + (c + 2) % 3, other = twin[h], before = twin[previous];
+        if (other > h)
+        {
+            join(job->fine, split_near(h), other != BAT_MESH_NONE ? split_far(other) : other, number++);
+            ++*owned;
+            if (job->links->first != NULL)
+                job->fine->first[job->links->vertex_count + job->links->edge[h]] = first_of_middle(twin, h);
+        }
+        join(job->fine, split_near(h) + 1, 12 * face + 9 + (c + 2) % 3, number++);
+        if (before > previous)
+            join(job->fine, split_far(previous), before != BAT_MESH_NONE ? split_near(before) : before, number++);
+    }
+}
+
 static void links_range(const void *context, size_t begin, size_t end)
 {
     const links_job *job = context;
-    const bat_mesh_connectivity *links = job->links;
-    uint32_t owned = owned_before_face(links, begin);
+    uint32_t owned = owned_before_face(job->links, begin);
     for (uint32_t f = (uint32_t)begin; f < end; f++)
-    {
-        child_edges own = number_children(links->twin, f, owned);
-        for (uint32_t c = 0; c < 3; c++)
-        {
-            uint32_t h = 3 * f + c, inside = split_near(h) + 1, middle = 12 * f + 9 + (c + 2) % 3;
-            write_halves(job, h, &own);
-            job->fine->twin[inside] = middle;
-            job->fine->twin[middle] = inside;
-            job->fine->edge[inside] = job->fine->edge[middle] = own.inner[c];
-            if (!mesh_owns(links->twin, h))
-                continue;
-            owned++;
-            if (links->first != NULL)
-                job->fine->first[links->vertex_count + links->edge[h]] = first_of_middle(links->twin, h);
-        }
-    }
+        face_links(job, f, &owned);
 }
 
 static void first_range(const void *context, size_t begin, size_t end)
