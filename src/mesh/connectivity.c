@@ -29,11 +29,6 @@ typedef struct corner_list
     uint32_t count; ///< of the corners
 } corner_list;
 
-static inline uint32_t end_of(const corner_list *list, uint32_t half_edge)
-{
-    return list->faces[sides_next(&list->sides, half_edge)];
-}
-
 static bat_status check_corners(const bat_mesh *mesh, bat_error *error)
 {
     if (mesh->face_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE)
@@ -66,19 +61,26 @@ static void count_faces(const corner_list *list, uint32_t *faces_at)
 ///
 /// @param head  workspace, one number for each vertex
 /// @param chain workspace, one number for each half-edge
+/// @param high  workspace, one number for each half-edge: the other end of an edge in a chain
 static bat_status join_twins(const corner_list *list, const uint32_t *faces_at, uint32_t *twin, uint32_t *head,
-                             uint32_t *chain, bat_error *error)
+                             uint32_t *chain, uint32_t *high, bat_error *error)
 {
     const uint32_t *faces = list->faces;
     memset(head, 0xff, list->vertex_count * sizeof *head);
+    uint32_t face = 0, begin = 0, end = list->count > 0 ? sides_begin(&list->sides, 1) : 0;
     for (uint32_t h = 0; h < list->count; h++)
     {
-        uint32_t a = faces[h], b = end_of(list, h);
+        if (h == end)
+        {
+            begin = end;
+            end = sides_begin(&list->sides, ++face + 1);
+        }
+        uint32_t a = faces[h], b = faces[h + 1 < end ? h + 1 : begin];
         bool a_is_low = faces_at[a] != faces_at[b] ? faces_at[a] < faces_at[b] : a < b;
-        uint32_t low = a_is_low ? a : b, high = a_is_low ? b : a;
+        uint32_t low = a_is_low ? a : b, other = head[low];
+        high[h] = a_is_low ? b : a;
         twin[h] = BAT_MESH_NONE;
-        uint32_t other = head[low];
-        while (other != BAT_MESH_NONE && faces[other] != high && end_of(list, other) != high)
+        while (other != BAT_MESH_NONE && high[other] != high[h])
             other = chain[other];
         if (other == BAT_MESH_NONE)
         {
@@ -86,7 +88,6 @@ static bat_status join_twins(const corner_list *list, const uint32_t *faces_at, 
             head[low] = h;
             continue;
         }
-        uint32_t face = sides_face(&list->sides, h);
         if (twin[other] != BAT_MESH_NONE)
             return error_set(error, BAT_NOT_MANIFOLD, face, 0, "face %u is the third at the edge of vertices %u and %u",
                              face, a, b);
@@ -117,9 +118,17 @@ static void number_edges(const corner_list *list, bat_mesh_connectivity *made)
 }
 
 /// Check that the faces around each vertex form a single fan.
+/// @param turned workspace, one number for each half-edge: the one that follows around the vertex where it begins
 static bat_status check_fans(const corner_list *list, const bat_mesh_connectivity *made, const uint32_t *faces_at,
-                             bat_error *error)
+                             uint32_t *turned, bat_error *error)
 {
+    for (uint32_t f = 0; f < list->face_count; f++)
+    {
+        uint32_t begin = sides_begin(&list->sides, f), end = sides_begin(&list->sides, f + 1);
+        turned[begin] = made->twin[end - 1];
+        for (uint32_t h = begin + 1; h < end; h++)
+            turned[h] = made->twin[h - 1];
+    }
     for (size_t v = 0; v < made->vertex_count; v++)
     {
         uint32_t first = made->first[v], h = first;
@@ -129,7 +138,7 @@ static bat_status check_fans(const corner_list *list, const bat_mesh_connectivit
         do
         {
             fan++;
-            h = made->twin[sides_previous(&list->sides, h)];
+            h = turned[h];
         } while (h != BAT_MESH_NONE && h != first);
         if (fan != faces_at[v])
             return error_set(
@@ -149,20 +158,22 @@ static bat_status connect_corners(const corner_list *list, bat_mesh_connectivity
                                   .vertex_count = list->vertex_count,
                                   .face_count = list->face_count};
     uint32_t *faces_at = memory_array(list->vertex_count, sizeof *faces_at);
-    if (made.twin == NULL || made.first == NULL || made.edge == NULL || faces_at == NULL)
+    uint32_t *work = memory_array(list->count, sizeof *work);
+    if (made.twin == NULL || made.first == NULL || made.edge == NULL || faces_at == NULL || work == NULL)
         status = error_memory(error, list->count * sizeof *made.twin);
     if (status == BAT_OK)
     {
         count_faces(list, faces_at);
         // `first` and `edge` serve as workspace until number_edges() fills them.
-        status = join_twins(list, faces_at, made.twin, made.first, made.edge, error);
+        status = join_twins(list, faces_at, made.twin, made.first, made.edge, work, error);
     }
     if (status == BAT_OK)
     {
         number_edges(list, &made);
-        status = check_fans(list, &made, faces_at, error);
+        status = check_fans(list, &made, faces_at, work, error);
     }
     free(faces_at);
+    free(work);
     if (status != BAT_OK)
     {
         bat_mesh_connectivity_free(&made);

@@ -716,15 +716,25 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     return BAT_OK;
 }
 
+static bool has_only_quads(const bat_polygon_mesh *mesh)
+{
+    for (size_t f = 0; f < mesh->face_count; f++)
+        if (mesh->offsets[f + 1] - mesh->offsets[f] != 4)
+            return false;
+    return true;
+}
+
 /// Refine a checked polygon mesh into quads by checked options.
 static bat_status refine_polygons(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
                                   bat_polygon_mesh *fine, bat_error *error)
 {
     mesh_plan plan;
     bat_mesh view = polygon_mesh_view(coarse), made = {0};
-    uint32_t *face_of = polygon_faces_of_corners(coarse), *offsets = NULL;
-    mesh_sides sides = {.offsets = coarse->offsets, .face = face_of};
-    if (face_of == NULL)
+    mesh_sides sides = {.quads = has_only_quads(coarse)};
+    uint32_t *face_of = sides.quads ? NULL : polygon_faces_of_corners(coarse), *offsets = NULL;
+    if (!sides.quads)
+        sides = (mesh_sides){.offsets = coarse->offsets, .face = face_of};
+    if (!sides.quads && face_of == NULL)
         return error_memory(error, coarse->offsets[coarse->face_count] * sizeof *face_of);
     bat_status status = mesh_plan_make(&view, options, &plan, error);
     if (status == BAT_OK && is_adaptive(options))

@@ -253,7 +253,7 @@ bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity 
     if (status != BAT_OK)
         return status;
     for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
-        if (mesh_owns(links->twin, h) && level->edge_sharpness[links->edge[h]] > 0)
+        if (level->edge_sharpness[links->edge[h]] > 0 && mesh_owns(links->twin, h))
         {
             (*result)[fine->edge[near_half(level, h)]] = sharpness_of_half(level, h, true);
             (*result)[fine->edge[far_half(level, h)]] = sharpness_of_half(level, h, false);
@@ -269,7 +269,7 @@ static size_t write_creases(const mesh_level *level, bat_mesh_crease *creases)
     size_t count = 0;
     for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
     {
-        if (!mesh_owns(links->twin, h) || !(level->edge_sharpness[links->edge[h]] > 0))
+        if (!(level->edge_sharpness[links->edge[h]] > 0) || !mesh_owns(links->twin, h))
             continue;
         uint32_t middle = (uint32_t)links->vertex_count + links->edge[h];
         double begin = sharpness_of_half(level, h, true), end = sharpness_of_half(level, h, false);
