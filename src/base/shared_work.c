@@ -31,13 +31,9 @@ static void record_failure(shared_work *work, size_t piece, bat_status status, c
     }
 }
 
-void shared_work_finish(shared_work *work, size_t piece, bat_status status, const bat_error *error)
+/// Report progress when this is the calling thread.
+static void report(shared_work *work, size_t done)
 {
-    if (status != BAT_OK)
-        record_failure(work, piece, status, error);
-    size_t done;
-#pragma omp atomic capture
-    done = ++work->done;
     if (work->progress.report == NULL || !threads_is_calling())
         return;
     if (!work->progress.report(work->progress.context, (double)done / (double)work->total))
@@ -45,6 +41,24 @@ void shared_work_finish(shared_work *work, size_t piece, bat_status status, cons
 #pragma omp atomic write
         work->cancelled = true;
     }
+}
+
+void shared_work_finish(shared_work *work, size_t piece, bat_status status, const bat_error *error)
+{
+    if (status != BAT_OK)
+        record_failure(work, piece, status, error);
+    size_t done;
+#pragma omp atomic capture
+    done = ++work->done;
+    report(work, done);
+}
+
+void shared_work_poll(shared_work *work)
+{
+    size_t done;
+#pragma omp atomic read
+    done = work->done;
+    report(work, done);
 }
 
 bat_status shared_work_end(const shared_work *work, bat_error *error)

@@ -24,6 +24,9 @@ bool shared_work_wants(const shared_work *work, size_t piece);
 /// calling thread.
 void shared_work_finish(shared_work *work, size_t piece, bat_status status, const bat_error *error);
 
+/// Report progress again within a long piece, so that the caller can cancel. Only the calling thread does.
+void shared_work_poll(shared_work *work);
+
 /// How all ended, once the threads have joined: BAT_OK, the first failure, or BAT_CANCELLED. Reports the end.
 bat_status shared_work_end(const shared_work *work, bat_error *error);
 

@@ -85,14 +85,86 @@ static double bound_by_triangles(const piece *part, const closest_tree *onto)
     return bound;
 }
 
+/// A plane through an edge of a triangle, perpendicular to the triangle.
+typedef struct cut
+{
+    const double *point;
+    double normal[3]; ///< towards the triangle; of any length
+} cut;
+
+static double height_above(const cut *plane, const double point[3])
+{
+    double height = 0;
+    for (int k = 0; k < 3; k++)
+        height += plane->normal[k] * (point[k] - plane->point[k]);
+    return height;
+}
+
+/// Find the plane between the triangles at two places, which must share an edge.
+static bool find_cut(const compare_side *onto, uint32_t place, uint32_t other, cut *plane)
+{
+    uint32_t face = onto->tree.faces[place], next = onto->tree.faces[other];
+    const uint32_t *corner = onto->mesh.faces + 3 * (size_t)face, *there = onto->mesh.faces + 3 * (size_t)next;
+    int apex = -1, shared = 0;
+    for (int c = 0; c < 3; c++)
+        if (corner[c] == there[0] || corner[c] == there[1] || corner[c] == there[2])
+            shared++;
+        else
+            apex = c;
+    if (shared != 2)
+        return false;
+    const double *from = compare_corner(onto, face, (apex + 1) % 3), *to = compare_corner(onto, face, (apex + 2) % 3),
+                 *tip = compare_corner(onto, face, apex);
+    double along = 0, aside = 0;
+    for (int k = 0; k < 3; k++)
+    {
+        along += (to[k] - from[k]) * (to[k] - from[k]);
+        aside += (to[k] - from[k]) * (tip[k] - from[k]);
+    }
+    double share = along > 0 ? aside / along : 0;
+    plane->point = from;
+    for (int k = 0; k < 3; k++)
+        plane->normal[k] = tip[k] - from[k] - share * (to[k] - from[k]);
+    return true;
+}
+
+/// The bound from convexity on both sides of a plane between two neighbouring triangles: the greatest distance of the part
+/// on each side from its triangle is at a corner or where the plane meets an edge. Infinite without such a plane.
+static double bound_by_cut(const piece *part, const compare_side *onto, uint32_t place, uint32_t other)
+{
+    cut plane;
+    double heights[3], bound = 0;
+    if (place == other || !find_cut(onto, place, other, &plane))
+        return INFINITY;
+    for (int c = 0; c < 3; c++)
+    {
+        heights[c] = height_above(&plane, part->corners[c]);
+        bound = fmax(bound, closest_to_place(&onto->tree, part->corners[c], heights[c] >= 0 ? place : other));
+    }
+    for (int c = 0; c < 3; c++)
+    {
+        int d = (c + 1) % 3;
+        if ((heights[c] >= 0) == (heights[d] >= 0))
+            continue;
+        double share = heights[c] / (heights[c] - heights[d]), point[3];
+        for (int k = 0; k < 3; k++)
+            point[k] = part->corners[c][k] + share * (part->corners[d][k] - part->corners[c][k]);
+        bound = fmax(bound, closest_to_place(&onto->tree, point, place));
+        bound = fmax(bound, closest_to_place(&onto->tree, point, other));
+    }
+    return bound;
+}
+
 /// Compute the bound, as accurately as the comparison with `limit` requires.
-static void find_bound(piece *part, const closest_tree *onto, double limit)
+static void find_bound(piece *part, const compare_side *onto, double limit)
 {
     part->bound = bound_by_way(part);
     if (part->bound > limit)
-        part->bound = fmin(part->bound, bound_by_triangles(part, onto));
+        part->bound = fmin(part->bound, bound_by_triangles(part, &onto->tree));
+    for (int c = 0; c < 3 && part->bound > limit; c++)
+        part->bound = fmin(part->bound, bound_by_cut(part, onto, part->places[c], part->places[(c + 1) % 3]));
     if (part->bound > limit)
-        part->bound = fmin(part->bound, bound_by_centre(part, onto));
+        part->bound = fmin(part->bound, bound_by_centre(part, &onto->tree));
 }
 
 static piece whole_face(const compare_side *side, uint32_t face)
@@ -125,14 +197,14 @@ static int longest_edge(const piece *part)
 }
 
 /// Bisect a piece at the midpoint of its longest edge.
-static void halve(const piece *part, const closest_tree *onto, double limit, piece halves[2])
+static void halve(const piece *part, const compare_side *onto, double limit, piece halves[2])
 {
     int a = longest_edge(part), b = (a + 1) % 3;
     double middle[3];
     for (int k = 0; k < 3; k++)
         middle[k] = part->corners[a][k] / 2 + part->corners[b][k] / 2;
     uint32_t place = part->places[a];
-    double distance = closest_find(onto, middle, &place);
+    double distance = closest_find(&onto->tree, middle, &place);
     for (int h = 0; h < 2; h++)
     {
         int corner = h == 0 ? b : a;
@@ -187,7 +259,7 @@ static bool first_pieces(compare_way *way, double limit, int threads, pieces *pa
     for (size_t f = 0; f < count; f++)
     {
         piece part = whole_face(side, side->tree.faces[f]);
-        find_bound(&part, &way->onto->tree, limit);
+        find_bound(&part, way->onto, limit);
         bounds[f] = part.bound;
         open += part.bound > limit;
     }
@@ -219,7 +291,7 @@ static bool halve_all(compare_way *way, double limit, int threads, const pieces 
     threads = threads_for(threads, count / SHARE);
 #pragma omp parallel for schedule(dynamic, SHARE) num_threads(threads) if (threads > 1)
     for (size_t i = 0; i < count; i++)
-        halve(&parts->list[i], &way->onto->tree, limit, &halves->list[2 * i]);
+        halve(&parts->list[i], way->onto, limit, &halves->list[2 * i]);
     halves->count = 2 * count;
     for (size_t i = 0; i < halves->count; i++)
         for (int c = 0; c < 3; c++)
@@ -242,6 +314,7 @@ bat_status compare_refine(compare_way *way, double diagonal, const bat_mesh_comp
     while (in_memory && parts.count > 0 && parts.count <= left && shared_work_wants(work, work->total))
     {
         left -= parts.count;
+        shared_work_poll(work);
         in_memory = halve_all(way, limit, options->threads, &parts, &halves);
         if (!in_memory)
             break;
