@@ -1,6 +1,8 @@
 #include "decimate_helpers.h"
+#include "polygon_makers.h"
 
 #include "batten/mesh_measure.h"
+#include "batten/mesh_refine.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/edge_queue.h"
 #include "mesh/decimate/quadric.h"
@@ -229,6 +231,47 @@ static void test_bounded_distance(void **state)
             bat_mesh_free(&coarse);
         }
     bat_mesh_free(&sheet);
+}
+
+/// The fraction of the last report; stops after the first half of the first run, while distances are measured.
+static bool stop_in_measurement(void *context, double fraction)
+{
+    double *last = context;
+    assert_true(fraction >= *last && fraction <= 1);
+    *last = fraction;
+    return fraction <= 0.25;
+}
+
+/// Flat faces between sharp edges: a bound far below the size of the faces is proven, and they collapse. The caller can stop
+/// the measurement.
+static void test_bounded_flat_faces(void **state)
+{
+    (void)state;
+    bat_polygon_mesh box = polygon_cube();
+    bat_mesh cube, fine, coarse;
+    bat_mesh_refine_options refining = bat_mesh_refine_defaults();
+    refining.scheme = BAT_MESH_SCHEME_MIDPOINT;
+    refining.levels = 5;
+    assert_int_equal(bat_polygon_mesh_triangulate(&box, &cube, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_refine(&cube, &refining, &fine, NULL, NULL), BAT_OK);
+    for (size_t i = 0; i < 3 * fine.vertex_count; i++)
+        fine.positions[i] += 2e-5 * sin((double)(7 * i));
+    double proven = -1, last = 0;
+    bat_error error = {0};
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.error = 3e-4;
+    options.distance = &proven;
+    coarse = decimate(&fine, &options, false);
+    assert_true(proven > 0 && proven <= options.error);
+    assert_true(coarse.face_count < fine.face_count / 10);
+    bat_mesh_free(&coarse);
+    options.progress = (bat_progress){stop_in_measurement, &last};
+    assert_int_equal(bat_mesh_decimate(&fine, &options, &coarse, NULL, &error), BAT_CANCELLED);
+    assert_non_null(strstr(error.text, "while its distance was measured"));
+    assert_true(last > 0.25);
+    bat_mesh_free(&fine);
+    bat_mesh_free(&cube);
+    bat_polygon_mesh_free(&box);
 }
 
 /// A torus with its angles as texture, which jumps along two circles, and with its height as a channel.
@@ -689,6 +732,7 @@ int main(void)
         cmocka_unit_test(test_volume_stays),
         cmocka_unit_test(test_targets),
         cmocka_unit_test(test_bounded_distance),
+        cmocka_unit_test(test_bounded_flat_faces),
         cmocka_unit_test(test_attributes),
         cmocka_unit_test(test_seeds),
         cmocka_unit_test(test_threads),

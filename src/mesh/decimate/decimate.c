@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
+#include "base/progress.h"
 #include "mesh/decimate/decimation.h"
 
 #include <math.h>
@@ -110,20 +111,69 @@ static double bound_of(const bat_mesh *fine, const bat_mesh_decimate_options *op
     return options->error * sqrt(square);
 }
 
+/// Release a result.
+static void drop(bat_mesh *coarse, bat_mesh_map **map)
+{
+    bat_mesh_free(coarse);
+    if (map == NULL)
+        return;
+    bat_mesh_map_free(*map);
+    *map = NULL;
+}
+
+/// The part of the progress that one of several attempts gets: half of what remains.
+static progress_part part_of_attempt(progress_part whole, int attempt)
+{
+    double begin = 1 - ldexp(1, -attempt);
+    return (progress_part){whole.whole, whole.begin + begin * whole.length, (1 - begin) / 2 * whole.length};
+}
+
 /// Measure a result. Samples are added as long as the greatest distance found keeps the bound and the proven one does not.
+/// The proof need not be sharper than the bound.
 static bat_status measure(const bat_mesh *fine, const bat_mesh *coarse, const bat_mesh_decimate_options *options,
-                          double bound, bat_mesh_distance *distance, bat_error *error)
+                          double bound, progress_part progress, bat_mesh_distance *distance, bat_error *error)
 {
     bat_mesh_compare_options how = bat_mesh_compare_defaults();
     bat_status status = BAT_OK;
     how.threads = options->threads;
     how.tolerance = ACCURACY;
     size_t most = how.samples + MAX_SAMPLES_PER_FACE * fine->face_count;
-    for (bool again = true; again && status == BAT_OK; how.samples *= SAMPLE_FACTOR)
+    bool again = true;
+    for (int attempt = 0; again && status == BAT_OK; attempt++, how.samples *= SAMPLE_FACTOR)
     {
+        progress_part part = part_of_attempt(progress, attempt);
+        how.progress = progress_of_part(&part);
         status = bat_mesh_compare(coarse, fine, &how, distance, error);
         again = distance->hausdorff <= bound && distance->hausdorff_most > bound && SAMPLE_FACTOR * how.samples <= most;
+        if (again && distance->hausdorff > 0)
+            how.tolerance = fmax(ACCURACY, (1 - ACCURACY) * (bound / distance->hausdorff - 1));
     }
+    if (status == BAT_CANCELLED)
+        return error_set(error, status, BAT_NO_INDEX, 0, "decimation was stopped while its distance was measured");
+    return status;
+}
+
+/// Decimate with one tolerance and measure the result. The first half of the progress belongs to collapses.
+static bat_status run_once(const bat_mesh *fine, const bat_mesh_connectivity *topology,
+                           const bat_mesh_decimate_options *options, double allowed, double bound, progress_part progress,
+                           bat_mesh *coarse, bat_mesh_map **map, bat_mesh_distance *distance, bat_error *error)
+{
+    static const decimation_target END = {0, 0};
+    bat_mesh_decimate_options how = *options;
+    tolerance checks;
+    bat_status status = tolerance_make(fine, topology, allowed, &checks, error);
+    if (status != BAT_OK)
+        return status;
+    progress_part first = part_of_attempt(progress, 0), second = part_of_attempt(progress, 1);
+    second.length *= 2;
+    how.progress = progress_of_part(&first);
+    status = decimation_run(fine, &how, &END, &checks, coarse, map, error);
+    tolerance_free(&checks);
+    if (status != BAT_OK)
+        return status;
+    status = measure(fine, coarse, options, bound, second, distance, error);
+    if (status != BAT_OK)
+        drop(coarse, map);
     return status;
 }
 
@@ -131,42 +181,34 @@ static bat_status measure(const bat_mesh *fine, const bat_mesh *coarse, const ba
 static bat_status run_within(const bat_mesh *fine, const bat_mesh_decimate_options *options, bat_mesh *coarse,
                              bat_mesh_map **map, bat_error *error)
 {
-    static const decimation_target END = {0, 0};
     const decimation_target whole = {fine->vertex_count, fine->face_count};
+    const progress_part progress = {options->progress, 0, 1};
     double bound = bound_of(fine, options), allowed = bound;
     bat_mesh_connectivity topology;
+    bat_mesh_distance distance = {0};
     bat_status status = bat_mesh_connect(fine, &topology, error);
     if (status != BAT_OK)
         return status;
-    for (int run = 0; run <= MAX_RUNS && status == BAT_OK; run++)
+    bool kept = false;
+    for (int run = 0; run < MAX_RUNS && status == BAT_OK && !kept; run++)
     {
-        tolerance checks;
-        bat_mesh_distance distance = {0};
-        status = tolerance_make(fine, &topology, allowed, &checks, error);
-        if (status != BAT_OK)
+        status = run_once(fine, &topology, options, allowed, bound, part_of_attempt(progress, run), coarse, map, &distance,
+                          error);
+        kept = status == BAT_OK && distance.hausdorff_most <= bound;
+        if (status != BAT_OK || kept)
             break;
-        status = decimation_run(fine, options, run < MAX_RUNS ? &END : &whole, &checks, coarse, map, error);
-        tolerance_free(&checks);
-        if (status == BAT_OK && run < MAX_RUNS)
-            status = measure(fine, coarse, options, bound, &distance, error);
-        else if (status != BAT_OK)
-            break;
-        if (status == BAT_OK && distance.hausdorff_most <= bound)
-        {
-            if (options->distance != NULL)
-                *options->distance = distance.hausdorff_most;
-            break;
-        }
-        bat_mesh_free(coarse);
-        if (map != NULL)
-        {
-            bat_mesh_map_free(*map);
-            *map = NULL;
-        }
+        drop(coarse, map);
         double exceeded = distance.hausdorff > bound ? distance.hausdorff : fmin(distance.hausdorff_most, UNPROVEN * bound);
         allowed *= bound / exceeded * SHRINK;
     }
     bat_mesh_connectivity_free(&topology);
+    if (status == BAT_OK && !kept)
+    {
+        distance.hausdorff_most = 0;
+        status = decimation_run(fine, options, &whole, NULL, coarse, map, error);
+    }
+    if (status == BAT_OK && options->distance != NULL)
+        *options->distance = distance.hausdorff_most;
     return status;
 }
 
