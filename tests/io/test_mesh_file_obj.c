@@ -1,5 +1,8 @@
 // OBJ: reading, writing, and errors with their lines.
+#include "folder_helpers.h"
 #include "mesh_file_helpers.h"
+
+#include <sys/stat.h>
 
 static const bat_mesh_format OBJ = BAT_MESH_FORMAT_OBJ;
 
@@ -240,6 +243,37 @@ static void test_round_trip(void **state)
     }
 }
 
+/// Whether writing to a path notes that a file of materials is missing.
+static bool notes_missing(const bat_mesh *mesh, const char *path, const char *name)
+{
+    bat_mesh_notes notes = {0};
+    bat_mesh_write_options options = bat_mesh_write_defaults();
+    options.notes = &notes;
+    check_status(bat_mesh_write(path, mesh, &options, NULL), BAT_OK);
+    bool missing = notes.count > 0 && strstr(notes.texts[0], name) != NULL;
+    assert_int_equal(notes.count, missing ? 1 : 0);
+    bat_mesh_notes_free(&notes);
+    assert_int_equal(remove(path), 0);
+    return missing;
+}
+
+/// Output in a folder without the file of materials is noted; a name may contain blanks, and there may be several.
+static void test_missing_materials(void **state)
+{
+    (void)state;
+    bat_mesh mesh = must_read("mtllib a.mtl b.mtl\n" TRIANGLE "usemtl m\nf 1 2 3\n", OBJ);
+    assert_int_equal(mkdir("other", 0700), 0);
+    put("a.mtl", "newmtl m\n");
+    assert_true(notes_missing(&mesh, "out.obj", "'b.mtl'"));
+    put("b.mtl", "newmtl n\n");
+    assert_false(notes_missing(&mesh, "out.obj", "mtl"));
+    assert_true(notes_missing(&mesh, "other/out.obj", "'a.mtl'"));
+    assert_int_equal(remove("a.mtl"), 0);
+    put("a.mtl b.mtl", "newmtl m\n");
+    assert_false(notes_missing(&mesh, "out.obj", "mtl"));
+    bat_mesh_free(&mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_form_of_a_face),
@@ -250,6 +284,7 @@ int main(void)
                                        cmocka_unit_test(test_polygons),
                                        cmocka_unit_test(test_vertices_twice),
                                        cmocka_unit_test(test_bad_lines),
-                                       cmocka_unit_test(test_round_trip)};
+                                       cmocka_unit_test(test_round_trip),
+                                       cmocka_unit_test_setup_teardown(test_missing_materials, enter_folder, leave_folder)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,12 +4,15 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
+#include "base/text_buffer.h"
+#include "io/common/number_text.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/notes.h"
 #include "mesh/polygon/polygon.h"
 
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 /// @file
 /// Reading and writing of meshes in any format, from files and from memory.
@@ -480,6 +483,38 @@ static bat_status write_checked(const bat_mesh *mesh, const uint32_t *offsets, b
     return status;
 }
 
+/// Whether a file is named so by a file at `path`: in its folder, unless the name is absolute. True when out of memory.
+static bool is_beside(const char *path, const char *name, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    text_buffer whole = {0};
+    if (slash != NULL && *name != '/')
+        text_append(&whole, path, (size_t)(slash + 1 - path));
+    text_append(&whole, name, size);
+    text_append(&whole, "", 1);
+    bool found = whole.failed || access(whole.data, F_OK) == 0;
+    text_free(&whole);
+    return found;
+}
+
+/// Note the first file of materials that an OBJ file names and that is missing beside it. A name may contain blanks.
+static bat_status note_materials(const char *path, const char *names, bat_mesh_notes *notes, bat_error *error)
+{
+    static const char blanks[] = " \t";
+    if (notes == NULL || strcmp(path, "-") == 0 || is_beside(path, names, strlen(names)))
+        return BAT_OK;
+    for (const char *name = names + strspn(names, blanks); *name != '\0'; name += strspn(name, blanks))
+    {
+        size_t size = strcspn(name, blanks);
+        char excerpt[EXCERPT_SIZE];
+        if (!is_beside(path, name, size))
+            return mesh_note(notes, error, "the output names the materials '%s', a file that is not in its folder: copy it",
+                             text_excerpt(excerpt, name, name + size));
+        name += size;
+    }
+    return BAT_OK;
+}
+
 /// Write a checked mesh, of polygons where there are offsets.
 static bat_status write_file(const char *path, const bat_mesh *mesh, const uint32_t *offsets,
                              const bat_mesh_write_options *options, bat_error *error)
@@ -495,6 +530,8 @@ static bat_status write_file(const char *path, const bat_mesh *mesh, const uint3
         return status;
     text_sink sink = {.stream = file.stream};
     status = write_checked(mesh, offsets, format, options, &sink, error);
+    if (status == BAT_OK && format == BAT_MESH_FORMAT_OBJ && mesh->material_files != NULL)
+        status = note_materials(path, mesh->material_files, options->notes, error);
     return atomic_file_end(&file, status, error);
 }
 
