@@ -235,6 +235,18 @@ BAT_API bat_status bat_motion_picture_write(const char *path, const bat_curve_se
                                             const bat_motion_options *motion, const bat_motion_picture_options *options,
                                             bat_error *error);
 
+/// Draw splines that exist, as bat_motion_picture_write() draws those that it makes.
+///
+/// @param keyframes a curve for each spline: the points that it was made of, and whether it is closed. `space` is that of
+///                  the splines; `attributes` may be null
+/// @param splines   keyframes->count of them
+/// @param outliers  the rule that the splines were made with, whose outliers are marked
+/// @return as bat_motion_picture_write(); BAT_INVALID_ARGUMENT where a spline has another space or number of keys than its
+/// curve
+BAT_API bat_status bat_motion_splines_picture_write(const char *path, const bat_curve_set *keyframes,
+                                                    bat_motion_spline *const *splines, bat_motion_outliers outliers,
+                                                    const bat_motion_picture_options *options, bat_error *error);
+
 BAT_C_END
 
 #endif

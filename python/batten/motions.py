@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import Floats, array, call, ffi, lib, options, pointer
-from batten.curves import axes_of, chart
+from batten._core import Floats, array, call, ffi, lib, options, pointer, written
+from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
 
@@ -63,9 +63,10 @@ class Motion:
         made = ffi.new("bat_motion_spline **")
         if self.space.functions:
             settings["threads"] = 1
-        call(lib.bat_motion_spline_new, curve, options("bat_motion_spline_options", settings), made)
+        how = options("bat_motion_spline_options", settings)
+        call(lib.bat_motion_spline_new, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
-        self.times, self.poses = moments, poses
+        self.times, self.poses, self._keys, self._outliers = moments, poses, keys, how.outliers
 
     def _seconds(self, times: Any) -> Floats:
         """Times as numbers: dates in seconds since the first one that the motion got, durations in seconds."""
@@ -118,9 +119,16 @@ class Motion:
         axes.plot(times, self._at(times, 0), **style)
         return axes
 
+    def picture(self, *, suffix: str = "svg", **settings: Any) -> bytes:
+        """The path with frames of the body, or a strip of poses, and the speeds below, as the bytes of a file (svg, png or
+        pdf). Options are those of ``bat_motion_picture_options``."""
+        curve = ffi.new("bat_curve *", [self.space.struct, pointer(self._keys), len(self._keys), self._arguments[1]["closed"]])
+        keyframes = ffi.new("bat_curve_set *", {"space": self.space.struct, "curves": curve, "count": 1})
+        return written(lib.bat_motion_splines_picture_write, suffix, keyframes, ffi.new("bat_motion_spline *[]", [self._spline]),
+                       self._outliers, options("bat_motion_picture_options", settings))  # fmt: skip
+
     def _repr_svg_(self) -> str:
-        times = np.linspace(*self.range, 500)
-        return chart([(times, column) for column in self._at(times, 0).T], "time")
+        return self.picture().decode()
 
 
 def _motion(given: tuple[Any, Any], settings: dict[str, Any]) -> Motion:

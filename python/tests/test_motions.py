@@ -1,6 +1,7 @@
 """Motions: splines in time."""
 
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -78,3 +79,20 @@ def test_pickles_and_pictures():
     again = pickle.loads(pickle.dumps(motion))
     assert np.array_equal(again([0.3]).as_quat(), motion([0.3]).as_quat())
     assert motion._repr_svg_().startswith("<?xml") and draws(motion)
+
+
+def test_pictures(random):
+    """Paths, strips of poses and coordinates above their speeds; also closed motions and smoothed ones with outliers."""
+    times, turns = np.arange(6.0), Rotation.from_rotvec(np.cumsum(random.normal(size=(6, 3)) / 3, axis=0))
+    rigid = np.hstack([random.normal(size=(6, 3)), turns.as_quat()[:, [3, 0, 1, 2]]])
+    red = "rgb(80%,20%,16%)"  # of the body's x axis
+    assert "<svg" in batten.Motion(times, turns)._repr_svg_()
+    assert red in re.sub(r"\.\d+(?=%)| ", "", batten.Motion(times, rigid, space="rigid")._repr_svg_())
+    noisy = np.stack([np.arange(30.0), np.zeros(30)], axis=1)
+    noisy[10, 1] = 5
+    smoothed = batten.Motion(np.arange(30.0), noisy, sigma=0.1, outliers="tukey")
+    assert len(smoothed.picture()) > len(smoothed.picture(legend=False))
+    closed = batten.Motion([0, 1, 2], [[0, 0], [1, 0], [0, 1]], closed=True, period=5)
+    assert closed.picture(suffix="png", title="closed")[1:4] == b"PNG"
+    own = batten.Space("positive", 1, exp=lambda p, v: p * np.exp(v), log=lambda p, q: np.log(q / p))
+    assert "<svg" in batten.Motion([0, 1, 2], [[1.0], [4.0], [2.0]], space=own)._repr_svg_()

@@ -153,7 +153,7 @@ static void speeds_are_right(void **state)
         memcpy(pose + 3, (double[4]){cos(angle / 2), 0, 0, sin(angle / 2)}, 4 * sizeof *pose);
     }
     film shown;
-    assert_int_equal(film_make(&set, &motion, &options, &shown, NULL), BAT_OK);
+    assert_int_equal(film_make(&set, NULL, &motion, &options, &shown, NULL), BAT_OK);
     assert_true(shown.body && shown.kind == FILM_PATH);
     for (size_t i = 0; i < shown.tracks[0].count; i++)
     {
@@ -188,7 +188,7 @@ static void outliers_are_marked(void **state)
         motion.spline.sigma = 0.02;
         motion.spline.outliers = rules[r];
         film shown;
-        assert_int_equal(film_make(&set, &motion, &options, &shown, NULL), BAT_OK);
+        assert_int_equal(film_make(&set, NULL, &motion, &options, &shown, NULL), BAT_OK);
         bool marked = rules[r] != BAT_MOTION_OUTLIERS_KEPT;
         assert_int_equal(shown.any_outlier, marked);
         for (size_t i = 0; i < COUNT && marked; i++)
@@ -211,7 +211,7 @@ static void views_are_rotations(void **state)
         bat_motion_options motion = in_time();
         film shown;
         path_view view;
-        assert_int_equal(film_make(&set, &motion, &options, &shown, NULL), BAT_OK);
+        assert_int_equal(film_make(&set, NULL, &motion, &options, &shown, NULL), BAT_OK);
         path_view_make(&shown, &view);
         assert_int_equal(view.up, flat);
         const double(*r)[3] = (const double(*)[3])view.rows;
@@ -230,6 +230,50 @@ static void views_are_rotations(void **state)
     }
 }
 
+/// A spline that exists gives the bytes of the picture that makes it.
+static void splines_are_drawn(void **state)
+{
+    (void)state;
+    bat_space rigid = rigid_space();
+    const bat_space *spaces[] = {&solid, &rigid, &sphere, &five};
+    for (size_t s = 0; s < 4; s++)
+    {
+        bat_curve_set set = make_keys(spaces[s], KEYS, 1);
+        bat_motion_options motion = in_time();
+        bat_motion_spline *spline;
+        bat_error error;
+        char paths[2][80], *texts[2];
+        size_t sizes[2];
+        for (size_t i = 0; i < 2; i++)
+            (void)snprintf(paths[i], sizeof paths[i], "%s/spline%zu.svg", folder, i);
+        assert_int_equal(bat_motion_curve_spline(&set, 0, &motion, &spline, NULL), BAT_OK);
+        assert_int_equal(bat_motion_picture_write(paths[0], &set, &motion, NULL, NULL), BAT_OK);
+        assert_int_equal(bat_motion_splines_picture_write(paths[1], &set, &spline, BAT_MOTION_OUTLIERS_TUKEY, NULL, NULL),
+                         BAT_OK);
+        for (size_t i = 0; i < 2; i++)
+            texts[i] = slurp(paths[i], &sizes[i]);
+        assert_true(sizes[0] == sizes[1] && memcmp(texts[0], texts[1], sizes[0]) == 0);
+        set.curves[0].count--;
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_KEPT, NULL, &error),
+                         BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, "7 points"));
+        set.curves[0].count++;
+        set.space->point_dim++;
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_KEPT, NULL, &error),
+                         BAT_INVALID_ARGUMENT);
+        set.space->point_dim--;
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, NULL, BAT_MOTION_OUTLIERS_KEPT, NULL, &error),
+                         BAT_INVALID_ARGUMENT);
+        for (size_t i = 0; i < 2; i++)
+        {
+            free(texts[i]);
+            (void)remove(paths[i]);
+        }
+        bat_motion_spline_free(spline);
+        bat_curve_set_free(&set);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -237,6 +281,7 @@ int main(void)
         cmocka_unit_test(huge_motions_are_refused), cmocka_unit_test(one_key_is_refused),
         cmocka_unit_test(options_are_checked),      cmocka_unit_test(speeds_are_right),
         cmocka_unit_test(outliers_are_marked),      cmocka_unit_test(views_are_rotations),
+        cmocka_unit_test(splines_are_drawn),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

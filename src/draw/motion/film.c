@@ -157,11 +157,23 @@ static bat_status sample(const film *shown, film_track *track, size_t parts, bat
     return status;
 }
 
-static bat_status make_track(film *made, size_t index, const bat_motion_options *motion, bat_error *error)
+static bat_status make_track(film *made, size_t index, bat_motion_spline *given, const bat_motion_options *motion,
+                             bat_error *error)
 {
     film_track *track = &made->tracks[index];
     const bat_curve *curve = &made->keyframes->curves[index];
-    bat_status status = bat_motion_curve_spline(made->keyframes, index, motion, &track->spline, error);
+    bat_status status = BAT_OK;
+    track->spline = given;
+    track->owned = given == NULL;
+    const bat_space *space = given != NULL ? bat_motion_spline_space(given) : made->space;
+    if (space->point_dim != made->space->point_dim || space->tangent_dim != made->space->tangent_dim)
+        status = error_set(error, BAT_INVALID_ARGUMENT, index, 0, "spline %zu lives in the space %s, its keyframes in %s",
+                           index, space->name, made->space->name);
+    else if (given != NULL && bat_motion_spline_key_count(given) != curve->count)
+        status = error_set(error, BAT_INVALID_ARGUMENT, index, 0, "curve %zu has %zu points, but its spline has %zu keys",
+                           index, curve->count, bat_motion_spline_key_count(given));
+    else if (given == NULL)
+        status = bat_motion_curve_spline(made->keyframes, index, motion, &track->spline, error);
     if (status != BAT_OK)
         return status;
     size_t intervals = curve->closed ? curve->count : curve->count - 1;
@@ -207,7 +219,7 @@ static void shift_times(film *made)
     made->end -= made->origin;
 }
 
-bat_status film_make(const bat_curve_set *keyframes, const bat_motion_options *motion,
+bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *splines, const bat_motion_options *motion,
                      const bat_motion_picture_options *options, film *made, bat_error *error)
 {
     *made = (film){.keyframes = keyframes, .space = keyframes->space, .poses = options->poses};
@@ -222,7 +234,7 @@ bat_status film_make(const bat_curve_set *keyframes, const bat_motion_options *m
         made->outlying = HUBER_MARK;
     bat_status status = BAT_OK;
     for (; made->count < keyframes->count && status == BAT_OK; made->count++)
-        status = make_track(made, made->count, motion, error);
+        status = make_track(made, made->count, splines != NULL ? splines[made->count] : NULL, motion, error);
     if (status == BAT_OK)
         shift_times(made);
     else
@@ -235,7 +247,8 @@ void film_free(film *made)
     for (size_t k = 0; k < made->count; k++)
     {
         film_track *track = &made->tracks[k];
-        bat_motion_spline_free(track->spline);
+        if (track->owned)
+            bat_motion_spline_free(track->spline);
         free(track->key_times);
         free(track->key_points);
         free(track->deviations);

@@ -22,6 +22,7 @@ typedef enum film_kind
 typedef struct film_track
 {
     bat_motion_spline *spline;
+    bool owned; ///< whether the film frees the spline
     size_t key_count;
     const double *given; ///< the points of the keyframes, key_count x point_dim
     double *key_times, *key_points, *deviations;
@@ -51,8 +52,8 @@ typedef struct film
     bool any_outlier;
 } film;
 
-/// Make and sample the splines. Release the film with film_free().
-bat_status film_make(const bat_curve_set *keyframes, const bat_motion_options *motion,
+/// Sample the splines of keyframes, and make them where `splines` is null. Release the film with film_free().
+bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *splines, const bat_motion_options *motion,
                      const bat_motion_picture_options *options, film *made, bat_error *error);
 void film_free(film *made);
 

@@ -378,16 +378,16 @@ static void free_page(film_page *page)
     free(page);
 }
 
-bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyframes, const bat_motion_options *motion,
-                                    const bat_motion_picture_options *options, bat_error *error)
+/// Draw the splines of keyframes; null: make them.
+static bat_status write_motions(const char *path, const bat_curve_set *keyframes, bat_motion_spline *const *splines,
+                                const bat_motion_options *motion, const bat_motion_picture_options *options,
+                                bat_error *error)
 {
     bat_motion_picture_options defaults = bat_motion_picture_defaults();
-    bat_motion_options how = bat_motion_defaults();
     canvas_format format;
     if (path == NULL || keyframes == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and keyframes");
     options = options != NULL ? options : &defaults;
-    motion = motion != NULL ? motion : &how;
     bat_status status = canvas_format_of(path, &format, error);
     if (status == BAT_OK)
         status = bat_motion_picture_options_check(options, error);
@@ -396,9 +396,29 @@ bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyfr
     film_page *page = calloc(1, sizeof *page);
     if (page == NULL)
         return error_memory(error, sizeof *page);
-    status = film_make(keyframes, motion, options, &page->film, error);
+    status = film_make(keyframes, splines, motion, options, &page->film, error);
     if (status == BAT_OK)
         status = write_page(path, page, options, error);
     free_page(page);
     return status;
+}
+
+bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyframes, const bat_motion_options *motion,
+                                    const bat_motion_picture_options *options, bat_error *error)
+{
+    bat_motion_options how = bat_motion_defaults();
+    return write_motions(path, keyframes, NULL, motion != NULL ? motion : &how, options, error);
+}
+
+bat_status bat_motion_splines_picture_write(const char *path, const bat_curve_set *keyframes,
+                                            bat_motion_spline *const *splines, bat_motion_outliers outliers,
+                                            const bat_motion_picture_options *options, bat_error *error)
+{
+    bat_motion_options how = bat_motion_defaults();
+    how.spline.outliers = outliers;
+    how.spline.sigma = 1; // rules are refused without
+    if (splines == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture of splines needs splines");
+    bat_status status = bat_motion_spline_options_check(&how.spline, error);
+    return status == BAT_OK ? write_motions(path, keyframes, splines, &how, options, error) : status;
 }
