@@ -19,6 +19,8 @@ void free(void *pointer);
 bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offsets, size_t count,
                                 const bat_curve_refine_options *options, double **points, int64_t *fine_offsets,
                                 size_t *failed, bat_error *error);
+void batten_set_eager(bool eager);
+bool batten_report_seldom(void *context, double fraction);
 size_t batten_set_points(const bat_curve_set *set);
 void batten_set_arrays(const bat_curve_set *set, int decimals, double *points, int64_t *offsets, bool *closed,
                        int64_t *polygon, int64_t *feature);

@@ -1,7 +1,35 @@
-// Part of the module batten._native: many curves whose points lie one behind the other.
+// Part of the module batten._native: many curves whose points lie one behind the other, and reports of progress.
 
 #include <math.h>
 #include <string.h>
+#include <time.h>
+
+/// The function in Python, which cffi defines below.
+static bool batten_report(void *context, double fraction);
+
+/// Whether someone sees the progress of the calls of a thread.
+static _Thread_local bool batten_eager;
+
+static void batten_set_eager(bool eager)
+{
+    batten_eager = eager;
+}
+
+/// Report to Python, but at most fifty times a second where it is for Ctrl-C alone: a call of Python takes microseconds.
+static bool batten_report_seldom(void *context, double fraction)
+{
+    static _Thread_local double last;
+    struct timespec now;
+    if (!batten_eager)
+    {
+        (void)clock_gettime(CLOCK_MONOTONIC, &now);
+        double seconds = (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+        if (seconds < last + 0.02)
+            return true;
+        last = seconds;
+    }
+    return batten_report(context, fraction);
+}
 
 /// The share of the curves of a part in the progress of all.
 typedef struct part_progress

@@ -162,10 +162,12 @@ def _showing(progress: Progress, title: str) -> Iterator[None]:
         bar = tqdm(total=1.0, desc=title, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining}")
         show = lambda fraction: bar.update(fraction - bar.n) and None  # noqa: E731
     before, _thread.show = getattr(_thread, "show", None), show
+    lib.batten_set_eager(True)
     try:
         yield
     finally:
         _thread.show = before
+        lib.batten_set_eager(before is not None)
         if bar is not None:
             bar.close()
 
@@ -245,7 +247,7 @@ def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
             raise TypeError(f"unknown option '{name}'; there are {', '.join(known)}")
         _assign(options, *fields[name], given[name], keep)
     if "progress" in fields:
-        _assign(options, (*fields["progress"][0], "report"), ffi.typeof("int"), lib.batten_report, keep)
+        _assign(options, (*fields["progress"][0], "report"), ffi.typeof("int"), ffi.addressof(lib, "batten_report_seldom"), keep)
     return options, keep
 
 
