@@ -5,6 +5,7 @@
 #   make test       build and run the tests
 #   make smallest   build and test the parts that need the C library alone  (build/smallest)
 #   make python     a wheel and a source distribution of the Python package, tested    (dist)
+#   make docs       a site of all pages, tutorials and the Python reference      (build/site)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
@@ -26,7 +27,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest python bench sanitize sanitize-clang fuzz web-packages web web-test style format install install-research clean dependencies ci-dependencies
+.PHONY: all demo test smallest python docs bench sanitize sanitize-clang fuzz web-packages web web-test style format install install-research clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -43,6 +44,10 @@ smallest: dependencies
 
 python: dependencies
 	@scripts/python-wheel dist
+
+docs: dependencies
+	@$(call configure,release) && $(call compile,release) --target batten_shared
+	@scripts/docs build/release build/site
 
 bench: all
 	@for program in build/release/bench/bench_*; do if [ -x $$program ]; then $$program || exit 1; fi; done

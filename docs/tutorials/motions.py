@@ -1,0 +1,76 @@
+# %% [markdown]
+# # Motions
+#
+# A motion is a spline in time through poses. It is called with times, as the splines of scipy are. [Motions](../motion.md)
+# explains the options.
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+from scipy.spatial.transform import Rotation, RotationSpline
+
+import batten
+
+# %% [markdown]
+# ## Rotations
+#
+# Rotations of scipy go in and come out. A notebook shows a strip of poses, with the angular speed below.
+
+# %%
+times = np.array([0.0, 1.0, 1.5, 3.0, 4.0])
+angles = [[0, 0, 0], [60, 20, 0], [90, 40, 30], [150, 10, 60], [240, 0, 0]]
+rotations = Rotation.from_euler("zyx", angles, degrees=True)
+turn = batten.Motion(times, rotations)
+turn
+
+# %%
+turn(0.5).as_euler("zyx", degrees=True), turn.velocity(0.5)
+
+# %% [markdown]
+# scipy's `RotationSpline` beside it, both through ten samples of a known motion. The error is the angle to that motion.
+
+# %%
+def truth(t):
+    turn = [np.sin(t), np.cos(2 * t) - 1, 0.5 * t]
+    return Rotation.from_rotvec(np.stack(turn, axis=-1))
+
+
+keys, at = np.linspace(0, 3, 10), np.linspace(0, 3, 400)
+figure, axes = plt.subplots(figsize=(8, 3.2))
+for name, kind in [("scipy", RotationSpline), ("batten", batten.Motion)]:
+    spline = kind(keys, truth(keys))
+    errors = (spline(at).inv() * truth(at)).magnitude()
+    axes.plot(at, np.degrees(errors), label=name)
+axes.set(xlabel="time", ylabel="error in degrees")
+axes.legend();
+
+# %% [markdown]
+# ## Poses
+#
+# A rigid motion has a place and a rotation: seven numbers, or a matrix of four rows. The picture shows frames of the body
+# along the path. The keyframes are those of a camera that circles a table.
+
+# %%
+table = np.loadtxt("../../examples/data/camera-keyframes.csv", delimiter=",", skiprows=3)
+moments = table[:, 0]
+poses = batten.Space("rigid").project(table[:, 1:8])  # quaternions of six digits
+camera = batten.Motion(moments, poses, space="rigid")
+camera
+
+# %% [markdown]
+# Velocities are those of the translation, then the angular ones in the body's frame.
+
+# %%
+camera.velocity([0.0, 5.0]).round(3)
+
+# %% [markdown]
+# ## Noise and outliers
+#
+# `sigma` states the noise of the poses: the motion passes near them. With a rule for outliers, wrong poses count less.
+
+# %%
+random = np.random.default_rng(1)
+t = np.linspace(0, 6, 60)
+noisy = np.stack([np.cos(t), np.sin(t)], axis=1) + random.normal(0, 0.02, size=(60, 2))
+noisy[25] += [0.3, 0.3]
+batten.Motion(t, noisy, sigma=0.02, outliers="tukey")
