@@ -19,7 +19,8 @@ extensions = [
 ]
 # The first one is that of the pages of the reference, which autosummary writes.
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".py": "myst-nb"}
-exclude_patterns = ["_build", "conf.py", "README.md"]
+templates_path = ["_templates"]
+exclude_patterns = ["_templates", "conf.py"]
 # Shortened JSON is no JSON.
 suppress_warnings = ["misc.highlighting_failure"]
 
@@ -37,9 +38,7 @@ nb_merge_streams = True
 autosummary_generate = True
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
-numpydoc_class_members_toctree = False
-numpydoc_show_inherited_class_members = False
-numpydoc_attributes_as_param_list = True
+numpydoc_show_class_members = False
 
 # Look
 html_theme = "pydata_sphinx_theme"

@@ -58,8 +58,9 @@ def main() -> None:
             shutil.copyfile(source, target)
     for source in HERE.iterdir():
         if source.suffix in (".rst", ".css") or source.name == "conf.py":
-            target = folder / ("_static" if source.suffix == ".css" else "") / source.name
-            target.parent.mkdir(exist_ok=True)
+            place = "_static" if source.suffix == ".css" else "_templates/autosummary" if source.name == "class.rst" else ""
+            target = folder / place / source.name
+            target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(source, target)
     # GitHub shows a folder where a page links to one.
     for page in folder.rglob("*.md"):

@@ -42,7 +42,7 @@ chaikin.smooth_proven, chaikin.limit
 figure, axes = plt.subplots(figsize=(8, 3.2))
 for w in (0.0, 1 / 32, 1 / 16, 1 / 10):
     found = batten.analyze([-w, 0, 0.5 + w, 1, 0.5 + w, 0, -w])
-    found.plot(axes, label=f"w = {w:.3g}: {'C1' if found.smooth_proven == 1 else 'not proven C1'}")
+    found.plot(axes, label=f"w = {w:.3g}: C{found.smooth_proven} proven")
 axes.legend();
 
 # %% [markdown]

@@ -22,8 +22,7 @@ body = batten.refine(outline, closed=True, levels=5)
 body
 
 # %% [markdown]
-# The given points are kept, and the new ones lie on arcs where the points do. The default is the learned scheme; the classical
-# ones are a table.
+# The given points are kept. The default here is the learned scheme; all schemes are rows of a table.
 
 # %%
 [row.name for row in batten.choices("curve_scheme")]
@@ -35,7 +34,7 @@ body
 figure, panels = plt.subplots(1, 3, figsize=(10, 5), sharey=True)
 for axes, scheme in zip(panels, ["learned", "four-point", "chaikin"]):
     curve = batten.refine(outline, closed=True, levels=5, scheme=scheme)
-    axes.plot(*np.vstack([outline, outline[:1]]).T, "o:", color="0.6", markersize=3, linewidth=1)
+    axes.plot(*outline.T, "o", color="0.5", markersize=3)
     curve.plot(axes, color="tab:red")
     axes.set_title(f"{scheme}, energy {batten.measure(curve).bending:.3g}")
     axes.set_aspect("equal")
