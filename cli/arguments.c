@@ -93,7 +93,7 @@ static bool read_option(arguments *given, int argc, char **argv, int *at, int *e
 
 bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code)
 {
-    *given = (arguments){.spec = spec};
+    *given = (arguments){.spec = spec, .positional = (const char *const *)argv + 1};
     bool only_files = false;
     for (int i = 1; i < argc; i++)
     {
@@ -111,13 +111,13 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
             if (!read_option(given, argc, argv, &i, exit_code))
                 return false;
         }
-        else if (given->positional_count == spec->max_positional || given->positional_count == MAX_POSITIONAL)
+        else if (given->positional_count == spec->max_positional)
         {
             *exit_code = usage_error(given, "'%s' is one argument too many", word);
             return false;
         }
         else
-            given->positional[given->positional_count++] = word;
+            argv[1 + given->positional_count++] = argv[i];
     }
     if (given->positional_count < spec->min_positional)
     {
@@ -131,6 +131,13 @@ const char *argument(const arguments *given, const char *name)
 {
     int index = find(given->spec, name, strlen(name));
     return index < 0 ? NULL : given->values[index];
+}
+
+void argument_set(arguments *given, const char *name, const char *value)
+{
+    int index = find(given->spec, name, strlen(name));
+    if (index >= 0)
+        given->values[index] = value;
 }
 
 bool argument_exists(const arguments *given, const char *name)

@@ -11,9 +11,9 @@
 
 enum
 {
-    /// The maximum number of files or names that a verb takes, and of options in its table.
+    /// The maximum number of names that a verb takes which bounds them, and of options in a table.
     MAX_POSITIONAL = 64,
-    MAX_OPTIONS = 48,
+    MAX_OPTIONS = 64,
     /// The maximum of --threads.
     MAX_THREADS = 1024,
     /// The maximum number of values in a list.
@@ -67,18 +67,20 @@ typedef struct verb_spec
 typedef struct arguments
 {
     const verb_spec *spec;
-    const char *positional[MAX_POSITIONAL];
+    const char *const *positional; ///< in the command line, which is reordered
     size_t positional_count;
     const char *values[MAX_OPTIONS]; ///< in the table's order; null where not given; "" for a flag
 } arguments;
 
-/// Read the command line. --help and -h print the help.
+/// Read the command line. --help and -h print the help. `argv` is reordered, and must outlive `given`.
 /// @return true to go on; else *exit_code says how to end
 bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code);
 
 /// The value of an option, null when it was not given; "" for a flag that was.
 const char *argument(const arguments *given, const char *name);
 bool argument_flag(const arguments *given, const char *name);
+/// Give an option, which the verb has, a value that outlives `given`.
+void argument_set(arguments *given, const char *name, const char *value);
 /// Whether the verb has an option of that name.
 bool argument_exists(const arguments *given, const char *name);
 

@@ -1,5 +1,6 @@
 #include "curve.h"
 
+#include "many.h"
 #include "report.h"
 #include "verbs.h"
 
@@ -79,6 +80,7 @@ static const option_spec OPTIONS[] = {
     {"crs", 0, "NAME", "the coordinate reference system of plane coordinates in GeoJSON, as EPSG:25833"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
     {"threads", 0, "N", "default: all"},
+    MANY_JOBS_OPTION,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
@@ -93,14 +95,14 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN},
                                     {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage =
-        "batten curve IN [-o OUT] [--space NAME] [--scheme NAME] [--levels K] [--closed|--open] [--picture FILE] [options]",
+    .usage = "batten curve IN... [-o OUT] [--space NAME] [--scheme NAME] [--levels K] [--closed|--open] [--picture FILE] "
+             "[options]",
     .summary =
         "Refine the curves of a file (CSV, GeoJSON, OBJ; - for standard input). Without -o, --picture and --json the\n"
         "result goes to standard output in the format of the input.",
     .options = OPTIONS,
     .min_positional = 1,
-    .max_positional = 1,
+    .max_positional = SIZE_MAX,
     .reads_files = true,
     .files = FILES,
 };
@@ -647,10 +649,13 @@ int curve_run(const arguments *given, curve_job *job)
     return code;
 }
 
+static int run(const arguments *given)
+{
+    curve_job job = {.is_motion = false};
+    return curve_run(given, &job);
+}
+
 int verb_curve(int argc, char **argv)
 {
-    arguments given;
-    curve_job job = {.is_motion = false};
-    int code;
-    return arguments_read(&SPEC, argc, argv, &given, &code) ? curve_run(&given, &job) : code;
+    return many_run(&SPEC, bat_curve_format_list, run, argc, argv);
 }

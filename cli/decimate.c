@@ -1,6 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
+#include "many.h"
 #include "outputs.h"
 #include "report.h"
 
@@ -37,6 +38,7 @@ static const option_spec OPTIONS[] = {
     {"from", 0, "FORMAT", "obj, ply, off, stl, gltf or glb; default: by content and ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"threads", 0, "N", "of the first errors, of --error and of writing; default: all; the result does not depend on it"},
+    MANY_JOBS_OPTION,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
@@ -45,14 +47,14 @@ static const option_spec OPTIONS[] = {
 static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"map", FILE_WRITTEN}, {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten decimate IN -o OUT --vertices N | --faces N | --ratio R | --error E [--map FILE] [options]",
+    .usage = "batten decimate IN... -o OUT --vertices N | --faces N | --ratio R | --error E [--map FILE] [options]",
     .summary =
         "Make a coarse triangle mesh of a fine one by collapsing its edges, those first that change the surface least\n"
         "(OBJ, PLY, OFF, STL, glTF; - for standard input). Topology, boundaries, creases and seams of the\n"
         "texture stay; texture coordinates and values at the vertices count in the error and go along.",
     .options = OPTIONS,
     .min_positional = 1,
-    .max_positional = 1,
+    .max_positional = SIZE_MAX,
     .reads_files = true,
     .files = FILES,
 };
@@ -293,17 +295,14 @@ static int make(const decimate_job *job, decimate_result *result)
     return code == EXIT_DONE ? write_mesh(job, result, output_path(&job->files, "output")) : code;
 }
 
-int verb_decimate(int argc, char **argv)
+static int run(const arguments *given)
 {
-    arguments given;
     int code;
     decimate_job job;
     decimate_result result = {.map = NULL};
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    if (!read_job(&given, &job))
+    if (!read_job(given, &job))
         return EXIT_BAD_USAGE;
-    code = outputs_open(&given, &job.files);
+    code = outputs_open(given, &job.files);
     if (code != EXIT_DONE)
         return code;
     code = outputs_close(&job.files, make(&job, &result));
@@ -316,4 +315,9 @@ int verb_decimate(int argc, char **argv)
     bat_mesh_notes_free(&result.notes);
     bat_mesh_map_free(result.map);
     return code;
+}
+
+int verb_decimate(int argc, char **argv)
+{
+    return many_run(&SPEC, bat_mesh_format_list, run, argc, argv);
 }

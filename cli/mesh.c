@@ -1,6 +1,7 @@
 #include "verbs.h"
 
 #include "arguments.h"
+#include "many.h"
 #include "outputs.h"
 #include "report.h"
 
@@ -42,6 +43,7 @@ static const option_spec OPTIONS[] = {
     {"from", 0, "FORMAT", "obj, ply, off, stl, gltf or glb; default: by content and ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"threads", 0, "N", "default: all"},
+    MANY_JOBS_OPTION,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
@@ -50,7 +52,7 @@ static const option_spec OPTIONS[] = {
 static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {"model", FILE_READ}, {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten mesh IN [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
+    .usage = "batten mesh IN... [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
     .summary = "Refine a mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input). Quads and other polygons are "
                "refined\n"
                "into quads by catmull-clark. Texture coordinates, values at the vertices, creases, corners, groups and "
@@ -58,7 +60,7 @@ static const verb_spec SPEC = {
                "OUT's format holds them; notes tell what it does not hold.",
     .options = OPTIONS,
     .min_positional = 1,
-    .max_positional = 1,
+    .max_positional = SIZE_MAX,
     .reads_files = true,
     .files = FILES,
 };
@@ -459,17 +461,14 @@ static int make(const mesh_job *job, mesh_result *result)
     return code == EXIT_DONE ? write_mesh(job, result, output_path(&job->files, "output")) : code;
 }
 
-int verb_mesh(int argc, char **argv)
+static int run(const arguments *given)
 {
-    arguments given;
     int code;
     mesh_job job;
     mesh_result result = {.model = NULL};
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    if (!read_job(&given, &job))
+    if (!read_job(given, &job))
         return EXIT_BAD_USAGE;
-    code = outputs_open(&given, &job.files);
+    code = outputs_open(given, &job.files);
     if (code != EXIT_DONE)
         return code;
     code = outputs_close(&job.files, make(&job, &result));
@@ -487,4 +486,9 @@ int verb_mesh(int argc, char **argv)
     bat_polygon_mesh_free(&result.fine_polygons);
     bat_mesh_model_free(result.model);
     return code;
+}
+
+int verb_mesh(int argc, char **argv)
+{
+    return many_run(&SPEC, bat_mesh_format_list, run, argc, argv);
 }

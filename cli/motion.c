@@ -1,5 +1,6 @@
 #include "curve.h"
 
+#include "many.h"
 #include "report.h"
 #include "verbs.h"
 
@@ -51,6 +52,7 @@ static const option_spec OPTIONS[] = {
     {"to", 0, "FORMAT", "the same for OUT"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
     {"threads", 0, "N", "default: all"},
+    MANY_JOBS_OPTION,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
@@ -60,7 +62,7 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_D
                                     {"times", FILE_READ},     {"key-times", FILE_READ}, {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten motion IN -o OUT [--rate R|--times FILE|--levels K] [--scheme NAME] [--picture FILE] [options]",
+    .usage = "batten motion IN... -o OUT [--rate R|--times FILE|--levels K] [--scheme NAME] [--picture FILE] [options]",
     .summary =
         "Make a smooth motion through the keyframes of a file (CSV, TUM; - for standard input): points, rotations, poses "
         "or\n"
@@ -69,7 +71,7 @@ static const verb_spec SPEC = {
         "the columns. Without -o, --picture and --json the result goes to standard output in the format of the input.",
     .options = OPTIONS,
     .min_positional = 1,
-    .max_positional = 1,
+    .max_positional = SIZE_MAX,
     .reads_files = true,
     .files = FILES,
 };
@@ -322,10 +324,13 @@ int motion_draw(const curve_job *job, const bat_curve_set *keyframes)
     return report_failure(job->picture, &error);
 }
 
+static int run(const arguments *given)
+{
+    curve_job job = {.is_motion = true};
+    return curve_run(given, &job);
+}
+
 int verb_motion(int argc, char **argv)
 {
-    arguments given;
-    curve_job job = {.is_motion = true};
-    int code;
-    return arguments_read(&SPEC, argc, argv, &given, &code) ? curve_run(&given, &job) : code;
+    return many_run(&SPEC, bat_curve_format_list, run, argc, argv);
 }

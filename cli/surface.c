@@ -1,5 +1,6 @@
 #include "verbs.h"
 
+#include "many.h"
 #include "outputs.h"
 #include "report.h"
 #include "surface_report.h"
@@ -53,6 +54,7 @@ static const option_spec OPTIONS[] = {
     {"from", 0, "FORMAT", "xyz, csv, ply, obj, pcd or las; default: by the file's ending, failing that by its content"},
     {"to", 0, "FORMAT", "step, iges, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
     {"threads", 0, "N", "default: all; the result does not depend on it"},
+    MANY_JOBS_OPTION,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
@@ -67,13 +69,13 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN},
                                     {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten surface IN [-o OUT] [--tolerance T|--functions N] [--degree P,Q] [--picture FILE] [options]",
+    .usage = "batten surface IN... [-o OUT] [--tolerance T|--functions N] [--degree P,Q] [--picture FILE] [options]",
     .summary = "Fit an adaptive spline surface to the points of a file (XYZ, CSV, PLY, OBJ, PCD, LAS; - for standard "
                "input): a patch with "
                "one\nboundary, or a mesh of one. A spline surface (.xml, .json) as IN is written in another format.",
     .options = OPTIONS,
     .min_positional = 1,
-    .max_positional = 1,
+    .max_positional = SIZE_MAX,
     .reads_files = true,
     .files = FILES,
 };
@@ -500,21 +502,23 @@ static bool is_surface(const char *path)
            format == BAT_SURFACE_FORMAT_IGES;
 }
 
-int verb_surface(int argc, char **argv)
+static int run(const arguments *given)
 {
-    arguments given;
     int code;
     surface_job job;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    if (!read_job(&given, &job))
+    if (!read_job(given, &job))
         return EXIT_BAD_USAGE;
     bool converts = is_surface(job.input);
-    const char *option = converts ? find_fit_option(&given) : NULL;
+    const char *option = converts ? find_fit_option(given) : NULL;
     if (option != NULL)
-        return usage_error(&given, "IN is a spline surface already: --%s goes with points", option);
-    code = outputs_open(&given, &job.files);
+        return usage_error(given, "IN is a spline surface already: --%s goes with points", option);
+    code = outputs_open(given, &job.files);
     if (code != EXIT_DONE)
         return code;
     return converts ? convert(&job) : fit(&job);
+}
+
+int verb_surface(int argc, char **argv)
+{
+    return many_run(&SPEC, bat_surface_format_list, run, argc, argv);
 }

@@ -15,7 +15,7 @@ source=$(cd "$2" && pwd)
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 cd "$source" || exit 1
-run_pages="README.md docs/start.md docs/curves.md docs/motion.md docs/meshes.md docs/surfaces.md"
+run_pages="README.md docs/start.md docs/curves.md docs/motion.md docs/meshes.md docs/surfaces.md docs/cluster.md"
 failures=0
 
 fail()

@@ -1,0 +1,529 @@
+#include "many.h"
+
+#include "interrupt.h"
+#include "outputs.h"
+#include "report.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+enum
+{
+    MAX_JOBS = 1024,
+    PIECE = 4096,    ///< bytes read at a time
+    WAIT_MS = 1000,  ///< how long a wait lasts at most
+    STREAM_COUNT = 2 ///< standard output and standard error
+};
+
+/// What a process has written to one of its streams.
+typedef struct stream
+{
+    int descriptor; ///< of the reading end; -1 once it is at its end
+    char *text;     ///< ends with a zero; null for nothing
+    size_t length, room;
+} stream;
+
+typedef enum task_state
+{
+    TASK_WAITING,
+    TASK_RUNNING,
+    TASK_DONE,
+    TASK_STOPPED ///< by a signal to the program
+} task_state;
+
+/// One input.
+typedef struct task
+{
+    const char *input;
+    char *output;
+    task_state state;
+    pid_t process;
+    int code; ///< the exit code, once it is done
+    stream streams[STREAM_COUNT];
+} task;
+
+/// All inputs of a call.
+typedef struct many
+{
+    const arguments *given;
+    many_verb verb;
+    task *tasks;
+    size_t count, started, running, reported;
+    long jobs;
+    char threads[16]; ///< of each process
+    json_t *list;     ///< the reports, with --json
+    bool stopped;
+} many;
+
+static const char *base_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
+// Outputs
+
+/// Whether one of the endings, separated by blanks, is that of a name.
+static bool has_ending(const char *name, const char *endings)
+{
+    size_t whole = strlen(name);
+    while (*endings != '\0')
+    {
+        size_t length = strcspn(endings, " ");
+        if (whole > length && strncasecmp(name + whole - length, endings, length) == 0)
+            return true;
+        endings += length + (endings[length] == ' ');
+    }
+    return false;
+}
+
+/// The length of a name without ".gz".
+static size_t unpacked_length(const char *name)
+{
+    return strlen(name) - (has_ending(name, ".gz") ? strlen(".gz") : 0);
+}
+
+/// Whether a file of that name can be written.
+static bool is_written(const char *name, bool (*formats)(size_t index, bat_choice *choice))
+{
+    bat_choice choice;
+    char *plain = strndup(name, unpacked_length(name));
+    bool found = false;
+    for (size_t i = 0; plain != NULL && !found && formats(i, &choice); i++)
+        found = choice.writes && has_ending(plain, choice.endings);
+    free(plain);
+    return found;
+}
+
+/// The endings of a format; null when there is no such format to write.
+static const char *endings_of(const char *format, bool (*formats)(size_t index, bat_choice *choice))
+{
+    bat_choice choice;
+    for (size_t i = 0; formats(i, &choice); i++)
+        if (choice.writes && strcmp(choice.name, format) == 0 && choice.endings[0] != '\0')
+            return choice.endings;
+    return NULL;
+}
+
+/// "FOLDER/NAME", where `ending` takes the place of NAME's when it is not null; null when out of memory.
+static char *join(const char *folder, const char *name, const char *ending)
+{
+    size_t length = strlen(name), ending_length = ending == NULL ? 0 : strcspn(ending, " ");
+    if (ending != NULL)
+    {
+        length = unpacked_length(name);
+        for (size_t i = length; i > 1; i--)
+            if (name[i - 1] == '.')
+            {
+                length = i - 1;
+                break;
+            }
+    }
+    size_t folder_length = strlen(folder);
+    const char *slash = folder_length > 0 && folder[folder_length - 1] == '/' ? "" : "/";
+    size_t size = folder_length + length + ending_length + 2;
+    char *path = malloc(size);
+    if (path != NULL)
+        (void)snprintf(path, size, "%s%s%.*s%.*s", folder, slash, (int)length, name, (int)ending_length,
+                       ending == NULL ? "" : ending);
+    return path;
+}
+
+static int compare_outputs(const void *a, const void *b)
+{
+    const task *const *first = a, *const *second = b;
+    return strcmp((*first)->output, (*second)->output);
+}
+
+/// Refuse two inputs whose outputs have one name.
+static int check_names(const many *all)
+{
+    const task **sorted = calloc(all->count, sizeof *sorted);
+    if (sorted == NULL)
+        return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    for (size_t i = 0; i < all->count; i++)
+        sorted[i] = &all->tasks[i];
+    qsort(sorted, all->count, sizeof(const task *), compare_outputs);
+    int code = EXIT_DONE;
+    for (size_t i = 1; i < all->count && code == EXIT_DONE; i++)
+        if (strcmp(sorted[i - 1]->output, sorted[i]->output) == 0)
+            code = usage_error(all->given, "'%s' and '%s' would both be written to '%s'", sorted[i - 1]->input,
+                               sorted[i]->input, sorted[i]->output);
+    free(sorted);
+    return code;
+}
+
+/// Find the paths of the outputs.
+static int name_outputs(many *all, bool (*formats)(size_t index, bat_choice *choice))
+{
+    const char *folder = argument(all->given, "output"), *format = argument(all->given, "to");
+    const char *ending = format != NULL ? endings_of(format, formats) : NULL;
+    if (format != NULL && ending == NULL)
+        return usage_error(all->given, "--to takes a format with an ending, see `batten list formats`, not '%s'", format);
+    for (size_t i = 0; i < all->count; i++)
+    {
+        const char *name = base_name(all->tasks[i].input);
+        if (strcmp(all->tasks[i].input, "-") == 0)
+            return usage_error(all->given, "standard input goes to a file, not to a folder");
+        if (ending == NULL && !is_written(name, formats))
+            return usage_error(all->given, "the ending of '%s' names no format to write; --to does", all->tasks[i].input);
+        all->tasks[i].output = join(folder, name, ending);
+        if (all->tasks[i].output == NULL)
+            return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    }
+    return check_names(all);
+}
+
+static int make_folder(const char *folder)
+{
+    struct stat about;
+    bat_error error = {.line = 0};
+    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &about) == 0 && S_ISDIR(about.st_mode)))
+        return EXIT_DONE;
+    (void)snprintf(error.text, sizeof error.text, "cannot make the folder: %s", strerror(errno));
+    return report_failure(folder, &error);
+}
+
+// Processes
+
+/// Run the verb for one input in the process that was made for it.
+static void work(const many *all, const task *one, const int writing[STREAM_COUNT])
+{
+    arguments given = *all->given;
+    for (int s = 0; s < STREAM_COUNT; s++)
+    {
+        (void)dup2(writing[s], STDOUT_FILENO + s);
+        (void)close(writing[s]);
+    }
+    interrupt_catch();
+    interrupt_use(INTERRUPT_AT_ONCE);
+    given.positional = &one->input;
+    given.positional_count = 1;
+    argument_set(&given, "output", one->output);
+    if (argument(&given, "threads") == NULL)
+        argument_set(&given, "threads", all->threads);
+    exit(report_end(all->verb(&given)));
+}
+
+/// Make the pipes of a process. False where the system allows no more.
+static bool open_pipes(int reading[STREAM_COUNT], int writing[STREAM_COUNT])
+{
+    for (int s = 0; s < STREAM_COUNT; s++)
+    {
+        int ends[2];
+        if (pipe(ends) != 0)
+        {
+            for (int k = 0; k < s; k++)
+            {
+                (void)close(reading[k]);
+                (void)close(writing[k]);
+            }
+            return false;
+        }
+        reading[s] = ends[0];
+        writing[s] = ends[1];
+    }
+    return true;
+}
+
+/// Start the next task. False where the system allows no further process.
+static bool start(many *all)
+{
+    task *one = &all->tasks[all->started];
+    int reading[STREAM_COUNT], writing[STREAM_COUNT];
+    if (!open_pipes(reading, writing))
+        return false;
+    (void)fflush(NULL);
+    pid_t process = fork();
+    if (process == 0)
+    {
+        for (int s = 0; s < STREAM_COUNT; s++)
+            (void)close(reading[s]);
+        work(all, one, writing);
+    }
+    for (int s = 0; s < STREAM_COUNT; s++)
+    {
+        (void)close(writing[s]);
+        if (process < 0)
+            (void)close(reading[s]);
+        else
+            one->streams[s].descriptor = reading[s];
+    }
+    if (process < 0)
+        return false;
+    one->process = process;
+    one->state = TASK_RUNNING;
+    all->started++;
+    all->running++;
+    return true;
+}
+
+/// Keep what a process wrote. Texts for which there is no memory are lost.
+static void append(stream *to, const char *bytes, size_t count)
+{
+    if (to->length + count + 1 > to->room)
+    {
+        size_t room = 2 * to->room + count + 1;
+        char *grown = realloc(to->text, room);
+        if (grown == NULL)
+            return;
+        to->text = grown;
+        to->room = room;
+    }
+    memcpy(to->text + to->length, bytes, count);
+    to->length += count;
+    to->text[to->length] = '\0';
+}
+
+/// Read what has come, and find out whether the process has ended.
+static void gather(many *all, task *one, int s)
+{
+    char piece[PIECE];
+    stream *from = &one->streams[s];
+    ssize_t count = read(from->descriptor, piece, sizeof piece);
+    if (count > 0)
+        append(from, piece, (size_t)count);
+    if (count > 0 || (count < 0 && errno == EINTR))
+        return;
+    (void)close(from->descriptor);
+    from->descriptor = -1;
+    if (one->streams[1 - s].descriptor >= 0)
+        return;
+    int status;
+    while (waitpid(one->process, &status, 0) < 0)
+        if (errno != EINTR)
+            status = -1;
+    one->code = WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_BAD_INPUT;
+    if (WIFSIGNALED(status) && !all->stopped)
+    {
+        char text[PIECE];
+        int length = snprintf(text, sizeof text, "batten: %.2000s: the process was ended by signal %d (%s)\n", one->input,
+                              WTERMSIG(status), strsignal(WTERMSIG(status)));
+        append(&one->streams[1], text, (size_t)length);
+    }
+    one->state = all->stopped && one->code != EXIT_DONE ? TASK_STOPPED : TASK_DONE;
+    all->running--;
+}
+
+/// Wait until processes write or end, and read from them.
+static void wait_for_some(many *all, struct pollfd *polled, task **owners)
+{
+    nfds_t count = 0;
+    for (size_t i = all->reported; i < all->started; i++)
+        for (int s = 0; s < STREAM_COUNT; s++)
+            if (all->tasks[i].state == TASK_RUNNING && all->tasks[i].streams[s].descriptor >= 0)
+            {
+                polled[count] = (struct pollfd){.fd = all->tasks[i].streams[s].descriptor, .events = POLLIN};
+                owners[count++] = &all->tasks[i];
+            }
+    if (poll(polled, count, WAIT_MS) <= 0)
+        return;
+    for (nfds_t k = 0; k < count; k++)
+        if (polled[k].revents != 0)
+            gather(all, owners[k], polled[k].fd == owners[k]->streams[0].descriptor ? 0 : 1);
+}
+
+/// Hand a signal on to the processes, once.
+static void stop(many *all)
+{
+    all->stopped = true;
+    for (size_t i = 0; i < all->started; i++)
+        if (all->tasks[i].state == TASK_RUNNING)
+            (void)kill(all->tasks[i].process, SIGTERM);
+}
+
+// Reports
+
+/// Print the first line of a report, and its notes behind it.
+static void print_report(const task *one)
+{
+    static const char NOTE[] = "note: ";
+    const char *text = one->streams[0].text, *summary = text;
+    (void)printf("%s -> %s", one->input, one->output);
+    while (summary != NULL && strncmp(summary, NOTE, sizeof NOTE - 1) == 0)
+    {
+        const char *end = strchr(summary, '\n');
+        summary = end == NULL ? NULL : end + 1;
+    }
+    if (summary != NULL && *summary != '\0')
+        (void)printf(": %.*s", (int)strcspn(summary, "\n"), summary);
+    for (const char *line = text; line != NULL && *line != '\0';)
+    {
+        size_t length = strcspn(line, "\n");
+        if (strncmp(line, NOTE, sizeof NOTE - 1) == 0)
+            (void)printf("; %.*s", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    (void)printf("\n");
+    (void)fflush(stdout);
+}
+
+static void report_task(many *all, const task *one)
+{
+    const char *text = one->streams[0].text, *error = one->streams[1].text;
+    if (error != NULL)
+        (void)fputs(error, stderr);
+    if (all->list != NULL)
+    {
+        // Names that are not UTF-8 become null.
+        json_t *report = text != NULL ? json_loads(text, 0, NULL) : NULL;
+        json_t *fault = error != NULL && one->code != EXIT_DONE ? json_stringn(error, strcspn(error, "\n")) : NULL;
+        (void)json_array_append_new(all->list, json_pack("{s:o?, s:o?, s:i, s:o*, s:o*}", "input", json_string(one->input),
+                                                         "output", json_string(one->output), "exit", one->code, "report",
+                                                         report, "error", fault));
+    }
+    else if (one->code == EXIT_DONE && !argument_flag(all->given, "quiet"))
+        print_report(one);
+}
+
+/// Report the tasks that are done, in the order of the inputs.
+static void report_done(many *all)
+{
+    while (all->reported < all->started && all->tasks[all->reported].state >= TASK_DONE)
+    {
+        task *one = &all->tasks[all->reported++];
+        if (one->state == TASK_DONE)
+            report_task(all, one);
+        for (int s = 0; s < STREAM_COUNT; s++)
+        {
+            free(one->streams[s].text);
+            one->streams[s].text = NULL;
+        }
+    }
+}
+
+/// The exit code of the call, after the last words.
+static int finish(many *all)
+{
+    size_t done = 0, unusable = 0;
+    for (size_t i = 0; i < all->count; i++)
+    {
+        done += all->tasks[i].state == TASK_DONE && all->tasks[i].code == EXIT_DONE;
+        unusable += all->tasks[i].state == TASK_DONE && all->tasks[i].code == EXIT_BAD_USAGE;
+    }
+    if (all->list != NULL)
+    {
+        json_t *whole = json_pack("{s:O, s:I, s:I}", "files", all->list, "done", (json_int_t)done, "failed",
+                                  (json_int_t)(all->count - done));
+        (void)report_json(whole);
+    }
+    (void)fflush(stdout);
+    if (done < all->count)
+        (void)fprintf(stderr, "batten: %zu of %zu files are done\n", done, all->count);
+    return done == all->count ? EXIT_DONE : unusable == all->count ? EXIT_BAD_USAGE : EXIT_BAD_INPUT;
+}
+
+static int run_tasks(many *all)
+{
+    size_t jobs = (size_t)all->jobs;
+    struct pollfd *polled = calloc(STREAM_COUNT * jobs, sizeof *polled);
+    task **owners = calloc(STREAM_COUNT * jobs, sizeof(task *));
+    int code = polled == NULL || owners == NULL ? report_failure(NULL, &(bat_error){.text = "out of memory"}) : EXIT_DONE;
+    interrupt_use(INTERRUPT_COOPERATIVE);
+    while (code == EXIT_DONE && (all->running > 0 || (!all->stopped && all->started < all->count)))
+    {
+        while (!all->stopped && all->started < all->count && all->running < jobs)
+            if (!start(all))
+                break;
+        if (interrupt_pending() && !all->stopped)
+            stop(all);
+        if (all->running > 0)
+            wait_for_some(all, polled, owners);
+        else if (!all->stopped && all->started < all->count)
+            code = report_failure(NULL, &(bat_error){.text = "the system allows no further process"});
+        report_done(all);
+    }
+    free(polled);
+    free(owners);
+    return code;
+}
+
+// The command line
+
+/// Whether the outputs go to a folder.
+static bool is_many(const arguments *given)
+{
+    const char *output = argument(given, "output");
+    struct stat about;
+    size_t length = output != NULL ? strlen(output) : 0;
+    return given->positional_count > 1 || argument(given, "jobs") != NULL || (length > 0 && output[length - 1] == '/') ||
+           (output != NULL && stat(output, &about) == 0 && S_ISDIR(about.st_mode));
+}
+
+/// Refuse what does not go with several inputs.
+static int check(const arguments *given)
+{
+    const char *output = argument(given, "output");
+    struct stat about;
+    if (output == NULL || is_standard_output(output))
+        return usage_error(given, "several inputs, and --jobs, need -o FOLDER");
+    if (stat(output, &about) == 0 && !S_ISDIR(about.st_mode))
+        return usage_error(given, "several inputs, and --jobs, need a folder: '%s' is a file", output);
+    for (const file_option *file = given->spec->files; file->name != NULL; file++)
+        if (file->use != FILE_READ && strcmp(file->name, "output") != 0 && argument(given, file->name) != NULL)
+            return usage_error(given, "--%s names one file: it goes with one input and -o FILE", file->name);
+    return EXIT_DONE;
+}
+
+/// The threads of each process: those that OpenMP would take, divided.
+static int threads_each(long jobs)
+{
+    int all = 1;
+#ifdef _OPENMP
+    all = omp_get_max_threads();
+#endif
+    return all > jobs ? all / (int)jobs : 1;
+}
+
+static int run_all(const arguments *given, bool (*formats)(size_t index, bat_choice *choice), many_verb verb)
+{
+    many all = {.given = given, .verb = verb, .count = given->positional_count};
+    if (!argument_whole(given, "jobs", 1, MAX_JOBS, 1, &all.jobs))
+        return EXIT_BAD_USAGE;
+    int code = check(given);
+    if (code != EXIT_DONE)
+        return code;
+    all.jobs = all.count < (size_t)all.jobs ? (long)all.count : all.jobs;
+    (void)snprintf(all.threads, sizeof all.threads, "%d", threads_each(all.jobs));
+    all.tasks = calloc(all.count, sizeof *all.tasks);
+    if (all.tasks == NULL)
+        return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    for (size_t i = 0; i < all.count; i++)
+        all.tasks[i] = (task){.input = given->positional[i], .streams = {{.descriptor = -1}, {.descriptor = -1}}};
+    all.list = argument_flag(given, "json") ? json_array() : NULL;
+    code = name_outputs(&all, formats);
+    if (code == EXIT_DONE)
+        code = make_folder(argument(given, "output"));
+    if (code == EXIT_DONE)
+        code = run_tasks(&all);
+    if (code == EXIT_DONE)
+        code = finish(&all);
+    json_decref(all.list);
+    for (size_t i = 0; i < all.count; i++)
+        free(all.tasks[i].output);
+    free(all.tasks);
+    // Ends the program when a signal has come.
+    interrupt_use(INTERRUPT_AT_ONCE);
+    return code;
+}
+
+int many_run(const verb_spec *spec, bool (*formats)(size_t index, bat_choice *choice), many_verb verb, int argc, char **argv)
+{
+    arguments given;
+    int code;
+    if (!arguments_read(spec, argc, argv, &given, &code))
+        return code;
+    return is_many(&given) ? run_all(&given, formats, verb) : verb(&given);
+}
