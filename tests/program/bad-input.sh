@@ -194,7 +194,7 @@ refused 1 'missing' curve good.in.csv --truth missing.in.csv -o out.csv
 refused 1 '2 curves cannot be compared with the 1 ' curve good.in.csv --truth two.in.csv -o out.csv
 refused 1 'two\.in\.csv:4: curve 1: an open curve needs at least 2 points' curve two.in.csv -o out.csv --picture out.png
 refused 1 'angle-based' curve antipodal.in.csv --truth antipodal.in.csv --best-tension -o out.csv
-refused 2 'one argument too many' curve good.in.csv other -o out.csv
+refused 2 'several inputs, and --jobs, need a folder' curve good.in.csv other -o out.csv
 refused 2 'missing' curve
 refused 2 'no option' curve good.in.csv --level 3
 refused 2 'needs a value' curve good.in.csv --levels
