@@ -167,7 +167,10 @@ def test_labels_are_kept(tetrahedron, tmp_path):
     assert [mesh.labels[i].material for i in mesh.face_labels] == ["red", "red", "blue", "blue"]
     fine = batten.refine_mesh(mesh, scheme="loop", levels=1)
     assert [fine.labels[i].material for i in fine.face_labels].count("blue") == 8 and fine.labels[0].object == "thing"
-    fine.write(tmp_path / "out.obj")
+    with pytest.warns(batten.BattenWarning, match="m.mtl"):
+        fine.write(tmp_path / "out.obj")
+    (tmp_path / "m.mtl").write_text("newmtl red\nnewmtl blue\n")
+    fine.write(tmp_path / "out.obj")  # a warning would be an error
     again = pickle.loads(pickle.dumps(batten.Mesh.read(tmp_path / "out.obj")))
     assert again.material_files == "m.mtl" and len(again.face_labels) == 16
     with pytest.raises(ValueError, match="face_labels: 4 numbers"):
