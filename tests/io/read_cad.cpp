@@ -1,19 +1,19 @@
 // Reads a STEP or IGES file with Open CASCADE and prints what it holds: "valid V faces F area A tolerance T".
 
+#include <BRep_Tool.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
-#include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <IGESControl_Reader.hxx>
-#include <STEPControl_Reader.hxx>
 #include <ShapeAnalysis_ShapeTolerance.hxx>
+#include <STEPControl_Reader.hxx>
 #include <TopExp_Explorer.hxx>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <sstream>
 #include <iostream>
+#include <sstream>
 
 template <class Reader> static int describe(const char *path)
 {
