@@ -317,9 +317,15 @@ static void test_files_with_faces_are_meshes(void **state)
 static bat_cloud any_cloud(size_t count, size_t boundary)
 {
     bat_random random = bat_random_seed(count);
-    bat_cloud cloud = {0};
+    bat_cloud cloud = {.points = malloc((count + 1) * 3 * sizeof *cloud.points), .count = count};
+    assert_non_null(cloud.points);
     for (size_t i = 0; i < count; i++)
-        add_point(&cloud, bat_random_normal(&random), ldexp(bat_random_normal(&random), (int)(i % 90) - 45), (double)i);
+    {
+        double *point = cloud.points + 3 * i;
+        point[0] = bat_random_normal(&random);
+        point[1] = ldexp(bat_random_normal(&random), (int)(i % 90) - 45);
+        point[2] = (double)i;
+    }
     cloud.boundary_count = boundary;
     cloud.has_corners = boundary > 0;
     for (size_t k = 0; k < 4 && boundary > 0; k++)
