@@ -2,7 +2,7 @@
 
 #include "arguments.h"
 #include "report.h"
-#include "reproduce.h"
+#include "reproduce/reproduce.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"

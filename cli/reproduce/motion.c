@@ -1,4 +1,4 @@
-#include "reproduce.h"
+#include "reproduce/reproduce.h"
 
 #include "arguments.h"
 #include "report.h"
