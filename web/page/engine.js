@@ -2,8 +2,12 @@
 
 export class Cancelled extends Error {}
 
-/** An engine in a worker. `busy(title, fraction)` is called with null when nothing is under way. */
+/**
+ * An engine in a worker. `busy(title, fraction)` is called when a job has run for `delay` milliseconds and ten times a second
+ * from then on, and with null when nothing is under way.
+ */
 export class Engine {
+  delay = 300;
   #source;
   #binary;
   #worker = null;
@@ -28,7 +32,7 @@ export class Engine {
         return;
       }
       this.#waiting.delete(data.id);
-      clearInterval(waiting.timer);
+      clearTimeout(waiting.timer);
       if (this.#waiting.size === 0) this.busy(null);
       if (data.error) waiting.reject(Object.assign(new Error(data.error.message), data.error));
       else waiting.resolve(data.result);
@@ -46,10 +50,11 @@ export class Engine {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
       const waiting = { resolve, reject, fraction: 0 };
-      const began = performance.now();
-      waiting.timer = setInterval(() => {
-        if (performance.now() - began > 300) this.busy(title, waiting.fraction);
-      }, 100);
+      const show = () => {
+        this.busy(title, waiting.fraction);
+        waiting.timer = setTimeout(show, 100);
+      };
+      waiting.timer = setTimeout(show, this.delay);
       this.#waiting.set(id, waiting);
       this.#worker.postMessage({ id, job, args });
     });
@@ -83,7 +88,7 @@ export class Engine {
     this.#waiting.clear();
     this.#start();
     for (const waiting of all) {
-      clearInterval(waiting.timer);
+      clearTimeout(waiting.timer);
       waiting.reject(new Cancelled("cancelled"));
     }
     this.busy(null);
