@@ -1,5 +1,6 @@
 // The page in Chromium: opened from disk, by mouse, touch and keyboard.
-// Environment: BATTEN, SOURCE; CHROMIUM; PAGE, the file of the page; SHOTS, a folder for screenshots (optional).
+// Environment: BATTEN, SOURCE; CHROMIUM; PAGE, the file of the page; SHOTS, a folder for screenshots (optional), which are
+// compared with those of docs/images/web.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -12,6 +13,10 @@ import puppeteer from "puppeteer-core";
 
 const { SOURCE: source, CHROMIUM: chromium, PAGE: file, SHOTS: shots } = process.env;
 const program = resolve(process.env.BATTEN); // some commands run in another folder
+/** Screenshots are compared by the mean colours of square blocks, so that fonts and smoothing hardly count. */
+const BLOCK = 20;
+const BLOCKS_THAT_DIFFER = 0.05;
+const MAX_DIFFERENCE = 16;
 const TABS = ["curve", "map", "motion", "mesh", "analyze", "scan"];
 const data = (name) => join(source, "examples/data", name);
 /** The limit of the compressed page, in bytes. */
@@ -70,6 +75,33 @@ const until = (expression) =>
   page
     .waitForFunction(`(() => { const { state, results, result, given, view } = window.batten.tabs[window.batten.current()].inspect(); return ${expression}; })()`, WAIT)
     .catch(async (error) => assert.fail(`${expression} did not hold: ${error.message}; ${await inspect("JSON.stringify({ ...state, points: undefined })")} ${await alertText()}`));
+/** The share of blocks in which two pictures, PNG in base64, differ visibly; 1 for pictures of two sizes. */
+const difference = (a, b) =>
+  page.evaluate(
+    async (files, block, most) => {
+      const pictures = await Promise.all(
+        files.map(async (file) => {
+          const picture = new Image();
+          picture.src = `data:image/png;base64,${file}`;
+          await picture.decode();
+          const canvas = document.createElement("canvas");
+          [canvas.width, canvas.height] = [Math.ceil(picture.width / block), Math.ceil(picture.height / block)];
+          const context = canvas.getContext("2d");
+          context.imageSmoothingQuality = "high";
+          context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+          return { size: `${picture.width} ${picture.height}`, colours: context.getImageData(0, 0, canvas.width, canvas.height).data };
+        }),
+      );
+      const [one, two] = pictures;
+      if (one.size !== two.size) return 1;
+      let count = 0;
+      for (let i = 0; i < one.colours.length; i += 4) count += [0, 1, 2].some((c) => Math.abs(one.colours[i + c] - two.colours[i + c]) > most);
+      return (4 * count) / one.colours.length;
+    },
+    [a, b],
+    BLOCK,
+    MAX_DIFFERENCE,
+  );
 /** Choose in a list of the current tab, by its label. */
 const choose = (label, value) =>
   page.evaluate(
@@ -267,6 +299,7 @@ test("a large file can be cancelled", async () => {
 
 test("every tab, both themes, wide and narrow: nothing overflows, and axe finds nothing serious", async () => {
   const axe = readFileSync(new URL("../node_modules/axe-core/axe.min.js", import.meta.url), "utf8");
+  const different = [];
   await open();
   for (const theme of ["light", "dark"])
     for (const width of [1280, 360]) {
@@ -291,10 +324,14 @@ test("every tab, both themes, wide and narrow: nothing overflows, and axe finds 
             }, name),
             `${name} draws nothing`,
           );
+        const picture = await page.screenshot({ encoding: "base64" });
+        const title = `${name}-${theme}-${width}.png`;
         if (shots) {
           mkdirSync(shots, { recursive: true });
-          await page.screenshot({ path: join(shots, `${name}-${theme}-${width}.png`) });
+          writeFileSync(join(shots, title), picture, "base64");
         }
+        const share = await difference(picture, readFileSync(join(source, "docs/images/web", title), "base64"));
+        if (share > BLOCKS_THAT_DIFFER) different.push(`${title}: ${(100 * share).toFixed(1)} % of the blocks`);
         // Each theme in one width: colours do not depend on the width, and a run takes seconds.
         if ((theme === "light") !== width > 500) continue;
         if (!(await page.evaluate("Boolean(window.axe)"))) await page.evaluate(axe);
@@ -303,6 +340,7 @@ test("every tab, both themes, wide and narrow: nothing overflows, and axe finds 
         assert.deepEqual(serious.map(({ id, nodes }) => `${name} ${theme} ${width}: ${id}: ${nodes[0].html.slice(0, 120)}`), []);
       }
     }
+  assert.deepEqual(different, [], "the page looks otherwise than in docs/images/web; if it should, take the pictures of SHOTS");
 });
 
 test("no request left, nothing was complained of", () => {
