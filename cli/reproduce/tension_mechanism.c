@@ -1,4 +1,4 @@
-#include "reproduce/reproduce.h"
+#include "reproduce.h"
 
 #include "arguments.h"
 #include "report.h"
