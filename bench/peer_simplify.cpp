@@ -49,12 +49,13 @@ enum
     CGAL_LINDSTROM_TURK,
     BATTEN_QUADRIC,
     BATTEN_MEMORYLESS,
+    BATTEN_FAST,
     MESHOPTIMIZER,
     WAYS
 };
 
 const std::array<const char *, WAYS> NAMES = {"CGAL, Lindstrom-Turk", "batten, quadric", "batten, memoryless",
-                                              "meshoptimizer"};
+                                              "batten, fast", "meshoptimizer"};
 
 [[noreturn]] void stop(const char *what)
 {
@@ -182,6 +183,8 @@ double run(int way, const bat_mesh &fine, const Peer &peer, size_t vertices, siz
         return run_batten(fine, vertices, BAT_MESH_DECIMATE_QUADRIC, coarse);
     case BATTEN_MEMORYLESS:
         return run_batten(fine, vertices, BAT_MESH_DECIMATE_MEMORYLESS, coarse);
+    case BATTEN_FAST:
+        return run_batten(fine, vertices, BAT_MESH_DECIMATE_FAST, coarse);
     default:
 #if defined(BENCH_MESHOPTIMIZER)
         return run_meshoptimizer(fine, faces, coarse);

@@ -22,7 +22,8 @@ static const option_spec OPTIONS[] = {
      "diagonal of its box (0.1%)"},
     {"method", 0, "NAME",
      "memoryless (default): squared volumes to the present faces, at preserved volume (Lindstrom and Turk); quadric:\n"
-     "squared distances from the planes of all faces of IN, faster and less accurate"},
+     "squared distances from the planes of all faces of IN, faster and less accurate; fast: quadric errors without a\n"
+     "strict order to three times the target, then memoryless errors, for large meshes"},
     {"attributes", 0, "W",
      "the weight of texture and channels in the error; 0 drops them, and lets seams vanish; default 0.5"},
     {"map", 0, "FILE", "write the bijective map between IN and OUT, a safetensors file"},

@@ -19,7 +19,11 @@ typedef enum bat_mesh_decimate_method
     BAT_MESH_DECIMATE_QUADRIC,
     /// The squared volumes between the new vertex and the present faces, at preserved volume (Lindstrom and Turk, 1998,
     /// 1999).
-    BAT_MESH_DECIMATE_MEMORYLESS
+    BAT_MESH_DECIMATE_MEMORYLESS,
+    /// For large meshes: quadric errors without a strict order, in sweeps with rising thresholds, until three times the
+    /// wanted vertices or faces are left; memoryless errors in order from there on. `candidates` act in the second part
+    /// alone.
+    BAT_MESH_DECIMATE_FAST
 } bat_mesh_decimate_method;
 
 /// The methods, by their numbers. @return false past the last one

@@ -38,6 +38,9 @@ static const bat_choice METHODS[] = {
     {.name = "memoryless",
      .value = BAT_MESH_DECIMATE_MEMORYLESS,
      .summary = "squared volumes to the present faces, at preserved volume (Lindstrom and Turk)"},
+    {.name = "fast",
+     .value = BAT_MESH_DECIMATE_FAST,
+     .summary = "quadric errors in sweeps to three times the target, then memoryless errors"},
 };
 static const choice_table TABLE = CHOICE_TABLE("decimation method", METHODS);
 
@@ -58,7 +61,7 @@ bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *opti
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, error, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_mesh_decimate_options, method, OPTION_CHOICE, 0, BAT_MESH_DECIMATE_MEMORYLESS),
+        OPTION_FIELD(bat_mesh_decimate_options, method, OPTION_CHOICE, 0, BAT_MESH_DECIMATE_FAST),
         OPTION_FIELD(bat_mesh_decimate_options, least_normal, OPTION_NUMBER, -1, 1),
         OPTION_FIELD(bat_mesh_decimate_options, least_quality, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),

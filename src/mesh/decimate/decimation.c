@@ -24,26 +24,36 @@ enum
     /// Attempts between two reports of progress.
     REPORT_INTERVAL = 1024,
     /// Arithmetic operations of an edge's error, roughly.
-    ERROR_OPERATIONS = 300
+    ERROR_OPERATIONS = 300,
+    /// Sweeps end when this many times the wanted vertices or faces are left, and at this number at the latest.
+    SWEEP_TARGET = 3,
+    SWEEP_MIN_LEFT = 100,
+    /// Errors from which a sweep takes its threshold.
+    SWEEP_SAMPLES = 1024
 };
+
+/// The share of the edges below the threshold of a sweep.
+static const double SWEEP_SHARE = 0.6;
 
 /// The state of a decimation.
 typedef struct decimation
 {
     const bat_mesh_decimate_options *options;
     const decimation_target *target;
-    tolerance *bound; ///< null without a bound on the distance
+    decimation_target initial; ///< the numbers of vertices with faces and of faces of the given mesh
+    tolerance *bound;          ///< null without a bound on the distance
     attributes fields;
     collapse_mesh mesh;
     error_vertex *vertices;
     edge_queue queue;
-    double *errors;            ///< for each edge; infinite where it must not collapse
-    uint32_t *changed;         ///< for each vertex: the last collapse that changed its faces; null but for memoryless errors
-    uint32_t *computed;        ///< for each edge: the last collapse before its error was computed; null as `changed`
-    uint32_t now;              ///< the number of the last collapse
-    uint8_t *waiting;          ///< for each vertex: whether one of its edges was refused and waits for changes nearby
-    double *corners;           ///< for each vertex: its sharpness as a corner; null for a mesh without corners
-    bat_mesh_map *map;         ///< null without a map
+    bool memoryless;    ///< the errors are memoryless, not quadric
+    double *errors;     ///< for each edge; infinite where it must not collapse
+    uint32_t *changed;  ///< for each vertex: the last collapse that changed its error; null for quadric errors in order
+    uint32_t *computed; ///< for each edge: the last collapse before its error was computed; null as `changed`
+    uint32_t now;       ///< the number of the last collapse
+    uint8_t *waiting;   ///< for each vertex: whether one of its edges was refused and waits for changes nearby
+    double *corners;    ///< for each vertex: its sharpness as a corner; null for a mesh without corners
+    bat_mesh_map *map;  ///< null without a map
     flat_workspace *workspace; ///< null without a map
     collapse_ring ring;        ///< of the current edge
     double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
@@ -71,7 +81,7 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
     all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
     all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
-    bool dated = all->options->method == BAT_MESH_DECIMATE_MEMORYLESS;
+    bool dated = all->options->method != BAT_MESH_DECIMATE_QUADRIC;
     all->changed = dated ? calloc(fine->vertex_count, sizeof *all->changed) : NULL;
     all->computed = dated ? calloc(all->mesh.edge_count, sizeof *all->computed) : NULL;
     all->workspace = mapped ? malloc(sizeof *all->workspace) : NULL;
@@ -88,7 +98,7 @@ static bool place(const decimation *all, uint32_t edge, uint32_t *kept, error_pl
 {
     if (!collapse_edge_is_allowed(&all->mesh, edge, kept))
         return false;
-    if (all->options->method == BAT_MESH_DECIMATE_MEMORYLESS)
+    if (all->memoryless)
         *placed = memoryless_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
     else
         *placed = error_place(&all->mesh, all->vertices, &all->fields, edge, *kept);
@@ -110,27 +120,26 @@ static void update_error(decimation *all, uint32_t edge)
         edge_queue_remove(&all->queue, edge);
 }
 
-/// Compute all errors and fill the queue.
-static void fill_queue(decimation *all)
+/// Compute the errors of all edges.
+static void compute_errors(decimation *all)
 {
     collapse_mesh *mesh = &all->mesh;
-    bool memoryless = all->options->method == BAT_MESH_DECIMATE_MEMORYLESS;
     int threads = threads_worth(all->options->threads, mesh->edge_count, (double)mesh->edge_count * ERROR_OPERATIONS);
 #pragma omp parallel num_threads(threads)
     {
 #pragma omp for schedule(static)
         for (size_t v = 0; v < mesh->vertex_count; v++)
-            if (memoryless)
+            if (all->memoryless)
                 memoryless_vertex_set(mesh, all->vertices, (uint32_t)v);
 #pragma omp for schedule(static)
         for (size_t e = 0; e < mesh->edge_count; e++)
         {
             error_placement placed;
             uint32_t kept;
-            all->errors[e] = place(all, (uint32_t)e, &kept, &placed) ? placed.error : INFINITY;
+            bool allowed = mesh->half_edge[e] != BAT_MESH_NONE && place(all, (uint32_t)e, &kept, &placed);
+            all->errors[e] = allowed ? placed.error : INFINITY;
         }
     }
-    edge_queue_fill(&all->queue, all->errors, mesh->edge_count);
 }
 
 static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
@@ -145,8 +154,6 @@ static bat_status begin(const bat_mesh *fine, bool mapped, decimation *all, bat_
     error_vertices_set(fine, &all->mesh, all->options->boundary_weight, all->vertices);
     if (all->options->attributes > 0)
         status = attributes_make(fine, &all->mesh, all->options->attributes, &all->fields, error);
-    if (status == BAT_OK)
-        fill_queue(all);
     return status;
 }
 
@@ -192,34 +199,47 @@ static void update_sums(decimation *all)
     }
 }
 
-/// Whether the error of an edge that left the queue is that of the present mesh. Else it is computed again, and the edge
-/// goes back unless it still comes first.
-static bool is_current(decimation *all, uint32_t edge)
+/// Whether the error of an edge is that of the present mesh.
+static bool is_current(const decimation *all, uint32_t edge)
 {
     if (all->changed == NULL)
         return true;
     uint32_t h = all->mesh.half_edge[edge], a = all->mesh.corner[h], b = all->mesh.corner[bat_mesh_next(h)];
-    if (all->changed[a] <= all->computed[edge] && all->changed[b] <= all->computed[edge])
+    return all->changed[a] <= all->computed[edge] && all->changed[b] <= all->computed[edge];
+}
+
+/// Whether an edge that left the queue still comes first. Else its error is computed again, and it goes back.
+static bool comes_first(decimation *all, uint32_t edge)
+{
+    if (is_current(all, edge))
         return true;
     update_error(all, edge);
     return false;
 }
 
-static void collapse(decimation *all, const error_placement *placed, uint32_t kept)
+/// Collapse the edge of the current ring; what depends on the faces around it is out of date.
+static void merge(decimation *all, const error_placement *placed, uint32_t kept, uint32_t *gone, uint32_t *gone_count)
 {
     const collapse_ring *ring = &all->ring;
-    uint32_t gone[3], gone_count;
     attributes_merge(&all->fields, &all->mesh, ring, placed->position, kept, all->vertices);
     error_merge(all->vertices, ring->i, ring->j, placed->position);
     if (all->bound != NULL)
         tolerance_apply(all->bound, ring);
-    collapse_apply(&all->mesh, ring, gone, &gone_count);
+    collapse_apply(&all->mesh, ring, gone, gone_count);
     if (all->corners != NULL)
         all->corners[ring->i] = fmax(all->corners[ring->i], all->corners[ring->j]);
+}
+
+/// Collapse the edge of the current ring and bring errors and queue up to date.
+static void collapse(decimation *all, const error_placement *placed, uint32_t kept)
+{
+    const collapse_ring *ring = &all->ring;
+    uint32_t gone[3], gone_count;
+    merge(all, placed, kept, gone, &gone_count);
     for (uint32_t k = 0; k < gone_count; k++)
         edge_queue_remove(&all->queue, gone[k]);
     all->waiting[ring->i] = 0;
-    if (all->options->method == BAT_MESH_DECIMATE_MEMORYLESS)
+    if (all->memoryless)
         update_sums(all);
     for (uint32_t k = 0; k < ring->count; k++)
         update_error(all, all->mesh.edge[ring->half_edge[k]]);
@@ -258,15 +278,16 @@ static bat_status attempt(decimation *all, uint32_t edge, bat_error *error)
     return status;
 }
 
-static bool is_done(const decimation *all)
+static bool has_reached(const decimation *all, decimation_target target)
 {
-    return all->mesh.vertices_left <= all->target->vertices || all->mesh.faces_left <= all->target->faces;
+    return all->mesh.vertices_left <= target.vertices || all->mesh.faces_left <= target.faces;
 }
 
-static bat_status report(const decimation *all, size_t initial_vertices, size_t initial_faces, bat_error *error)
+static bat_status report(const decimation *all, bat_error *error)
 {
     const bat_progress *progress = &all->options->progress;
     const collapse_mesh *mesh = &all->mesh;
+    size_t initial_vertices = all->initial.vertices, initial_faces = all->initial.faces;
     if (progress->report == NULL)
         return BAT_OK;
     double of_vertices = (double)(initial_vertices - mesh->vertices_left) /
@@ -279,21 +300,115 @@ static bat_status report(const decimation *all, size_t initial_vertices, size_t 
                            mesh->vertices_left);
 }
 
-static bat_status run(decimation *all, bat_error *error)
+static int compare_errors(const void *a, const void *b)
 {
-    size_t initial_vertices = all->mesh.vertices_left, initial_faces = all->mesh.faces_left;
+    double of_a = *(const double *)a, of_b = *(const double *)b;
+    return (of_a > of_b) - (of_a < of_b);
+}
+
+/// A threshold that about SWEEP_SHARE of the finite errors do not exceed; below all numbers when there is none. An error of
+/// 0 may be unknown.
+static double sweep_threshold(const decimation *all, double *samples)
+{
+    size_t count = 0, live = 0, step, seen = 0;
+    for (size_t e = 0; e < all->mesh.edge_count; e++)
+        live += isfinite(all->errors[e]);
+    step = live / SWEEP_SAMPLES + 1;
+    for (size_t e = 0; e < all->mesh.edge_count; e++)
+    {
+        error_placement placed;
+        uint32_t kept;
+        if (!isfinite(all->errors[e]) || seen++ % step != 0)
+            continue;
+        if (all->errors[e] > 0)
+            samples[count++] = all->errors[e];
+        else if (place(all, (uint32_t)e, &kept, &placed))
+            samples[count++] = placed.error;
+    }
+    if (count == 0)
+        return -INFINITY;
+    qsort(samples, count, sizeof *samples, compare_errors);
+    return samples[(size_t)(SWEEP_SHARE * (double)count)];
+}
+
+/// Collapse an edge if its present error does not exceed a threshold and all checks allow it. Errors of the edges around are
+/// out of date from then on, but too small rather than too large, since sums of squares grow.
+static bat_status sweep_edge(decimation *all, uint32_t edge, double threshold, bat_error *error)
+{
+    error_placement placed;
+    uint32_t kept, gone[3], gone_count;
+    bool allowed = place(all, edge, &kept, &placed);
+    all->errors[edge] = allowed ? placed.error : INFINITY;
+    if (!allowed || placed.error > threshold || !collapse_ring_find(&all->mesh, edge, &all->ring) ||
+        !is_sound(all, placed.position, kept))
+        return BAT_OK;
+    bat_status status = all->map == NULL ? BAT_OK : map_append(all->map, &all->ring, (const double(*)[2])all->flat, error);
+    if (status != BAT_OK)
+        return status;
+    merge(all, &placed, kept, gone, &gone_count);
+    for (uint32_t k = 0; k < gone_count; k++)
+        all->errors[gone[k]] = INFINITY;
+    return BAT_OK;
+}
+
+/// Sweep over the edges in the order of their numbers and collapse those of small errors, until a sweep changes little or
+/// the target is near.
+static bat_status sweep(decimation *all, bat_error *error)
+{
+    const decimation_target *target = all->target;
+    const decimation_target until = {SWEEP_TARGET * target->vertices + SWEEP_MIN_LEFT,
+                                     SWEEP_TARGET * target->faces + SWEEP_MIN_LEFT};
+    double samples[SWEEP_SAMPLES];
     bat_status status = BAT_OK;
-    for (size_t i = 1; !is_done(all) && status == BAT_OK; i++)
+    for (size_t before = SIZE_MAX;
+         all->mesh.faces_left < before - before / 64 && !has_reached(all, until) && status == BAT_OK;)
+    {
+        before = all->mesh.faces_left;
+        double threshold = sweep_threshold(all, samples);
+        for (uint32_t e = 0; e < all->mesh.edge_count && status == BAT_OK && !has_reached(all, until); e++)
+        {
+            if (all->errors[e] <= threshold)
+                status = sweep_edge(all, e, threshold, error);
+            if (status == BAT_OK && e % REPORT_INTERVAL == 0)
+                status = report(all, error);
+        }
+    }
+    return status;
+}
+
+/// Collapse edges in the order of their errors.
+static bat_status run_in_order(decimation *all, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    edge_queue_fill(&all->queue, all->errors, all->mesh.edge_count);
+    for (size_t i = 1; !has_reached(all, *all->target) && status == BAT_OK; i++)
     {
         uint32_t edge = edge_queue_take(&all->queue);
         if (edge == EDGE_QUEUE_ABSENT)
             break;
-        if (is_current(all, edge))
+        if (comes_first(all, edge))
             status = attempt(all, edge, error);
         if (status == BAT_OK && i % REPORT_INTERVAL == 0)
-            status = report(all, initial_vertices, initial_faces, error);
+            status = report(all, error);
     }
     return status;
+}
+
+static bat_status run(decimation *all, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    all->initial = (decimation_target){all->mesh.vertices_left, all->mesh.faces_left};
+    all->memoryless = all->options->method == BAT_MESH_DECIMATE_MEMORYLESS;
+    if (all->options->method == BAT_MESH_DECIMATE_FAST)
+    {
+        memset(all->errors, 0, all->mesh.edge_count * sizeof *all->errors);
+        status = sweep(all, error);
+        all->memoryless = true;
+    }
+    if (status != BAT_OK)
+        return status;
+    compute_errors(all);
+    return run_in_order(all, error);
 }
 
 // The result
