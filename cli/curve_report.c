@@ -134,7 +134,8 @@ static void print_simple(const bat_curve_refine_report *simple)
 /// What was done to a map.
 static void print_map(const bat_curve_map_report *map, const char *unit, double unit_length)
 {
-    (void)printf("map: %zu arcs between %zu nodes, %zu arcs shared\n", map->arcs, map->nodes, map->shared);
+    (void)printf("map: %zu arc%s between %zu node%s, %zu shared\n", map->arcs, map->arcs == 1 ? "" : "s", map->nodes,
+                 map->nodes == 1 ? "" : "s", map->shared);
     if (map->snapped > 0)
         (void)printf("joined: %zu points moved onto others or added to edges, by %.3g%s at most\n", map->snapped,
                      map->largest_snap * unit_length, unit);

@@ -6,6 +6,8 @@
 #include "base/file_bytes.h"
 #include "io/common/file_text.h"
 
+#include "batten/mesh_file.h"
+
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -483,6 +485,22 @@ static void options_out_of_range_are_refused(void **state)
     assert_int_equal(bat_curve_read_memory(ROWS, strlen(ROWS), &options, &set, NULL), BAT_INVALID_ARGUMENT);
 }
 
+static void utf16_is_refused(void **state)
+{
+    static const char LITTLE[] = "\xFF\xFEx\0,\0y\0\n\0001\0", BIG[] = "\xFE\xFF\0x\0,\0y\0\n\0001";
+    (void)state;
+    bat_curve_set set = {0};
+    bat_mesh mesh = {0};
+    bat_error error;
+    assert_int_equal(bat_curve_read_memory(LITTLE, sizeof LITTLE - 1, NULL, &set, &error), BAT_BAD_FILE);
+    assert_int_equal(error.line, 1);
+    assert_non_null(strstr(error.text, "UTF-16"));
+    assert_int_equal(bat_curve_read_memory(BIG, sizeof BIG - 1, NULL, &set, &error), BAT_BAD_FILE);
+    assert_non_null(strstr(error.text, "UTF-16"));
+    assert_int_equal(bat_mesh_read_memory(BIG, sizeof BIG - 1, NULL, &mesh, &error), BAT_BAD_FILE);
+    assert_non_null(strstr(error.text, "UTF-16"));
+}
+
 #define IN_FOLDER(test) cmocka_unit_test_setup_teardown(test, make_folder, remove_folder)
 
 int main(void)
@@ -503,6 +521,7 @@ int main(void)
                                        IN_FOLDER(a_format_that_nothing_tells_is_asked_for),
                                        IN_FOLDER(unknown_endings_are_refused),
                                        cmocka_unit_test(the_ending_tells_the_format),
-                                       cmocka_unit_test(options_out_of_range_are_refused)};
+                                       cmocka_unit_test(options_out_of_range_are_refused),
+                                       cmocka_unit_test(utf16_is_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

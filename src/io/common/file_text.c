@@ -8,6 +8,14 @@
 
 static const char BYTE_ORDER_MARK[] = "\xEF\xBB\xBF";
 
+/// Whether a text begins with the byte order mark of UTF-16 and a character of ASCII.
+static bool is_utf16(const file_text *text)
+{
+    const unsigned char *byte = (const unsigned char *)text->data;
+    return text->size >= 4 && ((byte[0] == 0xFF && byte[1] == 0xFE && byte[2] < 0x80 && byte[3] == 0) ||
+                               (byte[0] == 0xFE && byte[1] == 0xFF && byte[2] == 0 && byte[3] < 0x80));
+}
+
 static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *error)
 {
     size_t mark = sizeof BYTE_ORDER_MARK - 1;
@@ -25,7 +33,10 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
     text->size -= skipped;
     if (skipped > 0)
         memmove(text->data, text->data + skipped, text->size + 1);
-    return BAT_OK;
+    if (!is_utf16(text))
+        return BAT_OK;
+    file_text_free(text);
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "the text is UTF-16; save it as UTF-8");
 }
 
 bat_status file_text_read(const char *path, file_text *text, bat_error *error)

@@ -15,7 +15,7 @@ typedef struct file_text
 } file_text;
 
 /// Read a file into memory; pipes are allowed, and "-" is standard input.
-/// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE for a text in UTF-16, or BAT_NO_MEMORY
 bat_status file_text_read(const char *path, file_text *text, bat_error *error);
 
 /// Copy bytes in memory, without the byte order mark and with a final zero byte.
