@@ -1,0 +1,70 @@
+#include "verbs.h"
+
+#include "counts.h"
+#include "ranks.h"
+
+#include "batten/base.h"
+
+#include <petscsys.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct
+{
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} VERBS[] = {
+    {"surface", verb_surface, "fit a spline surface to scattered points, to CAD files"},
+};
+enum
+{
+    VERB_COUNT = sizeof VERBS / sizeof VERBS[0]
+};
+
+static void print_overview(FILE *to)
+{
+    (void)fputs("batten-mpi divides one piece of work among processes: mpirun -n 8 batten-mpi VERB [arguments]\n\n", to);
+    for (int i = 0; i < VERB_COUNT; i++)
+        (void)fprintf(to, "  %-10s %s\n", VERBS[i].name, VERBS[i].summary);
+    (void)fputs("\n`batten-mpi VERB --help` explains a verb; `batten-mpi --version` prints the version.\n", to);
+}
+
+static int run(int argc, char **argv, bool speaks)
+{
+    bool helps = argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0);
+    if (argc < 2 || helps)
+    {
+        if (speaks)
+            print_overview(helps ? stdout : stderr);
+        return helps ? EXIT_DONE : EXIT_BAD_USAGE;
+    }
+    if (strcmp(argv[1], "--version") == 0)
+    {
+        if (speaks)
+            (void)printf("batten-mpi %s\n", bat_version());
+        return EXIT_DONE;
+    }
+    for (int i = 0; i < VERB_COUNT; i++)
+        if (strcmp(argv[1], VERBS[i].name) == 0)
+            return VERBS[i].run(argc - 1, argv + 1);
+    if (speaks)
+        (void)fprintf(stderr, "batten: there is no verb '%s'; `batten-mpi --help` names them\n", argv[1]);
+    return EXIT_BAD_USAGE;
+}
+
+int main(int argc, char **argv)
+{
+    // PETSc gets no words of the command line; its own options come from the environment (PETSC_OPTIONS).
+    if (MPI_Init(&argc, &argv) != MPI_SUCCESS || PetscInitializeNoArguments() != 0)
+        return EXIT_BAD_INPUT;
+    (void)PetscPopSignalHandler();
+    bool speaks = ranks_rank() == 0;
+    // Only rank 0 prints results.
+    int code = speaks || freopen("/dev/null", "w", stdout) != NULL ? run(argc, argv, speaks) : EXIT_BAD_INPUT;
+    if (fflush(stdout) != 0 && code == EXIT_DONE)
+        code = EXIT_BAD_INPUT;
+    (void)PetscFinalize();
+    (void)MPI_Finalize();
+    return code;
+}
