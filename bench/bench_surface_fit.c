@@ -55,7 +55,7 @@ static double seconds_to_factor(const bat_spline_surface *surface)
     fit_system system;
     fit_solver *solver = NULL;
     double pivot, start = NAN;
-    bat_status status = fit_system_make(surface->space, surface->dimension, 0, &system, NULL);
+    bat_status status = fit_system_make(surface->space, NULL, surface->dimension, 0, &system, NULL);
     if (status == BAT_OK)
         status = fit_solver_make(&system.pattern, &solver, NULL);
     for (size_t f = 0; status == BAT_OK && f < system.functions; f++)
@@ -145,7 +145,7 @@ static void compare_solvers(const bat_spline_surface *surface)
 {
     fit_system system;
     double times[SOLVERS][STEPS][REPEATS], seconds[STEPS];
-    bool good = fit_system_make(surface->space, surface->dimension, 0, &system, NULL) == BAT_OK;
+    bool good = fit_system_make(surface->space, NULL, surface->dimension, 0, &system, NULL) == BAT_OK;
     double *x = good ? malloc(system.functions * system.columns * sizeof *x) : NULL;
     for (size_t f = 0; good && f < system.functions; f++)
         system.plate[system.pattern.first[f]] *= 1.001;

@@ -125,6 +125,76 @@ BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_sur
 BAT_API bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options,
                                    bat_spline_surface *surface, bat_surface_fit_report *report, bat_error *error);
 
+// Fits that several processes make together.
+
+/// Points of one block, along the curve of bat_surface_fit_order(). Sums over points are sums of blocks, in their order.
+#define BAT_SURFACE_FIT_BLOCK 768
+
+/// The place of a parameter on the Morton curve: the bits of u and v in turn (Morton, 1966).
+/// @param parameter u and v in [0, 1]
+BAT_API uint32_t bat_surface_fit_order(const double parameter[2]);
+
+/// Columns of numbers of the points of this process.
+typedef struct bat_surface_fit_column
+{
+    double *values; ///< count x width
+    size_t width;
+} bat_surface_fit_column;
+
+/// Processes that fit one surface together, and how they exchange data. Every process makes the same calls in the same
+/// order. Failures of a function end the fit of the process that sees them.
+typedef struct bat_surface_team
+{
+    void *context;
+    size_t rank;  ///< of this process, from 0
+    size_t count; ///< of processes
+    /// Rank 0 receives the bytes of all ranks, in their order.
+    /// @param sizes [count], receives the number of bytes of each; rank 0 alone
+    /// @param all   receives an array from malloc(); rank 0 alone
+    bat_status (*gather)(void *context, const void *bytes, size_t size, size_t *sizes, void **all, bat_error *error);
+    /// All ranks receive the bytes of rank 0.
+    bat_status (*broadcast)(void *context, void *bytes, size_t size, bat_error *error);
+
+    // A solver of symmetric positive definite systems that all ranks run together. All null: that of the library, on rank 0.
+
+    /// Rank 0: factor the matrix whose lower triangle is in compressed columns, rows ascending.
+    /// @param regular receives false for a matrix that is singular in double precision
+    bat_status (*factor)(void *context, size_t size, const int *first, const int *row, const double *values, bool *regular,
+                         bat_error *error);
+    /// Rank 0: solve by the last factorization.
+    /// @param right    size x columns
+    /// @param solution receives as many; not `right`
+    bat_status (*solve)(void *context, size_t columns, const double *right, double *solution, bat_error *error);
+    /// Other ranks: take part in what rank 0 calls, until that calls `release`.
+    bat_status (*attend)(void *context, bat_error *error);
+    /// Rank 0: the systems of this round are solved.
+    bat_status (*release)(void *context, bat_error *error);
+
+    // The state of the fit between two rounds; null where it is not kept.
+
+    /// Keep the state.
+    /// @param head the same bytes on all ranks
+    bat_status (*save)(void *context, const void *head, size_t size, const bat_surface_fit_column *columns,
+                       size_t column_count, bat_error *error);
+    /// Fetch the last state that was saved.
+    /// @param head    receives an array from malloc(), on all ranks; null for none
+    /// @param columns receive the values
+    bat_status (*load)(void *context, void **head, size_t *size, const bat_surface_fit_column *columns, size_t column_count,
+                       bat_error *error);
+} bat_surface_team;
+
+/// bat_surface_fit() by several processes: each has a part of the points. With the library's solver the surface is that of
+/// bat_surface_fit() to the last bit, for any number of processes.
+/// @param data    the points of this process, along the curve: ascending by bat_surface_fit_order(), equal ones by
+///                number, and after those of lower ranks. All ranks but the last with points have whole blocks; a rank may
+///                have none. `boundary_count` is that of all points: those of lower numbers
+/// @param numbers count: the place of each point among all points, from 0; counts all points, each once
+/// @param report  distances are those of this process; all else is of all points, `worst` a number
+/// @return as bat_surface_fit(), and the failures of the team's functions
+BAT_API bat_status bat_surface_fit_together(const bat_surface_team *team, bat_surface_fit_data *data,
+                                            const uint32_t *numbers, const bat_surface_fit_options *options,
+                                            bat_spline_surface *surface, bat_surface_fit_report *report, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -117,12 +117,13 @@ static double median(double *values, size_t count)
     return values[count / 2];
 }
 
-static double size_of(const fit_points *points)
+/// The largest absolute coordinate.
+static bat_status size_of(const fit_points *points, double *size, bat_error *error)
 {
-    double largest = 0;
+    *size = 0;
     for (size_t k = 0; k < points->count * points->dimension; k++)
-        largest = fmax(largest, fabs(points->position[k]));
-    return largest;
+        *size = fmax(*size, fabs(points->position[k]));
+    return team_largest(points->team, size, 1, error);
 }
 
 static double biweight(double distance, double scale)
@@ -137,14 +138,14 @@ static double biweight(double distance, double scale)
 /// The second median is that of the neighbours in Morton order. It prevents that a feature which the surface is still too
 /// stiff to follow is taken for outliers.
 /// @param outliers receives the number of points of weight 0
-static bat_status update_robust_weights(fit_points *points, size_t *outliers, bat_error *error)
+static bat_status update_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error)
 {
-    double *sorted = memory_array(points->count, sizeof *sorted);
-    if (sorted == NULL)
-        return error_memory(error, points->count * sizeof *sorted);
-    memcpy(sorted, points->distance, points->count * sizeof *sorted);
-    double global = fmax(NORMAL_SCALE * median(sorted, points->count), MIN_SCALE * size_of(points));
-    *outliers = 0;
+    double sorted[NEIGHBOURS], middle;
+    bat_status status = team_select(points->team, points->distance, points->count, points->total / 2, &middle, error);
+    if (status != BAT_OK)
+        return status;
+    double global = fmax(NORMAL_SCALE * middle, MIN_SCALE * size);
+    uint64_t found = 0;
     for (size_t begin = 0; begin < points->count; begin += NEIGHBOURS)
     {
         size_t end = begin + NEIGHBOURS < points->count ? begin + NEIGHBOURS : points->count;
@@ -153,12 +154,15 @@ static bat_status update_robust_weights(fit_points *points, size_t *outliers, ba
         for (size_t row = begin; row < end; row++)
         {
             points->weight[row] = scale > 0 ? biweight(points->distance[row], scale) : 1;
-            *outliers += points->weight[row] == 0;
+            found += points->weight[row] == 0;
         }
     }
-    free(sorted);
-    return BAT_OK;
+    status = team_sum_counts(points->team, &found, 1, error);
+    *outliers = (size_t)found;
+    return status;
 }
+
+_Static_assert(BAT_SURFACE_FIT_BLOCK % NEIGHBOURS == 0, "neighbours are of one block");
 
 /// The round with the least distances of held-out points.
 typedef struct fit_best
@@ -175,6 +179,7 @@ typedef struct fit_best
 typedef struct fit_loop
 {
     const bat_surface_fit_options *options;
+    const bat_surface_team *team; ///< null for one process
     fit_points points;
     bat_hierarchical_space *space;
     fit_system system;
@@ -222,59 +227,81 @@ static void loop_free(fit_loop *loop)
 static bat_status hold_out(fit_loop *loop, bat_error *error)
 {
     fit_points *points = &loop->points;
-    size_t step = (size_t)loop->options->hold_out, passed = 0;
+    uint64_t step = (uint64_t)loop->options->hold_out, passed = 0, count = 0;
     loop->held = memory_array(points->count, sizeof *loop->held);
     loop->best.parameter = memory_array(points->count, 2 * sizeof *loop->best.parameter);
     if (loop->held == NULL || loop->best.parameter == NULL)
         return error_memory(error, points->count * 2 * sizeof *loop->best.parameter);
     for (size_t row = 0; row < points->count; row++)
+        count += points->freedom[row] == FIT_FREE;
+    bat_status status = team_sum_before(points->team, count, &passed, error);
+    count = 0;
+    for (size_t row = 0; row < points->count; row++)
     {
         passed += points->freedom[row] == FIT_FREE;
         loop->held[row] = points->freedom[row] == FIT_FREE && passed % step == step / 2;
-        loop->held_count += loop->held[row];
+        count += loop->held[row];
         if (loop->held[row])
             points->weight[row] = 0;
     }
-    return BAT_OK;
+    if (status == BAT_OK)
+        status = team_sum_counts(points->team, &count, 1, error);
+    loop->held_count = (size_t)count;
+    return status;
+}
+
+static double held_weight(const fit_loop *loop, size_t row)
+{
+    return !loop->held[row] ? 0 : loop->options->robust ? loop->points.weight[row] : 1;
+}
+
+static void held_terms(const void *context, size_t row, double *sums)
+{
+    const fit_loop *loop = context;
+    double weight = held_weight(loop, row), distance = loop->points.distance[row];
+    sums[0] += weight * distance * distance;
+    sums[1] += weight;
 }
 
 /// Measure the distances of the points that are held out, and take these out of the fit.
-static void measure_held_out(fit_loop *loop)
+static bat_status measure_held_out(fit_loop *loop, bat_error *error)
 {
     fit_points *points = &loop->points;
-    double sum = 0, count = 0;
+    double sums[2];
+    bat_status status =
+        team_sum_points(points->team, points->count, held_terms, loop, 2, loop->options->threads, sums, error);
     loop->held_largest = 0;
     for (size_t row = 0; row < points->count; row++)
     {
-        double weight = loop->options->robust ? points->weight[row] : 1;
-        if (!loop->held[row])
-            continue;
-        sum += weight * points->distance[row] * points->distance[row];
-        count += weight;
-        if (weight > 0)
+        if (held_weight(loop, row) > 0)
             loop->held_largest = fmax(loop->held_largest, points->distance[row]);
-        points->weight[row] = 0;
+        if (loop->held[row])
+            points->weight[row] = 0;
     }
-    loop->held_rms = count > 0 ? sqrt(sum / count) : NAN;
+    if (status == BAT_OK)
+        status = team_largest(points->team, &loop->held_largest, 1, error);
+    loop->held_rms = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
+    return status;
 }
 
-static bat_status loop_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_loop *loop,
-                            bat_error *error)
+/// @param team    null for one process
+/// @param numbers of a team
+static bat_status loop_make(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+                            const bat_surface_fit_options *options, fit_loop *loop, bat_error *error)
 {
-    *loop = (fit_loop){.options = options, .begin = clock_seconds()};
-    size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
-    loop->budget = options->functions > 0 ? options->functions : (data->count + fewest - 1) / fewest;
+    *loop = (fit_loop){.options = options, .team = team, .begin = clock_seconds()};
     loop->rounds = memory_array((size_t)options->iterations + 1, sizeof *loop->rounds);
     if (loop->rounds == NULL)
         return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
     bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
     if (status == BAT_OK)
-        status = fit_points_make(data, NULL, options->space.truncated, &loop->points, error);
-    if (status == BAT_OK && options->hold_out > 0 && data->count >= HOLD_OUT_MIN)
+        status = team == NULL ? fit_points_make(data, NULL, options->space.truncated, &loop->points, error)
+                              : fit_points_make_part(team, data, numbers, options->space.truncated, &loop->points, error);
+    size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
+    loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
+    if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
         status = hold_out(loop, error);
-    for (size_t k = 0; status == BAT_OK && k < data->count * data->dimension; k++)
-        loop->size = fmax(loop->size, fabs(loop->points.position[k]));
-    return status;
+    return status == BAT_OK ? size_of(&loop->points, &loop->size, error) : status;
 }
 
 /// The fraction of work done: the logarithmic progress towards the budget, or the fraction of iterations.
@@ -319,6 +346,35 @@ static size_t noisy_coordinates(const fit_loop *loop)
     return !loop->corrects ? dimension : dimension > 3 ? dimension - 2 : 1;
 }
 
+/// Solve the system, on the first process with or without the others.
+static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
+{
+    const bat_surface_fit_options *options = loop->options;
+    const bat_surface_team *team = loop->team;
+    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN, shares = team != NULL && team->factor != NULL;
+    fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
+                                .noise = options->noise * sqrt((double)noisy_coordinates(loop)),
+                                .lambda = given ? options->weight : loop->lambda,
+                                .trials = trials_for(loop),
+                                .progress = {loop_report, loop}};
+    bat_status status = BAT_OK;
+    if (team_is_first(team))
+        status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, loop->control, error);
+    if (shares && team_is_first(team))
+    {
+        bat_status released = team->release(team->context, status == BAT_OK ? error : NULL);
+        status = status == BAT_OK ? released : status;
+    }
+    else if (shares)
+        status = team->attend(team->context, error);
+    status = team_agree(team, status, error);
+    if (status == BAT_OK)
+        status = team_broadcast(team, &loop->lambda, sizeof loop->lambda, error);
+    return status == BAT_OK ? team_broadcast(team, loop->control,
+                                             loop->system.functions * loop->points.dimension * sizeof *loop->control, error)
+                            : status;
+}
+
 /// Solve for the control points over the current space. Requires fit_points_locate().
 /// @param search whether to search for lambda; otherwise the last one is used
 static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
@@ -331,13 +387,7 @@ static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
         status = fit_system_gather(&loop->system, &loop->points, error);
     if (status != BAT_OK)
         return status;
-    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN;
-    fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
-                                .noise = options->noise * sqrt((double)noisy_coordinates(loop)),
-                                .lambda = given ? options->weight : loop->lambda,
-                                .trials = trials_for(loop),
-                                .progress = {loop_report, loop}};
-    status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, loop->control, error);
+    status = solve_control(loop, search, error);
     fit_nets_free(&loop->nets);
     if (status == BAT_OK)
         status = fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error);
@@ -362,9 +412,9 @@ static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *err
     if (status == BAT_OK && correct && !loop->options->no_restarts)
         status = fit_correct_wrong_feet(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
-        status = update_robust_weights(&loop->points, &loop->outliers, error);
+        status = update_robust_weights(&loop->points, loop->size, &loop->outliers, error);
     if (status == BAT_OK && loop->held != NULL)
-        measure_held_out(loop);
+        status = measure_held_out(loop, error);
     loop->corrects = loop->corrects || correct;
     return status;
 }
@@ -374,9 +424,10 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
 {
     size_t functions = bat_hierarchical_space_functions(loop->space);
     loop_free_fit(loop);
-    bat_status status = fit_system_make(loop->space, loop->points.dimension, loop->options->threads, &loop->system, error);
+    bat_status status =
+        fit_system_make(loop->space, loop->team, loop->points.dimension, loop->options->threads, &loop->system, error);
     if (status == BAT_OK)
-        status = fit_solver_make(&loop->system.pattern, &loop->solver, error);
+        status = fit_solver_make_for(loop->team, &loop->system.pattern, &loop->solver, error);
     if (status != BAT_OK)
         return status;
     fit_points_locate(&loop->points, loop->space, loop->options->threads);
@@ -416,31 +467,60 @@ static bat_status fit_finally(fit_loop *loop, bat_error *error)
     return status;
 }
 
-static bat_surface_fit_round measure_round(const fit_loop *loop)
+static void distance_terms(const void *context, size_t row, double *sums)
+{
+    const fit_loop *loop = context;
+    double distance = loop->points.distance[row];
+    sums[0] += distance * distance;
+    sums[1] += distance <= loop->options->tolerance;
+}
+
+/// The largest distance, and the number of its point.
+typedef struct worst_point
+{
+    double distance;
+    uint64_t row; ///< among all points
+    uint64_t number;
+} worst_point;
+
+static bat_status find_worst(const fit_points *points, worst_point *worst, bat_error *error)
+{
+    *worst = (worst_point){0};
+    for (size_t row = 0; row < points->count; row++)
+        if (points->distance[row] > worst->distance)
+            *worst = (worst_point){points->distance[row], points->before + row, points->number[row]};
+    size_t *sizes;
+    char *all;
+    bat_status status = team_gather(points->team, worst, sizeof *worst, &sizes, &all, error);
+    const worst_point *found = (const worst_point *)(void *)all;
+    for (size_t rank = 0; status == BAT_OK && found != NULL && points->team != NULL && rank < points->team->count; rank++)
+        if (found[rank].distance > worst->distance)
+            *worst = found[rank];
+    free(sizes);
+    free(all);
+    return status == BAT_OK ? team_broadcast(points->team, worst, sizeof *worst, error) : status;
+}
+
+static bat_status measure_round(const fit_loop *loop, bat_surface_fit_round *round, bat_error *error)
 {
     const fit_points *points = &loop->points;
-    bat_surface_fit_round round = {.functions = loop->system.functions,
-                                   .levels = bat_hierarchical_space_levels(loop->space),
-                                   .weight = loop->lambda,
-                                   .held_out = loop->held != NULL ? loop->held_rms : NAN,
-                                   .seconds = clock_seconds() - loop->begin};
-    size_t within = 0;
-    double sum = 0;
-    for (size_t row = 0; row < points->count; row++)
-    {
-        double distance = points->distance[row];
-        sum += distance * distance;
-        within += distance <= loop->options->tolerance;
-        if (distance > round.largest)
-        {
-            round.largest = distance;
-            round.worst = points->number[row];
-        }
-    }
-    round.mean_squared = sum / (double)points->count;
-    round.rms = sqrt(round.mean_squared);
-    round.within = (double)within / (double)points->count;
-    return round;
+    worst_point worst = {0};
+    double sums[2];
+    bat_status status =
+        team_sum_points(points->team, points->count, distance_terms, loop, 2, loop->options->threads, sums, error);
+    if (status == BAT_OK)
+        status = find_worst(points, &worst, error);
+    *round = (bat_surface_fit_round){.functions = loop->system.functions,
+                                     .levels = bat_hierarchical_space_levels(loop->space),
+                                     .mean_squared = sums[0] / (double)points->total,
+                                     .rms = sqrt(sums[0] / (double)points->total),
+                                     .largest = worst.distance,
+                                     .worst = (size_t)worst.number,
+                                     .within = sums[1] / (double)points->total,
+                                     .held_out = loop->held != NULL ? loop->held_rms : NAN,
+                                     .weight = loop->lambda,
+                                     .seconds = clock_seconds() - loop->begin};
+    return status;
 }
 
 /// Whether the goal is reached: the required share of points within the tolerance, or the budget, or an exact surface.
@@ -532,7 +612,8 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
             loop->points.weight[row] = 1;
     free(loop->held);
     loop->held = NULL;
-    bat_status status = loop->options->robust ? update_robust_weights(&loop->points, &loop->outliers, error) : BAT_OK;
+    bat_status status =
+        loop->options->robust ? update_robust_weights(&loop->points, loop->size, &loop->outliers, error) : BAT_OK;
     if (status == BAT_OK)
         status = begin_round(loop, error);
     if (status == BAT_OK)
@@ -540,20 +621,168 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
     return status == BAT_OK ? measure_distances(loop, loop->options->corrections > 0, error) : status;
 }
 
+/// What begins the bytes of a state; rounds and boxes follow.
+typedef struct state_head
+{
+    uint64_t rounds, boxes, best_boxes, best_round, outliers;
+    double lambda, best_square, best_largest, best_lambda, seconds;
+    uint64_t full, corrects, has_best;
+} state_head;
+
+/// The columns of a state.
+static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns[3])
+{
+    columns[0] = (bat_surface_fit_column){loop->points.parameter, 2};
+    columns[1] = (bat_surface_fit_column){loop->points.weight, 1};
+    columns[2] = (bat_surface_fit_column){loop->best.parameter, 2};
+    return loop->held != NULL ? 3 : 2;
+}
+
+/// Keep the state between two rounds.
+static bat_status save_state(const fit_loop *loop, bat_error *error)
+{
+    const bat_surface_team *team = loop->team;
+    bat_surface_fit_column columns[3];
+    bat_spline_box *boxes = NULL, *best_boxes = NULL;
+    size_t count = 0, best_count = 0;
+    if (team == NULL || team->save == NULL)
+        return BAT_OK;
+    bat_status status = bat_hierarchical_space_regions(loop->space, &boxes, &count, error);
+    if (status == BAT_OK && loop->best.space != NULL)
+        status = bat_hierarchical_space_regions(loop->best.space, &best_boxes, &best_count, error);
+    size_t rounds = loop->count * sizeof *loop->rounds, size = sizeof(state_head) + rounds;
+    size += (count + best_count) * sizeof *boxes;
+    char *bytes = status == BAT_OK ? memory_array(size, 1) : NULL;
+    if (status == BAT_OK && bytes == NULL)
+        status = error_memory(error, size);
+    if (status == BAT_OK)
+    {
+        state_head head = {.rounds = loop->count,
+                           .boxes = count,
+                           .best_boxes = best_count,
+                           .best_round = loop->best.round,
+                           .outliers = loop->outliers,
+                           .lambda = loop->lambda,
+                           .best_square = loop->best.square,
+                           .best_largest = loop->best.largest,
+                           .best_lambda = loop->best.lambda,
+                           .seconds = clock_seconds() - loop->begin,
+                           .full = loop->full,
+                           .corrects = loop->corrects,
+                           .has_best = loop->best.space != NULL};
+        memcpy(bytes, &head, sizeof head);
+        memcpy(bytes + sizeof head, loop->rounds, rounds);
+        if (count > 0)
+            memcpy(bytes + sizeof head + rounds, boxes, count * sizeof *boxes);
+        if (best_count > 0)
+            memcpy(bytes + sizeof head + rounds + count * sizeof *boxes, best_boxes, best_count * sizeof *boxes);
+        status = team->save(team->context, bytes, size, columns, state_columns(loop, columns), error);
+    }
+    free(bytes);
+    free(boxes);
+    free(best_boxes);
+    return status;
+}
+
+/// The space of these regions. `boxes` are changed.
+static bat_status space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
+                                   bat_hierarchical_space **space, bat_error *error)
+{
+    // A region of a level consists of cells of the level before.
+    for (size_t k = 0; k < count; k++)
+    {
+        boxes[k].level--;
+        for (int d = 0; d < 2; d++)
+        {
+            boxes[k].low[d] /= 2;
+            boxes[k].high[d] /= 2;
+        }
+    }
+    bat_hierarchical_space *made = NULL;
+    bat_status status = bat_hierarchical_space_make(options, &made, error);
+    if (status == BAT_OK && count > 0)
+        status = bat_hierarchical_space_refine(made, boxes, count, error);
+    if (status == BAT_OK)
+        *space = made;
+    else
+        bat_hierarchical_space_free(made);
+    return status;
+}
+
+static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat_error *error)
+{
+    state_head head = {0};
+    if (size >= sizeof head)
+        memcpy(&head, bytes, sizeof head);
+    size_t rounds = head.rounds * sizeof *loop->rounds, boxes = (head.boxes + head.best_boxes) * sizeof(bat_spline_box);
+    if (head.rounds > (size_t)loop->options->iterations || (head.has_best != 0 && loop->held == NULL) ||
+        size != sizeof head + rounds + boxes)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the state is not one of this fit");
+    bat_spline_box *copy = memory_array(boxes, 1);
+    if (copy == NULL)
+        return error_memory(error, boxes);
+    memcpy(loop->rounds, bytes + sizeof head, rounds);
+    memcpy(copy, bytes + sizeof head + rounds, boxes);
+    bat_hierarchical_space *space = NULL;
+    bat_status status = space_of_regions(&loop->options->space, copy, head.boxes, &space, error);
+    if (status == BAT_OK && head.has_best != 0)
+        status = space_of_regions(&loop->options->space, copy + head.boxes, head.best_boxes, &loop->best.space, error);
+    free(copy);
+    if (status != BAT_OK)
+    {
+        bat_hierarchical_space_free(space);
+        return status;
+    }
+    bat_hierarchical_space_free(loop->space);
+    loop->space = space;
+    loop->count = head.rounds;
+    loop->outliers = head.outliers;
+    loop->lambda = head.lambda;
+    loop->full = head.full != 0;
+    loop->corrects = head.corrects != 0;
+    loop->best.round = head.best_round;
+    loop->best.square = head.best_square;
+    loop->best.largest = head.best_largest;
+    loop->best.lambda = head.best_lambda;
+    loop->begin = clock_seconds() - head.seconds;
+    return BAT_OK;
+}
+
+/// Take up the state of an earlier call, where there is one.
+static bat_status load_state(fit_loop *loop, bat_error *error)
+{
+    const bat_surface_team *team = loop->team;
+    bat_surface_fit_column columns[3];
+    void *bytes = NULL;
+    size_t size = 0;
+    if (team == NULL || team->load == NULL)
+        return BAT_OK;
+    bat_status status = team->load(team->context, &bytes, &size, columns, state_columns(loop, columns), error);
+    if (status == BAT_OK && bytes != NULL)
+        status = read_state(loop, bytes, size, error);
+    free(bytes);
+    return status;
+}
+
 static bat_status run_rounds(fit_loop *loop, bat_error *error)
 {
+    bat_status loaded = load_state(loop, error);
+    if (loaded != BAT_OK)
+        return loaded;
     for (bool refined = true; refined;)
     {
         bat_status status = fit_round(loop, error);
         if (status != BAT_OK)
             return status;
         bat_surface_fit_round *round = &loop->rounds[loop->count++];
-        *round = measure_round(loop);
-        if (has_free_size(loop))
+        status = measure_round(loop, round, error);
+        if (status == BAT_OK && has_free_size(loop))
             status = compare_held_out(loop, error);
         if (status != BAT_OK || loop->stalled || has_reached(loop, round) || loop->count > (size_t)loop->options->iterations)
             return status;
         status = refine_marked(loop, &refined, error);
+        if (status == BAT_OK && refined)
+            status = save_state(loop, error);
         if (status != BAT_OK)
             return status;
     }
@@ -569,10 +798,9 @@ static bat_status run(fit_loop *loop, bat_error *error)
     if (status == BAT_OK)
         status = fit_finally(loop, error);
     if (status == BAT_OK)
-    {
-        loop->rounds[loop->count - 1] = measure_round(loop);
+        status = measure_round(loop, &loop->rounds[loop->count - 1], error);
+    if (status == BAT_OK)
         loop->rounds[loop->count - 1].held_out = holds ? loop->held_rms : NAN;
-    }
     return status;
 }
 
@@ -584,15 +812,21 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     if (report != NULL && distances == NULL)
         return error_memory(error, data->count * sizeof *distances);
     for (size_t row = 0; report != NULL && row < data->count; row++)
-        distances[loop->points.number[row]] = loop->points.distance[row];
-    size_t moved = fit_points_return(&loop->points, data);
+        distances[loop->team != NULL ? row : loop->points.number[row]] = loop->points.distance[row];
+    uint64_t changed = fit_points_return(&loop->points, data);
+    bat_status status = team_sum_counts(loop->team, &changed, 1, error);
+    if (status != BAT_OK)
+    {
+        free(distances);
+        return status;
+    }
     bool holds = isfinite(loop->rounds[loop->count - 1].held_out);
     fit_points_restore(&loop->points, loop->system.functions, loop->control);
     if (report != NULL)
         *report = (bat_surface_fit_report){.rounds = loop->rounds,
                                            .count = loop->count,
                                            .distances = distances,
-                                           .moved = moved,
+                                           .moved = (size_t)changed,
                                            .outliers = loop->outliers,
                                            .stalled = loop->stalled,
                                            .held_out_count = holds ? loop->held_count : 0,
@@ -608,21 +842,37 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     return BAT_OK;
 }
 
-bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options, bat_spline_surface *surface,
-                           bat_surface_fit_report *report, bat_error *error)
+/// @param team    null for one process
+/// @param numbers of a team
+static bat_status fit_all(const bat_surface_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
+                          const bat_surface_fit_options *options, bat_spline_surface *surface,
+                          bat_surface_fit_report *report, bat_error *error)
 {
     fit_loop loop = {0};
     const bat_surface_fit_options defaults = bat_surface_fit_defaults();
     options = options != NULL ? options : &defaults;
     bat_status status = bat_surface_fit_options_check(options, error);
     if (status == BAT_OK)
-        status = fit_points_check(data, error);
+        status = team == NULL ? fit_points_check(data, error) : fit_points_check_part(team, data, numbers, error);
     if (status == BAT_OK)
-        status = loop_make(data, options, &loop, error);
+        status = loop_make(team, data, numbers, options, &loop, error);
     if (status == BAT_OK)
         status = run(&loop, error);
     if (status == BAT_OK)
         status = store_result(&loop, data, surface, report, error);
     loop_free(&loop);
     return status;
+}
+
+bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options, bat_spline_surface *surface,
+                           bat_surface_fit_report *report, bat_error *error)
+{
+    return fit_all(NULL, data, NULL, options, surface, report, error);
+}
+
+bat_status bat_surface_fit_together(const bat_surface_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
+                                    const bat_surface_fit_options *options, bat_spline_surface *surface,
+                                    bat_surface_fit_report *report, bat_error *error)
+{
+    return fit_all(team, data, numbers, options, surface, report, error);
 }

@@ -1,6 +1,7 @@
 #include "surface/fit/fit_solve.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "linalg/multifrontal.h"
 
 #if defined(BATTEN_GPL)
@@ -13,7 +14,9 @@
 struct fit_solver
 {
     size_t functions;
-    multifrontal *fronts; ///< null with supernodes
+    multifrontal *fronts;         ///< null with supernodes
+    const bat_surface_team *team; ///< whose solver this is; null for the library's
+    const fit_pattern *pattern;   ///< of a team's solver
 #if defined(BATTEN_GPL)
     supernodal *supernodes; ///< null with fronts
 #endif
@@ -48,6 +51,21 @@ bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_
     return fit_solver_make_by(pattern, FIT_FACTORIZATION, solver, error);
 }
 
+bat_status fit_solver_make_for(const bat_surface_team *team, const fit_pattern *pattern, fit_solver **solver,
+                               bat_error *error)
+{
+    if (!team_is_first(team))
+        return BAT_OK;
+    if (team == NULL || team->factor == NULL)
+        return fit_solver_make(pattern, solver, error);
+    fit_solver *made = calloc(1, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, sizeof *made);
+    *made = (fit_solver){.functions = pattern->functions, .team = team, .pattern = pattern};
+    *solver = made;
+    return BAT_OK;
+}
+
 void fit_solver_free(fit_solver *solver)
 {
     if (solver == NULL)
@@ -61,11 +79,18 @@ void fit_solver_free(fit_solver *solver)
 
 bat_status fit_solver_factor(fit_solver *solver, const double *values, double *pivot, bat_error *error)
 {
+    const fit_pattern *pattern = solver->pattern;
+    bool regular = false;
+    if (solver->team != NULL)
+    {
+        bat_status status = solver->team->factor(solver->team->context, solver->functions, pattern->first, pattern->row,
+                                                 values, &regular, error);
+        *pivot = regular ? 1 : 0;
+        return status;
+    }
 #if defined(BATTEN_GPL)
     if (solver->supernodes != NULL)
         return supernodal_factor(solver->supernodes, values, pivot, error);
-#else
-    (void)error;
 #endif
     *pivot = multifrontal_factor(solver->fronts, values, NULL);
     return BAT_OK;
@@ -73,7 +98,20 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
 
 bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *right, double *solution, bat_error *error)
 {
-    memmove(solution, right, solver->functions * columns * sizeof *solution);
+    const bat_surface_team *team = solver->team;
+    size_t bytes = solver->functions * columns * sizeof *solution;
+    if (team != NULL)
+    {
+        double *copy = right == solution ? memory_array(1, bytes) : NULL;
+        if (right == solution && copy == NULL)
+            return error_memory(error, bytes);
+        if (copy != NULL)
+            memcpy(copy, right, bytes);
+        bat_status status = team->solve(team->context, columns, copy != NULL ? copy : right, solution, error);
+        free(copy);
+        return status;
+    }
+    memmove(solution, right, bytes);
 #if defined(BATTEN_GPL)
     if (solver->supernodes != NULL)
         return supernodal_solve(solver->supernodes, columns, solution, error);

@@ -314,12 +314,81 @@ static size_t find_wrong_feet(const fit_points *points, double mean, far_point *
     return count < MAX_WRONG_FEET ? count : MAX_WRONG_FEET;
 }
 
-/// The nearest point in space whose own distance is at most the mean.
-static size_t nearest_with_foot(const fit_points *points, size_t row, double mean)
+/// The points that restart, the same in all processes. Rows count the points of all of them.
+typedef struct wrong_feet
 {
-    size_t dimension = points->dimension, nearest = row;
-    double minimum = INFINITY;
-    const double *position = points->position + row * dimension;
+    size_t count;
+    far_point outlying[2 * MAX_WRONG_FEET];
+    size_t width;   ///< numbers of a point: coordinates, then the parameter
+    double *points; ///< MAX_WRONG_FEET x width
+    double *starts; ///< MAX_WRONG_FEET x 2: parameters to start from
+} wrong_feet;
+
+/// Keep the worst points of all processes.
+static bat_status merge_wrong_feet(const fit_points *points, wrong_feet *wrong, bat_error *error)
+{
+    const bat_surface_team *team = points->team;
+    size_t *sizes, bytes = 0;
+    char *all;
+    bat_status status = team_gather(team, wrong->outlying, wrong->count * sizeof(far_point), &sizes, &all, error);
+    if (status == BAT_OK && team_is_first(team))
+    {
+        for (size_t rank = 0; rank < team->count; rank++)
+            bytes += sizes[rank];
+        far_point *found = (far_point *)(void *)all;
+        wrong->count = bytes / sizeof *found;
+        qsort(found, wrong->count, sizeof *found, compare_far);
+        wrong->count = wrong->count < MAX_WRONG_FEET ? wrong->count : MAX_WRONG_FEET;
+        memcpy(wrong->outlying, found, wrong->count * sizeof *found);
+    }
+    free(sizes);
+    free(all);
+    if (status == BAT_OK)
+        status = team_broadcast(team, &wrong->count, sizeof wrong->count, error);
+    return status == BAT_OK ? team_broadcast(team, wrong->outlying, wrong->count * sizeof(far_point), error) : status;
+}
+
+/// Whether a row of all points is here; `row` becomes its place.
+static bool is_here(const fit_points *points, size_t *row)
+{
+    bool here = *row >= points->before && *row - points->before < points->count;
+    *row -= here ? points->before : 0;
+    return here;
+}
+
+/// Tell all processes the points that restart. One process has each; the others add zeros.
+static bat_status share_wrong_feet(const fit_points *points, wrong_feet *wrong, bat_error *error)
+{
+    size_t numbers = MAX_WRONG_FEET * wrong->width;
+    double *own = calloc(numbers, sizeof *own);
+    if (own == NULL)
+        return error_memory(error, numbers * sizeof *own);
+    for (size_t k = 0; k < wrong->count; k++)
+    {
+        size_t row = wrong->outlying[k].row;
+        if (!is_here(points, &row))
+            continue;
+        memcpy(own + k * wrong->width, points->position + row * points->dimension, points->dimension * sizeof *own);
+        memcpy(own + k * wrong->width + points->dimension, points->parameter + 2 * row, 2 * sizeof *own);
+    }
+    bat_status status = team_sum_rows(points->team, own, 1, numbers, wrong->points, error);
+    free(own);
+    return status;
+}
+
+/// A point near one that restarts.
+typedef struct near_point
+{
+    double square;
+    size_t row; ///< among all points
+    double at[2];
+} near_point;
+
+/// The nearest point in space that is here and whose own distance is at most the mean.
+static near_point nearest_with_foot(const fit_points *points, const double *position, size_t row, double mean)
+{
+    size_t dimension = points->dimension;
+    near_point nearest = {.square = INFINITY, .row = SIZE_MAX};
     for (size_t other = 0; other < points->count; other++)
     {
         double square = 0;
@@ -328,55 +397,104 @@ static size_t nearest_with_foot(const fit_points *points, size_t row, double mea
             double difference = points->position[other * dimension + k] - position[k];
             square += difference * difference;
         }
-        if (square < minimum && other != row && points->distance[other] <= mean)
-        {
-            minimum = square;
-            nearest = other;
-        }
+        if (square < nearest.square && points->before + other != row && points->distance[other] <= mean)
+            nearest = (near_point){
+                square, points->before + other, {points->parameter[2 * other], points->parameter[2 * other + 1]}};
     }
     return nearest;
 }
 
-/// The foot found from the parameter of the nearest point that has a small distance.
-static foot_point foot_from_neighbour(const fit_nets *nets, const fit_points *points, size_t row, double mean,
-                                      fit_correction correction, double *scratch)
+/// Find the parameters to start from: those of the nearest points of all processes, or their own.
+static bat_status find_starts(const fit_points *points, wrong_feet *wrong, double mean, int threads, bat_error *error)
 {
-    size_t from = nearest_with_foot(points, row, mean);
-    const double *position = points->position + row * nets->dimension, *at = points->parameter + 2 * from;
-    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[from]};
-    foot_measure(nets, position, scratch, &now);
-    descend(nets, position, &UNIT_SQUARE, correction, scratch, &now);
-    return now;
+    near_point nearest[MAX_WRONG_FEET];
+    size_t *sizes, ranks = points->team != NULL ? points->team->count : 1;
+    char *all;
+    double operations = (double)wrong->count * (double)points->count * 2 * (double)points->dimension;
+#pragma omp parallel for schedule(dynamic) num_threads(threads_worth(threads, wrong->count, operations))
+    for (size_t k = 0; k < wrong->count; k++)
+        nearest[k] = nearest_with_foot(points, wrong->points + k * wrong->width, wrong->outlying[k].row, mean);
+    bat_status status = team_gather(points->team, nearest, wrong->count * sizeof *nearest, &sizes, &all, error);
+    const near_point *found = (const near_point *)(void *)all;
+    for (size_t k = 0; status == BAT_OK && found != NULL && k < wrong->count; k++)
+    {
+        near_point best = {.square = INFINITY, .row = SIZE_MAX};
+        memcpy(best.at, wrong->points + k * wrong->width + points->dimension, sizeof best.at);
+        for (size_t rank = 0; rank < ranks; rank++)
+            if (found[rank * wrong->count + k].square < best.square)
+                best = found[rank * wrong->count + k];
+        memcpy(wrong->starts + 2 * k, best.at, sizeof best.at);
+    }
+    free(sizes);
+    free(all);
+    return status == BAT_OK ? team_broadcast(points->team, wrong->starts, 2 * wrong->count * sizeof *wrong->starts, error)
+                            : status;
+}
+
+/// Search from the new starts for the feet of the points that are here.
+static bat_status restart_feet(const fit_nets *nets, fit_points *points, const wrong_feet *wrong, fit_correction correction,
+                               uint64_t *moved, bat_error *error)
+{
+    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension;
+    double *scratch = memory_array(scratch_size, sizeof *scratch);
+    if (scratch == NULL)
+        return error_memory(error, scratch_size * sizeof *scratch);
+    for (size_t k = 0; k < wrong->count; k++)
+    {
+        size_t row = wrong->outlying[k].row;
+        if (!is_here(points, &row))
+            continue;
+        const double *at = wrong->starts + 2 * k, *position = points->position + row * points->dimension;
+        foot_point now = {.at = {at[0], at[1]}, .cell = bat_hierarchical_space_locate(nets->space, at[0], at[1])};
+        foot_measure(nets, position, scratch, &now);
+        descend(nets, position, &UNIT_SQUARE, correction, scratch, &now);
+        if (sqrt(now.square) < wrong->outlying[k].distance)
+            *moved += store_foot(points, row, &now);
+    }
+    free(scratch);
+    return BAT_OK;
+}
+
+static void distance_terms(const void *context, size_t row, double *sums)
+{
+    const fit_points *points = context;
+    sums[0] += points->distance[row];
 }
 
 bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_correction correction, int threads,
                                   size_t *moved, bat_error *error)
 {
-    far_point outlying[2 * MAX_WRONG_FEET];
-    foot_point found[MAX_WRONG_FEET];
-    double mean = 0;
-    for (size_t row = 0; row < points->count; row++)
-        mean += points->distance[row] / (double)points->count;
-    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = find_wrong_feet(points, mean, outlying);
-    double operations = (double)count * (double)points->count * 2 * (double)nets->dimension;
-    bool complete = true;
-#pragma omp parallel num_threads(threads_worth(threads, count, operations)) reduction(&& : complete)
-    {
-        double *scratch = memory_array(scratch_size, sizeof *scratch);
-        complete = scratch != NULL;
-#pragma omp for schedule(dynamic)
-        for (size_t k = 0; k < count; k++)
-            if (scratch != NULL)
-                found[k] = foot_from_neighbour(nets, points, outlying[k].row, mean, correction, scratch);
-        free(scratch);
-    }
-    if (!complete)
-        return error_memory(error, scratch_size * sizeof(double));
-    *moved = 0;
-    for (size_t k = 0; k < count; k++)
-        if (sqrt(found[k].square) < outlying[k].distance)
-            *moved += store_foot(points, outlying[k].row, &found[k]);
-    return BAT_OK;
+    double mean;
+    uint64_t count = 0;
+    bool together = points->team != NULL && points->team->count > 1;
+    bat_status status = team_sum_points(points->team, points->count, distance_terms, points, 1, threads, &mean, error);
+    if (status != BAT_OK)
+        return status;
+    mean /= (double)points->total;
+    size_t width = points->dimension + 2;
+    wrong_feet wrong = {.width = width,
+                        .points = memory_array(MAX_WRONG_FEET, width * sizeof(double)),
+                        .starts = memory_array(MAX_WRONG_FEET, 2 * sizeof(double))};
+    if (wrong.points == NULL || wrong.starts == NULL)
+        status = error_memory(error, MAX_WRONG_FEET * width * sizeof(double));
+    else
+        wrong.count = find_wrong_feet(points, mean, wrong.outlying);
+    for (size_t k = 0; k < wrong.count; k++)
+        wrong.outlying[k].row += points->before;
+    if (status == BAT_OK && together)
+        status = merge_wrong_feet(points, &wrong, error);
+    if (status == BAT_OK)
+        status = share_wrong_feet(points, &wrong, error);
+    if (status == BAT_OK)
+        status = find_starts(points, &wrong, mean, threads, error);
+    if (status == BAT_OK)
+        status = restart_feet(nets, points, &wrong, correction, &count, error);
+    if (status == BAT_OK)
+        status = team_sum_counts(points->team, &count, 1, error);
+    *moved = (size_t)count;
+    free(wrong.points);
+    free(wrong.starts);
+    return status;
 }
 
 bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double reach, int threads, double *share,
@@ -400,8 +518,12 @@ bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double
             }
         free(scratch);
     }
-    *share = (double)count / (double)points->count;
-    return ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+    uint64_t near = count;
+    bat_status status = ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+    if (status == BAT_OK)
+        status = team_sum_counts(points->team, &near, 1, error);
+    *share = (double)near / (double)points->total;
+    return status;
 }
 
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
@@ -420,6 +542,10 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
                 count += correct_point(nets, points, row, correction, scratch);
         free(scratch);
     }
-    *moved = count;
-    return ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+    uint64_t changed = count;
+    bat_status status = ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
+    if (status == BAT_OK)
+        status = team_sum_counts(points->team, &changed, 1, error);
+    *moved = (size_t)changed;
+    return status;
 }

@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 // Share of the total squared error that the marked cells carry, without a tolerance (Doerfler, 1996).
 static const double BULK_SHARE = 0.3;
@@ -52,10 +53,26 @@ typedef struct cell_points
     double low[2], high[2]; ///< bounding box of the parameters
 } cell_points;
 
-static cell_points gather_points(const fit_points *points, size_t cell)
+static const cell_points NO_POINTS = {.low = {1, 1}};
+
+/// Add statistics of other points of the same cell.
+static void add_points(cell_points *to, const cell_points *more)
 {
-    cell_points gathered = {.low = {1, 1}};
-    for (size_t place = points->first[cell]; place < points->first[cell + 1]; place++)
+    to->sum += more->sum;
+    to->largest = fmax(to->largest, more->largest);
+    to->count += more->count;
+    for (int k = 0; k < 2; k++)
+    {
+        to->low[k] = fmin(to->low[k], more->low[k]);
+        to->high[k] = fmax(to->high[k], more->high[k]);
+    }
+}
+
+/// Statistics of the points at places begin to end - 1.
+static cell_points gather_places(const fit_points *points, size_t begin, size_t end)
+{
+    cell_points gathered = NO_POINTS;
+    for (size_t place = begin; place < end; place++)
     {
         size_t row = points->order[place];
         if (points->weight[row] == 0)
@@ -68,6 +85,20 @@ static cell_points gather_points(const fit_points *points, size_t cell)
             gathered.low[k] = fmin(gathered.low[k], points->parameter[2 * row + (size_t)k]);
             gathered.high[k] = fmax(gathered.high[k], points->parameter[2 * row + (size_t)k]);
         }
+    }
+    return gathered;
+}
+
+/// Statistics of the points of a cell that are here, from those of blocks.
+static cell_points gather_points(const fit_points *points, size_t cell)
+{
+    cell_points gathered = NO_POINTS;
+    for (size_t begin = points->first[cell], end = points->first[cell + 1]; begin < end;)
+    {
+        size_t next = fit_points_block_end(points, begin, end);
+        cell_points block = gather_places(points, begin, next);
+        add_points(&gathered, &block);
+        begin = next;
     }
     return gathered;
 }
@@ -85,29 +116,105 @@ static bool are_separable(const bat_hierarchical_space *space, const cell_points
 
 /// The score of a cell, 0 for cells not to refine: all points within the tolerance, or last level. Without a tolerance the
 /// score is multiplied by (n - 1) / n for n points, because few points determine the error less reliably.
-static double score_of(const bat_hierarchical_space *space, const fit_points *points, size_t cell, double tolerance)
+static double score_of(const bat_hierarchical_space *space, const cell_points *gathered, size_t cell, double tolerance)
 {
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
-    cell_points gathered = gather_points(points, cell);
-    if (gathered.largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
+    if (gathered->largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
         return 0;
     if (tolerance > 0)
-        return gathered.sum;
-    return are_separable(space, &gathered, level) ? gathered.sum * (gathered.count - 1) / gathered.count : 0;
+        return gathered->sum;
+    return are_separable(space, gathered, level) ? gathered->sum * (gathered->count - 1) / gathered->count : 0;
+}
+
+/// Statistics of a cell that a process sends: of all its points, or of one block.
+typedef struct sent_points
+{
+    cell_points points;
+    size_t cell;
+} sent_points;
+
+/// Scores of all cells on the first process, from the statistics of all.
+static bat_status receive_scores(const bat_hierarchical_space *space, const bat_surface_team *team, const size_t *sizes,
+                                 const char *all, double tolerance, double *scores, size_t cells, bat_error *error)
+{
+    cell_points *sums = memory_array(cells, sizeof *sums);
+    size_t bytes = 0;
+    if (sums == NULL)
+        return error_memory(error, cells * sizeof *sums);
+    for (size_t c = 0; c < cells; c++)
+        sums[c] = NO_POINTS;
+    for (size_t rank = 0; rank < team->count; rank++)
+        bytes += sizes[rank];
+    for (size_t at = 0; at < bytes; at += sizeof(sent_points))
+    {
+        sent_points sent;
+        memcpy(&sent, all + at, sizeof sent);
+        add_points(&sums[sent.cell], &sent.points);
+    }
+    for (size_t c = 0; c < cells; c++)
+        scores[c] = score_of(space, &sums[c], c, tolerance);
+    free(sums);
+    return BAT_OK;
+}
+
+/// Score the cells with points in several processes.
+static bat_status score_together(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
+                                 double *scores, bat_error *error)
+{
+    const bat_surface_team *team = points->team;
+    size_t count = 0, *sizes = NULL, room = 1;
+    for (size_t c = 0; c < points->cells; c++)
+        for (size_t begin = points->first[c], end = points->first[c + 1]; begin < end; room++)
+            begin = fit_points_block_end(points, begin, end);
+    sent_points *sent = memory_array(room, sizeof *sent);
+    if (sent == NULL)
+        return error_memory(error, room * sizeof *sent);
+    for (size_t c = 0; c < points->cells; c++)
+    {
+        size_t begin = points->first[c], end = points->first[c + 1];
+        if (begin < end && end - begin == fit_points_of_cell(points, c))
+        {
+            sent[count++] = (sent_points){gather_points(points, c), c};
+            begin = end;
+        }
+        while (begin < end)
+        {
+            size_t next = fit_points_block_end(points, begin, end);
+            sent[count++] = (sent_points){gather_places(points, begin, next), c};
+            begin = next;
+        }
+    }
+    char *all;
+    bat_status status = team_gather(team, sent, count * sizeof *sent, &sizes, &all, error);
+    free(sent);
+    if (status == BAT_OK && team_is_first(team))
+        status = receive_scores(space, team, sizes, all, tolerance, scores, points->cells, error);
+    free(sizes);
+    free(all);
+    return status == BAT_OK ? team_broadcast(team, scores, points->cells * sizeof *scores, error) : status;
+}
+
+static bat_status score_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
+                              double *scores, bat_error *error)
+{
+    if (points->spread != NULL)
+        return score_together(space, points, tolerance, scores, error);
+    for (size_t c = 0; c < points->cells; c++)
+    {
+        cell_points gathered = gather_points(points, c);
+        scores[c] = score_of(space, &gathered, c, tolerance);
+    }
+    return BAT_OK;
 }
 
 /// Sort the cells of positive score in descending order.
 /// @return their number
-static size_t rank_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
-                         ranked_cell *ranked)
+static size_t rank_cells(const double *scores, size_t cells, ranked_cell *ranked)
 {
     size_t count = 0;
-    for (size_t c = 0; c < points->cells; c++)
-    {
-        double score = score_of(space, points, c, tolerance);
-        if (score > 0)
-            ranked[count++] = (ranked_cell){score, (uint32_t)c};
-    }
+    for (size_t c = 0; c < cells; c++)
+        if (scores[c] > 0)
+            ranked[count++] = (ranked_cell){scores[c], (uint32_t)c};
     qsort(ranked, count, sizeof *ranked, compare_ranked);
     return count;
 }
@@ -249,17 +356,20 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
     if (marking->budget > 0 && bat_hierarchical_space_functions(space) >= marking->budget)
         return BAT_OK;
     ranked_cell *ranked = memory_array(points->cells, sizeof *ranked);
-    if (ranked == NULL)
-        return error_memory(error, points->cells * sizeof *ranked);
-    size_t count = rank_cells(space, points, marking->tolerance, ranked);
+    double *scores = memory_array(points->cells, sizeof *scores);
+    bat_status status = ranked == NULL || scores == NULL ? error_memory(error, points->cells * sizeof *ranked)
+                                                         : score_cells(space, points, marking->tolerance, scores, error);
+    size_t count = status == BAT_OK ? rank_cells(scores, points->cells, ranked) : 0;
     size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
     mark_choice choice = {space, ranked, marking->neighbours};
-    bat_status status = wanted > 0 ? refine_wanted(&choice, wanted, count, marking->budget, refined, error) : BAT_OK;
+    if (wanted > 0)
+        status = refine_wanted(&choice, wanted, count, marking->budget, refined, error);
     if (status != BAT_OK)
     {
         bat_hierarchical_space_free(*refined);
         *refined = NULL;
     }
     free(ranked);
+    free(scores);
     return status;
 }

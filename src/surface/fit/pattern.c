@@ -18,7 +18,7 @@
 
 enum
 {
-    BATCH_NUMBERS = 4 << 20, ///< numbers in the buffer of one batch; at least one cell always fits
+    BATCH_NUMBERS = 1 << 19, ///< numbers in the buffer of one batch; at least one cell always fits
     OPERATIONS_AN_ENTRY = 10 ///< estimated cost of extracting and adding one entry, for threads_worth()
 };
 
@@ -167,7 +167,7 @@ typedef struct batch
 
 static size_t numbers_of(const fit_cell_work *work, size_t active)
 {
-    return (work->values == NULL ? 0 : active * active) + active * work->columns;
+    return (!work->square ? 0 : active * active) + active * work->columns;
 }
 
 /// Extend the batch by as many cells as fit the buffer, at least one.
@@ -201,10 +201,9 @@ static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work 
             const uint32_t *active;
             size_t count = bat_hierarchical_space_active(space, c, &active);
             double *matrix = now->numbers + now->place[c - now->begin];
-            double *right = work->values == NULL ? matrix : matrix + count * count;
+            double *right = !work->square ? matrix : matrix + count * count;
             if (scratch != NULL)
-                work->fill(work->context, c, scratch, work->values == NULL ? NULL : matrix,
-                           work->columns == 0 ? NULL : right);
+                work->fill(work->context, c, scratch, !work->square ? NULL : matrix, work->columns == 0 ? NULL : right);
         }
         free(scratch);
     }
@@ -236,12 +235,12 @@ static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *
             const uint32_t *active;
             size_t count = bat_hierarchical_space_active(space, c, &active);
             const double *matrix = now->numbers + now->place[c - now->begin];
-            const double *right = work->values == NULL ? matrix : matrix + count * count;
+            const double *right = !work->square ? matrix : matrix + count * count;
             for (size_t k = 0; k < count; k++)
             {
                 if (active[k] % (uint32_t)threads != (uint32_t)t)
                     continue;
-                if (work->values != NULL)
+                if (work->square)
                     add_column(pattern, active, count, k, matrix, work->values);
                 for (size_t d = 0; d < work->columns; d++)
                     work->right[active[k] * work->columns + d] += right[k * work->columns + d];
@@ -269,20 +268,26 @@ bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_sp
     size_t room = largest > BATCH_NUMBERS / cells ? BATCH_NUMBERS : cells * largest;
     room = room > largest ? room : largest;
     int used = threads_worth(threads, (cells + 15) / 16, work->operations + operations_to_add(space));
-    batch now = {.place = memory_array(cells, sizeof *now.place), .numbers = memory_array(room, sizeof *now.numbers)};
-    bool allocated = now.place != NULL && now.numbers != NULL;
-    if (work->values != NULL)
+    bool adds = pattern->first != NULL;
+    batch now = {.place = memory_array(cells, sizeof *now.place),
+                 .numbers = adds ? memory_array(room, sizeof *now.numbers) : NULL};
+    bat_status status =
+        now.place != NULL && (now.numbers != NULL || !adds) ? BAT_OK : error_memory(error, room * sizeof(double));
+    if (adds && work->square)
         memset(work->values, 0, (size_t)pattern->first[pattern->functions] * sizeof *work->values);
-    if (work->columns > 0)
+    if (adds && work->columns > 0)
         memset(work->right, 0, pattern->functions * work->columns * sizeof *work->right);
-    for (; allocated && now.begin < cells; now.begin = now.end)
+    for (; status == BAT_OK && now.begin < cells; now.begin = now.end)
     {
         batch_set(space, work, cells, room, &now);
-        allocated = batch_fill(space, work, &now, used);
-        if (allocated)
+        if (work->collect != NULL)
+            status = work->collect(work->context, now.begin, now.end, now.place, now.numbers, error);
+        else if (!batch_fill(space, work, &now, used))
+            status = error_memory(error, work->scratch * sizeof(double));
+        if (status == BAT_OK && adds)
             batch_add(pattern, space, work, &now, used);
     }
     free(now.place);
     free(now.numbers);
-    return allocated ? BAT_OK : error_memory(error, room * sizeof *now.numbers);
+    return status;
 }

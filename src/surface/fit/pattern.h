@@ -26,15 +26,23 @@ typedef struct fit_cell_work
 {
     /// Compute the contribution of a cell to `matrix` (null if not requested) and `right` (null without columns).
     void (*fill)(const void *context, size_t cell, double *scratch, double *matrix, double *right);
+    /// In place of `fill` where several processes have the data; all of them take part. The first receives the contributions
+    /// of cells begin to end - 1, each `matrix`, then `right`.
+    /// @param place   offset of each cell in `numbers`
+    /// @param numbers null in other processes
+    bat_status (*collect)(const void *context, size_t begin, size_t end, const size_t *place, double *numbers,
+                          bat_error *error);
     const void *context;
+    bool square;       ///< whether a matrix is requested
     size_t scratch;    ///< size of the workspace of `fill`, in numbers
     size_t columns;    ///< number of right-hand sides
     double operations; ///< estimated arithmetic operations of `fill` for all cells
-    double *values;    ///< entries of the matrix, receives the sum over all cells; null if not requested
+    double *values;    ///< entries of the matrix, receives the sum over all cells
     double *right;     ///< functions x columns, receives the sum; null if not requested
 } fit_cell_work;
 
-/// Sum the contributions of all cells. The order of summation does not depend on the number of threads.
+/// Sum the contributions of all cells. Processes after the first have no pattern, and no sums. The order of summation does
+/// not depend on the number of threads.
 bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
                            int threads, bat_error *error);
 

@@ -20,20 +20,19 @@ enum
     OPERATIONS_TO_LOCATE = 100 ///< estimate for one point, for threads_worth()
 };
 
-static bat_status check_counts(const bat_surface_fit_data *data, bat_error *error)
+/// @param total number of points of all processes
+static bat_status check_counts(const bat_surface_fit_data *data, size_t total, bat_error *error)
 {
-    size_t numbers;
+    size_t product;
     const char *wrong = NULL;
-    if (data->count < 1)
-        wrong = "there are no points to fit";
-    else if (data->dimension < 1)
+    if (data->dimension < 1)
         wrong = "the dimension of the points must be at least 1";
-    else if (data->boundary_count > data->count)
+    else if (data->boundary_count > total)
         wrong = "there are more boundary points than points";
     if (wrong != NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", wrong);
-    if (data->count >= UINT32_MAX || size_multiply_overflows(data->count, data->dimension, &numbers))
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are more than a fit can process", data->count);
+    if (total >= UINT32_MAX || size_multiply_overflows(data->count, data->dimension, &product))
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "%zu points are more than a fit can process", total);
     return BAT_OK;
 }
 
@@ -42,34 +41,38 @@ static bool is_end(double parameter)
     return parameter == 0 || parameter == 1;
 }
 
-static bat_status check_point(const bat_surface_fit_data *data, size_t i, bat_error *error)
+/// @param number the place of point i among all points
+static bat_status check_point(const bat_surface_fit_data *data, size_t i, size_t number, bat_error *error)
 {
     const double *point = data->points + i * data->dimension, *at = data->parameters + 2 * i;
     for (size_t k = 0; k < data->dimension; k++)
         if (!isfinite(point[k]))
-            return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has a coordinate that is not finite", i);
+            return error_set(error, BAT_INVALID_POINT, number, 0, "point %zu has a coordinate that is not finite", number);
     if (!(at[0] >= 0 && at[0] <= 1 && at[1] >= 0 && at[1] <= 1))
-        return error_set(error, BAT_INVALID_POINT, i, 0, "the parameter (%g, %g) of point %zu is outside the unit square",
-                         at[0], at[1], i);
-    if (i < data->boundary_count && !is_end(at[0]) && !is_end(at[1]))
-        return error_set(error, BAT_INVALID_POINT, i, 0,
+        return error_set(error, BAT_INVALID_POINT, number, 0,
+                         "the parameter (%g, %g) of point %zu is outside the unit square", at[0], at[1], number);
+    if (number < data->boundary_count && !is_end(at[0]) && !is_end(at[1]))
+        return error_set(error, BAT_INVALID_POINT, number, 0,
                          "the parameter (%g, %g) of boundary point %zu is not on the boundary of the square", at[0], at[1],
-                         i);
+                         number);
     return BAT_OK;
 }
 
 bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error)
 {
-    bat_status status = check_counts(data, error);
+    bat_status status = check_counts(data, data->count, error);
+    if (status == BAT_OK && data->count < 1)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
     for (size_t i = 0; i < data->count && status == BAT_OK; i++)
-        status = check_point(data, i, error);
+        status = check_point(data, i, i, error);
     return status;
 }
 
-static fit_freedom freedom_of(const bat_surface_fit_data *data, size_t i)
+/// @param number the place of point i among all points
+static fit_freedom freedom_of(const bat_surface_fit_data *data, size_t i, size_t number)
 {
     const double *at = data->parameters + 2 * i;
-    if (i >= data->boundary_count)
+    if (number >= data->boundary_count)
         return FIT_FREE;
     if (!data->slides || (is_end(at[0]) && is_end(at[1])))
         return FIT_FIXED;
@@ -83,6 +86,11 @@ static uint64_t spread_bits(double parameter)
     for (int b = 0; b < MORTON_BITS; b++)
         spread |= (bits >> b & 1) << 2 * b;
     return spread;
+}
+
+uint32_t bat_surface_fit_order(const double parameter[2])
+{
+    return (uint32_t)(spread_bits(parameter[0]) | spread_bits(parameter[1]) << 1);
 }
 
 /// Radix sort by the upper 32 bits of the keys, which hold the Morton code; the lower 32 bits hold the point's index.
@@ -117,7 +125,7 @@ static bat_status set_numbers(const bat_surface_fit_data *data, uint32_t *number
     for (size_t i = 0; i < data->count; i++)
     {
         const double *at = data->parameters + 2 * i;
-        keys[i] = (spread_bits(at[0]) | spread_bits(at[1]) << 1) << 32 | i;
+        keys[i] = (uint64_t)bat_surface_fit_order(at) << 32 | i;
     }
     sort_keys(keys, keys + data->count, data->count);
     // An odd number of passes leaves the result in the second half.
@@ -127,15 +135,34 @@ static bat_status set_numbers(const bat_surface_fit_data *data, uint32_t *number
     return BAT_OK;
 }
 
-static void set_centre(const bat_surface_fit_data *data, double *centre)
+/// Compute the mean position, and subtract it. The mean is that of the means of blocks.
+static bat_status subtract_centre(fit_points *points, bat_error *error)
 {
-    for (size_t k = 0; k < data->dimension; k++)
+    size_t dimension = points->dimension, blocks = team_blocks(points->count);
+    double *rows = calloc(blocks * dimension + 1, sizeof *rows);
+    if (rows == NULL)
+        return error_memory(error, blocks * dimension * sizeof *rows);
+    for (size_t row = 0; row < points->count; row++)
     {
-        double mean = 0;
-        for (size_t i = 0; i < data->count; i++)
-            mean += (data->points[i * data->dimension + k] - mean) / (double)(i + 1);
-        centre[k] = mean;
+        size_t block = row / BAT_SURFACE_FIT_BLOCK, before = row % BAT_SURFACE_FIT_BLOCK;
+        for (size_t k = 0; k < dimension; k++)
+        {
+            double *mean = &rows[block * dimension + k];
+            *mean += (points->position[row * dimension + k] - *mean) / (double)(before + 1);
+        }
     }
+    for (size_t block = 0; block < blocks; block++)
+    {
+        size_t left = points->count - block * BAT_SURFACE_FIT_BLOCK;
+        double share = (double)(left < BAT_SURFACE_FIT_BLOCK ? left : BAT_SURFACE_FIT_BLOCK) / (double)points->total;
+        for (size_t k = 0; k < dimension; k++)
+            rows[block * dimension + k] *= share;
+    }
+    bat_status status = team_sum_rows(points->team, rows, blocks, dimension, points->centre, error);
+    for (size_t k = 0; status == BAT_OK && k < points->count * dimension; k++)
+        points->position[k] -= points->centre[k % dimension];
+    free(rows);
+    return status;
 }
 
 static bat_status allocate(fit_points *points, bat_error *error)
@@ -156,27 +183,78 @@ static bat_status allocate(fit_points *points, bat_error *error)
     return complete ? BAT_OK : error_memory(error, count * points->dimension * sizeof *points->position);
 }
 
+/// Copy the points in the order of `number`.
+/// @param rows the data have this order already
+static void copy_rows(const bat_surface_fit_data *data, const double *weights, bool rows, fit_points *points)
+{
+    for (size_t row = 0; row < points->count; row++)
+    {
+        size_t i = rows ? row : points->number[row];
+        memcpy(points->position + row * points->dimension, data->points + i * points->dimension,
+               points->dimension * sizeof *points->position);
+        memcpy(points->parameter + 2 * row, data->parameters + 2 * i, 2 * sizeof *points->parameter);
+        points->weight[row] = weights == NULL ? 1 : weights[i];
+        points->freedom[row] = (uint8_t)freedom_of(data, i, points->number[row]);
+    }
+}
+
 bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
                            bat_error *error)
 {
-    *points = (fit_points){.count = data->count, .dimension = data->dimension};
+    *points = (fit_points){.total = data->count, .count = data->count, .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
         status = set_numbers(data, points->number, error);
     if (status != BAT_OK)
         return status;
-    if (centred)
-        set_centre(data, points->centre);
-    for (size_t row = 0; row < points->count; row++)
+    copy_rows(data, weights, false, points);
+    return centred ? subtract_centre(points, error) : BAT_OK;
+}
+
+bat_status fit_points_make_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+                                bool centred, fit_points *points, bat_error *error)
+{
+    uint64_t total = data->count, before = 0;
+    *points = (fit_points){.team = team, .count = data->count, .dimension = data->dimension};
+    bat_status status = allocate(points, error);
+    if (status == BAT_OK)
+        status = team_sum_counts(team, &total, 1, error);
+    if (status == BAT_OK)
+        status = team_sum_before(team, data->count, &before, error);
+    if (status != BAT_OK)
+        return status;
+    points->total = (size_t)total;
+    points->before = (size_t)before;
+    memcpy(points->number, numbers, data->count * sizeof *numbers);
+    copy_rows(data, NULL, true, points);
+    return centred ? subtract_centre(points, error) : BAT_OK;
+}
+
+bat_status fit_points_check_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+                                 bat_error *error)
+{
+    uint64_t before, total = data->count;
+    bat_status status = team_sum_counts(team, &total, 1, error);
+    if (status == BAT_OK)
+        status = team_sum_before(team, data->count, &before, error);
+    if (status == BAT_OK)
+        status = check_counts(data, (size_t)total, error);
+    if (status == BAT_OK && total < 1)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
+    if (status == BAT_OK && data->count > 0 && before % BAT_SURFACE_FIT_BLOCK != 0)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the points before rank %zu are not whole blocks",
+                           team->rank);
+    for (size_t i = 0; i < data->count && status == BAT_OK; i++)
     {
-        size_t i = points->number[row];
-        for (size_t k = 0; k < points->dimension; k++)
-            points->position[row * points->dimension + k] = data->points[i * points->dimension + k] - points->centre[k];
-        memcpy(points->parameter + 2 * row, data->parameters + 2 * i, 2 * sizeof *points->parameter);
-        points->weight[row] = weights == NULL ? 1 : weights[i];
-        points->freedom[row] = (uint8_t)freedom_of(data, i);
+        status = check_point(data, i, numbers[i], error);
+        if (status != BAT_OK || i == 0)
+            continue;
+        uint32_t place = bat_surface_fit_order(data->parameters + 2 * i);
+        uint32_t last = bat_surface_fit_order(data->parameters + 2 * i - 2);
+        if (place < last || (place == last && numbers[i] <= numbers[i - 1]))
+            status = error_set(error, BAT_INVALID_ARGUMENT, i, 0, "point %zu of this process is not in order", i);
     }
-    return BAT_OK;
+    return team_agree_all(team, status, error);
 }
 
 void fit_points_free(fit_points *points)
@@ -191,6 +269,7 @@ void fit_points_free(fit_points *points)
     free(points->order);
     free(points->cell);
     free(points->first);
+    free(points->spread);
     *points = (fit_points){0};
 }
 
@@ -219,7 +298,15 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
         first[c + 1] += first[c];
     for (size_t row = 0; row < points->count; row++)
         points->order[first[points->cell[row] + 1]++] = (uint32_t)row;
-    return BAT_OK;
+    if (points->team == NULL || points->team->count == 1)
+        return BAT_OK;
+    free(points->spread);
+    points->spread = memory_array(cells, sizeof *points->spread);
+    if (points->spread == NULL)
+        return error_memory(error, cells * sizeof *points->spread);
+    for (size_t c = 0; c < cells; c++)
+        points->spread[c] = first[c + 1] - first[c];
+    return team_sum_counts(points->team, points->spread, cells, error);
 }
 
 void fit_points_restore(const fit_points *points, size_t functions, double *control)
@@ -234,7 +321,7 @@ size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data)
     size_t moved = 0;
     for (size_t row = 0; row < points->count; row++)
     {
-        double *at = data->parameters + 2 * (size_t)points->number[row];
+        double *at = data->parameters + 2 * (points->team != NULL ? row : (size_t)points->number[row]);
         const double *now = points->parameter + 2 * row;
         moved += at[0] != now[0] || at[1] != now[1];
         memcpy(at, now, 2 * sizeof *at);

@@ -1,7 +1,7 @@
 #ifndef SURFACE_FIT_POINTS_H
 #define SURFACE_FIT_POINTS_H
 
-#include "batten/surface_fit.h"
+#include "surface/fit/team.h"
 
 /// @file
 /// The points of a fit, ordered for fast passes. Rows follow a Morton curve of the initial parameters, so that the points of
@@ -19,6 +19,9 @@ typedef enum fit_freedom
 /// Points in Morton order; row r is the caller's point number[r]. Release it with fit_points_free().
 typedef struct fit_points
 {
+    const bat_surface_team *team; ///< the processes that have all points; null: all are here
+    size_t total;                 ///< number of points of all processes
+    size_t before;                ///< of them in lower ranks
     size_t count, dimension;
     uint32_t *number;  ///< count: index of a row among the caller's points
     double *position;  ///< count x dimension: coordinates minus `centre`
@@ -30,24 +33,47 @@ typedef struct fit_points
     uint32_t *order;   ///< count: rows sorted by cell
     uint32_t *cell;    ///< count: the cell of a row
     size_t *first;     ///< cells + 1: offsets of the rows of each cell in `order`
+    uint64_t *spread;  ///< cells: the points of each cell in all processes; null without others
     size_t cells;
 } fit_points;
 
 /// Check counts, coordinates, parameters, and that boundary parameters lie on the boundary of the square.
 bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error);
+/// The same for a part of the points, which may be none, and that they follow the curve.
+bat_status fit_points_check_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+                                 bat_error *error);
 
 /// Copy the points in Morton order.
 /// @param weights  count, or null for ones
 /// @param centred  whether to subtract the mean position, which is exact for a basis that is a partition of unity
 bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
                            bat_error *error);
+/// The same for the part of a process, which is in this order.
+/// @param numbers count
+bat_status fit_points_make_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+                                bool centred, fit_points *points, bat_error *error);
 void fit_points_free(fit_points *points);
 
 /// Find the cells of all points.
 void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads);
 
-/// Sort the rows by cell (counting sort). Requires fit_points_locate().
+/// Sort the rows by cell (counting sort). Requires fit_points_locate(). All processes take part.
 bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *space, bat_error *error);
+
+/// The points of a cell in all processes.
+static inline size_t fit_points_of_cell(const fit_points *points, size_t cell)
+{
+    return points->spread != NULL ? (size_t)points->spread[cell] : points->first[cell + 1] - points->first[cell];
+}
+
+/// The places of a cell's rows in `order` that are of one block begin with `begin`; the place after them.
+static inline size_t fit_points_block_end(const fit_points *points, size_t begin, size_t end)
+{
+    size_t block = points->order[begin] / BAT_SURFACE_FIT_BLOCK;
+    while (begin < end && points->order[begin] / BAT_SURFACE_FIT_BLOCK == block)
+        begin++;
+    return begin;
+}
 
 /// Add the subtracted centre to all control points.
 void fit_points_restore(const fit_points *points, size_t functions, double *control);

@@ -125,18 +125,21 @@ static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchi
     fit_cell_work work = {.fill = fill_thin_plate,
                           .context = &plate,
                           .scratch = locals * (locals + bat_hierarchical_space_max_active(space)),
+                          .square = true,
                           .values = values};
     return fit_pattern_sum(pattern, space, &work, threads, error);
 }
 
-bat_status fit_system_make(const bat_hierarchical_space *space, size_t dimension, int threads, fit_system *system,
-                           bat_error *error)
+bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surface_team *team, size_t dimension, int threads,
+                           fit_system *system, bat_error *error)
 {
     *system = (fit_system){.space = space,
                            .functions = bat_hierarchical_space_functions(space),
                            .dimension = dimension,
                            .columns = dimension + FIT_PROBES,
                            .threads = threads};
+    if (!team_is_first(team))
+        return BAT_OK;
     bat_status status = fit_pattern_make(space, threads, &system->pattern, error);
     if (status != BAT_OK)
         return status;
@@ -156,163 +159,6 @@ void fit_system_free(fit_system *system)
     free(system->plate);
     free(system->right);
     *system = (fit_system){0};
-}
-
-/// The data from which the contribution of a cell is assembled.
-typedef struct gather_context
-{
-    const fit_system *system;
-    const fit_points *points;
-    const double *rows; ///< count x dimension
-    size_t probes;
-} gather_context;
-
-/// A pseudo-random sign that depends only on the point and the probe: one bit of the finalizer of splitmix64 (Steele, Lea
-/// and Flood, 2014).
-static double random_sign(uint32_t number, size_t probe)
-{
-    uint64_t z = ((uint64_t)probe << 32 | number) * UINT64_C(0x9e3779b97f4a7c15) + UINT64_C(0x9e3779b97f4a7c15);
-    z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ z >> 27) * UINT64_C(0x94d049bb133111eb);
-    return (z ^ z >> 31) >> 63 != 0 ? 1 : -1;
-}
-
-/// The coefficients of a point in the right-hand sides: w x for the coordinates, sqrt(w) z for the probes.
-static void set_loads(const gather_context *gather, size_t row, double *loads)
-{
-    const fit_points *points = gather->points;
-    size_t dimension = points->dimension;
-    double weight = points->weight[row], root = sqrt(weight);
-    for (size_t k = 0; k < dimension; k++)
-        loads[k] = weight * gather->rows[row * dimension + k];
-    for (size_t k = 0; k < gather->probes; k++)
-        loads[dimension + k] = root * random_sign(points->number[row], k);
-}
-
-/// Add the contribution of a point with `count` function values to the lower triangle and the right-hand sides.
-static void add_point(size_t count, const double *values, double weight, const double *loads, size_t columns, double *matrix,
-                      double *right)
-{
-    for (size_t i = 0; i < count; i++)
-    {
-        double scaled = weight * values[i];
-        if (matrix != NULL)
-            for (size_t j = 0; j <= i; j++)
-                matrix[i * count + j] += scaled * values[j];
-        for (size_t k = 0; k < columns; k++)
-            right[i * columns + k] += values[i] * loads[k];
-    }
-}
-
-/// Whether evaluating the active functions at each point costs less than first assembling in the local functions.
-static bool extract_points_first(size_t points, size_t locals, size_t coarse, size_t active)
-{
-    return points * (coarse * locals + active * active / 2) < points * locals * locals / 2 + 2 * coarse * locals * active;
-}
-
-static void mirror(size_t side, double *matrix)
-{
-    for (size_t i = 0; i < side; i++)
-        for (size_t j = 0; j < i; j++)
-            matrix[j * side + i] = matrix[i * side + j];
-}
-
-static void fill_from_points(const gather_context *gather, const hierarchical_cell *cell, size_t begin, size_t end,
-                             double *scratch, double *matrix, double *right)
-{
-    const bat_hierarchical_space *space = gather->system->space;
-    const fit_points *points = gather->points;
-    size_t locals = hierarchical_locals(space), columns = points->dimension + gather->probes;
-    double *loads = scratch, *values = loads + columns, *active = values + locals;
-    for (size_t place = begin; place < end; place++)
-    {
-        size_t row = points->order[place];
-        const double *at = points->parameter + 2 * row;
-        hierarchical_local_values(space, cell, at[0], at[1], 0, values);
-        hierarchical_extract_products(space, cell, values, 1, active);
-        set_loads(gather, row, loads);
-        add_point(cell->active, active, points->weight[row], loads, columns, matrix, right);
-    }
-}
-
-static void fill_from_locals(const gather_context *gather, const hierarchical_cell *cell, size_t begin, size_t end,
-                             double *scratch, double *matrix, double *right)
-{
-    const bat_hierarchical_space *space = gather->system->space;
-    const fit_points *points = gather->points;
-    size_t locals = hierarchical_locals(space), columns = points->dimension + gather->probes;
-    double *loads = scratch, *values = loads + columns, *local_right = values + locals;
-    double *local_matrix = local_right + locals * columns, *rest = local_matrix + locals * locals;
-    memset(local_right, 0, locals * columns * sizeof *local_right);
-    memset(local_matrix, 0, locals * locals * sizeof *local_matrix);
-    for (size_t place = begin; place < end; place++)
-    {
-        size_t row = points->order[place];
-        const double *at = points->parameter + 2 * row;
-        hierarchical_local_values(space, cell, at[0], at[1], 0, values);
-        set_loads(gather, row, loads);
-        add_point(locals, values, points->weight[row], loads, columns, matrix == NULL ? NULL : local_matrix, local_right);
-    }
-    hierarchical_extract_products(space, cell, local_right, columns, right);
-    if (matrix == NULL)
-        return;
-    mirror(locals, local_matrix);
-    hierarchical_extract_matrix(space, cell, local_matrix, rest, matrix);
-}
-
-static void fill_cell(const void *context, size_t index, double *scratch, double *matrix, double *right)
-{
-    const gather_context *gather = context;
-    const hierarchical_cell *cell = &gather->system->space->cells[index];
-    size_t columns = gather->points->dimension + gather->probes, active = cell->active;
-    size_t begin = gather->points->first[index], end = gather->points->first[index + 1];
-    if (extract_points_first(end - begin, hierarchical_locals(gather->system->space), cell->coarse, active))
-    {
-        if (matrix != NULL)
-            memset(matrix, 0, active * active * sizeof *matrix);
-        memset(right, 0, active * columns * sizeof *right);
-        fill_from_points(gather, cell, begin, end, scratch, matrix, right);
-    }
-    else
-        fill_from_locals(gather, cell, begin, end, scratch, matrix, right);
-}
-
-static bat_status gather_all(const gather_context *gather, double *values, double *right, bat_error *error)
-{
-    const fit_system *system = gather->system;
-    size_t locals = hierarchical_locals(system->space), active = bat_hierarchical_space_max_active(system->space);
-    size_t columns = system->dimension + gather->probes;
-    fit_cell_work work = {.fill = fill_cell,
-                          .context = gather,
-                          .scratch = columns + locals + locals * columns + locals * locals + active * locals + active,
-                          .columns = columns,
-                          .operations = (double)gather->points->count * (double)(100 + locals * locals),
-                          .values = values,
-                          .right = right};
-    return fit_pattern_sum(&system->pattern, system->space, &work, system->threads, error);
-}
-
-bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_error *error)
-{
-    system->square = 0;
-    system->counted = 0;
-    for (size_t row = 0; row < points->count; row++)
-    {
-        double square = 0;
-        for (size_t k = 0; k < points->dimension; k++)
-            square += points->position[row * points->dimension + k] * points->position[row * points->dimension + k];
-        system->square += points->weight[row] * square;
-        system->counted += points->weight[row] > 0;
-    }
-    gather_context gather = {system, points, points->position, FIT_PROBES};
-    return gather_all(&gather, system->gram, system->right, error);
-}
-
-bat_status fit_system_gather_residual(const fit_system *system, const fit_points *points, const double *rows, double *result,
-                                      bat_error *error)
-{
-    gather_context gather = {system, points, rows, 0};
-    return gather_all(&gather, NULL, result, error);
 }
 
 void fit_system_multiply(const fit_system *system, const double *values, size_t columns, const double *x, double *product)

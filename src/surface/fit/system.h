@@ -33,12 +33,14 @@ typedef struct fit_system
     int threads;
 } fit_system;
 
-/// Compute the pattern and the thin-plate matrix of a space, which must outlive the system.
-bat_status fit_system_make(const bat_hierarchical_space *space, size_t dimension, int threads, fit_system *system,
-                           bat_error *error);
+/// Compute the pattern and the thin-plate matrix of a space, which must outlive the system. Of the processes of a team, the
+/// first alone has them.
+/// @param team null for one process
+bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surface_team *team, size_t dimension, int threads,
+                           fit_system *system, bat_error *error);
 void fit_system_free(fit_system *system);
 
-/// Assemble G, b and the sums. Requires fit_points_sort(). The result is the same for any number of threads.
+/// Assemble G, b and the sums. Requires fit_points_sort(). The result is the same for any number of threads and processes.
 bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_error *error);
 
 /// Compute A^T W r for residuals r.
