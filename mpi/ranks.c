@@ -21,17 +21,43 @@ int ranks_count(void)
     return count;
 }
 
-bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code)
+int ranks_silence(void)
 {
     if (ranks_rank() == 0)
-        return arguments_read(spec, argc, argv, given, exit_code);
+        return -1;
     int errors = dup(STDERR_FILENO), silence = open("/dev/null", O_WRONLY);
     (void)dup2(silence, STDERR_FILENO);
-    bool goes_on = arguments_read(spec, argc, argv, given, exit_code);
-    (void)dup2(errors, STDERR_FILENO);
-    (void)close(errors);
     (void)close(silence);
+    return errors;
+}
+
+void ranks_speak(int silence)
+{
+    if (silence < 0)
+        return;
+    (void)dup2(silence, STDERR_FILENO);
+    (void)close(silence);
+}
+
+bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code)
+{
+    int silence = ranks_silence();
+    bool goes_on = arguments_read(spec, argc, argv, given, exit_code);
+    ranks_speak(silence);
     return goes_on;
+}
+
+bool ranks_agree(const char *file, bat_status status, const bat_error *error)
+{
+    int rank = status != BAT_OK ? ranks_rank() : ranks_count(), lowest = rank;
+    (void)MPI_Allreduce(&rank, &lowest, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (lowest == ranks_count())
+        return true;
+    bat_error failure = lowest == rank ? *error : (bat_error){0};
+    (void)MPI_Bcast(&failure, (int)sizeof failure, MPI_BYTE, lowest, MPI_COMM_WORLD);
+    if (ranks_rank() == 0)
+        (void)report_failure(file, &failure);
+    return false;
 }
 
 void ranks_need(const char *file, bat_status status, const bat_error *error)
@@ -44,11 +70,28 @@ void ranks_need(const char *file, bat_status status, const bat_error *error)
     exit(EXIT_BAD_INPUT);
 }
 
-void ranks_need_memory(const void *pointer, size_t bytes)
+void *ranks_allocate(size_t count, size_t size)
 {
-    bat_error error = {.status = BAT_NO_MEMORY};
-    if (pointer != NULL || bytes == 0)
-        return;
-    (void)snprintf(error.text, sizeof error.text, "rank %d is out of memory (%zu bytes)", ranks_rank(), bytes);
-    ranks_need(NULL, BAT_NO_MEMORY, &error);
+    bat_error error = {.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX};
+    void *array = calloc(count > 0 ? count : 1, size);
+    if (array == NULL)
+    {
+        (void)snprintf(error.text, sizeof error.text, "rank %d is out of memory (%zu times %zu bytes)", ranks_rank(), count,
+                       size);
+        ranks_need(NULL, BAT_NO_MEMORY, &error);
+    }
+    return array;
+}
+
+void *ranks_grow(void *array, size_t count, size_t size)
+{
+    bat_error error = {.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX};
+    void *grown = realloc(array, count * size);
+    if (grown == NULL)
+    {
+        (void)snprintf(error.text, sizeof error.text, "rank %d is out of memory (%zu times %zu bytes)", ranks_rank(), count,
+                       size);
+        ranks_need(NULL, BAT_NO_MEMORY, &error);
+    }
+    return grown;
 }

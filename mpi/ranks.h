@@ -11,13 +11,22 @@
 int ranks_rank(void);
 int ranks_count(void);
 
+/// Between these calls only rank 0 prints messages, while all ranks read the command line.
+int ranks_silence(void);
+void ranks_speak(int silence);
+
 /// arguments_read() on all ranks, with messages of rank 0 alone.
 bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code);
+
+/// Whether all ranks are fine. Where some failed, rank 0 prints the failure of the lowest of them, as report_failure() does.
+bool ranks_agree(const char *file, bat_status status, const bat_error *error);
 
 /// End all ranks with exit code 1, after one line as that of report_failure(), unless `error` is fine. Any rank may fail
 /// alone.
 void ranks_need(const char *file, bat_status status, const bat_error *error);
-/// The same for memory.
-void ranks_need_memory(const void *pointer, size_t bytes);
+/// An array of zeros; a failure ends all ranks.
+void *ranks_allocate(size_t count, size_t size);
+/// As realloc(); a failure ends all ranks.
+void *ranks_grow(void *array, size_t count, size_t size);
 
 #endif

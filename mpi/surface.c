@@ -1,34 +1,302 @@
 #include "verbs.h"
 
 #include "counts.h"
+#include "judge.h"
+#include "points.h"
 #include "ranks.h"
+#include "report.h"
+#include "surface_options.h"
+#include "surface_report.h"
+#include "team.h"
+
+#include "batten/batten.h"
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the surface to OUT"},
+    {"parameterization", 0, "FILE", "u v of each point of IN; default: the columns after x y z (PLY: u and v) of IN"},
+    {"boundary", 0, "N", "the first N points are the boundary: their parameters stay; default: told in IN, else none"},
+    {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 2"},
+    {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
+    {"functions", 0, "N", "the maximum number of functions; default: as many as bring held-out points nearer"},
+    {"share", 0, "S", "stop when this share of the points is within the tolerance; default 1"},
+    {"iterations", 0, "N", "the maximum number of refinements; default 30"},
+    {"smoothing", 0, "WEIGHT", "of the thin plate; default: found by likelihood, or by --noise"},
+    {"noise", 0, "D", "standard deviation of a coordinate, where it is known"},
+    {"robust", 0, NULL, "points far off count less"},
+    {"corrections", 0, "N", "rounds that move parameters to the nearest place of the surface, after each fit; default 1"},
+    {"final-corrections", 0, "N", "the same after the last refinement; default 0"},
+    {"solver", 0, "NAME",
+     "cholesky (default: on rank 0, the same bytes for any number of ranks), direct (MUMPS) or iterative (conjugate "
+     "gradients with GAMG), both by PETSc"},
+    {"checkpoint", 0, "FILE", "keep the state after each round in FILE, and go on from it; default: OUT.checkpoint"},
+    {"force", 0, NULL, "write also a surface that the points prove wrong"},
+    {"strict", 0, NULL, "refuse points that repeat another instead of leaving them out"},
+    {"unit", 0, "UNIT", "mm (default), m or inch: what STEP and IGES name as the unit of the coordinates"},
+    {"samples", 0, "N", "of each cell and direction, for VTK and OBJ; default: the degree plus 1"},
+    {"from", 0, "FORMAT", "xyz or ply (binary, little-endian); default: by the file's ending"},
+    {"to", 0, "FORMAT", "step, iges, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
+    {"threads", 0, "N", "of each rank; default 1; the result does not depend on it"},
+    {"json", 0, NULL, "print the report as one JSON object"},
+    {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},
 };
 
+static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"parameterization", FILE_READ}, {NULL, 0}};
+
 static const verb_spec SPEC = {
-    .usage = "batten-mpi surface IN -o OUT [options]",
-    .summary = "Fit an adaptive spline surface to the points of a file, divided among the ranks.",
+    .usage =
+        "mpirun -n RANKS batten-mpi surface IN -o OUT [--parameterization FILE] [--tolerance T|--functions N] [options]",
+    .summary = "Fit an adaptive spline surface to points with parameters, which are divided among the ranks (XYZ, binary "
+               "PLY). The\nsurface is that of `batten surface` with the same parameters.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 1,
     .reads_files = true,
+    .files = FILES,
 };
+
+enum
+{
+    MAX_SAMPLES = 1000,
+    MAX_BOUNDARY = 1000000000
+};
+
+static const char *const SOLVERS[] = {"cholesky", "direct", "iterative", NULL};
+
+/// The command line.
+typedef struct fit_job
+{
+    const char *input, *output, *parameters;
+    char *checkpoint;
+    bat_cloud_format from;
+    size_t boundary;
+    bat_surface_options options;
+    bat_surface_write_options write;
+    int solver;
+    bool strict, force, json, quiet;
+} fit_job;
+
+/// False after a message.
+static bool read_formats(const arguments *given, fit_job *job)
+{
+    bat_error error;
+    const char *from = argument(given, "from"), *to = argument(given, "to"), *unit = argument(given, "unit"), *fault = NULL;
+    if (from != NULL && bat_cloud_format_by_name(from, &job->from, &error) != BAT_OK)
+        fault = error.text;
+    else if (from != NULL && job->from != BAT_CLOUD_FORMAT_XYZ && job->from != BAT_CLOUD_FORMAT_PLY)
+        fault = "--from takes xyz or ply";
+    else if (to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)
+        fault = error.text;
+    else if (unit != NULL && bat_surface_unit_by_name(unit, &job->write.unit, &error) != BAT_OK)
+        fault = error.text;
+    else if (job->output == NULL)
+        fault = "-o OUT is missing";
+    else if (strcmp(job->output, "-") == 0)
+        fault = "-o takes a file";
+    else if (to == NULL && bat_surface_format_of_path(job->output) == BAT_SURFACE_FORMAT_AUTO)
+        fault = "the ending of OUT names no format (.step, .iges, .xml, .vtk, .obj, .json); --to does";
+    else if (job->json && job->quiet)
+        fault = "--json and --quiet exclude each other";
+    else if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
+        fault = "--noise and --smoothing exclude each other";
+    else if (argument(given, "share") != NULL && argument(given, "tolerance") == NULL)
+        fault = "--share needs --tolerance";
+    else if (argument(given, "tolerance") != NULL && job->options.fit.tolerance == 0)
+        fault = "--tolerance takes a number above 0";
+    if (fault != NULL)
+        (void)usage_error(given, "%s", fault);
+    return fault == NULL;
+}
+
+/// False after a message.
+static bool read_job(const arguments *given, fit_job *job)
+{
+    long samples, boundary;
+    *job = (fit_job){.input = given->positional[0],
+                     .output = argument(given, "output"),
+                     .parameters = argument(given, "parameterization"),
+                     .options = bat_surface_defaults(),
+                     .strict = argument_flag(given, "strict"),
+                     .force = argument_flag(given, "force"),
+                     .json = argument_flag(given, "json"),
+                     .quiet = argument_flag(given, "quiet")};
+    job->options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
+    job->options.fit.threads = 1;
+    if (!surface_read_fit(given, &job->options.fit) || !argument_whole(given, "samples", 1, MAX_SAMPLES, 0, &samples) ||
+        !argument_whole(given, "boundary", 4, MAX_BOUNDARY, 0, &boundary) ||
+        !argument_word(given, "solver", SOLVERS, TEAM_SOLVER_CHOLESKY, &job->solver) || !read_formats(given, job))
+        return false;
+    if (argument(given, "threads") == NULL)
+        job->options.fit.threads = 1;
+    job->write.samples = (size_t)samples;
+    job->boundary = (size_t)boundary;
+    return true;
+}
+
+static char *checkpoint_path(const arguments *given, const fit_job *job)
+{
+    const char *path = argument(given, "checkpoint"), *ending = path != NULL ? "" : ".checkpoint";
+    path = path != NULL ? path : job->output;
+    size_t size = strlen(path) + strlen(ending) + 1;
+    char *joined = ranks_allocate(size, 1);
+    (void)snprintf(joined, size, "%s%s", path, ending);
+    return joined;
+}
+
+/// A number that options with another result do not have.
+static uint64_t label_of(const fit_job *job)
+{
+    char text[400];
+    const bat_surface_fit_options *fit = &job->options.fit;
+    (void)snprintf(text, sizeof text, "%s %d %d %.17g %.17g %zu %d %d %d %d %.17g %.17g %d %d %d %d", bat_version(),
+                   fit->space.degree[0], fit->space.degree[1], fit->tolerance, fit->share, fit->functions, fit->hold_out,
+                   fit->iterations, fit->neighbours, (int)fit->smoothing, fit->weight, fit->noise, fit->corrections,
+                   fit->final_corrections, (int)fit->robust, job->solver);
+    // FNV-1a.
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    for (const char *at = text; *at != '\0'; at++)
+        hash = (hash ^ (uint64_t)(unsigned char)*at) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+/// A fit with its report.
+typedef struct fit_result
+{
+    fit_input input;
+    bat_surface_result result;
+    size_t resumed;
+    double seconds[3]; ///< of reading and distributing, of the fit, of the verdict
+} fit_result;
+
+/// False after a message.
+static bool make_fit(const fit_job *job, fit_result *made)
+{
+    bat_error error = {0};
+    double begin = MPI_Wtime();
+    if (!fit_input_read(job->input, job->parameters, job->from, job->boundary, job->strict, &made->input))
+        return false;
+    made->seconds[0] = MPI_Wtime() - begin;
+    fit_input *input = &made->input;
+    bat_surface_result *result = &made->result;
+    fit_team *team = fit_team_make((team_solver)job->solver, job->checkpoint, input->label ^ label_of(job));
+    fit_team_set_rows(team, input->first, input->count, input->total);
+    bat_surface_fit_data data = {.points = input->points,
+                                 .parameters = input->parameters,
+                                 .count = input->count,
+                                 .dimension = 3,
+                                 .boundary_count = input->boundary_count};
+    bat_surface_fit_options options = job->options.fit;
+    if (ranks_rank() == 0)
+        options.progress = report_progress("fitting");
+    bat_status status = bat_surface_fit_together(fit_team_interface(team), &data, input->numbers, &options, &result->surface,
+                                                 &result->report, &error);
+    report_progress_end();
+    made->resumed = fit_team_resumed(team);
+    fit_team_free(team);
+    if (!ranks_agree(job->input, status, &error))
+        return false;
+    made->seconds[1] = MPI_Wtime() - begin - made->seconds[0];
+    judge_surface(input, result->report.distances, &result->surface, &job->options.fit, &result->verdict, &result->noise);
+    made->seconds[2] = MPI_Wtime() - begin - made->seconds[0] - made->seconds[1];
+    return true;
+}
+
+/// Fill what the report of one machine has besides.
+static void describe(const fit_job *job, fit_result *made)
+{
+    bat_surface_result *result = &made->result;
+    const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
+    result->chosen = BAT_SURFACE_PARAMETERS_GIVEN;
+    result->candidates[0] = (bat_surface_candidate){.parameters = BAT_SURFACE_PARAMETERS_GIVEN,
+                                                    .functions = last->functions,
+                                                    .mean_squared = last->mean_squared,
+                                                    .reached = result->report.reached,
+                                                    .verdict = result->verdict,
+                                                    .fit_seconds = last->seconds};
+    result->candidate_count = 1;
+    result->trial_points = made->input.total;
+    result->below_noise = bat_surface_below_noise(&job->options.fit, &result->report, made->input.total, result->noise);
+    memcpy(result->seconds, made->seconds, sizeof result->seconds);
+}
+
+static int report(const fit_job *job, const fit_result *made, const counts_summary *summary)
+{
+    const fit_input *input = &made->input;
+    bat_cloud cloud = {.count = input->total, .duplicates = input->duplicates};
+    surface_findings findings = {job->input, &cloud, &job->options, &made->result};
+    if (job->json)
+    {
+        cloud.boundary_count = input->boundary_count;
+        json_t *object = surface_report_json(&findings);
+        (void)json_object_set_new(object, "exchange", counts_json(summary));
+        (void)json_object_set_new(object, "resumed", json_integer((json_int_t)made->resumed));
+        return report_json(object);
+    }
+    if (job->quiet)
+        return EXIT_DONE;
+    surface_report_print(&findings);
+    if (made->resumed > 0)
+        (void)printf("went on after %zu rounds of the checkpoint\n", made->resumed);
+    counts_print(summary, stdout);
+    (void)printf("%.3g bytes a point and round\n",
+                 summary->sum.bytes / ((double)input->total * (double)made->result.report.count));
+    return EXIT_DONE;
+}
+
+/// Write the surface and report, on rank 0.
+static int finish(const fit_job *job, fit_result *made, const counts_summary *summary)
+{
+    bat_error error = {0};
+    describe(job, made);
+    if (!job->force && bat_surface_verdict_check(&made->result.verdict, &error) != BAT_OK)
+    {
+        size_t length = strlen(error.text);
+        (void)snprintf(error.text + length, sizeof error.text - length, "; --force writes it nevertheless");
+        return report_failure(job->input, &error);
+    }
+    if (bat_surface_write(job->output, &made->result.surface, &job->write, &error) != BAT_OK)
+        return report_failure(job->output, &error);
+    int code = report(job, made, summary);
+    if (made->result.below_noise)
+    {
+        (void)fprintf(stderr,
+                      "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
+                      job->input, made->result.noise);
+        code = EXIT_BAD_INPUT;
+    }
+    return code;
+}
 
 int verb_surface(int argc, char **argv)
 {
     arguments given;
+    fit_job job;
+    fit_result made = {0};
     int code;
-    bat_error error = {.status = BAT_UNSUPPORTED, .text = "this verb is not there yet"};
     if (!ranks_read_arguments(&SPEC, argc, argv, &given, &code))
         return code;
-    counts_summary summary = counts_collect();
-    if (ranks_rank() == 0)
-        counts_print(&summary, stdout);
-    ranks_need(given.positional[0], BAT_UNSUPPORTED, &error);
-    return EXIT_BAD_INPUT;
+    int silence = ranks_silence();
+    bool good = read_job(&given, &job);
+    ranks_speak(silence);
+    if (!good)
+        return EXIT_BAD_USAGE;
+    job.checkpoint = checkpoint_path(&given, &job);
+    code = EXIT_BAD_INPUT;
+    if (make_fit(&job, &made))
+    {
+        counts_summary summary = counts_collect();
+        code = ranks_rank() == 0 ? finish(&job, &made, &summary) : EXIT_DONE;
+        (void)MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
+        if (code == EXIT_DONE && ranks_rank() == 0)
+            fit_team_forget(job.checkpoint);
+    }
+    free(job.checkpoint);
+    bat_surface_result_free(&made.result);
+    fit_input_free(&made.input);
+    return code;
 }

@@ -359,12 +359,12 @@ static bat_status fit_kinds(reconstruction *work, bat_error *error)
     return status == BAT_OK && !fits_all_points(work) ? fit_best(work, error) : status;
 }
 
-/// Whether noise keeps the share of points from the tolerance.
-static bool is_below_noise(const bat_surface_fit_options *options, const bat_surface_fit_report *fit, size_t count,
-                           double noise)
+bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_surface_fit_report *report, size_t points,
+                             double noise)
 {
-    double share = fmin(options->share, 1 - 1 / (double)count);
-    return options->tolerance > 0 && !fit->reached && fit->stalled && erf(options->tolerance / (noise * sqrt(2))) < share;
+    double share = fmin(options->share, 1 - 1 / (double)points);
+    return options->tolerance > 0 && !report->reached && report->stalled &&
+           erf(options->tolerance / (noise * sqrt(2))) < share;
 }
 
 /// Fail where the surface is judged to be wrong.
@@ -372,10 +372,9 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool 
 {
     if (one_sided)
         return tell_one_sided(error);
-    char text[200];
-    surface_verdict_text(verdict, text, sizeof text);
-    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                     "the surface is wrong: %s; %s--force writes it nevertheless", text,
+    bat_error wrong = {0};
+    (void)bat_surface_verdict_check(verdict, &wrong);
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s; %s--force writes it nevertheless", wrong.text,
                      trimmed ? "" : "--trim fits concave outlines and holes, ");
 }
 
@@ -410,7 +409,7 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     result->chosen = best->report.parameters;
     result->verdict = best->report.verdict;
     result->noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
-    result->below_noise = is_below_noise(&work->options->fit, &best->fit, work->cloud->count, result->noise);
+    result->below_noise = bat_surface_below_noise(&work->options->fit, &best->fit, work->cloud->count, result->noise);
     if (work->planar != NULL)
         result->filled_holes = trimming_drop_filled(&work->trimming, &best->surface.trim);
     result->surface = best->surface;

@@ -466,3 +466,30 @@ void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t
         return;
     }
 }
+
+bat_status bat_surface_verdict_check(const bat_surface_verdict *verdict, bat_error *error)
+{
+    char text[200];
+    if (verdict->fault == BAT_SURFACE_FAULT_NONE)
+        return BAT_OK;
+    surface_verdict_text(verdict, text, sizeof text);
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the surface is wrong: %s", text);
+}
+
+bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud *cloud, const double *parameters,
+                             const double *distances, const bat_surface_fit_options *options, bat_surface_verdict *verdict,
+                             bat_error *error)
+{
+    const bat_surface_fit_options defaults = bat_surface_fit_defaults();
+    cloud_geometry geometry = {0};
+    bat_status status = bat_surface_fit_options_check(options, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK)
+        status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK)
+        status = cloud_geometry_make(cloud, options->threads, &geometry, error);
+    if (status == BAT_OK)
+        status = surface_judge(&geometry, surface, parameters, distances, cloud->count, options, verdict, error);
+    cloud_geometry_free(&geometry);
+    return status;
+}
