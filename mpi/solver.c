@@ -18,7 +18,9 @@ typedef enum command
 
 enum
 {
-    MAX_REFINEMENTS = 6
+    MAX_REFINEMENTS = 6,
+    MUMPS_WORKSPACE = 14, ///< the place of this option in MUMPS: per cent of memory beyond its estimate,
+    WORKSPACE = 200       ///< which is too low for small matrices on several ranks
 };
 
 // Refinement of a column ends when its largest change is at most this share of the largest number.
@@ -154,7 +156,13 @@ static void choose_method(petsc_solver *solver)
     if (solver->iterative)
         need(KSPSetTolerances(solver->method, RESIDUAL_TOLERANCE, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
     else
+    {
+        Mat factors;
         need(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS));
+        need(PCFactorSetUpMatSolverType(preconditioner));
+        need(PCFactorGetMatrix(preconditioner, &factors));
+        need(MatMumpsSetIcntl(factors, MUMPS_WORKSPACE, WORKSPACE));
+    }
     need(KSPSetFromOptions(solver->method));
 }
 
