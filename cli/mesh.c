@@ -356,7 +356,11 @@ static int draw(const mesh_job *job, mesh_result *result)
     make_title(job, result->scheme, title);
     make_title(job, job->beside, beside_title);
     bat_mesh_picture_panel panels[3] = {
-        {.mesh = &result->coarse, .title = "coarse", .wires = true, .flat = true},
+        {.mesh = &result->coarse,
+         .title = "coarse",
+         .wires = true,
+         .flat = true,
+         .polygons = takes_polygons(job) ? &result->polygons : NULL},
         {.mesh = &result->fine, .title = title},
         {.mesh = &other, .title = beside_title},
     };

@@ -19,6 +19,9 @@ typedef struct bat_mesh_picture_panel
     const double *values; ///< vertex_count numbers, shown as colours; NaN for none at a vertex; null: a uniform colour
     bool wires;           ///< draw the edges
     bool flat; ///< every face by its own normal, else smooth where neighbours' normals differ by less than 40 degrees
+    /// The polygons that `mesh` was cut from by bat_polygon_mesh_triangulate(). Their edges alone are drawn, and their mean
+    /// normals are those of flat faces. Null: faces are triangles.
+    const bat_polygon_mesh *polygons;
 } bat_mesh_picture_panel;
 
 /// The axis of space that points upwards.

@@ -193,7 +193,7 @@ static void surfaces_know_their_edges(void **state)
     uint32_t faces[] = {0, 2, 1, 2, 3, 1, 2, 4, 3, 4, 5, 3, 4, 6, 5, 6, 7, 5};
     bat_mesh strip = {.positions = positions, .vertex_count = 8, .faces = faces, .face_count = 6};
     mesh_surface surface;
-    assert_int_equal(mesh_surface_make(&strip, false, 1, &surface, NULL), BAT_OK);
+    assert_int_equal(mesh_surface_make(&strip, NULL, false, 1, &surface, NULL), BAT_OK);
     // Corner 0 of face 1 and corner 0 of face 2 are vertex 2: the same normal. Corner 1 of face 2 and corner 0 of face 4 are
     // vertex 4.
     const float *blunt = surface.normals[3 * 1 + 0], *other = surface.normals[3 * 2 + 0];
@@ -207,6 +207,57 @@ static void surfaces_know_their_edges(void **state)
     assert_int_equal(surface.marks[1], 2);
     assert_int_equal(surface.marks[5], 1 | 2);
     mesh_surface_free(&surface);
+    // The same as quads, each cut along its corners 1 and 2.
+    uint32_t offsets[] = {0, 4, 8, 12}, corners[] = {0, 2, 3, 1, 2, 4, 5, 3, 4, 6, 7, 5};
+    bat_polygon_mesh quads = {
+        .positions = positions, .vertex_count = 8, .offsets = offsets, .faces = corners, .face_count = 3};
+    assert_int_equal(mesh_surface_make(&strip, &quads, true, 1, &surface, NULL), BAT_OK);
+    for (size_t f = 0; f < 6; f++)
+        for (size_t k = 0; k < 3; k++)
+            assert_int_equal(mesh_edge_within_polygon(&surface, f, k), k == (f % 2 == 0 ? 1 : 2));
+    assert_true(mesh_edge_at_boundary(&surface, 0, 0) && !mesh_edge_at_boundary(&surface, 0, 1));
+    mesh_surface_free(&surface);
+}
+
+/// The diagonals along which quads are cut are not drawn, and a bent quad has one normal.
+static void polygons_have_their_edges_alone(void **state)
+{
+    (void)state;
+    double positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0.3, 0, 1, 0};
+    uint32_t faces[] = {0, 1, 2, 3}, offsets[] = {0, 4};
+    bat_polygon_mesh quad = {.positions = positions, .vertex_count = 4, .offsets = offsets, .faces = faces, .face_count = 1};
+    bat_mesh cut;
+    assert_int_equal(bat_polygon_mesh_triangulate(&quad, &cut, NULL), BAT_OK);
+    bat_mesh_picture_panel panels[] = {{.mesh = &cut, .wires = true, .flat = true},
+                                       {.mesh = &cut, .wires = true, .flat = true, .polygons = &quad}};
+    bat_mesh_picture_options options = bat_mesh_picture_defaults();
+    options.longitude = options.latitude = 0;
+    options.hollows = options.boundaries = false;
+    char path[128];
+    double spread[2];
+    for (int i = 0; i < 2; i++)
+    {
+        path_of(path, "quad.png");
+        assert_int_equal(bat_mesh_picture_write(path, &panels[i], 1, &options, NULL), BAT_OK);
+        pixels picture = open_png(path);
+        drawn_area whole = find_inked_area(&picture, 0, picture.width);
+        double low = 1, high = 0;
+        // Along both diagonals, away from the border.
+        for (int step = 10; step <= 90; step++)
+            for (int other = 0; other < 2; other++)
+            {
+                int x = whole.left + step * (whole.right - whole.left) / 100, down = other ? 100 - step : step;
+                double light = lightness(pixel_at(&picture, x, whole.top + down * (whole.right - whole.left) / 100));
+                low = fmin(low, light);
+                high = fmax(high, light);
+            }
+        spread[i] = high - low;
+        cairo_surface_destroy(picture.surface);
+        assert_int_equal(unlink(path), 0);
+    }
+    assert_true(spread[0] > 0.05);
+    assert_true(spread[1] < 0.005);
+    bat_mesh_free(&cut);
 }
 
 /// The lightness in Oklab decreases uniformly along the scale.
@@ -250,6 +301,14 @@ static void bad_input_is_refused(void **state)
     check_refused(&panel, NULL, "a.jpeg", BAT_INVALID_ARGUMENT);
     check_refused(&empty, NULL, "a.png", BAT_INVALID_ARGUMENT);
     check_refused(&missing, NULL, "a.png", BAT_INVALID_ARGUMENT);
+    uint32_t corners[] = {0, 1, 2, 3}, offsets[] = {0, 4};
+    bat_polygon_mesh other = {.positions = ball.positions,
+                              .vertex_count = ball.vertex_count,
+                              .offsets = offsets,
+                              .faces = corners,
+                              .face_count = 1};
+    bat_mesh_picture_panel cut = {.mesh = &ball, .polygons = &other};
+    check_refused(&cut, NULL, "a.png", BAT_INVALID_ARGUMENT);
     bat_mesh_picture_panel garbled = {.mesh = &ball, .title = "\xff"};
     check_refused(&garbled, NULL, "a.png", BAT_INVALID_ARGUMENT);
     bat_mesh_picture_options good = bat_mesh_picture_defaults(), bad[7];
@@ -300,10 +359,15 @@ static void odd_meshes_are_drawn(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(writes_all_formats),     cmocka_unit_test(same_bytes_for_any_threads),
-        cmocka_unit_test(balls_are_disks),        cmocka_unit_test(values_are_colours),
-        cmocka_unit_test(rasters_cover_and_hide), cmocka_unit_test(surfaces_know_their_edges),
-        cmocka_unit_test(scale_is_even),          cmocka_unit_test(bad_input_is_refused),
+        cmocka_unit_test(writes_all_formats),
+        cmocka_unit_test(same_bytes_for_any_threads),
+        cmocka_unit_test(balls_are_disks),
+        cmocka_unit_test(values_are_colours),
+        cmocka_unit_test(rasters_cover_and_hide),
+        cmocka_unit_test(surfaces_know_their_edges),
+        cmocka_unit_test(polygons_have_their_edges_alone),
+        cmocka_unit_test(scale_is_even),
+        cmocka_unit_test(bad_input_is_refused),
         cmocka_unit_test(odd_meshes_are_drawn),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -107,7 +107,47 @@ static void describe_face(const bat_mesh *mesh, const fan_list *fans, bool flat,
     }
 }
 
-bat_status mesh_surface_make(const bat_mesh *mesh, bool flat, int threads, mesh_surface *surface, bat_error *error)
+/// Whether the corners a and b follow each other in a polygon.
+static bool are_neighbours(const uint32_t *corner, size_t count, uint32_t a, uint32_t b)
+{
+    for (size_t c = 0; c < count; c++)
+    {
+        uint32_t here = corner[c], next = corner[c + 1 < count ? c + 1 : 0];
+        if ((here == a && next == b) || (here == b && next == a))
+            return true;
+    }
+    return false;
+}
+
+/// Mark the edges of triangles that lie within polygons, and give flat triangles the mean normal of their polygon.
+static void describe_polygons(const bat_mesh *mesh, const bat_polygon_mesh *polygons, bool flat, mesh_surface *surface)
+{
+    size_t face = 0;
+    for (size_t p = 0; p < polygons->face_count; p++)
+    {
+        const uint32_t *corner = polygons->faces + polygons->offsets[p];
+        size_t count = polygons->offsets[p + 1] - polygons->offsets[p], end = face + count - 2;
+        double sum[3] = {0}, own[3];
+        for (size_t f = face; f < end; f++)
+        {
+            face_normal(mesh, f, own);
+            for (int c = 0; c < 3; c++)
+                sum[c] += own[c];
+        }
+        for (; face < end; face++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                const uint32_t *own_corner = mesh->faces + 3 * face;
+                if (!are_neighbours(corner, count, own_corner[c], own_corner[(c + 1) % 3]))
+                    surface->marks[face] |= (unsigned char)(8u << c);
+                if (flat)
+                    set_unit(sum, surface->normals[3 * face + c]);
+            }
+    }
+}
+
+bat_status mesh_surface_make(const bat_mesh *mesh, const bat_polygon_mesh *polygons, bool flat, int threads,
+                             mesh_surface *surface, bat_error *error)
 {
     fan_list fans;
     mesh_surface made = {.normals = memory_array(3 * mesh->face_count, sizeof *made.normals),
@@ -121,6 +161,8 @@ bat_status mesh_surface_make(const bat_mesh *mesh, bool flat, int threads, mesh_
 #pragma omp parallel for num_threads(count) schedule(static)
         for (size_t f = 0; f < mesh->face_count; f++)
             describe_face(mesh, &fans, flat, f, &made);
+        if (polygons != NULL)
+            describe_polygons(mesh, polygons, flat, &made);
         *surface = made;
     }
     else

@@ -104,6 +104,10 @@ static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index,
     bat_status status = bat_mesh_check(panel->mesh, error);
     if (status != BAT_OK)
         return name_panel(error, status, index);
+    const bat_polygon_mesh *polygons = panel->polygons;
+    if (polygons != NULL && (polygons->vertex_count != panel->mesh->vertex_count ||
+                             polygons->offsets[polygons->face_count] != panel->mesh->face_count + 2 * polygons->face_count))
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu: mesh is not cut from polygons", index);
     for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
         if (isinf(panel->values[v]))
             return error_set(error, BAT_INVALID_POINT, v, 0, "panel %zu: the value at vertex %zu is infinite", index, v);
@@ -193,6 +197,7 @@ static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_b
     const bat_mesh_picture_options *options = made->options;
     mesh_placing placing = mesh_frame_place(&made->frames[index], &made->views[index], place->columns, place->rows);
     return (shade_task){.mesh = panel->mesh,
+                        .polygons = panel->polygons,
                         .values = panel->values,
                         .value_low = made->value_low,
                         .value_high = made->value_high,

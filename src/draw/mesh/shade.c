@@ -256,6 +256,8 @@ static double cover_edges(const shading *s, const visible_point *visible, double
     for (int c = 0; c < 3; c++)
     {
         int next = (c + 1) % 3, opposite = (c + 2) % 3;
+        if (mesh_edge_within_polygon(&s->surface, visible->face, (size_t)c))
+            continue;
         double length = hypot(at[next][0] - at[c][0], at[next][1] - at[c][1]);
         nearest = fmin(nearest, visible->share[opposite] * area / fmax(length, 1e-9));
     }
@@ -379,7 +381,7 @@ static bat_status draw_boundaries(shading *s, bat_error *error)
     size_t count = s->raster.columns * s->raster.rows;
     for (size_t h = 0; h < 3 * mesh->face_count; h++)
     {
-        if ((s->surface.marks[h / 3] >> h % 3 & 1) == 0)
+        if (!mesh_edge_at_boundary(&s->surface, h / 3, h % 3))
             continue;
         if (s->lines == NULL)
             s->lines = calloc(count, 1);
@@ -412,7 +414,7 @@ bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stri
                  .wire = linear_colour(WIRE),
                  .boundary = linear_colour(BOUNDARY)};
     mesh_placing placing = mesh_placing_zoom(&task->placing, SHADE_SAMPLES);
-    bat_status status = mesh_surface_make(task->mesh, task->flat, task->threads, &s.surface, error);
+    bat_status status = mesh_surface_make(task->mesh, task->polygons, task->flat, task->threads, &s.surface, error);
     if (status == BAT_OK)
         status = mesh_raster_make(task->mesh, &placing, SHADE_SAMPLES * task->columns, SHADE_SAMPLES * task->rows,
                                   task->threads, &s.raster, error);

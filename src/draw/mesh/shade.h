@@ -12,7 +12,8 @@
 typedef struct shade_task
 {
     const bat_mesh *mesh;
-    const double *values; ///< at the vertices, or null
+    const bat_polygon_mesh *polygons; ///< that the mesh is cut from, or null
+    const double *values;             ///< at the vertices, or null
     double value_low, value_high;
     bool wires, flat, occlusion, boundaries;
     mesh_placing placing; ///< in pixels
