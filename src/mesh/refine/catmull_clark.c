@@ -43,6 +43,8 @@ static void face_range(const void *context, size_t begin, size_t end)
     for (uint32_t f = (uint32_t)begin; f < end; f++)
         if (sides->quads && rows->dim == 3)
             face_row(rows, f, 4 * f, 4, 3);
+        else if (rows->dim == 3)
+            face_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), 3);
         else
             face_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
 }
@@ -96,6 +98,8 @@ static void edge_range(const void *context, size_t begin, size_t end)
             continue;
         if (sides->quads && rows->dim == 3)
             edge_row(rows, h, true, 3);
+        else if (rows->dim == 3)
+            edge_row(rows, h, sides->quads, 3);
         else
             edge_row(rows, h, sides->quads, rows->dim);
     }
@@ -152,8 +156,12 @@ static void vertex_range(const void *context, size_t begin, size_t end)
     const mesh_rows *rows = context;
     bool quads = rows->level->sides.quads;
     for (uint32_t v = (uint32_t)begin; v < end; v++)
-        if (quads && rows->dim == 3)
+        if (mesh_is_sharp(rows->level, v))
+            continue;
+        else if (rows->dim == 3 && quads)
             vertex_row(rows, v, false, true, 3);
+        else if (rows->dim == 3)
+            vertex_row(rows, v, false, false, 3);
         else
             vertex_row(rows, v, false, quads, rows->dim);
 }
@@ -161,7 +169,13 @@ static void vertex_range(const void *context, size_t begin, size_t end)
 static void sharp_vertex_row(const void *context, uint32_t vertex)
 {
     const mesh_rows *rows = context;
-    vertex_row(rows, vertex, true, rows->level->sides.quads, rows->dim);
+    bool quads = rows->level->sides.quads;
+    if (rows->dim == 3 && quads)
+        vertex_row(rows, vertex, true, true, 3);
+    else if (rows->dim == 3)
+        vertex_row(rows, vertex, true, false, 3);
+    else
+        vertex_row(rows, vertex, true, quads, rows->dim);
 }
 
 // Where the level's faces were split from those of a parent, the neighbours follow from the parent's arrays, a quarter as
@@ -295,7 +309,9 @@ static void parent_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     for (uint32_t v = (uint32_t)begin; v < end; v++)
-        if (rows->dim == 3)
+        if (mesh_is_sharp(rows->level, v))
+            continue;
+        else if (rows->dim == 3)
             parent_row(rows, v, 3);
         else
             parent_row(rows, v, rows->dim);
@@ -327,7 +343,10 @@ static void halves_range(const void *context, size_t begin, size_t end)
                          other,
                          inner ? sides_next(sides, other) : 0,
                          inner ? sides_face(sides, other) : 0};
-        halves_rows(rows, &at, rows->dim);
+        if (rows->dim == 3)
+            halves_rows(rows, &at, 3);
+        else
+            halves_rows(rows, &at, rows->dim);
     }
 }
 
@@ -338,6 +357,8 @@ static void inner_range(const void *context, size_t begin, size_t end)
     for (uint32_t f = (uint32_t)begin; f < end; f++)
         if (sides->quads && rows->dim == 3)
             inner_rows(rows, f, 4 * f, 4, 3);
+        else if (rows->dim == 3)
+            inner_rows(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), 3);
         else
             inner_rows(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
 }

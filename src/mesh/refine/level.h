@@ -6,6 +6,16 @@
 /// @file
 /// One level of refinement as the rules of the schemes use it, and loops over its elements on several threads.
 
+/// What is sharp on a level. Made by sharp_list_make().
+typedef struct sharp_list
+{
+    uint32_t *half_edges; ///< the owning half-edges of sharp edges, in their order
+    size_t half_edge_count;
+    uint32_t *vertices; ///< vertices that are sharp or have a sharp edge, each once
+    size_t vertex_count;
+    unsigned char *marked; ///< for each vertex of the level: 1 if it is among them
+} sharp_list;
+
 /// A mesh during refinement.
 typedef struct mesh_level mesh_level;
 
@@ -18,10 +28,17 @@ struct mesh_level
     const double *child_sharpness;  ///< where creases follow Chaikin: of both halves of each edge, that at the owner's begin
                                     ///< first; null: one less than the edge's
     const double *vertex_sharpness; ///< one number for each coarse vertex; null: no vertex is sharp
+    const sharp_list *sharp;        ///< what is sharp; null: not known, or nothing
     const uint32_t *irregular;      ///< for each coarse vertex: 0 where it is regular, else its number of faces
     size_t coarse_count;      ///< the number of coarse vertices, which keep their indices; all later vertices are regular
     const mesh_level *parent; ///< the level whose faces were split into these, with faces and links only; or null
 };
+
+/// Whether a vertex is known to be sharp, so that sharpness_visit() computes it after the smooth ones.
+static inline bool mesh_is_sharp(const mesh_level *level, size_t vertex)
+{
+    return level->sharp != NULL && level->sharp->marked[vertex] != 0;
+}
 
 /// Values at the vertices, positions or channels, that a rule carries to the next level.
 typedef struct mesh_rows

@@ -173,7 +173,9 @@ static void vertex_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     for (size_t v = begin; v < end; v++)
-        if (rows->dim == 3)
+        if (mesh_is_sharp(rows->level, v))
+            continue;
+        else if (rows->dim == 3)
             vertex_row(rows, (uint32_t)v, false, false, 3);
         else
             vertex_row(rows, (uint32_t)v, false, false, rows->dim);
@@ -184,7 +186,9 @@ static void parent_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     for (size_t v = begin; v < end; v++)
-        if (rows->dim == 3)
+        if (mesh_is_sharp(rows->level, v))
+            continue;
+        else if (rows->dim == 3)
             vertex_row(rows, (uint32_t)v, false, true, 3);
         else
             vertex_row(rows, (uint32_t)v, false, true, rows->dim);
@@ -252,7 +256,10 @@ static void edge_range(const void *context, size_t begin, size_t end)
 static void sharp_vertex_row(const void *context, uint32_t vertex)
 {
     const mesh_rows *rows = context;
-    vertex_row(rows, vertex, true, false, rows->dim);
+    if (rows->dim == 3)
+        vertex_row(rows, vertex, true, false, 3);
+    else
+        vertex_row(rows, vertex, true, false, rows->dim);
 }
 
 void loop_rule(const mesh_rows *rows, int threads)

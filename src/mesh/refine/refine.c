@@ -70,6 +70,7 @@ typedef struct refined_level
     bat_mesh_connectivity texture_links;
     double *edge_sharpness;  ///< null: no edge is sharp
     double *child_sharpness; ///< as in mesh_level
+    sharp_list sharp;        ///< all zero: nothing is sharp
 } refined_level;
 
 /// The state of a refinement.
@@ -98,6 +99,7 @@ static void refined_level_free(refined_level *held)
     bat_mesh_connectivity_free(&held->texture_links);
     free(held->edge_sharpness);
     free(held->child_sharpness);
+    sharp_list_free(&held->sharp);
 }
 
 static mesh_level level_of(const refinement *work)
@@ -108,6 +110,7 @@ static mesh_level level_of(const refinement *work)
                         .edge_sharpness = work->now.edge_sharpness,
                         .child_sharpness = work->now.child_sharpness,
                         .vertex_sharpness = work->vertex_sharpness,
+                        .sharp = work->now.sharp.marked != NULL ? &work->now.sharp : NULL,
                         .irregular = work->irregular,
                         .coarse_count = work->coarse->vertex_count,
                         .parent = work->parent.faces != NULL ? &work->parent : NULL};
@@ -325,6 +328,7 @@ static void advance(refinement *work, refined_level *next, bool keep)
     }
     free(before->edge_sharpness);
     free(before->child_sharpness);
+    sharp_list_free(&before->sharp);
     bat_mesh_connectivity_free(&before->texture_links);
     before->edge_sharpness = before->child_sharpness = NULL;
     if (!before->borrowed)
@@ -346,11 +350,11 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
     bool last = level + 1 == plan->options.levels;
     refined_level next = {.mesh.channel_count = work->coarse->channel_count};
     bat_status status = BAT_OK;
+    const mesh_level now = level_of(work);
     if (plan->rules.creasing == BAT_MESH_CREASING_CHAIKIN)
-    {
-        mesh_level now = level_of(work);
         status = sharpness_chaikin(&now, &work->now.child_sharpness, error);
-    }
+    if (status == BAT_OK && !scheme->turns)
+        status = sharp_list_make(&now, &work->now.sharp, error);
     if (status == BAT_OK)
         status = scheme->turns ? sqrt3_step(work, level, last, &next, error) : split_step(work, scheme, last, &next, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)

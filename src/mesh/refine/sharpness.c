@@ -165,6 +165,73 @@ bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, 
     return BAT_OK;
 }
 
+/// The half-edges among which the sharp ones are: those of the list or, without it, all.
+static uint32_t count_candidates(const mesh_level *level)
+{
+    return level->sharp != NULL ? (uint32_t)level->sharp->half_edge_count
+                                : sides_corners(&level->sides, level->links->face_count);
+}
+
+static inline uint32_t candidate_at(const mesh_level *level, uint32_t i)
+{
+    return level->sharp != NULL ? level->sharp->half_edges[i] : i;
+}
+
+/// Whether a half-edge owns a sharp edge.
+static inline bool owns_sharp(const mesh_level *level, uint32_t half_edge)
+{
+    return mesh_owns(level->links->twin, half_edge) && level->edge_sharpness[level->links->edge[half_edge]] > 0;
+}
+
+void sharp_list_free(sharp_list *list)
+{
+    free(list->half_edges);
+    free(list->vertices);
+    free(list->marked);
+    *list = (sharp_list){0};
+}
+
+static void list_vertex(sharp_list *list, uint32_t vertex)
+{
+    if (list->marked[vertex] == 0)
+        list->vertices[list->vertex_count++] = vertex;
+    list->marked[vertex] = 1;
+}
+
+bat_status sharp_list_make(const mesh_level *level, sharp_list *list, bat_error *error)
+{
+    const bat_mesh_connectivity *links = level->links;
+    size_t vertices = links->vertex_count, sharp = 0, corners = 0;
+    *list = (sharp_list){0};
+    for (size_t e = 0; level->edge_sharpness != NULL && e < links->edge_count; e++)
+        sharp += level->edge_sharpness[e] > 0;
+    for (size_t v = 0; level->vertex_sharpness != NULL && v < level->coarse_count; v++)
+        corners += level->vertex_sharpness[v] > 0;
+    if (sharp == 0 && corners == 0)
+        return BAT_OK;
+    size_t most = 2 * sharp + corners < vertices ? 2 * sharp + corners : vertices;
+    sharp_list made = {.half_edges = memory_array(sharp, sizeof *made.half_edges),
+                       .vertices = memory_array(most, sizeof *made.vertices),
+                       .marked = calloc(vertices, 1)};
+    if (made.half_edges == NULL || made.vertices == NULL || made.marked == NULL)
+    {
+        sharp_list_free(&made);
+        return error_memory(error, vertices);
+    }
+    for (uint32_t v = 0; corners > 0 && v < level->coarse_count; v++)
+        if (level->vertex_sharpness[v] > 0 && links->first[v] != BAT_MESH_NONE)
+            list_vertex(&made, v);
+    for (uint32_t h = 0; made.half_edge_count < sharp; h++)
+        if (owns_sharp(level, h))
+        {
+            made.half_edges[made.half_edge_count++] = h;
+            list_vertex(&made, level->faces[h]);
+            list_vertex(&made, level->faces[sides_next(&level->sides, h)]);
+        }
+    *list = made;
+    return BAT_OK;
+}
+
 static bool is_semi_sharp(double sharpness)
 {
     return sharpness > 0 && sharpness < BAT_MESH_SHARP;
@@ -248,16 +315,19 @@ static uint32_t far_half(const mesh_level *level, uint32_t half_edge)
 /// Runs on one thread: few edges are sharp.
 bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity *fine, double **result, bat_error *error)
 {
-    const bat_mesh_connectivity *links = level->links;
     bat_status status = make_sharpness(fine->edge_count, result, error);
     if (status != BAT_OK)
         return status;
-    for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
-        if (level->edge_sharpness[links->edge[h]] > 0 && mesh_owns(links->twin, h))
+    uint32_t candidates = count_candidates(level);
+    for (uint32_t i = 0; i < candidates; i++)
+    {
+        uint32_t h = candidate_at(level, i);
+        if (owns_sharp(level, h))
         {
             (*result)[fine->edge[near_half(level, h)]] = sharpness_of_half(level, h, true);
             (*result)[fine->edge[far_half(level, h)]] = sharpness_of_half(level, h, false);
         }
+    }
     drop_if_zero(fine->edge_count, result);
     return BAT_OK;
 }
@@ -267,9 +337,11 @@ static size_t write_creases(const mesh_level *level, bat_mesh_crease *creases)
 {
     const bat_mesh_connectivity *links = level->links;
     size_t count = 0;
-    for (uint32_t h = 0; h < sides_corners(&level->sides, links->face_count); h++)
+    uint32_t candidates = count_candidates(level);
+    for (uint32_t i = 0; i < candidates; i++)
     {
-        if (!(level->edge_sharpness[links->edge[h]] > 0) || !mesh_owns(links->twin, h))
+        uint32_t h = candidate_at(level, i);
+        if (!owns_sharp(level, h))
             continue;
         uint32_t middle = (uint32_t)links->vertex_count + links->edge[h];
         double begin = sharpness_of_half(level, h, true), end = sharpness_of_half(level, h, false);
@@ -433,12 +505,18 @@ vertex_mask mask_around(const mesh_level *level, uint32_t vertex, unsigned valen
 void sharpness_visit(const mesh_level *level, void (*visit)(const void *context, uint32_t vertex), const void *context)
 {
     const bat_mesh_connectivity *links = level->links;
+    if (level->sharp != NULL)
+    {
+        for (size_t i = 0; i < level->sharp->vertex_count; i++)
+            visit(context, level->sharp->vertices[i]);
+        return;
+    }
     for (uint32_t v = 0; level->vertex_sharpness != NULL && v < level->coarse_count; v++)
         if (level->vertex_sharpness[v] > 0 && links->first[v] != BAT_MESH_NONE)
             visit(context, v);
     uint32_t corners = level->edge_sharpness != NULL ? sides_corners(&level->sides, links->face_count) : 0;
     for (uint32_t h = 0; h < corners; h++)
-        if (level->edge_sharpness[links->edge[h]] > 0 && mesh_owns(links->twin, h))
+        if (owns_sharp(level, h))
         {
             visit(context, level->faces[h]);
             visit(context, level->faces[sides_next(&level->sides, h)]);

@@ -28,6 +28,12 @@ bat_status sharpness_of_edges(const mesh_level *level, const bat_mesh *mesh, dou
 bat_status sharpness_of_vertices(const mesh_level *level, const bat_mesh *mesh, bool sharpen_boundary, double **sharpness,
                                  bat_error *error);
 
+/// List what is sharp. Release the list with sharp_list_free().
+/// @param list all zero where nothing is sharp
+/// @return BAT_OK or BAT_NO_MEMORY; `list` is all zero on failure
+bat_status sharp_list_make(const mesh_level *level, sharp_list *list, bat_error *error);
+void sharp_list_free(sharp_list *list);
+
 /// Compute mesh_level::child_sharpness for Chaikin's rule of creases (OpenSubdiv 3.5, Sdc::Options::CREASE_CHAIKIN).
 /// Where several semi-sharp edges meet, 3/4 of an edge's sharpness and 1/4 of the mean of the others pass on, less 1.
 /// @param children receives two numbers for each edge, or null when no edge is sharp
@@ -99,8 +105,8 @@ typedef vertex_mask smooth_mask(unsigned valence);
 /// The mask of a vertex that has a face, by its sharp edges.
 vertex_mask mask_around(const mesh_level *level, uint32_t vertex, unsigned valence, smooth_mask *smooth);
 
-/// Call a function for all vertices that are sharp or have a sharp edge, for some repeatedly. Runs on one thread: few edges
-/// are sharp.
+/// Call a function for all vertices that are sharp or have a sharp edge; without mesh_level::sharp for some repeatedly. Runs
+/// on one thread: few edges are sharp.
 void sharpness_visit(const mesh_level *level, void (*visit)(const void *context, uint32_t vertex), const void *context);
 
 #endif
