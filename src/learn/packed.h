@@ -38,6 +38,7 @@ typedef struct learn_packed
 {
     size_t inputs;
     size_t columns;      ///< outputs in whole panels
+    size_t wanted;       ///< the first columns: others need not be computed. All, unless the caller sets it
     const real *weight;  ///< the transposed matrix, inputs x columns, in panels
     size_t input_stride; ///< from one input's numbers to the next one's within a panel
     size_t panel_stride; ///< from panel to panel
@@ -47,7 +48,7 @@ typedef struct learn_packed
 /// A layer whose transposed matrix is stored plainly, inputs x columns, with whole panels of columns.
 static inline learn_packed learn_packed_plain(size_t inputs, size_t columns, const real *weight, const real *bias)
 {
-    return (learn_packed){inputs, columns, weight, columns, LEARN_PANEL, bias};
+    return (learn_packed){inputs, columns, columns, weight, columns, LEARN_PANEL, bias};
 }
 
 /// The numbers that a packed layer takes.

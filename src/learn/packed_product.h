@@ -20,35 +20,41 @@ static inline WIDE PRODUCT_NAME(PRODUCT, _splat)(real number)
 }
 #endif
 
-/// Sums stay in registers while all inputs go by.
+/// A tile of rows by `vectors` registers of columns. Sums stay in registers while all inputs go by.
+PRODUCT_TARGET
+__attribute__((always_inline)) static inline void PRODUCT_NAME(PRODUCT, _tile)(const learn_packed *layer, size_t column,
+                                                                               size_t vectors, const real *restrict x,
+                                                                               size_t stride, real *restrict y)
+{
+    size_t inputs = layer->inputs, columns = layer->columns, input_stride = layer->input_stride;
+    const real *weight = layer->weight + column / LEARN_PANEL * layer->panel_stride + column % LEARN_PANEL;
+    WIDE sums[LEARN_TILE][PRODUCT_VECTORS], weights[PRODUCT_VECTORS];
+    for (size_t i = 0; i < LEARN_TILE; i++)
+        for (size_t v = 0; v < vectors; v++)
+            sums[i][v] = *(const WIDE *)(layer->bias + column + v * LANES);
+    for (size_t k = 0; k < inputs; k++, weight += input_stride)
+    {
+        for (size_t v = 0; v < vectors; v++)
+            weights[v] = *(const WIDE *)(weight + v * LANES);
+        for (size_t i = 0; i < LEARN_TILE; i++)
+            for (size_t v = 0; v < vectors; v++)
+                sums[i][v] += PRODUCT_SCALED(x[i * stride + k], weights[v]);
+    }
+    for (size_t i = 0; i < LEARN_TILE; i++)
+        for (size_t v = 0; v < vectors; v++)
+            *(WIDE *)(y + i * columns + column + v * LANES) = sums[i][v];
+}
+
 PRODUCT_TARGET
 static void PRODUCT(const learn_packed *layer, size_t rows, const real *restrict x, size_t stride, real *restrict y)
 {
-    size_t inputs = layer->inputs, columns = layer->columns, input_stride = layer->input_stride;
+    size_t columns = layer->columns;
     for (size_t r = 0; r < rows; r += LEARN_TILE)
         for (size_t c = 0; c < columns; c += PRODUCT_VECTORS * LANES)
-        {
-            const real *weight = layer->weight + c / LEARN_PANEL * layer->panel_stride + c % LEARN_PANEL;
-            const real *row[LEARN_TILE];
-            WIDE sums[LEARN_TILE][PRODUCT_VECTORS], weights[PRODUCT_VECTORS];
-            for (size_t i = 0; i < LEARN_TILE; i++)
-            {
-                row[i] = x + (r + i) * stride;
-                for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                    sums[i][v] = *(const WIDE *)(layer->bias + c + v * LANES);
-            }
-            for (size_t k = 0; k < inputs; k++, weight += input_stride)
-            {
-                for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                    weights[v] = *(const WIDE *)(weight + v * LANES);
-                for (size_t i = 0; i < LEARN_TILE; i++)
-                    for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                        sums[i][v] += PRODUCT_SCALED(row[i][k], weights[v]);
-            }
-            for (size_t i = 0; i < LEARN_TILE; i++)
-                for (size_t v = 0; v < PRODUCT_VECTORS; v++)
-                    *(WIDE *)(y + (r + i) * columns + c + v * LANES) = sums[i][v];
-        }
+            if (c + LANES < layer->wanted)
+                PRODUCT_NAME(PRODUCT, _tile)(layer, c, PRODUCT_VECTORS, x + r * stride, stride, y + r * columns);
+            else if (c < layer->wanted)
+                PRODUCT_NAME(PRODUCT, _tile)(layer, c, 1, x + r * stride, stride, y + r * columns);
 }
 
 #undef WIDE

@@ -15,7 +15,8 @@ enum
     REGULAR = 6, ///< valence
     TABLED = 12, ///< weights of smaller valences are tabulated
     CHUNK = 256, ///< edges that are worth a thread
-    LANES = 32   ///< edges that are measured side by side
+    LANES = 32,  ///< edges that are measured side by side
+    RING = 16    ///< edges of a vertex that are measured side by side
 };
 
 static const double PI = 3.14159265358979323846;
@@ -104,69 +105,120 @@ double learned_star_weight(unsigned valence, unsigned j)
     return star_weight(valence, j);
 }
 
-/// How the edges of a vertex leave its tangent plane, and how unequal they are.
-static void measure_slopes(learned_geometry *g, size_t v)
+/// The edges of a vertex: vectors, squares and lengths, side by side.
+typedef struct ring_lanes
 {
-    const mesh_flap *flap = g->flaps->flap;
-    uint32_t begin = g->flaps->first[v], end = g->flaps->first[v + 1];
-    const double *own = place(g, (uint32_t)v), *n = g->vertex_normal[v];
-    double share = begin < end ? 1 / (double)(end - begin) : 0, low = INFINITY, high = -INFINITY;
-    double slope = 0, squares = 0, lengths = 0, size = g->size[v];
-    for (uint32_t f = begin; f < end; f++)
+    double x[RING], y[RING], z[RING], square[RING], length[RING];
+} ring_lanes;
+
+/// Measure `count` edges, at most RING, from the half-flap `begin` on.
+static void gather_ring(const learned_geometry *g, const double *own, uint32_t begin, uint32_t count, ring_lanes *ring)
+{
+    const mesh_flap *flap = g->flaps->flap + begin;
+    for (uint32_t i = 0; i < count; i++)
     {
-        double edge[3];
-        vector3_subtract(place(g, flap[f].corner[1]), own, edge);
-        double square = vector3_dot(edge, edge), rise = square > 0 ? vector3_dot(n, edge) / sqrt(square) : 0;
-        slope += rise;
-        squares += rise * rise;
-        low = rise < low ? rise : low;
-        high = rise > high ? rise : high;
-        lengths += square;
+        const double *to = place(g, flap[i].corner[1]);
+        ring->x[i] = to[0] - own[0];
+        ring->y[i] = to[1] - own[1];
+        ring->z[i] = to[2] - own[2];
     }
-    g->ring[v][0] = (real)(2 * share * fabs(slope));
-    g->ring[v][1] = (real)(2 * sqrt(share * squares));
-    g->ring[v][2] = begin < end ? (real)(high - low) : 0;
-    g->ring[v][3] = (real)(2 * sqrt(fmax(ratio(share * lengths, size * size) - 1, 0)));
+    for (uint32_t i = 0; i < count; i++)
+    {
+        ring->square[i] = ring->x[i] * ring->x[i] + ring->y[i] * ring->y[i] + ring->z[i] * ring->z[i];
+        ring->length[i] = sqrt(ring->square[i]);
+    }
 }
 
-/// Umbrella, size and normal of a vertex.
+/// Sums over the edges of a vertex.
+typedef struct ring_sums
+{
+    double edges[3], length, squares;       ///< of the vectors, lengths and squared lengths
+    double normal[3], areas;                ///< of the areas of faces, and of their squares
+    double slope, slope_squares, low, high; ///< of the sines of edges against the tangent plane
+} ring_sums;
+
+static void add_edges(const ring_lanes *ring, uint32_t count, ring_sums *sums)
+{
+    for (uint32_t i = 0; i < count; i++)
+    {
+        sums->edges[0] += ring->x[i];
+        sums->edges[1] += ring->y[i];
+        sums->edges[2] += ring->z[i];
+        sums->length += ring->length[i];
+        sums->squares += ring->square[i];
+    }
+}
+
+/// Add the face between two edges.
+static inline void add_area(const double before[3], const double edge[3], ring_sums *sums)
+{
+    double area[3];
+    vector3_cross(before, edge, area);
+    add_to(sums->normal, 1, area);
+    sums->areas += vector3_dot(area, area);
+}
+
+static void add_slopes(const ring_lanes *ring, uint32_t count, const double n[3], ring_sums *sums)
+{
+    double rise[RING];
+    for (uint32_t i = 0; i < count; i++)
+    {
+        double length = ring->length[i] > 0 ? ring->length[i] : 1;
+        rise[i] = (n[0] * ring->x[i] + n[1] * ring->y[i] + n[2] * ring->z[i]) / length;
+    }
+    for (uint32_t i = 0; i < count; i++)
+    {
+        sums->slope += rise[i];
+        sums->slope_squares += rise[i] * rise[i];
+        sums->low = rise[i] < sums->low ? rise[i] : sums->low;
+        sums->high = rise[i] > sums->high ? rise[i] : sums->high;
+    }
+}
+
+/// Umbrella, size and normal of a vertex; how its edges leave its tangent plane, and how unequal they are.
 static void measure_ring(learned_geometry *g, size_t v)
 {
-    const mesh_flap *flap = g->flaps->flap;
-    uint32_t begin = g->flaps->first[v], end = g->flaps->first[v + 1];
+    uint32_t begin = g->flaps->first[v], end = g->flaps->first[v + 1], count;
     const double *own = place(g, (uint32_t)v);
-    double sum[3] = {0}, normal[3] = {0}, length = 0, areas = 0, before[3] = {0}, first[3] = {0};
-    for (uint32_t f = begin; f < end; f++)
+    ring_lanes ring;
+    ring_sums sums = {.low = INFINITY, .high = -INFINITY};
+    double before[3] = {0}, first[3] = {0};
+    // A ring has seldom more edges than lanes; then it is gathered twice, part by part.
+    for (uint32_t f = begin; f < end; f += count)
     {
-        double edge[3], area[3];
-        vector3_subtract(place(g, flap[f].corner[1]), own, edge);
-        add_to(sum, 1, edge);
-        length += norm_of(edge);
-        if (f == begin)
-            memcpy(first, edge, sizeof first);
-        else
+        count = end - f < RING ? end - f : RING;
+        gather_ring(g, own, f, count, &ring);
+        add_edges(&ring, count, &sums);
+        for (uint32_t i = 0; i < count; i++)
         {
-            vector3_cross(before, edge, area);
-            add_to(normal, 1, area);
-            areas += vector3_dot(area, area);
+            const double now[3] = {ring.x[i], ring.y[i], ring.z[i]};
+            if (f + i == begin)
+                memcpy(first, now, sizeof first);
+            else
+                add_area(before, now, &sums);
+            memcpy(before, now, sizeof before);
         }
-        memcpy(before, edge, sizeof before);
     }
-    if (begin < end && flap[end - 1].missing != MESH_FLAP_NO_LEFT)
-    {
-        double area[3];
-        vector3_cross(before, first, area);
-        add_to(normal, 1, area);
-        areas += vector3_dot(area, area);
-    }
-    double share = begin < end ? 1 / (double)(end - begin) : 0;
+    if (begin < end && g->flaps->flap[end - 1].missing != MESH_FLAP_NO_LEFT)
+        add_area(before, first, &sums);
+    double share = begin < end ? 1 / (double)(end - begin) : 0, size = share * sums.length, *n = g->vertex_normal[v];
     for (int c = 0; c < 3; c++)
-        g->umbrella[v][c] = share * sum[c];
-    g->size[v] = share * length;
-    memcpy(g->vertex_normal[v], normal, sizeof normal);
+        g->umbrella[v][c] = share * sums.edges[c];
+    g->size[v] = size;
+    memcpy(n, sums.normal, sizeof sums.normal);
     // The square of the sum of lengths is at most the valence times the sum of squares.
-    normalize(g->vertex_normal[v], MIN_NORMAL * sqrt((double)(end - begin) * areas));
-    measure_slopes(g, v);
+    normalize(n, MIN_NORMAL * sqrt((double)(end - begin) * sums.areas));
+    for (uint32_t f = begin; f < end; f += count)
+    {
+        count = end - f < RING ? end - f : RING;
+        if (end - begin > RING)
+            gather_ring(g, own, f, count, &ring);
+        add_slopes(&ring, count, n, &sums);
+    }
+    g->ring[v][0] = (real)(2 * share * fabs(sums.slope));
+    g->ring[v][1] = (real)(2 * sqrt(share * sums.slope_squares));
+    g->ring[v][2] = begin < end ? (real)(sums.high - sums.low) : 0;
+    g->ring[v][3] = (real)(2 * sqrt(fmax(ratio(share * sums.squares, size * size) - 1, 0)));
 }
 
 static void measure_second(learned_geometry *g, size_t v)
@@ -192,15 +244,14 @@ static inline void add_star(const learned_geometry *g, const star_table table, u
     if (valence == REGULAR)
     {
         // The same by symmetry: neighbours j and 6 - j have one weight.
-        static const unsigned char place_of[2 * REGULAR] = {0, 1, 2, 3, 2, 1, 0, 1, 2, 3, 2, 1};
-        double across[4][3] = {{0}};
         const mesh_flap *ring = flap + begin;
-        const unsigned char *mirror = place_of + REGULAR - (half_flap - begin);
-        for (unsigned i = 0; i < REGULAR; i++)
-            add_to(across[mirror[i]], 1, place(g, ring[i].corner[1]));
+        uint32_t at = half_flap - begin;
+        const double *to[REGULAR];
+        for (uint32_t i = 0; i < REGULAR; i++)
+            to[i] = place(g, ring[at + i < REGULAR ? at + i : at + i - REGULAR].corner[1]);
         for (int c = 0; c < 3; c++)
-            sum[c] = table[REGULAR][0] * (across[0][c] - own[c]) + table[REGULAR][1] * (across[1][c] - 2 * own[c]) +
-                     table[REGULAR][2] * (across[2][c] - 2 * own[c]) + table[REGULAR][3] * (across[3][c] - own[c]);
+            sum[c] = table[REGULAR][0] * (to[0][c] - own[c]) + table[REGULAR][1] * ((to[1][c] + to[5][c]) - 2 * own[c]) +
+                     table[REGULAR][2] * ((to[2][c] + to[4][c]) - 2 * own[c]) + table[REGULAR][3] * (to[3][c] - own[c]);
         add_to(star, share, sum);
         return;
     }

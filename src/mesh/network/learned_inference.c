@@ -20,7 +20,7 @@ enum
     VK = LEARNED_VERTEX_CANDIDATES,
     EK = LEARNED_EDGE_CANDIDATES,
     ROWS = 16 * LEARN_TILE, ///< rows of a block
-    VERTICES = ROWS / 6,    ///< vertices of a block whose half-flaps are visited
+    VERTICES = ROWS / 2,    ///< vertices of a block whose half-flaps are visited
     POOLED = 1024           ///< vertices whose states are summed at once
 };
 
@@ -34,37 +34,28 @@ static learn_packed pack(size_t inputs, size_t outputs, const real *weight, size
     return layer;
 }
 
-/// Two layers of W outputs with the same input, side by side. The second has no bias.
-static learn_packed pack_pair(const real *first, const real *bias, const real *second, real **memory)
-{
-    real both[2 * W][W], biases[2 * W] = {0};
-    memcpy(both[0], first, sizeof both / 2);
-    memcpy(both[W], second, sizeof both / 2);
-    if (bias != NULL)
-        memcpy(biases, bias, W * sizeof *bias);
-    return pack(W, 2 * W, both[0], W, biases, memory);
-}
-
 static size_t packed_size(void)
 {
-    return learn_packed_size(IN, W) + 5 * learn_packed_size(W, W) + 2 * learn_packed_size(W, 2 * W) +
-           2 * learn_packed_size(X, W) + learn_packed_size(W, VK) + learn_packed_size(W, EK) + learn_packed_size(W, W);
+    return learn_packed_size(IN, W) + 10 * learn_packed_size(W, W) + 2 * learn_packed_size(X, W) + learn_packed_size(W, VK) +
+           learn_packed_size(W, EK);
 }
 
 static void pack_level(const real *const *v, size_t level, learned_layers *layers, real **memory)
 {
-    static const real none[2 * W];
+    static const real none[W];
     size_t columns = IN + (level > 0 ? W : 0);
     *layers = (learned_layers){
         .in = pack(IN, W, v[LEARNED_VERTEX_IN], columns, v[LEARNED_VERTEX_IN_BIAS], memory),
         .hidden = pack(W, W, v[LEARNED_VERTEX_HIDDEN], W, v[LEARNED_VERTEX_HIDDEN_BIAS], memory),
-        .message = pack_pair(v[LEARNED_MESSAGE_SELF], v[LEARNED_MESSAGE_SELF_BIAS], v[LEARNED_MESSAGE_RING], memory),
+        .message_self = pack(W, W, v[LEARNED_MESSAGE_SELF], W, v[LEARNED_MESSAGE_SELF_BIAS], memory),
+        .message_ring = pack(W, W, v[LEARNED_MESSAGE_RING], W, none, memory),
         .message_edge = pack(X, W, v[LEARNED_MESSAGE_EDGE], X, none, memory),
         .update_self = pack(W, W, v[LEARNED_UPDATE_SELF], W, v[LEARNED_UPDATE_BIAS], memory),
         .update_message = pack(W, W, v[LEARNED_UPDATE_MESSAGE], W, none, memory),
         .out = pack(W, W, v[LEARNED_VERTEX_OUT], W, v[LEARNED_VERTEX_OUT_BIAS], memory),
         .last = pack(W, VK, v[LEARNED_VERTEX_LAST], W, v[LEARNED_VERTEX_LAST_BIAS], memory),
-        .ends = pack_pair(v[LEARNED_EDGE_END], NULL, v[LEARNED_EDGE_OPPOSITE], memory),
+        .end = pack(W, W, v[LEARNED_EDGE_END], W, none, memory),
+        .opposite = pack(W, W, v[LEARNED_EDGE_OPPOSITE], W, none, memory),
         .edge_own = pack(X, W, v[LEARNED_EDGE_OWN], X, v[LEARNED_EDGE_OWN_BIAS], memory),
         .edge_hidden = pack(W, W, v[LEARNED_EDGE_HIDDEN], W, v[LEARNED_EDGE_HIDDEN_BIAS], memory),
         .edge_last = pack(W, EK, v[LEARNED_EDGE_LAST], W, v[LEARNED_EDGE_LAST_BIAS], memory),
@@ -73,6 +64,8 @@ static void pack_level(const real *const *v, size_t level, learned_layers *layer
         .context = {v[LEARNED_CONTEXT_UPDATE], v[LEARNED_CONTEXT_VERTEX], v[LEARNED_CONTEXT_EDGE]},
         .context_bias = {v[LEARNED_UPDATE_BIAS], v[LEARNED_VERTEX_OUT_BIAS], v[LEARNED_EDGE_OWN_BIAS]},
     };
+    layers->last.wanted = VK;
+    layers->edge_last.wanted = EK;
     if (level > 0)
         layers->in_state = pack(W, W, v[LEARNED_VERTEX_IN] + IN, columns, none, memory);
 }
@@ -111,9 +104,12 @@ typedef struct pass
     learned_geometry geometry;
     size_t old;         ///< vertices of the level before
     const real *before; ///< states of the level before, or null
-    real *state;        ///< vertices and, but for the last level, edges, x W: the first states, which the second replace
-    real *products;     ///< vertices x 2 W
-    real *message;      ///< vertices x W: the mean messages
+    /// Vertices and, but for the last level, edges, x W: the first states, which the second replace. In the last level they
+    /// replace those of the level before.
+    real *state;
+    real *product; ///< vertices x W: of the first states for the ring, then of the second states as opposite vertices
+    real *end;     ///< vertices x W: products of the second states as ends; in the last level these replace the states
+    real *message; ///< vertices x W: the mean messages, at level 0
     bool last;
     double (*sums)[LEARNED_RINGS][3];
     real bias[3][W]; ///< of update, vertex and edge, with the context
@@ -126,7 +122,7 @@ typedef struct pass
 typedef struct block
 {
     _Alignas(64) real in[ROWS * IN];
-    real x[ROWS * W], y[ROWS * W], z[ROWS * W], message[ROWS * W];
+    real x[ROWS * W], y[ROWS * W], z[ROWS * W], message[ROWS * W], self[ROWS * W];
     real ring[ROWS * LEARNED_RINGS];
     size_t failures;
 } block;
@@ -174,7 +170,7 @@ static void copy_rows(const real *from, size_t rows, size_t columns, real *to)
     memset(to + rows * columns, 0, (learn_whole_tiles(rows) - rows) * columns * sizeof *to);
 }
 
-/// The first states of the vertices begin, …, end - 1, and their products.
+/// The first states of the vertices begin, …, end - 1, and their products for the ring.
 static void begin_states(const pass *p, size_t begin, size_t end, block *b)
 {
     const learned_layers *layers = p->layers;
@@ -192,17 +188,18 @@ static void begin_states(const pass *p, size_t begin, size_t end, block *b)
         rectify(tiles * W, b->x);
     learn_packed_linear(&layers->hidden, tiles, b->x, W, p->state + begin * W);
     rectify(tiles * W, p->state + begin * W);
-    learn_packed_linear(&layers->message, tiles, p->state + begin * W, W, p->products + begin * 2 * W);
+    learn_packed_linear(&layers->message_ring, tiles, p->state + begin * W, W, p->product + begin * W);
 }
 
-/// message = max(0, message + self product of the first vertex + ring product of the second)
+/// message = max(0, message + product of the first vertex + product of the second for the ring)
+/// @param selves products of the vertices from `begin` on
 LANES_CLONES
-static void add_messages(size_t rows, const mesh_flap *flap, const real *restrict products, real *restrict message)
+static void add_messages(size_t rows, const mesh_flap *flap, size_t begin, const real *restrict selves,
+                         const real *restrict products, real *restrict message)
 {
     for (size_t r = 0; r < rows; r++, message += W)
     {
-        const real *self = products + 2 * W * (size_t)flap[r].corner[0],
-                   *ring = products + 2 * W * (size_t)flap[r].corner[1] + W;
+        const real *self = selves + W * (flap[r].corner[0] - begin), *ring = products + W * (size_t)flap[r].corner[1];
         for (size_t c = 0; c < W; c++)
         {
             real sum = message[c] + (self[c] + ring[c]);
@@ -255,6 +252,9 @@ static void gather_into(const pass *p, size_t begin, size_t end, real *message, 
     const mesh_flaps *flaps = p->flaps;
     size_t count;
     memset(message, 0, (end - begin) * W * sizeof *message);
+    // A tile may reach into the next block, which another thread may change.
+    copy_rows(p->state + begin * W, end - begin, W, b->in);
+    learn_packed_linear(&p->layers->message_self, learn_whole_tiles(end - begin), b->in, W, b->self);
     for (size_t f = flaps->first[begin]; f < flaps->first[end]; f += count)
     {
         size_t left = flaps->first[end] - f;
@@ -263,7 +263,7 @@ static void gather_into(const pass *p, size_t begin, size_t end, real *message, 
         for (size_t r = 0; r < count; r++)
             memcpy(b->in + r * X, p->geometry.edge_features + flap[r].edge * (size_t)X, X * sizeof *b->in);
         learn_packed_linear(&p->layers->message_edge, learn_whole_tiles(count), b->in, X, b->x);
-        add_messages(count, flap, p->products, b->x);
+        add_messages(count, flap, begin, b->self, p->product, b->x);
         weigh_ring(p->layers, count, b->x, b->ring);
         add_ring_sums(p, flap, count, b->ring);
         for (size_t r = 0; r < count; r++)
@@ -350,13 +350,14 @@ static void gather_and_update(const pass *p, size_t begin, size_t end, block *b)
 
 /// hidden = max(0, hidden + products of the four corners)
 LANES_CLONES
-static void add_corners(size_t rows, const mesh_flap *const *flap, const real *restrict products, real *restrict hidden)
+static void add_corners(size_t rows, const mesh_flap *const *flap, const real *restrict ends, const real *restrict opposites,
+                        real *restrict hidden)
 {
     for (size_t r = 0; r < rows; r++, hidden += W)
     {
         const uint32_t *corner = flap[r]->corner;
-        const real *i = products + 2 * W * (size_t)corner[0], *j = products + 2 * W * (size_t)corner[1];
-        const real *k = products + 2 * W * (size_t)corner[2] + W, *l = products + 2 * W * (size_t)corner[3] + W;
+        const real *i = ends + W * (size_t)corner[0], *j = ends + W * (size_t)corner[1];
+        const real *k = opposites + W * (size_t)corner[2], *l = opposites + W * (size_t)corner[3];
         for (size_t c = 0; c < W; c++)
         {
             real sum = hidden[c] + ((i[c] + j[c]) + (k[c] + l[c]));
@@ -404,7 +405,7 @@ static void insert_vertices(const pass *p, size_t begin, size_t rows, block *b)
     learn_packed own = with_bias(&layers->edge_own, p->bias[2]);
     copy_rows(p->geometry.edge_features + begin * X, rows, X, b->in);
     learn_packed_linear(&own, tiles, b->in, X, b->x);
-    add_corners(rows, flap, p->products, b->x);
+    add_corners(rows, flap, p->end, p->product, b->x);
     learn_packed_linear(&layers->edge_hidden, tiles, b->x, W, b->y);
     rectify(tiles * W, b->y);
     if (!p->last)
@@ -484,15 +485,12 @@ static void run_vertices(pass *p, vertex_work *work, size_t size)
 }
 
 /// Products of the second states, as ends and as opposite vertices.
-static void multiply_ends(const pass *p)
+static void multiply_ends(const pass *p, size_t begin, size_t end, block *b)
 {
-    size_t tiles = learn_whole_tiles(p->flaps->vertex_count), blocks = (tiles + ROWS - 1) / ROWS;
-#pragma omp parallel for num_threads(threads_for(p->threads, blocks))
-    for (size_t i = 0; i < blocks; i++)
-    {
-        size_t begin = i * ROWS, rows = tiles - begin < ROWS ? tiles - begin : ROWS;
-        learn_packed_linear(&p->layers->ends, rows, p->state + begin * W, W, p->products + begin * 2 * W);
-    }
+    size_t rows = end - begin, tiles = learn_whole_tiles(rows);
+    copy_rows(p->state + begin * W, rows, W, b->in);
+    learn_packed_linear(&p->layers->opposite, tiles, b->in, W, p->product + begin * W);
+    learn_packed_linear(&p->layers->end, tiles, b->in, W, p->end + begin * W);
 }
 
 static void run_edges(pass *p)
@@ -512,27 +510,34 @@ static void run_edges(pass *p)
 /// The parts of the memory of a level, each aligned to 64 bytes.
 typedef struct parts
 {
-    size_t sums, products, message, geometry, all; ///< offsets
+    size_t sums, product, geometry, message, end, all; ///< offsets
 } parts;
 
-static parts parts_of(const mesh_flaps *flaps)
+/// @param last the last level: it keeps no messages, and its ends are where its states were
+static parts parts_of(const mesh_flaps *flaps, bool last)
 {
     enum
     {
-        ALIGNED = 64
+        ALIGNED = 64,
+        PARTS = 5
     };
-    size_t vertices = flaps->vertex_count, rows = learn_whole_tiles(vertices);
-    const size_t sizes[] = {vertices * LEARNED_RINGS * 3 * sizeof(double), rows * 2 * W * sizeof(real),
-                            rows * W * sizeof(real), learned_geometry_size(vertices, flaps->edge_count)};
-    size_t begin[5] = {0};
-    for (size_t i = 0; i < 4; i++)
+    size_t vertices = flaps->vertex_count, states = learn_whole_tiles(vertices) * W * sizeof(real), more = last ? 0 : states;
+    const size_t sizes[PARTS] = {vertices * LEARNED_RINGS * 3 * sizeof(double), states,
+                                 learned_geometry_size(vertices, flaps->edge_count), more, more};
+    size_t begin[PARTS + 1] = {0};
+    for (size_t i = 0; i < PARTS; i++)
         begin[i + 1] = begin[i] + (sizes[i] + ALIGNED - 1) / ALIGNED * ALIGNED;
-    return (parts){begin[0], begin[1], begin[2], begin[3], begin[4]};
+    return (parts){begin[0], begin[1], begin[2], begin[3], begin[4], begin[5]};
 }
 
-bat_status mesh_learned_begin(const mesh_flaps *last, mesh_learned_run *run, bat_error *error)
+bat_status mesh_learned_begin(const mesh_levels *levels, mesh_learned_run *run, bat_error *error)
 {
-    size_t size = parts_of(last).all;
+    size_t size = 0;
+    for (size_t i = 0; i < levels->count; i++)
+    {
+        size_t own = parts_of(&levels->level[i], i + 1 == LEARNED_LEVELS_OF_MESH).all;
+        size = own > size ? own : size;
+    }
     *run = (mesh_learned_run){.memory = memory_array(size, 1)};
     return run->memory != NULL ? BAT_OK : error_memory(error, size);
 }
@@ -544,32 +549,47 @@ void mesh_learned_end(mesh_learned_run *run)
     *run = (mesh_learned_run){0};
 }
 
+/// The states that a level returns: those of its vertices and edges. The last level has the memory of the level before.
+static bat_status take_states(const mesh_flaps *flaps, bool last, mesh_learned_run *run, real **state, bat_error *error)
+{
+    size_t count = flaps->vertex_count + flaps->edge_count, rows = learn_whole_tiles(count);
+    *state = run->state;
+    if (last)
+        return BAT_OK;
+    *state = memory_array(rows, W * sizeof **state);
+    if (*state == NULL)
+        return error_memory(error, rows * W * sizeof **state);
+    memset(*state + count * W, 0, (rows - count) * W * sizeof **state);
+    return BAT_OK;
+}
+
 bat_status mesh_learned_step(const mesh_learned *network, size_t level, const mesh_flaps *flaps, const double *positions,
                              size_t old, double fairness, int threads, mesh_learned_run *run, double *fine, size_t *failures,
                              bat_error *error)
 {
     bool last = level + 1 == LEARNED_LEVELS_OF_MESH;
-    size_t vertices = flaps->vertex_count, count = vertices + (last ? 0 : flaps->edge_count),
-           next_rows = learn_whole_tiles(count), rows = learn_whole_tiles(vertices);
+    size_t vertices = flaps->vertex_count, rows = learn_whole_tiles(vertices);
     char *memory = run->memory;
-    parts at = parts_of(flaps);
+    real *state;
+    bat_status status = take_states(flaps, last, run, &state, error);
+    if (status != BAT_OK)
+        return status;
+    parts at = parts_of(flaps, last);
     pass p = {.layers = &network->level[level],
               .flaps = flaps,
               .geometry = learned_geometry_in(flaps, positions, threads, memory + at.geometry),
               .old = old,
               .last = last,
               .before = run->state,
-              .state = memory_array(next_rows, W * sizeof *p.state),
-              .products = (real *)(void *)(memory + at.products),
+              .state = state,
+              .product = (real *)(void *)(memory + at.product),
+              .end = last ? state : (real *)(void *)(memory + at.end),
               .message = (real *)(void *)(memory + at.message),
               .sums = (double(*)[LEARNED_RINGS][3])(void *)(memory + at.sums),
               .fine = fine,
               .threads = threads};
-    if (p.state == NULL)
-        return error_memory(error, next_rows * W * sizeof *p.state);
     memset(p.sums, 0, vertices * sizeof *p.sums);
     run_vertices(&p, begin_states, ROWS);
-    bat_status status = BAT_OK;
     if (level == 0)
     {
         // Rows beyond the last vertex fill its tile; they are read.
@@ -584,14 +604,12 @@ bat_status mesh_learned_step(const mesh_learned *network, size_t level, const me
             run_vertices(&p, update_vertices, ROWS);
         else
             run_vertices(&p, gather_and_update, VERTICES);
-        multiply_ends(&p);
+        run_vertices(&p, multiply_ends, ROWS);
         run_edges(&p);
-        memset(p.state + count * W, 0, (next_rows - count) * W * sizeof *p.state);
         *failures = p.failures;
-        free(run->state);
-        run->state = p.state;
-        p.state = NULL;
     }
-    free(p.state);
+    if (run->state != state)
+        free(run->state);
+    run->state = state;
     return status;
 }

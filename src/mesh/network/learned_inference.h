@@ -7,14 +7,13 @@
 /// @file
 /// Inference of the network in learned_network.h, without a tape. The results do not depend on the number of threads.
 
-/// The layers of a level. Layers with the same input are joined.
+/// The layers of a level.
 typedef struct learned_layers
 {
     learn_packed in, in_state, hidden; ///< `in_state` of later levels only
-    learn_packed message;              ///< of a vertex: as first and as second one of a half-flap
-    learn_packed message_edge;
+    learn_packed message_self, message_ring, message_edge;
     learn_packed update_self, update_message, out, last;
-    learn_packed ends; ///< of a vertex: as end and as opposite vertex of an edge
+    learn_packed end, opposite; ///< of a vertex, for its edges
     learn_packed edge_own, edge_hidden, edge_last;
     const real *ring, *ring_bias;             ///< LEARNED_RINGS x LEARNED_WIDTH
     const real *context[3], *context_bias[3]; ///< of update, vertex and edge
@@ -35,14 +34,14 @@ void mesh_learned_free(mesh_learned *network);
 /// What the levels of a mesh share. Release it with mesh_learned_end().
 typedef struct mesh_learned_run
 {
-    real *state; ///< of the level before: vertices in whole tiles x LEARNED_WIDTH; null before the first
+    real *state; ///< of the level before: vertices in whole tiles x LEARNED_WIDTH; null before the first; the last
+                 ///< level overwrites it
     real context[LEARNED_CONTEXT];
     void *memory; ///< for the largest level: fresh memory costs more than what is computed in it
 } mesh_learned_run;
 
-/// @param last the half-flaps of the last level
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status mesh_learned_begin(const mesh_flaps *last, mesh_learned_run *run, bat_error *error);
+bat_status mesh_learned_begin(const mesh_levels *levels, mesh_learned_run *run, bat_error *error);
 void mesh_learned_end(mesh_learned_run *run);
 
 /// Refine a mesh by one level.

@@ -127,7 +127,7 @@ static bat_status run(const mesh_learned *network, const mesh_levels *levels, co
                       sharp_level *sharp, double *from, double *to, size_t *fallback, bat_error *error)
 {
     mesh_learned_run shared;
-    bat_status status = mesh_learned_begin(&levels->level[levels->count - 1], &shared, error);
+    bat_status status = mesh_learned_begin(levels, &shared, error);
     for (size_t i = 0; i < levels->count && status == BAT_OK; i++)
     {
         const mesh_flaps *flaps = &levels->level[i];
