@@ -247,6 +247,8 @@ static const option_spec MESH_OPTIONS[] = {
     {"resampled", 0, "N", "pairs that each epoch replaces by new ones; default 0; batten: 64"},
     {"batch", 0, "N", "meshes per step, shared by as many threads; default 1; batten: 4"},
     {"cosine", 0, NULL, "cosine decay of the learning rate to 0; else it is constant"},
+    {"rate", 0, "R", "the learning rate; default 0.002"},
+    {"begin", 0, "FILE", "batten: begin with these weights, and count the worst meshes and the largest distances more"},
     {"vertices", 0, "A-B", "of the coarse meshes, drawn from A to B; default 150-300; batten: 100-500"},
     {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/mesh"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
@@ -286,8 +288,9 @@ static bool read_mesh(const arguments *given, bat_mesh_train_options *options)
     if (!read_count(given, "pairs", 1, 1000000, &options->pairs) ||
         !read_count(given, "resampled", 0, 1000000, &options->resampled) ||
         !read_count(given, "batch", 1, 1000, &options->batch) || !argument_word(given, "without", PARTS, -1, &without) ||
-        !read_vertices(given, options))
+        !read_vertices(given, options) || !argument_number(given, "rate", options->rate, &options->rate))
         return false;
+    options->begin = argument(given, "begin");
     options->cosine_decay |= argument_flag(given, "cosine");
     options->relative |= argument_flag(given, "relative");
     options->surface |= argument_flag(given, "surface");

@@ -6,6 +6,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "batten/research/mesh_shapes.h"
+#include "learn/safetensors.h"
 #include "research/train/mesh_pairs.h"
 #include "research/train/mesh_task.h"
 #include "research/train/run.h"
@@ -25,9 +26,11 @@ enum
 };
 
 /// In the second half the hinge grows: first the network learns the mean, then to be behind nowhere.
-static const mesh_task_weights WEIGHTS[2] = {
+static const mesh_task_weights WEIGHTS[3] = {
     {.hinge = 1, .rms = 0.3, .rough = {0.04, 16}, .volume = {4, 20}},
     {.hinge = 2, .rms = 0.3, .rough = {0.04, 16}, .volume = {4, 20}},
+    // Of a training that begins with trained weights: the worst meshes and the largest distances count more.
+    {.hinge = 4, .margin = 0.05, .rms = 0.3, .peak = 0.15, .rough = {0.04, 16}, .volume = {4, 20}},
 };
 /// The fairness of four samples in ten is the default; that of the others is uniform.
 static const double DEFAULT_SHARE = 0.4, DEFAULT_FAIRNESS = 0.25;
@@ -69,7 +72,8 @@ typedef struct training
     mesh_task *tasks;
     uint64_t *made_for; ///< of each task, the epoch that made it, plus 1; 0: not made
     size_t task_count;
-    size_t *order; ///< of the tasks in this epoch
+    size_t *order;       ///< of the tasks in this epoch
+    uint64_t begun_with; ///< a hash of the weights that a file gave
 } training;
 
 // Data
@@ -143,6 +147,21 @@ static bat_status make_validation(training *t, bat_error *error)
     return shared_work_end(&work, error);
 }
 
+/// Begin with the weights of a file.
+static bat_status read_begin(training *t, bat_error *error)
+{
+    learn_parameters *parameters = &t->base.parameters;
+    safetensors content;
+    const char *path = t->options->begin;
+    bat_status status = safetensors_read(path, &content, error);
+    if (status != BAT_OK)
+        return status;
+    status = error_in_file(error, learn_parameters_extract(parameters, &content, "", parameters->values, error), path);
+    safetensors_free(&content);
+    t->begun_with = hash_bytes(HASH_BEGIN, parameters->values, parameters->total * sizeof *parameters->values);
+    return status;
+}
+
 static bat_status make(void *context, bat_error *error)
 {
     training *t = context;
@@ -155,6 +174,10 @@ static bat_status make(void *context, bat_error *error)
     if (status != BAT_OK)
         return status;
     mesh_learned_start(&t->base.parameters, o->run.seed);
+    if (o->begin != NULL)
+        status = read_begin(t, error);
+    if (status != BAT_OK)
+        return status;
     t->task_count = o->pairs * t->target_count;
     t->tasks = calloc(t->task_count, sizeof *t->tasks);
     t->made_for = calloc(t->task_count, sizeof *t->made_for);
@@ -229,6 +252,10 @@ static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
                    "%zu to %zu vertices, rate %.9g%s",
                    (unsigned long long)o->run.epochs, o->pairs, t->target_count, (unsigned long long)hash, o->resampled,
                    o->batch, o->min_vertices, o->max_vertices, o->rate, o->cosine_decay ? " with cosine decay" : "");
+    size_t length = strlen(text);
+    if (o->begin != NULL)
+        (void)snprintf(text + length, TRAIN_TEXT_SIZE - length, ", begun with weights %016llx",
+                       (unsigned long long)t->begun_with);
 }
 
 static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *random, bat_error *error)
@@ -276,7 +303,9 @@ static bat_status piece_loss(void *context, learn_piece *piece, learn_tape *tape
     const mesh_task *task = &t->tasks[t->order[first + piece->index]];
     double share = 1 / (double)count, drawn = bat_random_uniform(&piece->random),
            uniform = bat_random_uniform(&piece->random);
-    const mesh_task_weights *weights = &WEIGHTS[2 * piece->epoch >= t->options->run.epochs];
+    const mesh_task_weights *weights = &WEIGHTS[t->options->begin != NULL                    ? 2
+                                                : 2 * piece->epoch >= t->options->run.epochs ? 1
+                                                                                             : 0];
     mesh_fit fit = {0};
     *loss = mesh_task_loss(tape, task, drawn < DEFAULT_SHARE ? DEFAULT_FAIRNESS : uniform, weights, SAMPLES, &piece->random,
                            &fit);

@@ -172,6 +172,7 @@ typedef struct composition
     const learned_geometry *geometry;
     learn_array *positions, *ring, *vertex, *edge, *result;
     double (*sums)[LEARNED_RINGS][3]; ///< vertices: the ring sums
+    double reach;                     ///< of moves
 } composition;
 
 static const double *place(const composition *p, uint32_t vertex)
@@ -204,43 +205,52 @@ static void add_sums(const composition *p)
     }
 }
 
+/// The sum of candidates times coefficients.
+static void sum_move(size_t count, const double candidate[][3], const real *coefficient, double move[3])
+{
+    memset(move, 0, 3 * sizeof *move);
+    for (size_t k = 0; k < count; k++)
+        for (int c = 0; c < 3; c++)
+            move[c] += (double)coefficient[k] * candidate[k][c];
+}
+
+static double factor_of(const composition *p, const double move[3], double size)
+{
+    double factor;
+    learned_move_factors(1, p->reach, (const double(*)[3])move, &size, &factor);
+    return factor;
+}
+
 static void compose(const composition *p)
 {
     size_t vertices = p->flaps->vertex_count;
     real *to = p->result->value;
     for (size_t v = 0; v < vertices; v++, to += 3)
     {
-        double candidate[VK][3];
-        bool learned = !learned_at_boundary(p->flaps, v);
+        double candidate[VK][3], move[3];
         learned_vertex_candidates(p->geometry, v, p->sums[v][0], candidate);
+        sum_move(VK, (const double(*)[3])candidate, p->vertex->value + v * VK, move);
+        double factor = learned_at_boundary(p->flaps, v) ? 0 : factor_of(p, move, p->geometry->size[v]);
         for (int c = 0; c < 3; c++)
-        {
-            double sum = place(p, (uint32_t)v)[c];
-            for (size_t k = 0; k < VK && learned; k++)
-                sum += (double)p->vertex->value[v * VK + k] * candidate[k][c];
-            to[c] = (real)sum;
-        }
+            to[c] = (real)(place(p, (uint32_t)v)[c] + factor * move[c]);
     }
     for (size_t e = 0; e < p->flaps->edge_count; e++, to += 3)
     {
-        double candidate[EK][3], ring[3], point[3];
+        double candidate[EK][3], ring[3], point[3], move[3];
         const uint32_t *corner = p->flaps->flap[p->flaps->of_edge[e][0]].corner;
-        bool learned = edge_is_learned(p->flaps, e);
-        if (learned)
+        if (edge_is_learned(p->flaps, e))
         {
             edge_ring(p, e, ring);
             learned_edge_candidates(p->geometry, e, ring, candidate);
+            sum_move(EK, (const double(*)[3])candidate, p->edge->value + e * EK, move);
+            double factor = factor_of(p, move, learned_edge_size(p->geometry, e));
             for (int c = 0; c < 3; c++)
-                point[c] = 0.5 * (place(p, corner[0])[c] + place(p, corner[1])[c]);
+                point[c] = 0.5 * (place(p, corner[0])[c] + place(p, corner[1])[c]) + factor * move[c];
         }
         else
             learned_boundary_point(p->flaps, p->geometry->positions, e, point);
         for (int c = 0; c < 3; c++)
-        {
-            for (size_t k = 0; k < EK && learned; k++)
-                point[c] += (double)p->edge->value[e * EK + k] * candidate[k][c];
             to[c] = (real)point[c];
-        }
     }
 }
 
@@ -265,6 +275,18 @@ static void mix(double full, double normal, const double g[3], const double n[3]
         result[c] = full * g[c] + height * n[c];
 }
 
+/// From the gradient with respect to a bounded move to that with respect to the move. The size counts as constant.
+static void bound_back(const composition *p, const double move[3], double size, double g[3])
+{
+    double reach = p->reach * size, square = vector3_dot(move, move), factor = factor_of(p, move, size);
+    if (!(square > 0))
+        return;
+    double fourth = factor * factor * factor * factor, r2 = square / (reach * reach);
+    double along = vector3_dot(move, g) * r2 * r2 * fourth / square;
+    for (int c = 0; c < 3; c++)
+        g[c] = factor * (g[c] - along * move[c]);
+}
+
 static void vertices_back(const composition *p, const vector_gradients *to)
 {
     const real *gradient = p->result->gradient;
@@ -277,6 +299,8 @@ static void vertices_back(const composition *p, const vector_gradients *to)
             continue;
         learned_vertex_candidates(p->geometry, v, p->sums[v][0], candidate);
         const real *c = p->vertex->value + v * VK;
+        sum_move(VK, (const double(*)[3])candidate, c, own);
+        bound_back(p, own, p->geometry->size[v], g);
         const double *n = p->geometry->vertex_normal[v];
         for (size_t k = 0; k < VK; k++)
             coefficient[v * VK + k] += (real)vector3_dot(g, candidate[k]);
@@ -349,10 +373,12 @@ static void edges_back(const composition *p, const vector_gradients *to)
         learned_edge_candidates(p->geometry, e, ring, candidate);
         const real *c = p->edge->value + e * EK;
         const double *n = p->geometry->edge_normal[e];
-        for (size_t k = 0; k < EK; k++)
-            coefficient[e * EK + k] += (real)vector3_dot(g, candidate[k]);
         for (int end = 0; end < 2; end++)
             add3(to->position[corner[end]], 0.5, g);
+        sum_move(EK, (const double(*)[3])candidate, c, own);
+        bound_back(p, own, learned_edge_size(p->geometry, e), g);
+        for (size_t k = 0; k < EK; k++)
+            coefficient[e * EK + k] += (real)vector3_dot(g, candidate[k]);
         mix((double)c[0], (double)c[4], g, n, own);
         star_back(p, to, e, own);
         mix((double)c[1], (double)c[5], g, n, own);
@@ -421,7 +447,8 @@ static void composition_back(void *context)
 
 /// The positions of the next level.
 static learn_array *compose_level(learn_tape *tape, const mesh_flaps *flaps, const learned_geometry *geometry,
-                                  learn_array *positions, learn_array *ring, learn_array *vertex, learn_array *edge)
+                                  learn_array *positions, learn_array *ring, learn_array *vertex, learn_array *edge,
+                                  double fairness)
 {
     size_t vertices = flaps->vertex_count;
     learn_array *result = learn_array_make(tape, vertices + flaps->edge_count, 3, true);
@@ -430,7 +457,15 @@ static learn_array *compose_level(learn_tape *tape, const mesh_flaps *flaps, con
     double *memory = learn_tape_memory(tape, vertices, (2 * LEARNED_RINGS + 3) * 3 * sizeof *memory);
     if (tape->status != BAT_OK)
         return result;
-    *p = (composition){flaps, geometry, positions, ring, vertex, edge, result, (double(*)[LEARNED_RINGS][3])memory};
+    *p = (composition){flaps,
+                       geometry,
+                       positions,
+                       ring,
+                       vertex,
+                       edge,
+                       result,
+                       (double(*)[LEARNED_RINGS][3])memory,
+                       learned_reach(fairness)};
     memset(memory, 0, vertices * LEARNED_RINGS * 3 * sizeof *memory);
     add_sums(p);
     compose(p);
@@ -524,7 +559,7 @@ learn_array *mesh_learned_level(learn_tape *tape, size_t level, const mesh_flaps
     learn_array *edge = bound_columns(tape, linear(tape, level, hidden, LEARNED_EDGE_LAST, true), learned_edge_bound);
     learn_array *states[2] = {s, hidden};
     *state = level + 1 < LEARNED_LEVELS_OF_MESH ? learn_concatenate_rows(tape, states, 2) : NULL;
-    return compose_level(tape, flaps, geometry, positions, ring, vertex, edge);
+    return compose_level(tape, flaps, geometry, positions, ring, vertex, edge, fairness);
 }
 
 /// The geometry of a level that the tape has made; it lives as long as the step. Null after a failure.

@@ -15,6 +15,8 @@ enum
 };
 /// Of the power mean of normals' differences: high enough to follow the sharpest twentieth, low enough to be smooth.
 static const double ROUGH_POWER = 4;
+/// Of the power mean of distances: high enough to follow the largest ones, low enough to be measured by samples.
+static const double PEAK_POWER = 4;
 /// Added to distances, in mean coarse edges: below it, differences do not matter.
 static const double DISTANCE_FLOOR = 1e-4;
 /// Added to relative errors of the volume to make their size smooth.
@@ -140,7 +142,7 @@ typedef struct one_way
     double *distance;                 ///< count
     uint32_t (*corner)[3];            ///< count: vertices of the refined mesh
     double (*weights)[3], (*unit)[3]; ///< count: barycentric coordinates; direction from the shape to the refined mesh
-    double mean, rms;
+    double mean, rms, peak;
 } one_way;
 
 static bool one_way_make(one_way *way, size_t count)
@@ -184,14 +186,37 @@ static void one_way_end(one_way *way)
     }
     way->mean = sum / (double)way->count;
     way->rms = sqrt(squares / (double)way->count);
+    // Relative to the root mean square, so that no power is too small.
+    double powers = 0;
+    for (size_t s = 0; s < way->count && way->rms > 0; s++)
+        powers += pow(way->distance[s] / way->rms, PEAK_POWER);
+    way->peak = way->rms * pow(powers / (double)way->count, 1 / PEAK_POWER);
 }
 
-/// Add the gradient of `mean_factor` mean + `rms_factor` rms.
-static void one_way_back(const one_way *way, double mean_factor, double rms_factor, double *gradient)
+/// The power mean of two.
+static double join_peaks(double a, double b)
+{
+    double most = fmax(a, b);
+    return most > 0 ? most * pow(0.5 * (pow(a / most, PEAK_POWER) + pow(b / most, PEAK_POWER)), 1 / PEAK_POWER) : 0;
+}
+
+/// The derivative of join_peaks() by a.
+static double join_slope(double a, double both)
+{
+    return both > 0 ? 0.5 * pow(a / both, PEAK_POWER - 1) : 0;
+}
+
+/// Add the gradient of `mean_factor` mean + `rms_factor` rms + `peak_factor` peak.
+static void one_way_back(const one_way *way, double mean_factor, double rms_factor, double peak_factor, double *gradient)
 {
     for (size_t s = 0; s < way->count; s++)
     {
-        double factor = (mean_factor + (way->rms > 0 ? rms_factor * way->distance[s] / way->rms : 0)) / (double)way->count;
+        double slope = mean_factor;
+        if (way->rms > 0)
+            slope += rms_factor * way->distance[s] / way->rms;
+        if (peak_factor != 0 && way->peak > 0)
+            slope += peak_factor * pow(way->distance[s] / way->peak, PEAK_POWER - 1);
+        double factor = slope / (double)way->count;
         for (int i = 0; i < 3; i++)
             for (int c = 0; c < 3; c++)
                 gradient[3 * way->corner[s][i] + (uint32_t)c] += factor * way->weights[s][i] * way->unit[s][c];
@@ -360,6 +385,7 @@ static bool measure(const mesh_task *task, double *positions, size_t samples, ba
         return false;
     fit->mean = 0.5 * (ways[0].mean + ways[1].mean);
     fit->rms = 0.5 * (ways[0].rms + ways[1].rms);
+    fit->peak = join_peaks(ways[0].peak, ways[1].peak);
     fit->volume = measure_volume(task, positions, 0, NULL);
     return measure_roughness(task, positions, 0, &fit->roughness, NULL);
 }
@@ -395,6 +421,7 @@ static bat_status measure_classical(mesh_task *task, bat_error *error)
             return status;
         task->best.mean = i == 0 || fit.mean < task->best.mean ? fit.mean : task->best.mean;
         task->best.rms = i == 0 || fit.rms < task->best.rms ? fit.rms : task->best.rms;
+        task->best.peak = i == 0 || fit.peak < task->best.peak ? fit.peak : task->best.peak;
         task->best.volume = i == 0 || fabs(fit.volume) < fabs(task->best.volume) ? fit.volume : task->best.volume;
         task->best.roughness = fit.roughness;
     }
@@ -471,12 +498,12 @@ static void task_loss_back(void *context)
         to[i] += factor * (real)l->gradient[i];
 }
 
-/// log(x / best), weighted by 1 + hinge above 0; `slope` receives its derivative.
-static double relative(double x, double best, double floor, double hinge, double *slope)
+/// log(x / best) plus `hinge` times its part above -margin; `slope` receives the derivative.
+static double relative(double x, double best, double floor, const mesh_task_weights *weights, double *slope)
 {
-    double value = log((x + floor) / (best + floor)), weight = value > 0 ? 1 + hinge : 1;
-    *slope = weight / (x + floor);
-    return weight * value;
+    double value = log((x + floor) / (best + floor)), above = fmax(value + weights->margin, 0);
+    *slope = (above > 0 ? 1 + weights->hinge : 1) / (x + floor);
+    return value + weights->hinge * above;
 }
 
 static double between(const double ends[2], double fairness)
@@ -505,11 +532,13 @@ learn_array *mesh_task_loss(learn_tape *tape, const mesh_task *task, double fair
     bool sound = measure(task, at, samples, random, ways, fit);
     if (sound)
     {
-        double mean_slope, rms_slope, floor = DISTANCE_FLOOR * task->edge;
-        double value = relative(fit->mean, task->best.mean, floor, weights->hinge, &mean_slope);
-        value += weights->rms * relative(fit->rms, task->best.rms, floor, weights->hinge, &rms_slope);
+        double mean_slope, rms_slope, peak_slope, floor = DISTANCE_FLOOR * task->edge;
+        double value = relative(fit->mean, task->best.mean, floor, weights, &mean_slope);
+        value += weights->rms * relative(fit->rms, task->best.rms, floor, weights, &rms_slope);
+        value += weights->peak * relative(fit->peak, task->best.peak, floor, weights, &peak_slope);
         for (int way = 0; way < 2; way++)
-            one_way_back(&ways[way], 0.5 * mean_slope, 0.5 * weights->rms * rms_slope, gradient);
+            one_way_back(&ways[way], 0.5 * mean_slope, 0.5 * weights->rms * rms_slope,
+                         weights->peak * peak_slope * join_slope(ways[way].peak, fit->peak), gradient);
         double rough = between(weights->rough, fairness) / (task->best.roughness + ROUGH_FLOOR), measured;
         value += rough * fit->roughness;
         sound = measure_roughness(task, at, rough, &measured, gradient);

@@ -33,6 +33,7 @@ void mesh_target_free(mesh_target *target);
 typedef struct mesh_fit
 {
     double mean, rms; ///< both ways, half the sum
+    double peak;      ///< power mean of the distances both ways, which follows the largest ones
     double roughness; ///< power mean of the normals' differences along edges
     double volume;    ///< relative error; 0 for an open mesh
 } mesh_fit;
@@ -61,8 +62,10 @@ double mesh_task_ratio(const mesh_task *task, const mesh_fit *fit);
 /// How much the terms of the loss count.
 typedef struct mesh_task_weights
 {
-    double hinge;     ///< of the logarithm of the distance over the best classical one, where it is above 0
+    double hinge;     ///< of the logarithm of the distance over the best classical one, where it is above -margin
+    double margin;    ///< of the hinge
     double rms;       ///< of the root mean square of distances
+    double peak;      ///< of the power mean of distances
     double rough[2];  ///< of the roughness over Loop's, at fairness 0 and 1
     double volume[2]; ///< of the relative error of the volume, at fairness 0 and 1
 } mesh_task_weights;

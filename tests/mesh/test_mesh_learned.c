@@ -7,6 +7,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_measure.h"
 #include "batten/research/mesh_shapes.h"
+#include "linalg/vector3.h"
 #include "research/train/mesh_learned_tape.h"
 
 #include <unistd.h>
@@ -91,6 +92,33 @@ static double mean_edge(const bat_mesh *mesh)
     bat_mesh_summary summary;
     check_status(bat_mesh_summarize(mesh, &summary, NULL), BAT_OK);
     return summary.mean_edge;
+}
+
+/// No vertex moves farther than its share of the mean edge around it, whatever the weights are.
+static void moves_are_bounded(void **state)
+{
+    const fixture *f = *state;
+    bat_mesh coarse = bumpy(false, 5);
+    mesh_levels levels = levels_of(&coarse, 1);
+    const mesh_flaps *flaps = &levels.level[0];
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_mesh fine = refined(f->models[i], &coarse, 1, 0.25, 1);
+        double most = 0;
+        for (size_t v = 0; v < coarse.vertex_count; v++)
+        {
+            double size = 0;
+            const double *own = coarse.positions + 3 * v;
+            for (uint32_t h = flaps->first[v]; h < flaps->first[v + 1]; h++)
+                size += vector3_distance(own, coarse.positions + 3 * (size_t)flaps->flap[h].corner[1]);
+            size /= flaps->first[v + 1] - flaps->first[v];
+            most = fmax(most, vector3_distance(own, fine.positions + 3 * v) / size);
+        }
+        assert_true(most > 0.05 && most < learned_reach(0.25) + 1e-6);
+        bat_mesh_free(&fine);
+    }
+    mesh_levels_free(&levels);
+    bat_mesh_free(&coarse);
 }
 
 // The network
@@ -505,6 +533,7 @@ static void shipped_weights_are_nearer_than_classical_schemes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moves_are_bounded),
         cmocka_unit_test(inference_is_the_network_on_the_tape),
         cmocka_unit_test(threads_do_not_change_a_byte),
         cmocka_unit_test(options_count),

@@ -207,12 +207,27 @@ static uint64_t hash_shapes(const bat_mesh *shapes, size_t count)
     return hash;
 }
 
+/// Shapes of the second training beside the generated ones of the recipe.
+static const struct
+{
+    const char *name;
+    uint64_t seed;
+} MORE[] = {{"block", 3},    {"bracket", 6}, {"bust", 4},    {"cactus", 3},   {"cam", 3},      {"casting", 6},
+            {"casting", 7},  {"coral", 2},   {"coral", 3},   {"creature", 5}, {"creature", 6}, {"creature", 7},
+            {"creature", 8}, {"figure", 3},  {"figure", 4},  {"gear", 3},     {"gem", 3},      {"knot", 3},
+            {"lathe", 5},    {"mask", 3},    {"pretzel", 2}, {"relief", 2},   {"shell", 2},    {"stone", 4}};
+enum
+{
+    MORE_SHAPES = sizeof MORE / sizeof *MORE,
+    ALL_SHAPES = MORE_SHAPES + BAT_MESH_TRAINING_SHAPES
+};
+
 static void test_shipped_recipe(void **state)
 {
     (void)state;
     if (getenv("BATTEN_SANITIZED") != NULL) // eighty seconds of what the tests above do
         skip();
-    bat_mesh made[BAT_MESH_TRAINING_SHAPES] = {{0}}, same;
+    bat_mesh all[ALL_SHAPES] = {{0}}, *made = all + MORE_SHAPES, same;
     bat_mesh_train_options o = bat_mesh_train_defaults(BAT_RECIPE_BATTEN);
     safetensors content;
     char expected[256];
@@ -223,17 +238,17 @@ static void test_shipped_recipe(void **state)
     assert_int_equal(safetensors_read(WEIGHTS_FOLDER "/mesh.safetensors", &content, NULL), BAT_OK);
     const char *recipe = safetensors_find_note(&content, "recipe");
     assert_non_null(recipe);
+    for (size_t i = 0; i < MORE_SHAPES; i++)
+        assert_int_equal(bat_mesh_shape(MORE[i].name, 10000, MORE[i].seed, &all[i], NULL), BAT_OK);
     (void)snprintf(
         expected, sizeof expected,
-        "mesh batten, %d epochs, %zu coarse meshes of each of %d shapes (%016llx), %zu resampled, batch %zu, %zu to "
-        "%zu vertices, rate %g%s",
-        (int)o.run.epochs, o.pairs, BAT_MESH_TRAINING_SHAPES,
-        (unsigned long long)hash_shapes(made, BAT_MESH_TRAINING_SHAPES), o.resampled, o.batch, o.min_vertices,
-        o.max_vertices, o.rate, o.cosine_decay ? " with cosine decay" : "");
+        "mesh batten, 16 epochs, 8 coarse meshes of each of %d shapes (%016llx), %zu resampled, batch %zu, %zu to "
+        "%zu vertices, rate 0.00015 with cosine decay, begun with weights bcbcb753f6ba2ceb",
+        ALL_SHAPES, (unsigned long long)hash_shapes(all, ALL_SHAPES), o.resampled, o.batch, o.min_vertices, o.max_vertices);
     assert_string_equal(recipe, expected);
     safetensors_free(&content);
-    for (size_t i = 0; i < BAT_MESH_TRAINING_SHAPES; i++)
-        bat_mesh_free(&made[i]);
+    for (size_t i = 0; i < ALL_SHAPES; i++)
+        bat_mesh_free(&all[i]);
     assert_int_equal(bat_mesh_training_shapes(made, 1, (bat_progress){stop_at_once, NULL}, NULL), BAT_CANCELLED);
     for (size_t i = 0; i < BAT_MESH_TRAINING_SHAPES; i++)
         assert_null(made[i].positions);

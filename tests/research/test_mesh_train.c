@@ -193,6 +193,8 @@ static void batten_has_shapes_of_its_own(void **state)
     check_status(bat_mesh_train(NULL, 0, &options, NULL, NULL), BAT_CANCELLED);
     options.recipe = BAT_RECIPE_PUBLISHED;
     check_refused(bat_mesh_train(NULL, 0, &options, NULL, refusal), "training needs", "1 shape");
+    options.begin = WEIGHTS_FOLDER "/mesh.safetensors";
+    check_refused(bat_mesh_train(NULL, 0, &options, NULL, refusal), "begin", "recipe batten");
 }
 
 int main(void)

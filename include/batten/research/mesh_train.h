@@ -36,6 +36,9 @@ typedef struct bat_mesh_train_options
     double min_quality; ///< bound of the decimation, 0 to 1; default 0.2
     double rate;        ///< the learning rate of Adam, batten AdamW, above 0; default 2e-3
     bool cosine_decay;  ///< the learning rate decays to 0 along a cosine, else it is constant; default false; batten true
+    /// Weights that batten's recipe begins with, a file; the loss then counts the worst meshes and the largest distances
+    /// more. Null: random weights; default null.
+    const char *begin;
     // The following are of the published network alone; batten's recipe refuses them.
     bool fixed_frames;   ///< half-flaps use the axes of space instead of their own frames (section 6); default false
     bool no_differences; ///< without differential coordinates (appendix H); default false

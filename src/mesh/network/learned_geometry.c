@@ -590,6 +590,30 @@ void learned_edge_candidates(const learned_geometry *g, size_t e, const double r
     project(g->edge_normal[e], opposite, candidate[8]);
 }
 
+LANES_CLONES
+static void find_factors(size_t count, double reach, const double (*restrict move)[3], const double *restrict size,
+                         double *restrict factor)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *m = move[i];
+        double longest = reach * size[i], room = longest * longest, square = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+        double r2 = square / (room > DBL_MIN ? room : DBL_MIN);
+        factor[i] = 1 / sqrt(sqrt(1 + r2 * r2));
+    }
+}
+
+void learned_move_factors(size_t count, double reach, const double (*move)[3], const double *size, double *factor)
+{
+    find_factors(count, reach, move, size, factor);
+}
+
+double learned_edge_size(const learned_geometry *g, size_t e)
+{
+    const uint32_t *corner = g->flaps->flap[g->flaps->of_edge[e][0]].corner;
+    return 0.5 * (g->size[corner[0]] + g->size[corner[1]]);
+}
+
 static uint32_t boundary_beyond(const mesh_flaps *flaps, uint32_t vertex, uint32_t end)
 {
     uint32_t a = flaps->flap[flaps->first[vertex]].corner[1], b = flaps->flap[flaps->first[vertex + 1] - 1].corner[1];

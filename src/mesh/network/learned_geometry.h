@@ -73,6 +73,20 @@ void learned_vertex_candidates(const learned_geometry *geometry, size_t vertex, 
 void learned_edge_candidates(const learned_geometry *geometry, size_t edge, const double ring[3],
                              double candidate[LEARNED_EDGE_CANDIDATES][3]);
 
+/// A move is shorter than this times the mean edge around it: a network that errs does not throw vertices far away. A fair
+/// surface needs longer moves: 1/4 at fairness 0, the whole edge at fairness 1.
+static inline double learned_reach(double fairness)
+{
+    return 0.25 / (1 - 0.75 * fairness);
+}
+
+/// The factors of moves that bound them: (1 + r^4)^(-1/4), where r is a move's length over `reach` times its size. Moves of
+/// half that length lose a hundredth.
+/// @param size the mean length of the edges around each
+void learned_move_factors(size_t count, double reach, const double (*move)[3], const double *size, double *factor);
+/// The mean of a geometry's sizes at both ends of an edge.
+double learned_edge_size(const learned_geometry *geometry, size_t edge);
+
 /// Four-point rule of a boundary edge, which depends on boundary vertices alone and not on their order.
 void learned_boundary_point(const mesh_flaps *flaps, const double *positions, size_t edge, double point[3]);
 

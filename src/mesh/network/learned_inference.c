@@ -113,6 +113,7 @@ typedef struct pass
     bool last;
     double (*sums)[LEARNED_RINGS][3];
     real bias[3][W]; ///< of update, vertex and edge, with the context
+    double reach;    ///< of moves
     double *fine;
     int threads;
     size_t failures;
@@ -124,6 +125,7 @@ typedef struct block
     _Alignas(64) real in[ROWS * IN];
     real x[ROWS * W], y[ROWS * W], z[ROWS * W], message[ROWS * W], self[ROWS * W];
     real ring[ROWS * LEARNED_RINGS];
+    double move[ROWS][3], size[ROWS], factor[ROWS];
     size_t failures;
 } block;
 
@@ -292,25 +294,43 @@ static bool is_finite(const double point[3])
     return isfinite(point[0] + point[1] + point[2]);
 }
 
-/// Move a vertex by its coefficients, which come before tanh and bounds.
-static bool move_vertex(const pass *p, size_t v, const real *coefficient)
+/// The sum of candidates times coefficients, which come before bounds.
+static inline void sum_move(size_t count, const double candidate[][3], const learned_bound *bound, const real *coefficient,
+                            double move[3])
 {
-    double candidate[VK][3], *to = p->fine + 3 * v;
-    const double *own = p->geometry.positions + 3 * v;
-    memcpy(to, own, 3 * sizeof *to);
-    if (p->flaps->first[v] == p->flaps->first[v + 1] || learned_at_boundary(p->flaps, v))
-        return true;
-    learned_vertex_candidates(&p->geometry, v, p->sums[v][0], candidate);
-    for (size_t k = 0; k < VK; k++)
+    double sum[3] = {0};
+    for (size_t k = 0; k < count; k++)
     {
-        double factor = (double)(learned_vertex_bound[k].middle + learned_vertex_bound[k].reach * coefficient[k]);
+        double factor = (double)(bound[k].middle + bound[k].reach * coefficient[k]);
         for (int c = 0; c < 3; c++)
-            to[c] += factor * candidate[k][c];
+            sum[c] += factor * candidate[k][c];
     }
-    bool finite = is_finite(to);
-    if (!finite)
-        memcpy(to, own, 3 * sizeof *to);
-    return finite;
+    memcpy(move, sum, sizeof sum);
+}
+
+/// Bound the moves of a block and add them to points. One that is not finite fails: its point stays.
+static void apply_moves(size_t rows, double reach, block *b, double *points)
+{
+    learned_move_factors(rows, reach, (const double(*)[3])b->move, b->size, b->factor);
+    for (size_t r = 0; r < rows; r++)
+        if (is_finite(b->move[r]))
+            for (int c = 0; c < 3; c++)
+                points[3 * r + (size_t)c] += b->factor[r] * b->move[r][c];
+        else
+            b->failures++;
+}
+
+/// The move of a vertex by its coefficients.
+static void find_move(const pass *p, size_t v, const real *coefficient, double move[3])
+{
+    double candidate[VK][3];
+    if (p->flaps->first[v] == p->flaps->first[v + 1] || learned_at_boundary(p->flaps, v))
+    {
+        memset(move, 0, 3 * sizeof *move);
+        return;
+    }
+    learned_vertex_candidates(&p->geometry, v, p->sums[v][0], candidate);
+    sum_move(VK, (const double(*)[3])candidate, learned_vertex_bound, coefficient, move);
 }
 
 /// The second states of the vertices begin, …, end - 1 replace the first; then their new positions.
@@ -332,7 +352,12 @@ static void update_with(const pass *p, size_t begin, size_t end, const real *mes
     learn_packed_linear(&layers->last, tiles, b->y, W, b->z);
     squash(rows, VK, b->z);
     for (size_t r = 0; r < rows; r++)
-        b->failures += !move_vertex(p, begin + r, b->z + r * VK);
+    {
+        find_move(p, begin + r, b->z + r * VK, b->move[r]);
+        b->size[r] = p->geometry.size[begin + r];
+    }
+    memcpy(p->fine + 3 * begin, p->geometry.positions + 3 * begin, 3 * rows * sizeof *p->fine);
+    apply_moves(rows, p->reach, b, p->fine + 3 * begin);
 }
 
 static void update_vertices(const pass *p, size_t begin, size_t end, block *b)
@@ -366,15 +391,17 @@ static void add_corners(size_t rows, const mesh_flap *const *flap, const real *r
     }
 }
 
-static bool place_edge(const pass *p, size_t e, const mesh_flap *flap, const real *coefficient)
+/// Where the new vertex of an edge begins, and its move.
+static void place_edge(const pass *p, size_t e, const mesh_flap *flap, const real *coefficient, double *to, double move[3])
 {
     const double *positions = p->geometry.positions, *i = positions + 3 * (size_t)flap->corner[0],
                  *j = positions + 3 * (size_t)flap->corner[1];
-    double *to = p->fine + 3 * (p->flaps->vertex_count + e), candidate[EK][3], ring[3];
+    double candidate[EK][3], ring[3];
     if (flap->missing != MESH_FLAP_WHOLE)
     {
         learned_boundary_point(p->flaps, positions, e, to);
-        return true;
+        memset(move, 0, 3 * sizeof *move);
+        return;
     }
     for (int c = 0; c < 3; c++)
     {
@@ -382,16 +409,7 @@ static bool place_edge(const pass *p, size_t e, const mesh_flap *flap, const rea
         to[c] = 0.5 * (i[c] + j[c]);
     }
     learned_edge_candidates(&p->geometry, e, ring, candidate);
-    for (size_t k = 0; k < EK; k++)
-    {
-        double factor = (double)(learned_edge_bound[k].middle + learned_edge_bound[k].reach * coefficient[k]);
-        for (int c = 0; c < 3; c++)
-            to[c] += factor * candidate[k][c];
-    }
-    bool finite = is_finite(to);
-    for (int c = 0; c < 3 && !finite; c++)
-        to[c] = 0.5 * (i[c] + j[c]);
-    return finite;
+    sum_move(EK, (const double(*)[3])candidate, learned_edge_bound, coefficient, move);
 }
 
 /// The new vertices of the edges begin, …, begin + rows - 1.
@@ -412,8 +430,13 @@ static void insert_vertices(const pass *p, size_t begin, size_t rows, block *b)
         memcpy(p->state + (p->flaps->vertex_count + begin) * W, b->y, rows * W * sizeof *b->y);
     learn_packed_linear(&layers->edge_last, tiles, b->y, W, b->z);
     squash(rows, EK, b->z);
+    double *to = p->fine + 3 * (p->flaps->vertex_count + begin);
     for (size_t r = 0; r < rows; r++)
-        b->failures += !place_edge(p, begin + r, flap[r], b->z + r * EK);
+    {
+        place_edge(p, begin + r, flap[r], b->z + r * EK, to + 3 * r, b->move[r]);
+        b->size[r] = learned_edge_size(&p->geometry, begin + r);
+    }
+    apply_moves(rows, p->reach, b, to);
 }
 
 // The mesh-wide numbers
@@ -586,6 +609,7 @@ bat_status mesh_learned_step(const mesh_learned *network, size_t level, const me
               .end = last ? state : (real *)(void *)(memory + at.end),
               .message = (real *)(void *)(memory + at.message),
               .sums = (double(*)[LEARNED_RINGS][3])(void *)(memory + at.sums),
+              .reach = learned_reach(fairness),
               .fine = fine,
               .threads = threads};
     memset(p.sums, 0, vertices * sizeof *p.sums);
