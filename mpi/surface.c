@@ -221,7 +221,8 @@ static void describe(const fit_job *job, fit_result *made)
     result->candidate_count = 1;
     result->trial_points = made->input.total;
     result->below_noise = bat_surface_below_noise(&job->options.fit, &result->report, made->input.total, result->noise);
-    memcpy(result->seconds, made->seconds, sizeof result->seconds);
+    result->seconds[1] = made->seconds[2];
+    result->seconds[2] = made->seconds[1];
 }
 
 static int report(const fit_job *job, const fit_result *made, const counts_summary *summary)
@@ -234,6 +235,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
         cloud.boundary_count = input->boundary_count;
         json_t *object = surface_report_json(&findings);
         (void)json_object_set_new(object, "exchange", counts_json(summary));
+        (void)json_object_set_new(object, "reading_seconds", json_real(made->seconds[0]));
         (void)json_object_set_new(object, "resumed", json_integer((json_int_t)made->resumed));
         return report_json(object);
     }
@@ -242,6 +244,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     surface_report_print(&findings);
     if (made->resumed > 0)
         (void)printf("went on after %zu rounds of the checkpoint\n", made->resumed);
+    (void)printf("seconds to read and distribute the points: %.2f\n", made->seconds[0]);
     counts_print(summary, stdout);
     (void)printf("%.3g bytes a point and round\n",
                  summary->sum.bytes / ((double)input->total * (double)made->result.report.count));
