@@ -301,9 +301,25 @@ static size_t rows_before(const point_row *rows, const uint64_t *keys, size_t co
     return low;
 }
 
-/// Divide the curve so that each rank gets whole blocks, the same number but for one. Bisects all limits at once.
+/// The number of blocks of ranks up to this one. Rank 0 has fewer by `relief`.
+static size_t blocks_until(size_t rank, size_t blocks, size_t relief)
+{
+    enum
+    {
+        MIN_RANKS = 4 ///< for a relief
+    };
+    size_t ranks = (size_t)ranks_count();
+    if (ranks < MIN_RANKS)
+        return blocks * (rank + 1) / ranks;
+    size_t share = (blocks + relief) / ranks, first = share > relief ? share - relief : 0;
+    return first + (blocks - first) * rank / (ranks - 1);
+}
+
+/// Divide the curve so that each rank gets whole blocks, about the same number. Bisects all limits at once.
+/// @param relief blocks
 /// @param counts receives the number of rows of this rank that go to each
-static void divide_curve(const point_row *rows, const uint64_t *keys, size_t count, size_t total, size_t *counts)
+static void divide_curve(const point_row *rows, const uint64_t *keys, size_t count, size_t total, size_t relief,
+                         size_t *counts)
 {
     size_t ranks = (size_t)ranks_count(), blocks = (total + BAT_SURFACE_FIT_BLOCK - 1) / BAT_SURFACE_FIT_BLOCK;
     uint64_t *low = ranks_allocate(4 * ranks, sizeof *low), *high = low + ranks, *mine = high + ranks, *all = mine + ranks;
@@ -318,7 +334,7 @@ static void divide_curve(const point_row *rows, const uint64_t *keys, size_t cou
         for (size_t rank = 0; rank < ranks; rank++)
         {
             uint64_t middle = low[rank] + (high[rank] - low[rank]) / 2;
-            size_t wanted = blocks * (rank + 1) / ranks * BAT_SURFACE_FIT_BLOCK;
+            size_t wanted = blocks_until(rank, blocks, relief) * BAT_SURFACE_FIT_BLOCK;
             if (low[rank] == high[rank])
                 continue;
             if (all[rank] < (wanted < total ? wanted : total))
@@ -338,12 +354,12 @@ static void divide_curve(const point_row *rows, const uint64_t *keys, size_t cou
 }
 
 /// Send all points to their ranks. Empties the part.
-static point_row *send_points(file_part *part, size_t total, size_t *received)
+static point_row *send_points(file_part *part, size_t total, size_t relief, size_t *received)
 {
     size_t ranks = (size_t)ranks_count(), *counts = ranks_allocate(ranks, sizeof *counts);
     uint64_t *keys = sort_rows(part->rows, part->count);
     point_row *sorted = ranks_allocate(part->count, sizeof *sorted);
-    divide_curve(part->rows, keys, part->count, total, counts);
+    divide_curve(part->rows, keys, part->count, total, relief / BAT_SURFACE_FIT_BLOCK, counts);
     for (size_t i = 0; i < part->count; i++)
         sorted[i] = part->rows[keys[i] & UINT32_MAX];
     free(keys);
@@ -355,13 +371,13 @@ static point_row *send_points(file_part *part, size_t total, size_t *received)
     return rows;
 }
 
-static void distribute(file_part *part, fit_input *input)
+static void distribute(file_part *part, size_t relief, fit_input *input)
 {
     input->total = sum_over_ranks(part->count);
     input->boundary_count = part->boundary;
     input->duplicates = part->duplicates;
     // Rows come by rank, and so, for equal keys, by number.
-    point_row *rows = send_points(part, input->total, &input->count);
+    point_row *rows = send_points(part, input->total, relief, &input->count);
     uint64_t *keys = sort_rows(rows, input->count), label = 0;
     size_t count = input->count;
     input->points = ranks_allocate(count * 3, sizeof(double));
@@ -383,7 +399,7 @@ static void distribute(file_part *part, fit_input *input)
 }
 
 bool fit_input_read(const char *path, const char *parameters, bat_cloud_format format, size_t boundary, bool strict,
-                    fit_input *input)
+                    size_t relief, fit_input *input)
 {
     file_part part = {0};
     rows_text text = {.columns = 5, .needed = parameters == NULL ? 5 : 3};
@@ -406,7 +422,7 @@ bool fit_input_read(const char *path, const char *parameters, bat_cloud_format f
     good = (parameters == NULL || join_parameters(parameters, &part)) && drop_repeated(path, strict, &part) &&
            check_points(path, &part);
     if (good)
-        distribute(&part, input);
+        distribute(&part, relief, input);
     free(part.rows);
     return good;
 }

@@ -30,8 +30,11 @@ void fit_input_free(fit_input *input);
 /// @param parameters path; null for columns
 /// @param boundary   number of leading points on the boundary; 0: as the file says
 /// @param strict     refuse points that repeat others
+/// @param relief     rank 0 gets so many points less than the others, as far as it can: it has the matrix. Not with less
+/// than
+///                   four ranks, where this would cost time
 /// @return false after a message of rank 0
 bool fit_input_read(const char *path, const char *parameters, bat_cloud_format format, size_t boundary, bool strict,
-                    fit_input *input);
+                    size_t relief, fit_input *input);
 
 #endif

@@ -63,7 +63,8 @@ static const verb_spec SPEC = {
 enum
 {
     MAX_SAMPLES = 1000,
-    MAX_BOUNDARY = 1000000000
+    MAX_BOUNDARY = 1000000000,
+    POINTS_PER_FUNCTION = 30 ///< whose memory is that of a function in the matrix and its factors
 };
 
 static const char *const SOLVERS[] = {"cholesky", "direct", "iterative", NULL};
@@ -178,7 +179,8 @@ static bool make_fit(const fit_job *job, fit_result *made)
 {
     bat_error error = {0};
     double begin = MPI_Wtime();
-    if (!fit_input_read(job->input, job->parameters, job->from, job->boundary, job->strict, &made->input))
+    if (!fit_input_read(job->input, job->parameters, job->from, job->boundary, job->strict,
+                        POINTS_PER_FUNCTION * job->options.fit.functions, &made->input))
         return false;
     made->seconds[0] = MPI_Wtime() - begin;
     fit_input *input = &made->input;
