@@ -147,9 +147,12 @@ static bat_status save(void *context, const void *head, size_t size, const bat_s
     if (MPI_File_open(MPI_COMM_WORLD, team->temporary, MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file) !=
         MPI_SUCCESS)
         return fail(error, BAT_FILE_ACCESS, "cannot write the checkpoint");
-    int good = 1, all = 0;
+    size_t values = 0;
+    for (size_t k = 0; k < column_count; k++)
+        values += team->total * columns[k].width;
+    int good = MPI_File_set_size(file, (MPI_Offset)(sizeof own + size + values * sizeof(double))) == MPI_SUCCESS, all = 0;
     if (team->interface.rank == 0)
-        good = MPI_File_write_at(file, 0, &own, (int)sizeof own, MPI_BYTE, MPI_STATUS_IGNORE) == MPI_SUCCESS &&
+        good = good && MPI_File_write_at(file, 0, &own, (int)sizeof own, MPI_BYTE, MPI_STATUS_IGNORE) == MPI_SUCCESS &&
                MPI_File_write_at(file, (MPI_Offset)sizeof own, head, (int)size, MPI_BYTE, MPI_STATUS_IGNORE) == MPI_SUCCESS;
     good = move_columns(team, file, (MPI_Offset)(sizeof own + size), columns, column_count, true) && good;
     good = MPI_File_sync(file) == MPI_SUCCESS && good;

@@ -189,6 +189,7 @@ typedef struct bat_surface_team
 ///                number, and after those of lower ranks. All ranks but the last with points have whole blocks; a rank may
 ///                have none. `boundary_count` is that of all points: those of lower numbers
 /// @param numbers count: the place of each point among all points, from 0; counts all points, each once
+/// @param options the same in all processes, but for `progress`: that of rank 0 may stop the fit
 /// @param report  distances are those of this process; all else is of all points, `worst` a number
 /// @return as bat_surface_fit(), and the failures of the team's functions
 BAT_API bat_status bat_surface_fit_together(const bat_surface_team *team, bat_surface_fit_data *data,

@@ -327,7 +327,9 @@ static bool loop_report(void *context, double unused)
 
 static bat_status loop_check(fit_loop *loop, bat_error *error)
 {
-    return loop_report(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+    bat_status status =
+        loop_report(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+    return team_agree(loop->team, status, error);
 }
 
 /// Maximum number of weights to evaluate in this round.
