@@ -78,6 +78,21 @@ typedef struct bat_progress
     void *context; ///< handed to `report`
 } bat_progress;
 
+/// The processes that make one call together, each with the same arguments, and how they exchange messages. All of them
+/// must be of the same build, on machines of the same kind. The program batten-mpi has such a group over MPI. A call that
+/// takes a group takes null for a process alone.
+typedef struct bat_group
+{
+    size_t rank;   ///< of this process, 0 to count - 1
+    size_t count;  ///< processes, at least 1
+    void *context; ///< handed to the functions
+    /// Send bytes to another process. Returns when `bytes` may be changed; it may wait until the other receives them.
+    bat_status (*send)(void *context, size_t to, const void *bytes, size_t size, bat_error *error);
+    /// Wait for the bytes of one send() of another process, which come in the order of its calls. `size` is that of the
+    /// send.
+    bat_status (*receive)(void *context, size_t from, void *bytes, size_t size, bat_error *error);
+} bat_group;
+
 /// One choice of a family: a scheme, a space, a format. Each family is one table; bat_..._list() walks its rows,
 /// bat_..._by_name() finds one.
 typedef struct bat_choice

@@ -282,9 +282,10 @@ static learn_array *train_curve(const curve_training *t, uint64_t epoch, learn_t
 
 // Validation
 
-/// The refined control polygons of one set.
-static bat_status refine(const bat_tension_set *set, const bat_space *space, const bat_curve_angle_rule *rule,
-                         double fairness, int threads, bat_curve *coarse, bat_curve *fine, bat_error *error)
+/// The refined control polygons of a part of one set.
+static bat_status refine(const bat_tension_set *set, learn_share own, const bat_space *space,
+                         const bat_curve_angle_rule *rule, double fairness, int threads, bat_curve *coarse, bat_curve *fine,
+                         bat_error *error)
 {
     bat_curve_refine_options options = bat_curve_refine_defaults();
     options.scheme = bat_curve_scheme_angle_rule(rule);
@@ -292,17 +293,18 @@ static bat_status refine(const bat_tension_set *set, const bat_space *space, con
     options.levels = BAT_TENSION_LEVELS;
     options.threads = threads;
     options.simple = BAT_CURVE_SIMPLE_NEVER; // the rule alone is trained
-    for (size_t i = 0; i < set->count; i++)
+    if (own.end == own.begin)
+        return BAT_OK;
+    for (size_t i = own.begin; i < own.end; i++)
         coarse[i] = bat_tension_control(set, i, space);
-    return bat_curves_refine(coarse, set->count, &options, fine, NULL, error);
+    return bat_curves_refine(coarse + own.begin, own.end - own.begin, &options, fine + own.begin, NULL, error);
 }
 
-static bat_status measure(const bat_tension_set *set, const bat_space *space, const bat_curve *fine,
-                          bat_curve_train_score *score, bat_error *error)
+static bat_status measure(const bat_tension_set *set, learn_share own, const bat_space *space, const bat_curve *fine,
+                          bat_curve_train_score *scores, bat_error *error)
 {
     bat_status status = BAT_OK;
-    bat_curve_train_score sum = {0};
-    for (size_t i = 0; i < set->count && status == BAT_OK; i++)
+    for (size_t i = own.begin; i < own.end && status == BAT_OK; i++)
     {
         bat_curve truth = bat_tension_truth(set, i, space);
         bat_curve_distance distance;
@@ -310,35 +312,37 @@ static bat_status measure(const bat_tension_set *set, const bat_space *space, co
         status = bat_curve_compare(&fine[i], &truth, NULL, &distance, error);
         if (status == BAT_OK)
             status = bat_curve_fairness(&fine[i], NULL, &fairness, error);
-        if (status != BAT_OK)
-            break;
-        sum.mean_nn += distance.mean_nn;
-        sum.bending += fairness.bending;
-        sum.g1 += fairness.g1;
+        if (status == BAT_OK)
+            scores[i] = (bat_curve_train_score){distance.mean_nn, fairness.bending, fairness.g1};
     }
-    double n = (double)set->count;
-    *score = (bat_curve_train_score){sum.mean_nn / n, sum.bending / n, sum.g1 / n};
     return status;
 }
 
 bat_status curve_batten_validate(const learn_parameters *parameters, const bat_tension_set sets[SPACES], double fairness,
-                                 int threads, bat_curve_train_score scores[SPACES], bat_error *error)
+                                 const bat_group *group, int threads, bat_curve_train_score scores[SPACES], bat_error *error)
 {
     const bat_space spaces[SPACES] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
     bat_status status = BAT_OK;
     for (size_t s = 0; s < SPACES && status == BAT_OK; s++)
     {
         size_t count = sets[s].count;
+        learn_share own = learn_group_share(group, count);
         const bat_curve_angle_rule rule = learned_rule(parameters->values);
         bat_curve *curves = calloc(2 * count, sizeof *curves);
-        if (curves == NULL)
-            return error_memory(error, 2 * count * sizeof *curves);
-        status = refine(&sets[s], &spaces[s], &rule, fairness, threads, curves, curves + count, error);
+        bat_curve_train_score *own_scores = calloc(count, sizeof *own_scores);
+        if (curves == NULL || own_scores == NULL)
+            status = error_memory(error, 2 * count * sizeof *curves);
         if (status == BAT_OK)
-            status = measure(&sets[s], &spaces[s], curves + count, &scores[s], error);
-        for (size_t i = 0; i < count; i++)
+            status = refine(&sets[s], own, &spaces[s], &rule, fairness, threads, curves, curves + count, error);
+        if (status == BAT_OK)
+            status = measure(&sets[s], own, &spaces[s], curves + count, own_scores, error);
+        status = learn_group_collect(group, own_scores, sizeof *own_scores, count, status, error);
+        if (status == BAT_OK)
+            scores[s] = curve_mean_score(own_scores, count);
+        for (size_t i = 0; i < count && curves != NULL; i++)
             bat_curve_free(&curves[count + i]);
         free(curves);
+        free(own_scores);
     }
     return status;
 }
@@ -348,8 +352,8 @@ bat_status curve_batten_score(const curve_training *t, bat_curve_train_score sco
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES && status == BAT_OK; i++)
-        status = curve_batten_validate(&t->base.parameters, t->validation, FAIRNESS[i], t->options->run.threads, scores[i],
-                                       error);
+        status = curve_batten_validate(&t->base.parameters, t->validation, FAIRNESS[i], t->options->run.group,
+                                       t->options->run.threads, scores[i], error);
     return status;
 }
 

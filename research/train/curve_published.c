@@ -46,6 +46,7 @@ typedef struct validation
     const bat_tension_set *sets;
     size_t curves;                 ///< of all sets
     bat_curve_train_score *scores; ///< of the curves, set by set
+    learn_share own;               ///< curves of this process
     int threads;
 } validation;
 
@@ -106,7 +107,7 @@ static bat_status score_curves(const validation *v)
     {
         learn_tape tape = learn_tape_make();
 #pragma omp for schedule(dynamic, 4)
-        for (size_t i = 0; i < v->curves; i++)
+        for (size_t i = v->own.begin; i < v->own.end; i++)
         {
             tension_sample sample = sample_at(v, i);
             bat_status own = score_curve(v, &tape, &sample, &v->scores[i]);
@@ -122,37 +123,28 @@ static bat_status score_curves(const validation *v)
     return status;
 }
 
-static bat_curve_train_score mean_score(const bat_curve_train_score *scores, size_t count)
-{
-    bat_curve_train_score sum = {0};
-    for (size_t i = 0; i < count; i++)
-    {
-        sum.mean_nn += scores[i].mean_nn;
-        sum.bending += scores[i].bending;
-        sum.g1 += scores[i].g1;
-    }
-    double n = (double)count;
-    return (bat_curve_train_score){sum.mean_nn / n, sum.bending / n, sum.g1 / n};
-}
-
 bat_status curve_published_validate(const learn_parameters *parameters, bat_tension_embedding embedding,
-                                    const bat_tension_set sets[SPACES], int threads, bat_curve_train_score scores[SPACES],
-                                    bat_error *error)
+                                    const bat_tension_set sets[SPACES], const bat_group *group, int threads,
+                                    bat_curve_train_score scores[SPACES], bat_error *error)
 {
     validation v = {.parameters = parameters, .embedding = embedding, .sets = sets};
     for (size_t space = 0; space < SPACES; space++)
         v.curves += sets[space].count;
-    v.threads = threads_for(threads, v.curves);
+    v.own = learn_group_share(group, v.curves);
+    v.threads = threads_for(threads, v.own.end - v.own.begin);
     v.scores = memory_array(v.curves, sizeof *v.scores);
     bat_status status = v.scores != NULL ? score_curves(&v) : BAT_NO_MEMORY;
+    if (status != BAT_OK)
+        status = error_memory(error, v.curves * sizeof *v.scores);
+    status = learn_group_collect(group, v.scores, sizeof *v.scores, v.curves, status, error);
     const bat_curve_train_score *own = v.scores;
     for (size_t space = 0; status == BAT_OK && space < SPACES; space++)
     {
-        scores[space] = mean_score(own, sets[space].count);
+        scores[space] = curve_mean_score(own, sets[space].count);
         own += sets[space].count;
     }
     free(v.scores);
-    return status == BAT_OK ? BAT_OK : error_memory(error, v.curves * sizeof *v.scores);
+    return status;
 }
 
 double curve_published_metric(const bat_curve_train_score scores[SPACES])
@@ -269,7 +261,7 @@ static bat_status validate(void *context, double *metrics, bat_error *error)
     const curve_training *t = context;
     bat_curve_train_score scores[SPACES];
     bat_status status = curve_published_validate(&t->base.parameters, t->options->embedding, t->size.data->validation,
-                                                 t->options->run.threads, scores, error);
+                                                 t->options->run.group, t->options->run.threads, scores, error);
     if (status != BAT_OK)
         return status;
     metrics[0] = curve_published_metric(scores);

@@ -17,6 +17,19 @@ bat_curve_train_options bat_curve_train_defaults(bat_recipe recipe)
     return options;
 }
 
+bat_curve_train_score curve_mean_score(const bat_curve_train_score *scores, size_t count)
+{
+    bat_curve_train_score sum = {0};
+    for (size_t i = 0; i < count; i++)
+    {
+        sum.mean_nn += scores[i].mean_nn;
+        sum.bending += scores[i].bending;
+        sum.g1 += scores[i].g1;
+    }
+    double n = (double)count;
+    return (bat_curve_train_score){sum.mean_nn / n, sum.bending / n, sum.g1 / n};
+}
+
 static bat_status fill_scores(const curve_training *t, bat_curve_train_report *report, bat_error *error)
 {
     bool published = t->options->recipe == BAT_RECIPE_PUBLISHED;
@@ -24,7 +37,7 @@ static bat_status fill_scores(const curve_training *t, bat_curve_train_report *r
     if (!published)
         return curve_batten_score(t, report->scores, error);
     return curve_published_validate(&t->base.parameters, t->options->embedding, t->size.data->validation,
-                                    t->options->run.threads, report->scores[0], error);
+                                    t->options->run.group, t->options->run.threads, report->scores[0], error);
 }
 
 static void training_free(curve_training *t)

@@ -32,14 +32,17 @@ typedef struct curve_training
     bat_tension_set validation[BAT_TENSION_SPACE_COUNT]; ///< batten
 } curve_training;
 
+/// NaN for none.
+bat_curve_train_score curve_mean_score(const bat_curve_train_score *scores, size_t count);
+
 extern const train_recipe curve_recipe_published, curve_recipe_batten;
 
 /// Means over validation curves, for each space: refine the control polygons by BAT_TENSION_LEVELS levels of the published
 /// network (Ugail and Howard 2026, section 7.1: all levels are learned, without the warm-up of training) and compare them
-/// with their curves. A set without curves scores NaN.
+/// with their curves. A set without curves scores NaN. The processes of a group share the curves.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status curve_published_validate(const learn_parameters *parameters, bat_tension_embedding embedding,
-                                    const bat_tension_set sets[BAT_TENSION_SPACE_COUNT], int threads,
+                                    const bat_tension_set sets[BAT_TENSION_SPACE_COUNT], const bat_group *group, int threads,
                                     bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT], bat_error *error);
 /// The validation metric (section 6.4): the mean over the spaces that have curves of their mean_nn.
 double curve_published_metric(const bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT]);
@@ -47,8 +50,8 @@ double curve_published_metric(const bat_curve_train_score scores[BAT_TENSION_SPA
 /// The same for batten's network, at one fairness.
 /// @return BAT_OK or what refinement returned
 bat_status curve_batten_validate(const learn_parameters *parameters, const bat_tension_set sets[BAT_TENSION_SPACE_COUNT],
-                                 double fairness, int threads, bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT],
-                                 bat_error *error);
+                                 double fairness, const bat_group *group, int threads,
+                                 bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT], bat_error *error);
 /// The scores at all fairnesses of bat_curve_train_report.
 bat_status curve_batten_score(const curve_training *t,
                               bat_curve_train_score scores[BAT_CURVE_TRAIN_FAIRNESSES][BAT_TENSION_SPACE_COUNT],

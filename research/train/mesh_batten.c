@@ -74,6 +74,8 @@ typedef struct training
     size_t task_count;
     size_t *order;       ///< of the tasks in this epoch
     uint64_t begun_with; ///< a hash of the weights that a file gave
+    bool *own;           ///< of each task, whether this process needs it in this epoch
+    bool prepared;       ///< whether an epoch was
 } training;
 
 // Data
@@ -130,11 +132,13 @@ static bat_status draw_task(const training *t, size_t p, uint64_t epoch, mesh_ta
     return mesh_task_make(target, kind, vertices, &random, task, error);
 }
 
+/// Every process makes the tasks that it will measure.
 static bat_status make_validation(training *t, bat_error *error)
 {
+    learn_share tasks = learn_group_share(t->options->run.group, VALIDATION_TASKS);
     shared_work work = shared_work_make(VALIDATION_TASKS, (bat_progress){0});
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(t->options->run.threads, VALIDATION_TASKS))
-    for (size_t i = 0; i < VALIDATION_TASKS; i++)
+    for (size_t i = tasks.begin; i < tasks.end; i++)
     {
         bat_error own;
         if (!shared_work_wants(&work, i))
@@ -182,7 +186,8 @@ static bat_status make(void *context, bat_error *error)
     t->tasks = calloc(t->task_count, sizeof *t->tasks);
     t->made_for = calloc(t->task_count, sizeof *t->made_for);
     t->order = memory_array(t->task_count, sizeof *t->order);
-    if (t->tasks == NULL || t->made_for == NULL || t->order == NULL)
+    t->own = memory_array(t->task_count, sizeof *t->own);
+    if (t->tasks == NULL || t->made_for == NULL || t->order == NULL || t->own == NULL)
         return error_memory(error, t->task_count * sizeof *t->tasks);
     return BAT_OK;
 }
@@ -201,6 +206,7 @@ static void training_free(training *t)
     free(t->made_for);
     free(t->targets);
     free(t->order);
+    free(t->own);
     learn_parameters_free(&t->base.parameters);
 }
 
@@ -263,9 +269,11 @@ static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *rando
     training *t = context;
     size_t resampled = t->options->resampled < t->task_count ? t->options->resampled : t->task_count;
     train_shuffle(t->order, t->task_count, random);
+    train_own_samples(&t->options->run, t->order, t->task_count, t->options->batch, t->own);
     // Before the first step of a run nothing is lost by a stop; later the next step reports.
     bat_progress given = t->options->run.progress, none = {0};
-    shared_work work = shared_work_make(t->task_count, t->made_for[0] == 0 ? train_progress_before(&given) : none);
+    shared_work work = shared_work_make(t->task_count, t->prepared ? none : train_progress_before(&given));
+    t->prepared = true;
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(t->options->run.threads, t->task_count))
     for (size_t p = 0; p < t->task_count; p++)
     {
@@ -274,7 +282,7 @@ static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *rando
         uint64_t from = mesh_pair_epoch(t->task_count, resampled, p, epoch);
         if (!shared_work_wants(&work, p))
             continue;
-        if (t->made_for[p] != from + 1)
+        if (t->own[p] && t->made_for[p] != from + 1)
         {
             mesh_task made;
             status = draw_task(t, p, from, &made, &own);
@@ -316,46 +324,56 @@ static bat_status piece_loss(void *context, learn_piece *piece, learn_tape *tape
     return BAT_OK;
 }
 
-/// Measure the validation tasks at one fairness.
-static bat_status measure(training *t, double fairness, mesh_fit *fits, bat_error *error)
+/// A validation task: the logarithm of mesh_task_ratio(), and the measures.
+typedef struct measured
 {
+    double ratio, roughness, best_roughness, volume;
+} measured;
+
+/// Measure the validation tasks at one fairness.
+static bat_status measure(training *t, double fairness, measured *all, bat_error *error)
+{
+    learn_share tasks = learn_group_share(t->options->run.group, VALIDATION_TASKS);
     shared_work work = shared_work_make(VALIDATION_TASKS, (bat_progress){0});
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(t->options->run.threads, VALIDATION_TASKS))
-    for (size_t i = 0; i < VALIDATION_TASKS; i++)
+    for (size_t i = tasks.begin; i < tasks.end; i++)
     {
         bat_error own;
+        mesh_fit fit = {0};
+        const mesh_task *task = &t->validation[i];
         if (!shared_work_wants(&work, i))
             continue;
         learn_tape tape = learn_tape_make();
         bat_random random = bat_random_seed(i);
         learn_tape_begin(&tape, &t->base.parameters, NULL);
-        (void)mesh_task_loss(&tape, &t->validation[i], fairness, &WEIGHTS[0], VALIDATION_SAMPLES, &random, &fits[i]);
+        (void)mesh_task_loss(&tape, task, fairness, &WEIGHTS[0], VALIDATION_SAMPLES, &random, &fit);
         bat_status status = learn_tape_status(&tape, &own);
         learn_tape_free(&tape);
+        all[i] = (measured){log(mesh_task_ratio(task, &fit)), fit.roughness, task->best.roughness, fit.volume};
         shared_work_finish(&work, i, status, &own);
     }
-    return shared_work_end(&work, error);
+    return learn_group_collect(t->options->run.group, all, sizeof *all, VALIDATION_TASKS, shared_work_end(&work, error),
+                               error);
 }
 
 static bat_status validate(void *context, double *metrics, bat_error *error)
 {
     training *t = context;
-    mesh_fit fits[VALIDATION_TASKS];
+    measured all[VALIDATION_TASKS];
     double *distance = metrics, *kinds = metrics + 1, *worst = kinds + COARSE_KINDS;
     memset(metrics, 0, sizeof VALIDATION / sizeof *VALIDATION * sizeof *metrics);
     for (int fair = 0; fair < 2; fair++)
     {
-        bat_status status = measure(t, fair ? 1 : DEFAULT_FAIRNESS, fits, error);
+        bat_status status = measure(t, fair ? 1 : DEFAULT_FAIRNESS, all, error);
         if (status != BAT_OK)
             return status;
         double *rough = fair ? worst + 4 : worst + 1, *mean = fair ? worst + 3 : distance;
         for (size_t i = 0; i < VALIDATION_TASKS; i++)
         {
-            const mesh_fit *best = &t->validation[i].best;
-            double ratio = log(mesh_task_ratio(&t->validation[i], &fits[i])), share = 1.0 / VALIDATION_TASKS;
+            double ratio = all[i].ratio, share = 1.0 / VALIDATION_TASKS;
             *mean += share * ratio;
-            rough[0] += share * fits[i].roughness / best->roughness;
-            rough[1] += share * fabs(fits[i].volume);
+            rough[0] += share * all[i].roughness / all[i].best_roughness;
+            rough[1] += share * fabs(all[i].volume);
             if (fair)
                 continue;
             kinds[i % COARSE_KINDS] += ratio / HELD_SHAPES;

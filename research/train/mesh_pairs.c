@@ -170,7 +170,8 @@ static bat_status renew_pair(mesh_pairs *pairs, size_t p, uint64_t epoch, bat_er
     return BAT_OK;
 }
 
-bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_progress progress, bat_error *error)
+bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, const bool *wanted, int threads, bat_progress progress,
+                            bat_error *error)
 {
     shared_work work = shared_work_make(pairs->count, progress);
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(threads, pairs->count))
@@ -181,7 +182,7 @@ bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_
         uint64_t from = mesh_pair_epoch(pairs->count, pairs->resampled, p, epoch);
         if (!shared_work_wants(&work, p))
             continue;
-        if (pairs->made_for[p] != from + 1)
+        if ((wanted == NULL || wanted[p]) && pairs->made_for[p] != from + 1)
             status = renew_pair(pairs, p, from, &own);
         shared_work_finish(&work, p, status, &own);
     }

@@ -63,8 +63,10 @@ typedef struct mesh_pairs
 bat_status mesh_pairs_begin(const bat_mesh *shapes, size_t shape_count, size_t count, const mesh_pair_plan *plan,
                             uint64_t seed, size_t resampled, mesh_pairs *pairs, bat_error *error);
 /// Make the missing pairs of an epoch. They depend on the seed and the epoch alone, not on the epochs before.
+/// @param wanted which, [count]; null for all
 /// @return as mesh_pair_make(), or BAT_CANCELLED
-bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, int threads, bat_progress progress, bat_error *error);
+bat_status mesh_pairs_renew(mesh_pairs *pairs, uint64_t epoch, const bool *wanted, int threads, bat_progress progress,
+                            bat_error *error);
 void mesh_pairs_free(mesh_pairs *pairs);
 
 /// The epoch in which pair `p` of a later epoch was made. Epoch e > 0 replaces the pairs (e - 1) resampled … e resampled -

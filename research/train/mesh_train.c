@@ -13,6 +13,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum
 {
@@ -38,6 +39,9 @@ typedef struct training
     size_t shape_count;
     mesh_pairs pairs, validation;
     size_t *order; ///< of the pairs in this epoch
+    /// Of each pair, whether this process needs it in this epoch; of each validation pair, whether it measures it.
+    bool *own, *own_validation;
+    bool prepared; ///< whether an epoch was
 } training;
 
 // Shapes
@@ -195,9 +199,16 @@ static bat_status make(void *context, bat_error *error)
         status = mesh_pairs_begin(t->shapes, t->shape_count, VALIDATION_PAIRS * t->shape_count, &plan, ~o->run.seed, 0,
                                   &t->validation, error);
     t->order = memory_array(count, sizeof *t->order);
-    if (status == BAT_OK && t->order == NULL)
+    t->own = memory_array(count, sizeof *t->own);
+    t->own_validation = calloc(VALIDATION_PAIRS * t->shape_count, sizeof *t->own_validation);
+    if (status == BAT_OK && (t->order == NULL || t->own == NULL || t->own_validation == NULL))
         status = error_memory(error, count * sizeof *t->order);
-    return status;
+    if (status != BAT_OK)
+        return status;
+    learn_share measured = learn_group_share(o->run.group, VALIDATION_PAIRS * t->shape_count);
+    for (size_t p = measured.begin; p < measured.end; p++)
+        t->own_validation[p] = true;
+    return BAT_OK;
 }
 
 static void training_free(training *t)
@@ -209,6 +220,8 @@ static void training_free(training *t)
     mesh_pairs_free(&t->pairs);
     mesh_pairs_free(&t->validation);
     free(t->order);
+    free(t->own);
+    free(t->own_validation);
 }
 
 static void configure(const void *context, learn_job *job, learn_options *options)
@@ -227,11 +240,13 @@ static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *rando
     training *t = context;
     bat_progress given = t->options->run.progress, progress = {0};
     int threads = t->options->run.threads;
-    if (t->pairs.made_for[0] == 0)
+    if (!t->prepared)
         progress = train_progress_before(&given);
+    t->prepared = true;
     train_shuffle(t->order, t->pairs.count, random);
-    bat_status status = mesh_pairs_renew(&t->validation, 0, threads, progress, error);
-    return status == BAT_OK ? mesh_pairs_renew(&t->pairs, epoch, threads, progress, error) : status;
+    train_own_samples(&t->options->run, t->order, t->pairs.count, t->options->batch, t->own);
+    bat_status status = mesh_pairs_renew(&t->validation, 0, t->own_validation, threads, progress, error);
+    return status == BAT_OK ? mesh_pairs_renew(&t->pairs, epoch, t->own, threads, progress, error) : status;
 }
 
 /// One mesh of a batch, with its share of the batch's mean.
@@ -253,27 +268,48 @@ static bat_status piece_loss(void *context, learn_piece *piece, learn_tape *tape
     return BAT_OK;
 }
 
+/// The loss of a validation pair, and its errors.
+typedef struct measured
+{
+    double loss, errors[LEVELS + 1];
+} measured;
+
+static bat_status measure_pair(const training *t, size_t p, learn_tape *tape, measured *pair, bat_error *error)
+{
+    *pair = (measured){0};
+    learn_tape_begin(tape, &t->base.parameters, NULL);
+    const learn_array *made =
+        mesh_sample_loss(tape, network_form(t->options), loss_form(t->options), &t->validation.pair[p], pair->errors);
+    bat_status status = learn_tape_status(tape, error);
+    if (status == BAT_OK)
+        pair->loss = (double)*made->value;
+    return status;
+}
+
 /// The mean loss of the validation pairs, and its root at each level.
 static bat_status measure(training *t, double *loss, double *errors, bat_error *error)
 {
+    size_t count = t->validation.count;
     learn_tape tape = learn_tape_make();
-    bat_status status = mesh_pairs_renew(&t->validation, 0, t->options->run.threads, (bat_progress){0}, error);
+    measured *all = calloc(count, sizeof *all);
+    bat_status status = all != NULL ? mesh_pairs_renew(&t->validation, 0, t->own_validation, t->options->run.threads,
+                                                       (bat_progress){0}, error)
+                                    : error_memory(error, count * sizeof *all);
+    for (size_t p = 0; p < count && status == BAT_OK; p++)
+        if (t->own_validation[p])
+            status = measure_pair(t, p, &tape, &all[p], error);
+    status = learn_group_collect(t->options->run.group, all, sizeof *all, count, status, error);
     *loss = 0;
     memset(errors, 0, (LEVELS + 1) * sizeof *errors);
-    for (size_t p = 0; p < t->validation.count && status == BAT_OK; p++)
+    for (size_t p = 0; p < count && status == BAT_OK; p++)
     {
-        double own[LEVELS + 1] = {0}, share = 1 / (double)t->validation.count;
-        learn_tape_begin(&tape, &t->base.parameters, NULL);
-        const learn_array *made =
-            mesh_sample_loss(&tape, network_form(t->options), loss_form(t->options), &t->validation.pair[p], own);
-        status = learn_tape_status(&tape, error);
-        if (status != BAT_OK)
-            break;
-        *loss += share * (double)*made->value;
+        double share = 1 / (double)count;
+        *loss += share * all[p].loss;
         for (size_t level = 0; level <= LEVELS; level++)
-            errors[level] += share * own[level];
+            errors[level] += share * all[p].errors[level];
     }
     learn_tape_free(&tape);
+    free(all);
     for (size_t level = 0; level <= LEVELS; level++)
         errors[level] = sqrt(errors[level]);
     return status;

@@ -53,6 +53,7 @@ static bat_status check_options(const bat_train_options *options, bat_recipe rec
         {"recipe", (double)recipe, 0, TRAIN_RECIPES - 1, false, false},
         {"epochs", (double)options->epochs, 1, BAT_TRAIN_MAX_EPOCHS, false, false},
         {"threads", options->threads, 0, BAT_TRAIN_MAX_THREADS, false, false},
+        {"slots", (double)options->slots, 0, BAT_TRAIN_MAX_SLOTS, false, false},
     };
     return train_check_ranges(ranges, sizeof ranges / sizeof *ranges, error);
 }
@@ -65,6 +66,13 @@ void train_shuffle(size_t *order, size_t count, bat_random *random)
         order[i] = order[j];
         order[j] = i;
     }
+}
+
+void train_own_samples(const bat_train_options *options, const size_t *order, size_t count, size_t batch, bool *own)
+{
+    learn_share pieces = learn_own_pieces(options->group, options->slots, batch);
+    for (size_t i = 0; i < count; i++)
+        own[order[i]] = i % batch >= pieces.begin && i % batch < pieces.end;
 }
 
 /// Forwards the wish to stop. The share done is that of the whole training, which has not begun.
@@ -136,6 +144,15 @@ static bat_status write_model(const char *path, const train_recipe *recipe, cons
 
 // The training
 
+/// The recipe's text, with the number of slots where one was given.
+static void describe(const train_recipe *recipe, const train_context *context, char text[TRAIN_TEXT_SIZE])
+{
+    recipe->describe(context, text);
+    size_t length = strlen(text);
+    if (context->options->slots > 0)
+        (void)snprintf(text + length, TRAIN_TEXT_SIZE - length, ", %zu slots", context->options->slots);
+}
+
 static learn_job job_of(const train_recipe *recipe, void *context)
 {
     return (learn_job){
@@ -161,6 +178,8 @@ static learn_options learning_of(const train_recipe *recipe, const bat_train_opt
     options.clip = recipe->clip;
     options.seed = given->seed;
     options.threads = given->threads;
+    options.slots = given->slots;
+    options.group = given->group;
     options.validate_every = recipe->validate_every;
     options.keep_last = recipe->best_note == NULL;
     options.name = text;
@@ -175,17 +194,17 @@ static bat_status run_logged(const train_recipe *recipe, void *context, const ru
                              learn_report *made, bat_error *error)
 {
     const bat_train_options *given = ((train_context *)context)->options;
-    bool logged = given->folder != NULL;
+    bool logged = given->folder != NULL && learn_group_rank(given->group) == 0;
     learn_job job = job_of(recipe, context);
     learn_options options = learning_of(recipe, given, files, text);
     train_log log;
     recipe->configure(context, &job, &options);
     bat_status status =
         train_log_make(logged ? files->log : NULL, logged ? files->picture : NULL, recipe->columns, &log, error);
-    if (status != BAT_OK)
-        return status;
     options.observer = train_log_observer(&log);
-    status = learn_train(&job, &options, made, error);
+    status = learn_group_agree(given->group, status, error);
+    if (status == BAT_OK)
+        status = learn_train(&job, &options, made, error);
     train_log_free(&log);
     return status;
 }
@@ -201,18 +220,21 @@ bat_status train_run(const train_recipe *const recipes[TRAIN_RECIPES], bat_recip
     if (status != BAT_OK)
         return status;
     const train_recipe *recipe = recipes[which];
+    bool leads = learn_group_rank(options->group) == 0;
     status = recipe->check(context, error);
     if (status == BAT_OK)
-        status = make_files(options->folder, &files, error);
+        status = make_files(leads ? options->folder : NULL, &files, error);
     if (status == BAT_OK)
         status = recipe->make(context, error);
+    status = learn_group_agree(options->group, status, error);
     if (status == BAT_OK)
     {
-        recipe->describe(context, text);
+        describe(recipe, context, text);
         status = run_logged(recipe, context, &files, text, &made, error);
     }
-    if (status == BAT_OK && options->folder != NULL)
+    if (status == BAT_OK && leads && options->folder != NULL)
         status = write_model(files.model, recipe, context, text, &made, error);
+    status = learn_group_agree(options->group, status, error);
     if (status == BAT_OK && report != NULL)
         *report = (bat_train_report){.epochs = made.epochs,
                                      .best_epoch = made.best_epoch + 1,

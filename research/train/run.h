@@ -78,4 +78,8 @@ bat_status train_check_ranges(const train_range *ranges, size_t count, bat_error
 /// Put 0 … count - 1 into a random order.
 void train_shuffle(size_t *order, size_t count, bat_random *random);
 
+/// Mark the samples that this process differentiates in an epoch whose steps take `batch` samples each, in this order, one a
+/// piece.
+void train_own_samples(const bat_train_options *options, const size_t *order, size_t count, size_t batch, bool *own);
+
 #endif

@@ -194,13 +194,15 @@ static bat_status measure_cloud(const training *t, size_t k, learn_tape *tape, d
 static bat_status validate(void *context, double *metrics, bat_error *error)
 {
     const training *t = context;
+    const bat_group *group = t->options->run.group;
+    learn_share own_clouds = learn_group_share(group, VALIDATION_CLOUDS);
     shared_work work = shared_work_make(VALIDATION_CLOUDS, (bat_progress){0});
     double left[VALIDATION_CLOUDS], sum = 0;
 #pragma omp parallel num_threads(threads_for(t->options->run.threads, VALIDATION_CLOUDS))
     {
         learn_tape tape = learn_tape_make();
 #pragma omp for schedule(dynamic, 1)
-        for (size_t k = 0; k < VALIDATION_CLOUDS; k++)
+        for (size_t k = own_clouds.begin; k < own_clouds.end; k++)
         {
             bat_error own;
             left[k] = NAN;
@@ -211,13 +213,15 @@ static bat_status validate(void *context, double *metrics, bat_error *error)
         }
         learn_tape_free(&tape);
     }
+    bat_status made =
+        learn_group_collect(group, left, sizeof *left, VALIDATION_CLOUDS, shared_work_end(&work, error), error);
     for (size_t k = 0; k < VALIDATION_CLOUDS; k++)
         sum += left[k];
     metrics[0] = sum / VALIDATION_CLOUDS;
     metrics[1] = metrics[0] - t->floor;
     qsort(left, VALIDATION_CLOUDS, sizeof *left, ascending);
     metrics[2] = 0.5 * (left[VALIDATION_CLOUDS / 2 - 1] + left[VALIDATION_CLOUDS / 2]);
-    return shared_work_end(&work, error);
+    return made;
 }
 
 // The recipes have different networks, and losses that belong to these.

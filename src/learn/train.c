@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/error.h"
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/threads.h"
 #include "learn/blas.h"
@@ -33,7 +34,8 @@ enum
     STREAM_DROPOUT
 };
 
-/// A gradient. Slot s accumulates those of the pieces from s pieces / slots on, one after the other.
+/// A gradient. Slot s accumulates those of the pieces from s pieces / slots on, one after the other. A process has the slots
+/// of its share.
 typedef struct train_slot
 {
     real *gradient;
@@ -41,12 +43,24 @@ typedef struct train_slot
     bat_error error;
 } train_slot;
 
+/// What the processes tell each other of a step, beside the gradient.
+typedef struct step_note
+{
+    bat_status status; ///< the first failure in the order of slots
+    bool stops;        ///< whether a process was asked to stop
+    bat_error error;
+} step_note;
+
 typedef struct trainer
 {
     const learn_job *job;
     const learn_options *options;
-    size_t slot_count;
-    train_slot *slots;
+    const bat_group *group;
+    size_t slot_count; ///< of all processes
+    learn_share own;   ///< slots of this process
+    train_slot *slots; ///< of this process
+    real *gradient;    ///< in a group: the sum
+    step_note note;    ///< of the last step
     int threads;
     learn_tape *tapes;   ///< one per thread, so that its memory stays in the thread's cache
     size_t metric_count; ///< of a piece: its loss and the job's metrics
@@ -79,14 +93,47 @@ static uint64_t place_key(uint64_t seed, uint64_t stream, uint64_t step, uint64_
     return dropout_mix(dropout_mix(dropout_mix(seed, stream), step), piece);
 }
 
+// The division of a step
+
+static size_t count_slots(size_t wanted, size_t pieces)
+{
+    size_t slots = wanted > 0 ? wanted : MAX_SLOTS;
+    return slots < pieces ? slots : pieces;
+}
+
+/// The first piece of a slot.
+static size_t slot_begin(size_t slots, size_t pieces, size_t s)
+{
+    return s * pieces / slots;
+}
+
+learn_share learn_own_pieces(const bat_group *group, size_t slots, size_t pieces)
+{
+    size_t count = count_slots(slots, pieces);
+    learn_share own = learn_group_share(group, count);
+    return (learn_share){slot_begin(count, pieces, own.begin), slot_begin(count, pieces, own.end)};
+}
+
+/// The number of slots of this process.
+static size_t own_slots(const trainer *t)
+{
+    return t->own.end - t->own.begin;
+}
+
 // Setting up and tearing down
 
 static bool allocate_slots(trainer *t)
 {
     size_t total = t->job->parameters->total;
-    t->slots = calloc(t->slot_count, sizeof *t->slots);
+    t->slots = calloc(own_slots(t) + 1, sizeof *t->slots);
     t->tapes = calloc((size_t)t->threads, sizeof *t->tapes);
-    for (size_t s = 0; t->slots != NULL && s < t->slot_count; s++)
+    if (learn_group_count(t->group) > 1)
+    {
+        t->gradient = calloc(total, sizeof(real));
+        if (t->gradient == NULL)
+            return false;
+    }
+    for (size_t s = 0; t->slots != NULL && s < own_slots(t); s++)
     {
         t->slots[s].gradient = memory_array(total, sizeof(real));
         if (t->slots[s].gradient == NULL)
@@ -110,27 +157,28 @@ static bool allocate_numbers(trainer *t)
 
 static bat_status trainer_make(const learn_job *job, const learn_options *options, trainer *t, bat_error *error)
 {
-    *t = (trainer){.job = job, .options = options, .last_loss = NAN};
+    *t = (trainer){.job = job, .options = options, .group = options->group, .last_loss = NAN};
     if (job->steps == 0 || job->pieces == 0 || options->epochs > UINT64_MAX / job->steps)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "training needs at least 1 step per epoch and 1 piece per step, and at most 2^64 steps in all");
-    t->slot_count = options->slots > 0 ? options->slots : MAX_SLOTS;
-    t->slot_count = t->slot_count < job->pieces ? t->slot_count : job->pieces;
-    t->threads = threads_for(options->threads, t->slot_count);
+    t->slot_count = count_slots(options->slots, job->pieces);
+    t->own = learn_group_share(t->group, t->slot_count);
+    t->threads = threads_for(options->threads, own_slots(t));
     t->state.seed = options->seed;
     t->state.pieces = job->pieces;
     t->state.slots = t->slot_count;
     t->state.epoch_steps = job->steps;
     t->state.plateau = learn_plateau_begin();
     if (!allocate_slots(t) || !allocate_numbers(t))
-        return error_memory(error, t->slot_count * job->parameters->total * sizeof(real));
+        return error_memory(error, own_slots(t) * job->parameters->total * sizeof(real));
     return learn_optimizer_make(&options->optimizer, job->parameters->total, &t->state.optimizer, error);
 }
 
 static void trainer_free(trainer *t)
 {
-    for (size_t s = 0; t->slots != NULL && s < t->slot_count; s++)
+    for (size_t s = 0; t->slots != NULL && s < own_slots(t); s++)
         free(t->slots[s].gradient);
+    free(t->gradient);
     for (int i = 0; t->tapes != NULL && i < t->threads; i++)
         learn_tape_free(&t->tapes[i]);
     free(t->slots);
@@ -143,17 +191,47 @@ static void trainer_free(trainer *t)
     learn_optimizer_free(&t->state.optimizer);
 }
 
+static bool leads(const trainer *t)
+{
+    return learn_group_rank(t->group) == 0;
+}
+
+/// Send what rank 0 has read to all.
+static bat_status share_state(trainer *t, bat_error *error)
+{
+    learn_state *state = &t->state, read = *state;
+    size_t size = t->job->parameters->total * sizeof(real);
+    const struct
+    {
+        void *bytes;
+        size_t size;
+    } arrays[] = {{t->job->parameters->values, size},
+                  {state->best, size},
+                  {state->optimizer.mean, size},
+                  {state->optimizer.squares, state->optimizer.squares != NULL ? size : 0},
+                  {state->sums, state->sum_count * sizeof *state->sums}};
+    bat_status status = learn_group_broadcast(t->group, 0, &read, sizeof read, error);
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == BAT_OK; i++)
+        status = learn_group_broadcast(t->group, 0, arrays[i].bytes, arrays[i].size, error);
+    state->step = read.step;
+    state->plateau = read.plateau;
+    state->has_best = read.has_best;
+    state->optimizer.steps = read.optimizer.steps;
+    return status;
+}
+
 /// Resume from a checkpoint, if that is asked for and there is one.
 static bat_status trainer_start(trainer *t, bat_error *error)
 {
     const learn_options *options = t->options;
     const learn_observer *observer = &options->observer;
     bat_status status = BAT_OK;
-    if (options->resume && options->checkpoint != NULL && access(options->checkpoint, F_OK) == 0)
+    if (leads(t) && options->resume && options->checkpoint != NULL && access(options->checkpoint, F_OK) == 0)
         status = learn_checkpoint_read(options->checkpoint, options->name, t->job->parameters, &t->state, error);
-    if (status == BAT_OK && observer->begin != NULL)
+    if (leads(t) && status == BAT_OK && observer->begin != NULL)
         status = observer->begin(observer->context, t->state.step, error);
-    return status;
+    status = learn_group_agree(t->group, status, error);
+    return status == BAT_OK && options->resume && learn_group_count(t->group) > 1 ? share_state(t, error) : status;
 }
 
 // A step
@@ -185,7 +263,8 @@ static bat_status run_piece(trainer *t, train_slot *slot, learn_tape *tape, size
 static void run_slot(trainer *t, size_t s, learn_tape *tape)
 {
     train_slot *slot = &t->slots[s];
-    size_t pieces = t->job->pieces, begin = s * pieces / t->slot_count, end = (s + 1) * pieces / t->slot_count;
+    size_t pieces = t->job->pieces, begin = slot_begin(t->slot_count, pieces, t->own.begin + s),
+           end = slot_begin(t->slot_count, pieces, t->own.begin + s + 1);
     memset(slot->gradient, 0, t->job->parameters->total * sizeof *slot->gradient);
     slot->status = BAT_OK;
     for (size_t index = begin; index < end && slot->status == BAT_OK; index++)
@@ -200,16 +279,121 @@ static void add_numbers(size_t count, const real *restrict from, real *restrict 
 }
 
 /// Sum the slots' gradients into the first, each number in the order of the slots.
-static void sum_gradients(trainer *t)
+static void sum_own_gradients(trainer *t)
 {
     size_t total = t->job->parameters->total;
 #pragma omp parallel for schedule(static) num_threads(t->threads) if (t->threads > 1)
     for (size_t begin = 0; begin < total; begin += SUM_RUN)
     {
         size_t count = total - begin < SUM_RUN ? total - begin : SUM_RUN;
-        for (size_t s = 1; s < t->slot_count; s++)
+        for (size_t s = 1; s < own_slots(t); s++)
             add_numbers(count, t->slots[s].gradient + begin, t->slots[0].gradient + begin);
     }
+}
+
+/// Add numbers of the slots of this process to the sum of the slots before.
+static void add_own(trainer *t, size_t begin, size_t count)
+{
+    for (size_t s = 0; s < own_slots(t); s++)
+    {
+        const real *from = t->slots[s].gradient + begin;
+        if (t->own.begin + s == 0)
+            memcpy(t->gradient + begin, from, count * sizeof *from);
+        else
+            add_numbers(count, from, t->gradient + begin);
+    }
+}
+
+/// Continue the sums of the rank before, and hand them to the next one.
+static bat_status chain_gradient(trainer *t, bat_error *error)
+{
+    const bat_group *group = t->group;
+    size_t total = t->job->parameters->total, run = LEARN_GROUP_RUN / sizeof(real);
+    bat_status status = BAT_OK;
+    for (size_t begin = 0; begin < total && status == BAT_OK; begin += run)
+    {
+        size_t count = total - begin < run ? total - begin : run;
+        if (group->rank > 0)
+            status = group->receive(group->context, group->rank - 1, t->gradient + begin, count * sizeof(real), error);
+        if (status != BAT_OK)
+            break;
+        add_own(t, begin, count);
+        if (group->rank + 1 < group->count)
+            status = group->send(group->context, group->rank + 1, t->gradient + begin, count * sizeof(real), error);
+    }
+    return status;
+}
+
+/// The same for the notes and metrics: those of the pieces before, then those of this process.
+static bat_status chain_notes(trainer *t, bat_error *error)
+{
+    const bat_group *group = t->group;
+    learn_share own = learn_own_pieces(group, t->options->slots, t->job->pieces);
+    size_t size = t->metric_count * sizeof *t->metrics;
+    step_note before;
+    bat_status status = BAT_OK;
+    if (group->rank > 0)
+    {
+        status = group->receive(group->context, group->rank - 1, &before, sizeof before, error);
+        if (status == BAT_OK && own.begin > 0)
+            status = group->receive(group->context, group->rank - 1, t->metrics, own.begin * size, error);
+        if (status != BAT_OK)
+            return status;
+        before.stops |= t->note.stops;
+        if (before.status == BAT_OK)
+        {
+            before.status = t->note.status;
+            before.error = t->note.error;
+        }
+        t->note = before;
+    }
+    if (group->rank + 1 < group->count)
+    {
+        status = group->send(group->context, group->rank + 1, &t->note, sizeof t->note, error);
+        if (status == BAT_OK && own.end > 0)
+            status = group->send(group->context, group->rank + 1, t->metrics, own.end * size, error);
+    }
+    return status;
+}
+
+/// Sum the gradients of all processes and collect their notes and metrics.
+static bat_status exchange_step(trainer *t, bat_error *error)
+{
+    size_t last = t->group->count - 1;
+    bat_status status = chain_notes(t, error);
+    if (status == BAT_OK)
+        status = chain_gradient(t, error);
+    if (status == BAT_OK)
+        status = learn_group_broadcast(t->group, last, &t->note, sizeof t->note, error);
+    if (status == BAT_OK)
+        status =
+            learn_group_broadcast(t->group, last, t->metrics, t->job->pieces * t->metric_count * sizeof *t->metrics, error);
+    if (status == BAT_OK)
+        status = learn_group_broadcast(t->group, last, t->gradient, t->job->parameters->total * sizeof(real), error);
+    return status;
+}
+
+/// The gradient of the step, from those of the slots.
+static bat_status sum_gradients(trainer *t, real **gradient, bat_error *error)
+{
+    bool alone = learn_group_count(t->group) == 1;
+    *gradient = alone ? t->slots[0].gradient : t->gradient;
+    for (size_t s = 0; s < own_slots(t) && t->note.status == BAT_OK; s++)
+        if (t->slots[s].status != BAT_OK)
+        {
+            t->note.status = t->slots[s].status;
+            t->note.error = t->slots[s].error;
+        }
+    bat_status status = alone ? BAT_OK : exchange_step(t, error);
+    if (status == BAT_OK && t->note.status != BAT_OK)
+    {
+        status = t->note.status;
+        if (error != NULL)
+            *error = t->note.error;
+    }
+    if (alone && status == BAT_OK)
+        sum_own_gradients(t);
+    return status;
 }
 
 /// Add the step's metrics to the epoch's sums; returns the step's loss.
@@ -233,21 +417,19 @@ static double rate_of(const trainer *t, uint64_t epoch)
     return learn_plateau_rate(&t->state.plateau, &t->options->plateau, learn_schedule_rate(&t->options->schedule, epoch));
 }
 
-static bat_status run_step(trainer *t, bat_error *error)
+/// @param stops whether this process was asked to stop
+static bat_status run_step(trainer *t, bool stops, bat_error *error)
 {
     learn_state *state = &t->state;
+    real *gradient;
+    memset(&t->note, 0, sizeof t->note);
+    t->note.stops = stops;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(t->threads) if (t->threads > 1)
-    for (size_t s = 0; s < t->slot_count; s++)
+    for (size_t s = 0; s < own_slots(t); s++)
         run_slot(t, s, &t->tapes[threads_current()]);
-    for (size_t s = 0; s < t->slot_count; s++)
-        if (t->slots[s].status != BAT_OK)
-        {
-            if (error != NULL)
-                *error = t->slots[s].error;
-            return t->slots[s].status;
-        }
-    sum_gradients(t);
-    real *gradient = t->slots[0].gradient;
+    bat_status status = sum_gradients(t, &gradient, error);
+    if (status != BAT_OK)
+        return status;
     double norm = learn_clip_norm(t->job->parameters->total, gradient, t->options->clip);
     double loss = sum_metrics(t, norm);
     if (!isfinite(loss) || !isfinite(norm))
@@ -265,11 +447,11 @@ static bat_status save(const trainer *t, bat_error *error)
     const learn_options *options = t->options;
     const learn_observer *observer = &options->observer;
     bat_status status = BAT_OK;
-    if (options->checkpoint != NULL)
+    if (leads(t) && options->checkpoint != NULL)
         status = learn_checkpoint_write(options->checkpoint, options->name, t->job->parameters, &t->state, error);
-    if (status == BAT_OK && observer->checkpoint != NULL)
+    if (leads(t) && status == BAT_OK && observer->checkpoint != NULL)
         status = observer->checkpoint(observer->context, error);
-    return status;
+    return learn_group_agree(t->group, status, error);
 }
 
 static bool is_due(uint64_t every, uint64_t epoch, uint64_t epochs)
@@ -286,12 +468,30 @@ static bat_status validate(trainer *t, uint64_t epoch, bat_error *error)
     if (job->validate == NULL || job->validation_count == 0 ||
         !is_due(t->options->validate_every, epoch, t->options->epochs))
         return BAT_OK;
-    bat_status status = job->validate(job->context, t->validation, error);
+    bat_status status = learn_group_agree(t->group, job->validate(job->context, t->validation, error), error);
     if (status != BAT_OK || !learn_plateau_update(&t->state.plateau, &t->options->plateau, epoch, t->validation[0]))
         return status;
     t->state.has_best = true;
     memcpy(t->state.best, job->parameters->values, job->parameters->total * sizeof(real));
     return BAT_OK;
+}
+
+/// Refuse to continue where a process has other weights than rank 0.
+static bat_status check_weights(const trainer *t, bat_error *error)
+{
+    const learn_parameters *parameters = t->job->parameters;
+    if (learn_group_count(t->group) == 1)
+        return BAT_OK;
+    uint64_t own = hash_bytes(HASH_BEGIN, parameters->values, parameters->total * sizeof(real)), first = own;
+    bat_status status = learn_group_broadcast(t->group, 0, &first, sizeof first, error);
+    if (status != BAT_OK)
+        return status;
+    if (own != first)
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                           "rank %zu has other weights than rank 0: all processes must be of the same build, on machines of "
+                           "the same kind",
+                           learn_group_rank(t->group));
+    return learn_group_agree(t->group, status, error);
 }
 
 /// After the last step of an epoch: validate, tell the observer, and clear the sums.
@@ -311,13 +511,17 @@ static bat_status end_epoch(trainer *t, uint64_t epoch, bat_error *error)
     };
     for (size_t i = 0; i < job->metric_count; i++)
         t->means[i] = sums[OWN_SUMS + i] / steps;
-    bat_status status = validate(t, epoch, error);
+    bat_status status = check_weights(t, error);
+    if (status == BAT_OK)
+        status = validate(t, epoch, error);
     if (status != BAT_OK)
         return status;
     done.seconds = clock_seconds() - t->epoch_began;
     t->last_loss = done.loss;
     memset(sums, 0, t->state.sum_count * sizeof *sums);
-    return observer->epoch != NULL ? observer->epoch(observer->context, &done, error) : BAT_OK;
+    if (leads(t) && observer->epoch != NULL)
+        status = observer->epoch(observer->context, &done, error);
+    return learn_group_agree(t->group, status, error);
 }
 
 /// The steps of the current epoch that remain.
@@ -330,12 +534,15 @@ static bat_status run_epoch(trainer *t, bat_error *error)
     bat_random random = bat_random_seed(place_key(t->options->seed, STREAM_EPOCH, epoch, 0));
     t->epoch_began = clock_seconds();
     bat_status status = job->prepare_epoch != NULL ? job->prepare_epoch(job->context, epoch, &random, error) : BAT_OK;
+    status = learn_group_agree(t->group, status, error);
     while (status == BAT_OK && t->state.step / job->steps == epoch)
     {
-        if (progress->report != NULL && !progress->report(progress->context, (double)t->state.step / steps))
+        bool stops = progress->report != NULL && !progress->report(progress->context, (double)t->state.step / steps);
+        // In a group what counts is the wish that the step before agreed on.
+        if (learn_group_count(t->group) > 1 ? t->note.stops : stops)
             return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped at step %llu",
                              (unsigned long long)t->state.step);
-        status = run_step(t, error);
+        status = run_step(t, stops, error);
     }
     if (status == BAT_OK)
         status = end_epoch(t, epoch, error);
@@ -384,7 +591,7 @@ static void fill_report(const trainer *t, learn_report *report)
 bat_status learn_train(const learn_job *job, const learn_options *options, learn_report *report, bat_error *error)
 {
     trainer t;
-    bat_status status = trainer_make(job, options, &t, error);
+    bat_status status = learn_group_agree(options->group, trainer_make(job, options, &t, error), error);
     if (status == BAT_OK)
         status = trainer_start(&t, error);
     if (status == BAT_OK)

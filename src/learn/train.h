@@ -1,6 +1,7 @@
 #ifndef LEARN_TRAIN_H
 #define LEARN_TRAIN_H
 
+#include "learn/group.h"
 #include "learn/optimizer.h"
 #include "learn/tape.h"
 
@@ -8,8 +9,12 @@
 /// The training loop: the pieces of a step in parallel, one update per step, validation, checkpoints.
 ///
 /// The loss of a step is the sum of the losses of its pieces (a sample, a few samples, a mesh), each differentiated by
-/// itself. All randomness is a function of the seed and of the position (epoch, step, piece). Neither the number of threads
-/// nor an interruption changes a byte of the result.
+/// itself. All randomness is a function of the seed and of the position (epoch, step, piece). Neither the number of threads,
+/// nor that of processes, nor an interruption changes a byte of the result.
+///
+/// Processes of a group divide the pieces of each step, a slot's to one process. Rank after rank adds the gradients of its
+/// slots to the sum of the ranks before, so that every number is summed in the order of the slots; the last rank sends the
+/// sum to all, and each makes the same update. Rank 0 reads and writes the files.
 
 /// The position of a piece.
 typedef struct learn_piece
@@ -20,7 +25,9 @@ typedef struct learn_piece
     bat_random random; ///< a stream of this piece's own
 } learn_piece;
 
-/// What is trained, and on what. All functions but `piece_loss` are called from the calling thread.
+/// What is trained, and on what. All functions but `piece_loss` are called from the calling thread. In a group every process
+/// calls them, `piece_loss` for its own pieces alone; `validate` may share its work (learn_group_collect()), but gives every
+/// process the same metrics.
 typedef struct learn_job
 {
     void *context;                ///< handed to the functions
@@ -55,7 +62,8 @@ typedef struct learn_epoch
     double seconds;           ///< wall time; of a resumed epoch, since it was resumed
 } learn_epoch;
 
-/// Functions that follow a training, for example to write a log. Each may be null; a failure ends the training.
+/// Functions that follow a training, for example to write a log. Each may be null; a failure ends the training. In a group
+/// rank 0 alone calls them.
 typedef struct learn_observer
 {
     void *context;
@@ -78,7 +86,8 @@ typedef struct learn_options
     uint64_t seed;                     ///< default 1
     size_t slots;              ///< gradients that are accumulated apart and summed in order: the most threads that help.
                                ///< Unlike threads they change roundings. 0: as many as pieces, up to 8; default 0
-    int threads;               ///< 0: as many as OpenMP gives; default 0
+    int threads;               ///< of each process; 0: as many as OpenMP gives; default 0
+    const bat_group *group;    ///< processes that divide the pieces of a step; default null
     uint64_t validate_every;   ///< epochs; the last epoch is always validated; default 1
     bool keep_last;            ///< end with the weights of the last step, not with the best validated; default false
     const char *name;          ///< identifies a checkpoint: another training's is refused; default ""
@@ -90,6 +99,9 @@ typedef struct learn_options
 } learn_options;
 
 learn_options learn_options_defaults(void);
+
+/// The pieces of every step that this process differentiates.
+learn_share learn_own_pieces(const bat_group *group, size_t slots, size_t pieces);
 
 /// The outcome of a training.
 typedef struct learn_report
@@ -103,6 +115,9 @@ typedef struct learn_report
 
 /// Train. When stopped through `progress`, the checkpoint holds the state at that step, and a resumed training continues to
 /// the same bytes as an uninterrupted one.
+///
+/// In a group all processes call it, with the same job and options, and return the same status. A wish to stop of one stops
+/// all after the step.
 ///
 /// While it runs, OpenBLAS works on one thread in the whole process (linalg/blas_single.h).
 ///

@@ -103,7 +103,7 @@ static void models_are_what_was_trained(void **state)
     make_validation(SHORT.validation_curves, sets);
     for (size_t i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES; i++)
     {
-        check_status(curve_batten_validate(&parameters, sets, 0.5 * (double)i, 1, scores, NULL), BAT_OK);
+        check_status(curve_batten_validate(&parameters, sets, 0.5 * (double)i, NULL, 1, scores, NULL), BAT_OK);
         for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         {
             check_relative(scores[space].mean_nn, report.scores[i][space].mean_nn, 1e-6);
@@ -144,7 +144,7 @@ static void thirty_steps_teach_something(void **state)
     check_status(learned_network_make(&parameters, NULL), BAT_OK);
     learned_network_start(&parameters, options.run.seed);
     make_validation(ten.validation_curves, sets);
-    check_status(curve_batten_validate(&parameters, sets, 0, 0, untrained, NULL), BAT_OK);
+    check_status(curve_batten_validate(&parameters, sets, 0, NULL, 0, untrained, NULL), BAT_OK);
     assert_true(relative_distance(report.scores[0], untrained) < 0.99);
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         assert_true(report.scores[2][space].g1 < report.scores[0][space].g1 &&

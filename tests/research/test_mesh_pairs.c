@@ -90,7 +90,7 @@ static void fresh_pairs_come_in_turn(void **state)
     for (uint64_t epoch = 0; epoch < EPOCHS; epoch++)
     {
         size_t changed = 0;
-        check_status(mesh_pairs_renew(&walked, epoch, 1, (bat_progress){0}, NULL), BAT_OK);
+        check_status(mesh_pairs_renew(&walked, epoch, NULL, 1, (bat_progress){0}, NULL), BAT_OK);
         for (size_t p = 0; p < COUNT; p++)
         {
             changed += walked.made_for[p] != before[p];
@@ -99,7 +99,7 @@ static void fresh_pairs_come_in_turn(void **state)
         }
         assert_int_equal(changed, epoch == 0 ? COUNT : FRESH);
         check_status(mesh_pairs_begin(shapes, 2, COUNT, &plan, 7, FRESH, &jumped, NULL), BAT_OK);
-        check_status(mesh_pairs_renew(&jumped, epoch, 3, (bat_progress){0}, NULL), BAT_OK);
+        check_status(mesh_pairs_renew(&jumped, epoch, NULL, 3, (bat_progress){0}, NULL), BAT_OK);
         for (size_t p = 0; p < COUNT; p++)
             check_same_pair(&walked.pair[p], &jumped.pair[p]);
         mesh_pairs_free(&jumped);
@@ -122,7 +122,7 @@ static void making_pairs_can_be_stopped(void **state)
     bat_mesh shape = ball(3);
     mesh_pairs pairs;
     check_status(mesh_pairs_begin(&shape, 1, 20, &PLAN, 1, 0, &pairs, NULL), BAT_OK);
-    check_status(mesh_pairs_renew(&pairs, 0, 1, (bat_progress){.report = refuse}, NULL), BAT_CANCELLED);
+    check_status(mesh_pairs_renew(&pairs, 0, NULL, 1, (bat_progress){.report = refuse}, NULL), BAT_CANCELLED);
     assert_int_equal(pairs.made_for[19], 0);
     mesh_pairs_free(&pairs);
     bat_mesh_free(&shape);

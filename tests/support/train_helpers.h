@@ -58,7 +58,7 @@ static inline char *read_file(const char *folder, const char *name, size_t *size
 {
     enum
     {
-        MAX_SIZE = 1 << 23
+        MAX_SIZE = 1 << 25
     };
     char path[200];
     FILE *stream = fopen(path_in(folder, name, path), "rb");

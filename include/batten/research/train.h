@@ -18,9 +18,10 @@ typedef enum bat_recipe
 /// "published" or "batten"; null for any other value.
 BAT_API const char *bat_recipe_name(bat_recipe recipe);
 
-/// The largest number of epochs, and of threads.
+/// The largest number of epochs, of threads, and of slots.
 #define BAT_TRAIN_MAX_EPOCHS 1000000000
 #define BAT_TRAIN_MAX_THREADS 1024
+#define BAT_TRAIN_MAX_SLOTS 4096
 
 /// Options of all trainings. They are the first field, `run`, of the options of each.
 typedef struct bat_train_options
@@ -33,7 +34,15 @@ typedef struct bat_train_options
     const char *folder;
     /// Resume from the folder's checkpoint, if there is one, to the same bytes as without the interruption; default false.
     bool resume;
-    int threads; ///< 0 to BAT_TRAIN_MAX_THREADS; 0: as many as OpenMP gives; the result does not depend on it; default 0
+    /// Of each process, 0 to BAT_TRAIN_MAX_THREADS; 0: as many as OpenMP gives; the result does not depend on it; default 0.
+    int threads;
+    /// Gradients of a step that are accumulated apart, each from consecutive samples, and then summed in order; 0 to
+    /// BAT_TRAIN_MAX_SLOTS, and at most the samples of a step; 0: 8. At most as many threads of all processes work at a
+    /// step. Other numbers of slots round otherwise, so the result depends on it; default 0.
+    size_t slots;
+    /// Processes that divide the samples of each step; the result does not depend on their number. All make the same call,
+    /// with report or without. Rank 0 alone uses the folder; default null.
+    const bat_group *group;
     bat_progress progress; ///< called before every step; when it asks to stop, the checkpoint is written first
 } bat_train_options;
 
