@@ -1,3 +1,5 @@
+#include "train.h"
+
 #include "arguments.h"
 #include "report.h"
 #include "verbs.h"
@@ -21,19 +23,26 @@ enum
     PATHS = 2 ///< by recipe
 };
 
+/// The processes of the call.
+static const bat_group *group;
+static int default_threads;
+
 // Reading options
 
 /// The options that all trainings have. False after a message.
 static bool read_run(const arguments *given, const char *folder, bat_train_options *run)
 {
-    long seed, epochs, threads;
+    long seed, epochs, threads, slots;
     if (!argument_whole(given, "seed", 0, MAX_SEED, (long)run->seed, &seed) ||
         !argument_whole(given, "epochs", 1, MAX_EPOCHS, (long)run->epochs, &epochs) ||
-        !argument_whole(given, "threads", 1, BAT_TRAIN_MAX_THREADS, 0, &threads))
+        !argument_whole(given, "threads", 1, BAT_TRAIN_MAX_THREADS, default_threads, &threads) ||
+        !argument_whole(given, "slots", 1, BAT_TRAIN_MAX_SLOTS, 0, &slots))
         return false;
     run->seed = (uint64_t)seed;
     run->epochs = (uint64_t)epochs;
     run->threads = (int)threads;
+    run->slots = (size_t)slots;
+    run->group = group;
     run->resume = argument_flag(given, "resume");
     run->folder = argument(given, "out") != NULL ? argument(given, "out") : folder;
     return true;
@@ -107,6 +116,7 @@ static const option_spec CURVE_OPTIONS[] = {
     {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/tension, for batten out/fairing"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
+    {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
     {"embedding", 0, "KIND", "published: how the network encodes the space: learned (default), one-hot, none"},
     {"without", 0, "TERM", "published: leave a term out of the loss: consistency, bending, smoothness"},
     {"json", 0, NULL, "print one JSON object"},
@@ -253,6 +263,7 @@ static const option_spec MESH_OPTIONS[] = {
     {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/mesh"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
+    {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
     {"without", 0, "PART",
      "leave out: frames, differences (differential coordinates), levels (all but the last one's loss), correspondence "
      "(Chamfer distance instead)"},
@@ -358,8 +369,11 @@ static int train_shapes(const arguments *given, bat_mesh_train_options *options,
     bat_error error;
     size_t count = given->positional_count - 1;
     for (size_t s = 0; s < count; s++)
-        if (read_shape(given->positional[s + 1], argument_flag(given, "repair"), &shapes[s], &error) != BAT_OK)
+    {
+        bat_status status = read_shape(given->positional[s + 1], argument_flag(given, "repair"), &shapes[s], &error);
+        if (bat_group_agree(group, status, &error) != BAT_OK)
             return report_failure(given->positional[s + 1], &error);
+    }
     options->run.progress = report_progress("training");
     bat_status status = bat_mesh_train(shapes, count, options, &report, &error);
     report_progress_end();
@@ -402,6 +416,7 @@ static const option_spec SURFACE_OPTIONS[] = {
     {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/surface"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
+    {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
 };
@@ -539,9 +554,11 @@ static size_t find_kind(const char *name)
     return 0;
 }
 
-int verb_train(int argc, char **argv)
+int train_in_group(int argc, char **argv, const bat_group *processes, int threads)
 {
     arguments given;
+    group = processes;
+    default_threads = threads;
     int code, recipe;
     size_t kind = argc > 1 ? find_kind(argv[1]) : 0;
     replace_aliases(argc, argv);
@@ -553,4 +570,9 @@ int verb_train(int argc, char **argv)
     if (!argument_word(&given, "recipe", RECIPES, BAT_RECIPE_PUBLISHED, &recipe))
         return EXIT_BAD_USAGE;
     return KINDS[kind].train(&given, (bat_recipe)recipe, KINDS[kind].folders[recipe]);
+}
+
+int verb_train(int argc, char **argv)
+{
+    return train_in_group(argc, argv, NULL, 0);
 }

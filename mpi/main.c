@@ -16,6 +16,7 @@ static const struct
     const char *summary;
 } VERBS[] = {
     {"surface", verb_surface, "fit a spline surface to scattered points, to CAD files"},
+    {"train", verb_train_together, "train a learned rule; as `batten train`"},
 };
 enum
 {
@@ -56,7 +57,9 @@ static int run(int argc, char **argv, bool speaks)
 int main(int argc, char **argv)
 {
     // PETSc gets no words of the command line; its own options come from the environment (PETSC_OPTIONS).
-    if (MPI_Init(&argc, &argv) != MPI_SUCCESS || PetscInitializeNoArguments() != 0)
+    // Threads of OpenMP work beside the one that calls MPI.
+    int provided;
+    if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS || PetscInitializeNoArguments() != 0)
         return EXIT_BAD_INPUT;
     (void)PetscPopSignalHandler();
     bool speaks = ranks_rank() == 0;

@@ -93,6 +93,13 @@ typedef struct bat_group
     bat_status (*receive)(void *context, size_t from, void *bytes, size_t size, bat_error *error);
 } bat_group;
 
+/// The first failure, by rank, of what each process did: every process receives it, with its text.
+/// @param group  null for a process alone
+/// @param status of this process
+/// @param error  of this process, then the one agreed on
+/// @return BAT_OK where all processes succeeded
+BAT_API bat_status bat_group_agree(const bat_group *group, bat_status status, bat_error *error);
+
 /// One choice of a family: a scheme, a space, a format. Each family is one table; bat_..._list() walks its rows,
 /// bat_..._by_name() finds one.
 typedef struct bat_choice

@@ -283,7 +283,7 @@ static learn_array *train_curve(const curve_training *t, uint64_t epoch, learn_t
 // Validation
 
 /// The refined control polygons of a part of one set.
-static bat_status refine(const bat_tension_set *set, learn_share own, const bat_space *space,
+static bat_status refine(const bat_tension_set *set, group_items own, const bat_space *space,
                          const bat_curve_angle_rule *rule, double fairness, int threads, bat_curve *coarse, bat_curve *fine,
                          bat_error *error)
 {
@@ -300,7 +300,7 @@ static bat_status refine(const bat_tension_set *set, learn_share own, const bat_
     return bat_curves_refine(coarse + own.begin, own.end - own.begin, &options, fine + own.begin, NULL, error);
 }
 
-static bat_status measure(const bat_tension_set *set, learn_share own, const bat_space *space, const bat_curve *fine,
+static bat_status measure(const bat_tension_set *set, group_items own, const bat_space *space, const bat_curve *fine,
                           bat_curve_train_score *scores, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -326,7 +326,7 @@ bat_status curve_batten_validate(const learn_parameters *parameters, const bat_t
     for (size_t s = 0; s < SPACES && status == BAT_OK; s++)
     {
         size_t count = sets[s].count;
-        learn_share own = learn_group_share(group, count);
+        group_items own = group_items_of(group, count);
         const bat_curve_angle_rule rule = learned_rule(parameters->values);
         bat_curve *curves = calloc(2 * count, sizeof *curves);
         bat_curve_train_score *own_scores = calloc(count, sizeof *own_scores);
@@ -336,7 +336,7 @@ bat_status curve_batten_validate(const learn_parameters *parameters, const bat_t
             status = refine(&sets[s], own, &spaces[s], &rule, fairness, threads, curves, curves + count, error);
         if (status == BAT_OK)
             status = measure(&sets[s], own, &spaces[s], curves + count, own_scores, error);
-        status = learn_group_collect(group, own_scores, sizeof *own_scores, count, status, error);
+        status = group_collect(group, own_scores, sizeof *own_scores, count, status, error);
         if (status == BAT_OK)
             scores[s] = curve_mean_score(own_scores, count);
         for (size_t i = 0; i < count && curves != NULL; i++)

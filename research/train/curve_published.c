@@ -46,7 +46,7 @@ typedef struct validation
     const bat_tension_set *sets;
     size_t curves;                 ///< of all sets
     bat_curve_train_score *scores; ///< of the curves, set by set
-    learn_share own;               ///< curves of this process
+    group_items own;               ///< curves of this process
     int threads;
 } validation;
 
@@ -130,13 +130,13 @@ bat_status curve_published_validate(const learn_parameters *parameters, bat_tens
     validation v = {.parameters = parameters, .embedding = embedding, .sets = sets};
     for (size_t space = 0; space < SPACES; space++)
         v.curves += sets[space].count;
-    v.own = learn_group_share(group, v.curves);
+    v.own = group_items_of(group, v.curves);
     v.threads = threads_for(threads, v.own.end - v.own.begin);
     v.scores = memory_array(v.curves, sizeof *v.scores);
     bat_status status = v.scores != NULL ? score_curves(&v) : BAT_NO_MEMORY;
     if (status != BAT_OK)
         status = error_memory(error, v.curves * sizeof *v.scores);
-    status = learn_group_collect(group, v.scores, sizeof *v.scores, v.curves, status, error);
+    status = group_collect(group, v.scores, sizeof *v.scores, v.curves, status, error);
     const bat_curve_train_score *own = v.scores;
     for (size_t space = 0; status == BAT_OK && space < SPACES; space++)
     {

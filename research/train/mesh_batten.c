@@ -135,7 +135,7 @@ static bat_status draw_task(const training *t, size_t p, uint64_t epoch, mesh_ta
 /// Every process makes the tasks that it will measure.
 static bat_status make_validation(training *t, bat_error *error)
 {
-    learn_share tasks = learn_group_share(t->options->run.group, VALIDATION_TASKS);
+    group_items tasks = group_items_of(t->options->run.group, VALIDATION_TASKS);
     shared_work work = shared_work_make(VALIDATION_TASKS, (bat_progress){0});
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(t->options->run.threads, VALIDATION_TASKS))
     for (size_t i = tasks.begin; i < tasks.end; i++)
@@ -333,7 +333,7 @@ typedef struct measured
 /// Measure the validation tasks at one fairness.
 static bat_status measure(training *t, double fairness, measured *all, bat_error *error)
 {
-    learn_share tasks = learn_group_share(t->options->run.group, VALIDATION_TASKS);
+    group_items tasks = group_items_of(t->options->run.group, VALIDATION_TASKS);
     shared_work work = shared_work_make(VALIDATION_TASKS, (bat_progress){0});
 #pragma omp parallel for schedule(dynamic) num_threads(threads_for(t->options->run.threads, VALIDATION_TASKS))
     for (size_t i = tasks.begin; i < tasks.end; i++)
@@ -352,8 +352,7 @@ static bat_status measure(training *t, double fairness, measured *all, bat_error
         all[i] = (measured){log(mesh_task_ratio(task, &fit)), fit.roughness, task->best.roughness, fit.volume};
         shared_work_finish(&work, i, status, &own);
     }
-    return learn_group_collect(t->options->run.group, all, sizeof *all, VALIDATION_TASKS, shared_work_end(&work, error),
-                               error);
+    return group_collect(t->options->run.group, all, sizeof *all, VALIDATION_TASKS, shared_work_end(&work, error), error);
 }
 
 static bat_status validate(void *context, double *metrics, bat_error *error)

@@ -205,7 +205,7 @@ static bat_status make(void *context, bat_error *error)
         status = error_memory(error, count * sizeof *t->order);
     if (status != BAT_OK)
         return status;
-    learn_share measured = learn_group_share(o->run.group, VALIDATION_PAIRS * t->shape_count);
+    group_items measured = group_items_of(o->run.group, VALIDATION_PAIRS * t->shape_count);
     for (size_t p = measured.begin; p < measured.end; p++)
         t->own_validation[p] = true;
     return BAT_OK;
@@ -298,7 +298,7 @@ static bat_status measure(training *t, double *loss, double *errors, bat_error *
     for (size_t p = 0; p < count && status == BAT_OK; p++)
         if (t->own_validation[p])
             status = measure_pair(t, p, &tape, &all[p], error);
-    status = learn_group_collect(t->options->run.group, all, sizeof *all, count, status, error);
+    status = group_collect(t->options->run.group, all, sizeof *all, count, status, error);
     *loss = 0;
     memset(errors, 0, (LEVELS + 1) * sizeof *errors);
     for (size_t p = 0; p < count && status == BAT_OK; p++)

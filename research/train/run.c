@@ -70,7 +70,7 @@ void train_shuffle(size_t *order, size_t count, bat_random *random)
 
 void train_own_samples(const bat_train_options *options, const size_t *order, size_t count, size_t batch, bool *own)
 {
-    learn_share pieces = learn_own_pieces(options->group, options->slots, batch);
+    group_items pieces = learn_own_pieces(options->group, options->slots, batch);
     for (size_t i = 0; i < count; i++)
         own[order[i]] = i % batch >= pieces.begin && i % batch < pieces.end;
 }
@@ -194,7 +194,7 @@ static bat_status run_logged(const train_recipe *recipe, void *context, const ru
                              learn_report *made, bat_error *error)
 {
     const bat_train_options *given = ((train_context *)context)->options;
-    bool logged = given->folder != NULL && learn_group_rank(given->group) == 0;
+    bool logged = given->folder != NULL && group_rank(given->group) == 0;
     learn_job job = job_of(recipe, context);
     learn_options options = learning_of(recipe, given, files, text);
     train_log log;
@@ -202,7 +202,7 @@ static bat_status run_logged(const train_recipe *recipe, void *context, const ru
     bat_status status =
         train_log_make(logged ? files->log : NULL, logged ? files->picture : NULL, recipe->columns, &log, error);
     options.observer = train_log_observer(&log);
-    status = learn_group_agree(given->group, status, error);
+    status = bat_group_agree(given->group, status, error);
     if (status == BAT_OK)
         status = learn_train(&job, &options, made, error);
     train_log_free(&log);
@@ -220,13 +220,13 @@ bat_status train_run(const train_recipe *const recipes[TRAIN_RECIPES], bat_recip
     if (status != BAT_OK)
         return status;
     const train_recipe *recipe = recipes[which];
-    bool leads = learn_group_rank(options->group) == 0;
+    bool leads = group_rank(options->group) == 0;
     status = recipe->check(context, error);
     if (status == BAT_OK)
         status = make_files(leads ? options->folder : NULL, &files, error);
     if (status == BAT_OK)
         status = recipe->make(context, error);
-    status = learn_group_agree(options->group, status, error);
+    status = bat_group_agree(options->group, status, error);
     if (status == BAT_OK)
     {
         describe(recipe, context, text);
@@ -234,7 +234,7 @@ bat_status train_run(const train_recipe *const recipes[TRAIN_RECIPES], bat_recip
     }
     if (status == BAT_OK && leads && options->folder != NULL)
         status = write_model(files.model, recipe, context, text, &made, error);
-    status = learn_group_agree(options->group, status, error);
+    status = bat_group_agree(options->group, status, error);
     if (status == BAT_OK && report != NULL)
         *report = (bat_train_report){.epochs = made.epochs,
                                      .best_epoch = made.best_epoch + 1,

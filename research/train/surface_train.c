@@ -195,7 +195,7 @@ static bat_status validate(void *context, double *metrics, bat_error *error)
 {
     const training *t = context;
     const bat_group *group = t->options->run.group;
-    learn_share own_clouds = learn_group_share(group, VALIDATION_CLOUDS);
+    group_items own_clouds = group_items_of(group, VALIDATION_CLOUDS);
     shared_work work = shared_work_make(VALIDATION_CLOUDS, (bat_progress){0});
     double left[VALIDATION_CLOUDS], sum = 0;
 #pragma omp parallel num_threads(threads_for(t->options->run.threads, VALIDATION_CLOUDS))
@@ -213,8 +213,7 @@ static bat_status validate(void *context, double *metrics, bat_error *error)
         }
         learn_tape_free(&tape);
     }
-    bat_status made =
-        learn_group_collect(group, left, sizeof *left, VALIDATION_CLOUDS, shared_work_end(&work, error), error);
+    bat_status made = group_collect(group, left, sizeof *left, VALIDATION_CLOUDS, shared_work_end(&work, error), error);
     for (size_t k = 0; k < VALIDATION_CLOUDS; k++)
         sum += left[k];
     metrics[0] = sum / VALIDATION_CLOUDS;

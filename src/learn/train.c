@@ -57,7 +57,7 @@ typedef struct trainer
     const learn_options *options;
     const bat_group *group;
     size_t slot_count; ///< of all processes
-    learn_share own;   ///< slots of this process
+    group_items own;   ///< slots of this process
     train_slot *slots; ///< of this process
     real *gradient;    ///< in a group: the sum
     step_note note;    ///< of the last step
@@ -107,11 +107,11 @@ static size_t slot_begin(size_t slots, size_t pieces, size_t s)
     return s * pieces / slots;
 }
 
-learn_share learn_own_pieces(const bat_group *group, size_t slots, size_t pieces)
+group_items learn_own_pieces(const bat_group *group, size_t slots, size_t pieces)
 {
     size_t count = count_slots(slots, pieces);
-    learn_share own = learn_group_share(group, count);
-    return (learn_share){slot_begin(count, pieces, own.begin), slot_begin(count, pieces, own.end)};
+    group_items own = group_items_of(group, count);
+    return (group_items){slot_begin(count, pieces, own.begin), slot_begin(count, pieces, own.end)};
 }
 
 /// The number of slots of this process.
@@ -127,7 +127,7 @@ static bool allocate_slots(trainer *t)
     size_t total = t->job->parameters->total;
     t->slots = calloc(own_slots(t) + 1, sizeof *t->slots);
     t->tapes = calloc((size_t)t->threads, sizeof *t->tapes);
-    if (learn_group_count(t->group) > 1)
+    if (group_count(t->group) > 1)
     {
         t->gradient = calloc(total, sizeof(real));
         if (t->gradient == NULL)
@@ -162,7 +162,7 @@ static bat_status trainer_make(const learn_job *job, const learn_options *option
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "training needs at least 1 step per epoch and 1 piece per step, and at most 2^64 steps in all");
     t->slot_count = count_slots(options->slots, job->pieces);
-    t->own = learn_group_share(t->group, t->slot_count);
+    t->own = group_items_of(t->group, t->slot_count);
     t->threads = threads_for(options->threads, own_slots(t));
     t->state.seed = options->seed;
     t->state.pieces = job->pieces;
@@ -193,7 +193,7 @@ static void trainer_free(trainer *t)
 
 static bool leads(const trainer *t)
 {
-    return learn_group_rank(t->group) == 0;
+    return group_rank(t->group) == 0;
 }
 
 /// Send what rank 0 has read to all.
@@ -210,9 +210,9 @@ static bat_status share_state(trainer *t, bat_error *error)
                   {state->optimizer.mean, size},
                   {state->optimizer.squares, state->optimizer.squares != NULL ? size : 0},
                   {state->sums, state->sum_count * sizeof *state->sums}};
-    bat_status status = learn_group_broadcast(t->group, 0, &read, sizeof read, error);
+    bat_status status = group_broadcast(t->group, 0, &read, sizeof read, error);
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays && status == BAT_OK; i++)
-        status = learn_group_broadcast(t->group, 0, arrays[i].bytes, arrays[i].size, error);
+        status = group_broadcast(t->group, 0, arrays[i].bytes, arrays[i].size, error);
     state->step = read.step;
     state->plateau = read.plateau;
     state->has_best = read.has_best;
@@ -230,8 +230,8 @@ static bat_status trainer_start(trainer *t, bat_error *error)
         status = learn_checkpoint_read(options->checkpoint, options->name, t->job->parameters, &t->state, error);
     if (leads(t) && status == BAT_OK && observer->begin != NULL)
         status = observer->begin(observer->context, t->state.step, error);
-    status = learn_group_agree(t->group, status, error);
-    return status == BAT_OK && options->resume && learn_group_count(t->group) > 1 ? share_state(t, error) : status;
+    status = bat_group_agree(t->group, status, error);
+    return status == BAT_OK && options->resume && group_count(t->group) > 1 ? share_state(t, error) : status;
 }
 
 // A step
@@ -308,7 +308,7 @@ static void add_own(trainer *t, size_t begin, size_t count)
 static bat_status chain_gradient(trainer *t, bat_error *error)
 {
     const bat_group *group = t->group;
-    size_t total = t->job->parameters->total, run = LEARN_GROUP_RUN / sizeof(real);
+    size_t total = t->job->parameters->total, run = GROUP_RUN / sizeof(real);
     bat_status status = BAT_OK;
     for (size_t begin = 0; begin < total && status == BAT_OK; begin += run)
     {
@@ -328,7 +328,7 @@ static bat_status chain_gradient(trainer *t, bat_error *error)
 static bat_status chain_notes(trainer *t, bat_error *error)
 {
     const bat_group *group = t->group;
-    learn_share own = learn_own_pieces(group, t->options->slots, t->job->pieces);
+    group_items own = learn_own_pieces(group, t->options->slots, t->job->pieces);
     size_t size = t->metric_count * sizeof *t->metrics;
     step_note before;
     bat_status status = BAT_OK;
@@ -364,19 +364,18 @@ static bat_status exchange_step(trainer *t, bat_error *error)
     if (status == BAT_OK)
         status = chain_gradient(t, error);
     if (status == BAT_OK)
-        status = learn_group_broadcast(t->group, last, &t->note, sizeof t->note, error);
+        status = group_broadcast(t->group, last, &t->note, sizeof t->note, error);
     if (status == BAT_OK)
-        status =
-            learn_group_broadcast(t->group, last, t->metrics, t->job->pieces * t->metric_count * sizeof *t->metrics, error);
+        status = group_broadcast(t->group, last, t->metrics, t->job->pieces * t->metric_count * sizeof *t->metrics, error);
     if (status == BAT_OK)
-        status = learn_group_broadcast(t->group, last, t->gradient, t->job->parameters->total * sizeof(real), error);
+        status = group_broadcast(t->group, last, t->gradient, t->job->parameters->total * sizeof(real), error);
     return status;
 }
 
 /// The gradient of the step, from those of the slots.
 static bat_status sum_gradients(trainer *t, real **gradient, bat_error *error)
 {
-    bool alone = learn_group_count(t->group) == 1;
+    bool alone = group_count(t->group) == 1;
     *gradient = alone ? t->slots[0].gradient : t->gradient;
     for (size_t s = 0; s < own_slots(t) && t->note.status == BAT_OK; s++)
         if (t->slots[s].status != BAT_OK)
@@ -451,7 +450,7 @@ static bat_status save(const trainer *t, bat_error *error)
         status = learn_checkpoint_write(options->checkpoint, options->name, t->job->parameters, &t->state, error);
     if (leads(t) && status == BAT_OK && observer->checkpoint != NULL)
         status = observer->checkpoint(observer->context, error);
-    return learn_group_agree(t->group, status, error);
+    return bat_group_agree(t->group, status, error);
 }
 
 static bool is_due(uint64_t every, uint64_t epoch, uint64_t epochs)
@@ -468,7 +467,7 @@ static bat_status validate(trainer *t, uint64_t epoch, bat_error *error)
     if (job->validate == NULL || job->validation_count == 0 ||
         !is_due(t->options->validate_every, epoch, t->options->epochs))
         return BAT_OK;
-    bat_status status = learn_group_agree(t->group, job->validate(job->context, t->validation, error), error);
+    bat_status status = bat_group_agree(t->group, job->validate(job->context, t->validation, error), error);
     if (status != BAT_OK || !learn_plateau_update(&t->state.plateau, &t->options->plateau, epoch, t->validation[0]))
         return status;
     t->state.has_best = true;
@@ -480,18 +479,18 @@ static bat_status validate(trainer *t, uint64_t epoch, bat_error *error)
 static bat_status check_weights(const trainer *t, bat_error *error)
 {
     const learn_parameters *parameters = t->job->parameters;
-    if (learn_group_count(t->group) == 1)
+    if (group_count(t->group) == 1)
         return BAT_OK;
     uint64_t own = hash_bytes(HASH_BEGIN, parameters->values, parameters->total * sizeof(real)), first = own;
-    bat_status status = learn_group_broadcast(t->group, 0, &first, sizeof first, error);
+    bat_status status = group_broadcast(t->group, 0, &first, sizeof first, error);
     if (status != BAT_OK)
         return status;
     if (own != first)
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                            "rank %zu has other weights than rank 0: all processes must be of the same build, on machines of "
                            "the same kind",
-                           learn_group_rank(t->group));
-    return learn_group_agree(t->group, status, error);
+                           group_rank(t->group));
+    return bat_group_agree(t->group, status, error);
 }
 
 /// After the last step of an epoch: validate, tell the observer, and clear the sums.
@@ -521,7 +520,7 @@ static bat_status end_epoch(trainer *t, uint64_t epoch, bat_error *error)
     memset(sums, 0, t->state.sum_count * sizeof *sums);
     if (leads(t) && observer->epoch != NULL)
         status = observer->epoch(observer->context, &done, error);
-    return learn_group_agree(t->group, status, error);
+    return bat_group_agree(t->group, status, error);
 }
 
 /// The steps of the current epoch that remain.
@@ -534,12 +533,12 @@ static bat_status run_epoch(trainer *t, bat_error *error)
     bat_random random = bat_random_seed(place_key(t->options->seed, STREAM_EPOCH, epoch, 0));
     t->epoch_began = clock_seconds();
     bat_status status = job->prepare_epoch != NULL ? job->prepare_epoch(job->context, epoch, &random, error) : BAT_OK;
-    status = learn_group_agree(t->group, status, error);
+    status = bat_group_agree(t->group, status, error);
     while (status == BAT_OK && t->state.step / job->steps == epoch)
     {
         bool stops = progress->report != NULL && !progress->report(progress->context, (double)t->state.step / steps);
         // In a group what counts is the wish that the step before agreed on.
-        if (learn_group_count(t->group) > 1 ? t->note.stops : stops)
+        if (group_count(t->group) > 1 ? t->note.stops : stops)
             return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped at step %llu",
                              (unsigned long long)t->state.step);
         status = run_step(t, stops, error);
@@ -591,7 +590,7 @@ static void fill_report(const trainer *t, learn_report *report)
 bat_status learn_train(const learn_job *job, const learn_options *options, learn_report *report, bat_error *error)
 {
     trainer t;
-    bat_status status = learn_group_agree(options->group, trainer_make(job, options, &t, error), error);
+    bat_status status = bat_group_agree(options->group, trainer_make(job, options, &t, error), error);
     if (status == BAT_OK)
         status = trainer_start(&t, error);
     if (status == BAT_OK)

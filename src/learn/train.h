@@ -1,7 +1,7 @@
 #ifndef LEARN_TRAIN_H
 #define LEARN_TRAIN_H
 
-#include "learn/group.h"
+#include "base/group.h"
 #include "learn/optimizer.h"
 #include "learn/tape.h"
 
@@ -26,7 +26,7 @@ typedef struct learn_piece
 } learn_piece;
 
 /// What is trained, and on what. All functions but `piece_loss` are called from the calling thread. In a group every process
-/// calls them, `piece_loss` for its own pieces alone; `validate` may share its work (learn_group_collect()), but gives every
+/// calls them, `piece_loss` for its own pieces alone; `validate` may share its work (group_collect()), but gives every
 /// process the same metrics.
 typedef struct learn_job
 {
@@ -101,7 +101,7 @@ typedef struct learn_options
 learn_options learn_options_defaults(void);
 
 /// The pieces of every step that this process differentiates.
-learn_share learn_own_pieces(const bat_group *group, size_t slots, size_t pieces);
+group_items learn_own_pieces(const bat_group *group, size_t slots, size_t pieces);
 
 /// The outcome of a training.
 typedef struct learn_report

@@ -22,19 +22,19 @@ typedef struct exchange
 static bat_status collect(const bat_group *group, void *context, bat_error *error)
 {
     const exchange *e = context;
-    learn_share own = learn_group_share(group, e->count);
+    group_items own = group_items_of(group, e->count);
     unsigned char *items = calloc(e->count * e->size + 1, 1);
     for (size_t i = own.begin; i < own.end; i++)
         memset(items + i * e->size, (int)i + 1, e->size);
-    bat_status status = learn_group_collect(group, items, e->size, e->count, BAT_OK, error);
+    bat_status status = group_collect(group, items, e->size, e->count, BAT_OK, error);
     for (size_t i = 0; i < e->count * e->size; i++)
         if (items[i] != i / e->size + 1)
             status = BAT_BAD_FILE;
-    size_t root = 1 % learn_group_count(group);
-    if (learn_group_rank(group) == root)
+    size_t root = 1 % group_count(group);
+    if (group_rank(group) == root)
         memset(items, 7, e->count * e->size);
     if (status == BAT_OK)
-        status = learn_group_broadcast(group, root, items, e->count * e->size, error);
+        status = group_broadcast(group, root, items, e->count * e->size, error);
     for (size_t i = 0; i < e->count * e->size; i++)
         if (items[i] != 7)
             status = BAT_BAD_FILE;
@@ -45,7 +45,7 @@ static bat_status collect(const bat_group *group, void *context, bat_error *erro
 static void items_reach_every_process(void **state)
 {
     (void)state;
-    exchange sizes[] = {{0, 8}, {1, 1}, {3, 8}, {5, 30000}, {7, LEARN_GROUP_RUN}, {2, 3 * LEARN_GROUP_RUN + 5}};
+    exchange sizes[] = {{0, 8}, {1, 1}, {3, 8}, {5, 30000}, {7, GROUP_RUN}, {2, 3 * GROUP_RUN + 5}};
     for (size_t ranks = 1; ranks <= 5; ranks++)
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
             group_succeeds(ranks, collect, &sizes[i]);
@@ -55,13 +55,13 @@ static bat_status fail_in_two(const bat_group *group, void *context, bat_error *
 {
     (void)context;
     bat_status status = BAT_OK;
-    if (learn_group_rank(group) == 1 || learn_group_rank(group) == 3)
+    if (group_rank(group) == 1 || group_rank(group) == 3)
     {
-        status = learn_group_rank(group) == 1 ? BAT_BAD_FILE : BAT_NO_MEMORY;
+        status = group_rank(group) == 1 ? BAT_BAD_FILE : BAT_NO_MEMORY;
         *error = (bat_error){.status = status};
-        (void)snprintf(error->text, sizeof error->text, "rank %zu fails", learn_group_rank(group));
+        (void)snprintf(error->text, sizeof error->text, "rank %zu fails", group_rank(group));
     }
-    return learn_group_agree(group, status, error);
+    return bat_group_agree(group, status, error);
 }
 
 static void the_first_failure_reaches_every_process(void **state)
@@ -104,7 +104,7 @@ static bat_status train_loop(const bat_group *group, void *context, bat_error *e
     const loop *l = context;
     regression r;
     regression_begin(&r);
-    size_t rank = learn_group_rank(group), count = learn_group_count(group);
+    size_t rank = group_rank(group), count = group_count(group);
     learn_job job = regression_job(&r);
     learn_options options = regression_options(&r);
     options.group = group;
@@ -272,13 +272,13 @@ static bat_status train_small(const bat_group *group, void *context, bat_error *
     const small *s = context;
     bat_train_report report = {0};
     bat_train_options run = {.seed = 1, .epochs = 2, .threads = s->threads, .resume = s->resumes, .group = group};
-    run.folder = learn_group_rank(group) == 0 ? s->folder : "/nowhere/at/all";
+    run.folder = group_rank(group) == 0 ? s->folder : "/nowhere/at/all";
     if (s->stops)
         run.progress.report = stop_after_a_third;
     bat_status status = s->kind <= CURVE_BATTEN ? train_curve(s, &run, &report, error)
                         : s->kind == MESH       ? train_mesh(s, &run, &report, error)
                                                 : train_surface(s, &run, &report, error);
-    if (learn_group_rank(group) == 0)
+    if (group_rank(group) == 0)
         *s->report = report;
     return status;
 }

@@ -1,4 +1,4 @@
-#include "learn/group.h"
+#include "base/group.h"
 
 #include <string.h>
 
@@ -9,22 +9,22 @@ typedef struct outcome
     bat_error error;
 } outcome;
 
-learn_share learn_group_share(const bat_group *group, size_t count)
+group_items group_items_of(const bat_group *group, size_t count)
 {
-    size_t rank = learn_group_rank(group), ranks = learn_group_count(group);
+    size_t rank = group_rank(group), ranks = group_count(group);
     size_t each = count / ranks, more = count % ranks;
     size_t begin = rank * each + (rank < more ? rank : more);
-    return (learn_share){begin, begin + each + (rank < more ? 1 : 0)};
+    return (group_items){begin, begin + each + (rank < more ? 1 : 0)};
 }
 
-bat_status learn_group_broadcast(const bat_group *group, size_t root, void *bytes, size_t size, bat_error *error)
+bat_status group_broadcast(const bat_group *group, size_t root, void *bytes, size_t size, bat_error *error)
 {
-    size_t rank = learn_group_rank(group), ranks = learn_group_count(group);
+    size_t rank = group_rank(group), ranks = group_count(group);
     size_t before = (rank + ranks - 1) % ranks, next = (rank + 1) % ranks;
     bat_status status = BAT_OK;
-    for (size_t begin = 0; ranks > 1 && begin < size && status == BAT_OK; begin += LEARN_GROUP_RUN)
+    for (size_t begin = 0; ranks > 1 && begin < size && status == BAT_OK; begin += GROUP_RUN)
     {
-        size_t run = size - begin < LEARN_GROUP_RUN ? size - begin : LEARN_GROUP_RUN;
+        size_t run = size - begin < GROUP_RUN ? size - begin : GROUP_RUN;
         if (rank != root)
             status = group->receive(group->context, before, (char *)bytes + begin, run, error);
         if (status == BAT_OK && next != root)
@@ -33,9 +33,9 @@ bat_status learn_group_broadcast(const bat_group *group, size_t root, void *byte
     return status;
 }
 
-bat_status learn_group_agree(const bat_group *group, bat_status status, bat_error *error)
+bat_status bat_group_agree(const bat_group *group, bat_status status, bat_error *error)
 {
-    size_t rank = learn_group_rank(group), last = learn_group_count(group) - 1;
+    size_t rank = group_rank(group), last = group_count(group) - 1;
     outcome mine, before;
     if (last == 0)
         return status;
@@ -51,7 +51,7 @@ bat_status learn_group_agree(const bat_group *group, bat_status status, bat_erro
     if (sent == BAT_OK && rank < last)
         sent = group->send(group->context, rank + 1, &mine, sizeof mine, error);
     if (sent == BAT_OK)
-        sent = learn_group_broadcast(group, last, &mine, sizeof mine, error);
+        sent = group_broadcast(group, last, &mine, sizeof mine, error);
     if (sent != BAT_OK)
         return sent;
     if (mine.status != BAT_OK && error != NULL)
@@ -59,17 +59,16 @@ bat_status learn_group_agree(const bat_group *group, bat_status status, bat_erro
     return mine.status;
 }
 
-bat_status learn_group_collect(const bat_group *group, void *items, size_t size, size_t count, bat_status status,
-                               bat_error *error)
+bat_status group_collect(const bat_group *group, void *items, size_t size, size_t count, bat_status status, bat_error *error)
 {
-    size_t rank = learn_group_rank(group), last = learn_group_count(group) - 1;
-    learn_share share = learn_group_share(group, count);
-    status = learn_group_agree(group, status, error);
+    size_t rank = group_rank(group), last = group_count(group) - 1;
+    group_items share = group_items_of(group, count);
+    status = bat_group_agree(group, status, error);
     if (last == 0 || status != BAT_OK)
         return status;
     if (rank > 0 && share.begin > 0)
         status = group->receive(group->context, rank - 1, items, share.begin * size, error);
     if (status == BAT_OK && rank < last && share.end > 0)
         status = group->send(group->context, rank + 1, items, share.end * size, error);
-    return status == BAT_OK ? learn_group_broadcast(group, last, items, count * size, error) : status;
+    return status == BAT_OK ? group_broadcast(group, last, items, count * size, error) : status;
 }
