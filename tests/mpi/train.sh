@@ -1,0 +1,81 @@
+#!/bin/sh
+# Trainings of batten-mpi give the bytes of the program. Usage: train.sh mesh|surface|bad BATTEN BATTEN_MPI MPIRUN
+set -u
+what=$1
+batten=$2
+mpi=$3
+mpirun=$4
+# Open MPI refuses to run for root, as in containers, unless both are set. Ranks beyond the processors give way to others.
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+export OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 1
+failures=0
+
+check()
+{
+    name=$1
+    shift
+    "$@" || { echo "FAILED: $name"; sed 's/^/    /' stderr; failures=$((failures + 1)); }
+}
+
+# ranks N CODE ARGUMENTS…: N ranks must end with CODE. What they print is in stdout and stderr.
+ranks()
+{
+    count=$1
+    code=$2
+    shift 2
+    "$mpirun" -n "$count" "$mpi" train "$@" > stdout 2> stderr < /dev/null
+    got=$?
+    check "exit code $got instead of $code: $count ranks, $*" test $got -eq "$code"
+}
+
+same()
+{
+    check "$1 gives the same weights" cmp -s one/model.safetensors "$1/model.safetensors"
+    check "$1 gives the same checkpoint" cmp -s one/checkpoint.safetensors "$1/checkpoint.safetensors"
+}
+
+# all ARGUMENTS…: by one process, by ranks with threads, and after the death of a rank.
+all()
+{
+    rm -rf one ranks* killed
+    "$batten" train "$@" --threads 1 --out one > one.out 2> stderr || exit 1
+    for count in 1 2 3 4; do
+        threads=1
+        [ $count -ne 2 ] || threads=2
+        ranks $count 0 "$@" --threads $threads --out ranks$count
+        same ranks$count
+        check "$count ranks report the same" test "$(sed '$d' stdout)" = "$(sed '$d' one.out)"
+        check "they count what they send" grep -q "^$count ranks: [0-9]* bytes sent in [0-9]* messages" stderr
+    done
+    "$mpirun" -n 3 "$mpi" train "$@" --out killed > stdout 2> stderr < /dev/null &
+    started=$!
+    while kill -0 $started 2> /dev/null && [ ! -e killed/checkpoint.safetensors ]; do sleep 0.1; done
+    rank=$(pgrep -P $started | tail -n 1)
+    [ -z "$rank" ] || kill -KILL "$rank"
+    wait $started
+    ranks 2 0 "$@" --resume --out killed
+    same killed
+}
+
+case $what in
+mesh)
+    "$batten" shape stone --vertices 300 -o stone.obj > stdout 2> stderr || exit 1
+    all mesh stone.obj --pairs 6 --batch 3 --epochs 6 --resampled 2 --vertices 20-30
+    ;;
+surface)
+    all surface --epochs 3 --steps 3 --batch 9 --points 20-60
+    ;;
+bad)
+    ranks 2 1 mesh missing.obj
+    check "one message names the file" test "$(grep -c '^batten: missing.obj: ' stderr)" -eq 1
+    check "no other message of batten" test "$(grep -c '^batten: ' stderr)" -eq 1
+    ranks 2 2 mesh --batch none missing.obj
+    check "one message names the option" test "$(grep -c '^batten: .*batch' stderr)" -eq 1
+    ranks 2 1 surface --steps 50 --points 20-30 --epochs 1 --batch 2 --rate 1e300 --out bad
+    check "one message says what is not finite" test "$(grep -c '^batten: .*not finite at step' stderr)" -eq 1
+    ;;
+esac
+[ $failures -eq 0 ]
