@@ -6,6 +6,11 @@
 
 static counts here;
 
+void counts_wait(double seconds)
+{
+    here.waiting += seconds;
+}
+
 counts counts_now(void)
 {
     struct rusage usage;

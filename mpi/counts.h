@@ -21,6 +21,9 @@ typedef struct counts
     double memory;   ///< bytes: the largest resident set so far
 } counts;
 
+/// Add seconds that this rank waited for others outside the functions that wait by themselves.
+void counts_wait(double seconds);
+
 /// The counts of this rank since the start.
 counts counts_now(void);
 
