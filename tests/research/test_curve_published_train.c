@@ -245,8 +245,9 @@ static void midpoints_keep_the_largest_angle(void **state)
     fixture f = fixture_make();
     memset(f.parameters.values, 0, f.parameters.total * sizeof *f.parameters.values);
     bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT];
-    check_status(curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, f.data.validation, NULL, 2, scores, NULL),
-                 BAT_OK);
+    check_status(
+        curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, f.data.validation, NULL, 2, scores, NULL),
+        BAT_OK);
     const bat_space spaces[] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
     {
@@ -276,7 +277,8 @@ static void distances_are_those_of_the_library(void **state)
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
         sets[space].count = space == BAT_TENSION_SPHERE ? 1 : 0;
     bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT];
-    check_status(curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, sets, NULL, 0, scores, NULL), BAT_OK);
+    check_status(curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, sets, NULL, 0, scores, NULL),
+                 BAT_OK);
     assert_true(isnan(scores[BAT_TENSION_PLANE].mean_nn));
     check_near(curve_published_metric(scores), scores[BAT_TENSION_SPHERE].mean_nn, 0);
 
