@@ -37,7 +37,7 @@ static const option_spec OPTIONS[] = {
      "mesh), or a file with u v of each point of IN"},
     {"model", 0, "FILE", "learned: a network of your own, a safetensors file"},
     {"published", 0, NULL, "classical neighbourhoods as published: they may fail"},
-    {"slide-boundary", 0, NULL, "corrections move boundary parameters too, along their sides"},
+    {"slide-boundary", 0, NULL, "no border curves: corrections move boundary parameters along their sides"},
     {"force", 0, NULL, "write also a surface that the points prove wrong"},
     {"trim", 0, NULL,
      "fit over a rectangle around the points, and cut along their outline, which may be concave, and their holes"},

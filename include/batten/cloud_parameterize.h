@@ -44,7 +44,8 @@ typedef struct bat_cloud_parameterize_options
     /// 3 / sqrt(count), eq. (7) of Giannelli et al. (2023); adaptive ones choose it. Adaptive ones begin with a given
     /// radius. Default 0.
     double radius;
-    int threads; ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
+    int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress; ///< of the rounds of iterative methods; default: none
 } bat_cloud_parameterize_options;
 
 /// The default options.

@@ -44,9 +44,11 @@ typedef struct bat_surface_options
     const bat_surface_model *model;    ///< null: the built-in one
     const double *given; ///< count x 2 for BAT_SURFACE_PARAMETERS_GIVEN, each in [0, 1]^2, in the cloud's order; they
                          ///< are not unfolded
-    bool slide_boundary; ///< correction moves boundary parameters along their sides (bat_surface_fit_data); default false
-    bool no_repair;      ///< leave folds, only report them; default false
-    bool force;          ///< give also a surface that is judged to be wrong; default false
+    /// Correction moves boundary parameters along their sides, without border curves (bat_surface_fit_data); default false.
+    /// Published options and given parameters have no border curves either.
+    bool slide_boundary;
+    bool no_repair; ///< leave folds, only report them; default false
+    bool force;     ///< give also a surface that is judged to be wrong; default false
     /// Fit a surface over a rectangle around the points, and trim it by their outline and holes; default false. The outline
     /// may be concave. `parameters` must be BAT_SURFACE_PARAMETERS_AUTO; a known boundary is not used.
     bool trim;

@@ -20,6 +20,9 @@ typedef struct bat_surface_fit_data
     /// Whether correction moves boundary parameters along their sides; those at the square's corners always stay. With few
     /// boundary points for the number of functions, they cluster, and the surface oscillates between them.
     bool slides;
+    /// Whether each side gets a border curve with a smoothing weight of its own. The curves hold the border of the surface,
+    /// and boundary points are then as free as others. It takes six boundary points on each side, else this has no effect.
+    bool border;
 } bat_surface_fit_data;
 
 /// The largest number of rings of cells that are refined around a marked one.

@@ -91,6 +91,16 @@ static const char *path_ending(const char *path)
     return letter ? dot : NULL;
 }
 
+/// What to say of endings of files that are not read.
+static const struct
+{
+    const char *endings, *text;
+} HINTS[] = {
+    {".gz .bz2 .xz .zst .zip", ", of compressed files"},
+    {".laz", ", of compressed LAS files, which laszip and PDAL expand"},
+    {".e57", ", of E57 files, which PDAL and CloudCompare convert to LAS or PLY"},
+};
+
 bat_status choice_for_path(const choice_table *table, const char *path, bool writes, const char *option,
                            const bat_choice **row, bat_error *error)
 {
@@ -99,11 +109,13 @@ bat_status choice_for_path(const choice_table *table, const char *path, bool wri
     if (ending == NULL || (*row != NULL && row_serves(*row, writes)))
         return BAT_OK;
     char known[2 * BAT_ERROR_TEXT_SIZE / 3];
-    bool packed = has_ending(".gz .bz2 .xz .zst .zip", ending);
+    const char *hint = "";
+    for (size_t i = 0; i < sizeof HINTS / sizeof *HINTS; i++)
+        if (has_ending(HINTS[i].endings, ending))
+            hint = HINTS[i].text;
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                      "no %s that is %s has the ending '%.20s'%s; there are %s, and --%s names a format", table->what,
-                     writes ? "written" : "read", ending, packed ? ", of compressed files" : "",
-                     choice_endings(table, writes, known, sizeof known), option);
+                     writes ? "written" : "read", ending, hint, choice_endings(table, writes, known, sizeof known), option);
 }
 
 bool choice_list(const choice_table *table, size_t index, bat_choice *choice)

@@ -79,6 +79,7 @@ static bat_status parameterize_classical(const bat_cloud *cloud, const double *b
     method_options.method = METHODS[kind];
     method_options.published = options->published && method_options.method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
     method_options.threads = options->fit.threads;
+    method_options.progress = options->fit.progress;
     return bat_cloud_parameterize(cloud, boundary, &method_options, parameters, error);
 }
 
@@ -241,8 +242,8 @@ static bool boundary_on_sides(const bat_cloud *cloud, const double *parameters)
 }
 
 bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *geometry,
-                                 const bat_surface_fit_options *options, bool slides, surface_candidate *candidate,
-                                 bat_error *error)
+                                 const bat_surface_fit_options *options, bool slides, bool border,
+                                 surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
     candidate->corrected = memory_array(cloud->count, 2 * sizeof *candidate->corrected);
@@ -255,7 +256,8 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
                                  .dimension = 3,
                                  .boundary_count =
                                      boundary_on_sides(cloud, candidate->parameters) ? cloud->boundary_count : 0,
-                                 .slides = slides};
+                                 .slides = slides,
+                                 .border = border};
     bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
@@ -298,7 +300,7 @@ static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, 
 }
 
 bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
-                                        size_t points, surface_candidate *candidate, bat_error *error)
+                                        bool border, size_t points, surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
     cloud_sample sample;
@@ -314,7 +316,8 @@ bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surfac
                                  .count = sample.count,
                                  .dimension = 3,
                                  .boundary_count = sample.boundary_count,
-                                 .slides = slides};
+                                 .slides = slides,
+                                 .border = border};
     if (status == BAT_OK)
         status = bat_surface_fit(&data, &trial, &surface, &fit, &failure);
     if (status == BAT_OK)

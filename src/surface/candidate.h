@@ -33,11 +33,11 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
 /// @param slides   see bat_surface_fit_data
 /// @return see surface_candidate_make(); also BAT_CANCELLED
 bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *geometry,
-                                 const bat_surface_fit_options *options, bool slides, surface_candidate *candidate,
-                                 bat_error *error);
+                                 const bat_surface_fit_options *options, bool slides, bool border,
+                                 surface_candidate *candidate, bat_error *error);
 /// Fit a surface to a random sample of about `points` points and store only its metrics.
 bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surface_fit_options *options, bool slides,
-                                        size_t points, surface_candidate *candidate, bat_error *error);
+                                        bool border, size_t points, surface_candidate *candidate, bat_error *error);
 
 /// Give the parameters of a candidate that was fitted to a part of a cloud to all points: those of their feet on its
 /// surface, found from that of the nearest point of the part. The surface and the report of its fit are dropped.

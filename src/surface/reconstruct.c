@@ -271,6 +271,14 @@ static void set_spans(const reconstruction *work, bat_hierarchical_options *spac
         space->spans[0] = (size_t)ratio;
 }
 
+/// Whether the sides get border curves.
+static bool has_border(const reconstruction *work)
+{
+    const bat_surface_options *options = work->options;
+    return work->boundary != NULL && !options->slide_boundary && !options->published &&
+           options->parameters != BAT_SURFACE_PARAMETERS_GIVEN;
+}
+
 static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
@@ -280,13 +288,16 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     fit.progress = fit_progress(work, share * (double)number, share, parts);
     if (!progress_goes_on(fit.progress, 0))
         return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-    bool slides = work->options->slide_boundary;
+    bool slides = work->options->slide_boundary, border = has_border(work);
     const bat_cloud *cloud = parameterized(work);
     size_t maximum = cloud->count / POINTS_PER_FUNCTION;
     if (has_part && (fit.functions == 0 || fit.functions > maximum))
         fit.functions = fit.functions == 0 ? 0 : maximum;
     surface_candidate *candidate = &work->candidates[number];
     bat_surface_options options = *work->options;
+    // Charts only ask whether to go on: their share of the time is small.
+    progress_part chart = {fit.progress, 0, 0};
+    options.fit.progress = progress_of_part(&chart);
     if (work->planar != NULL)
     {
         options.given = work->planar;
@@ -298,8 +309,9 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     if (status == BAT_OK && !progress_goes_on(fit.progress, 0))
         status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
-        status = all || has_part ? surface_candidate_fit(cloud, &work->geometry, &fit, slides, candidate, error)
-                                 : surface_candidate_fit_sample(cloud, &fit, slides, SAMPLE_POINTS, candidate, error);
+        status = all || has_part
+                     ? surface_candidate_fit(cloud, &work->geometry, &fit, slides, border, candidate, error)
+                     : surface_candidate_fit_sample(cloud, &fit, slides, border, SAMPLE_POINTS, candidate, error);
     return status;
 }
 
@@ -340,7 +352,8 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     if (work->part.members != NULL)
         status = surface_candidate_extend(work->best, &work->part, work->cloud, work->boundary, error);
     if (status == BAT_OK)
-        status = surface_candidate_fit(work->cloud, &work->geometry, &fit, work->options->slide_boundary, work->best, error);
+        status = surface_candidate_fit(work->cloud, &work->geometry, &fit, work->options->slide_boundary, has_border(work),
+                                       work->best, error);
     return status == BAT_OK ? check_best(work, error) : status;
 }
 
@@ -429,6 +442,7 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
 {
     reconstruction work = {.cloud = cloud, .options = options, .disc = disc};
     double begin = clock_seconds();
+    progress_part prepare_part = {options->fit.progress, PREPARE_SHARE, 0};
     bat_status status = prepare(&work, error);
     double prepared = clock_seconds();
     if (status == BAT_OK)
@@ -439,7 +453,8 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     if (status == BAT_OK && !progress_goes_on(work.options->fit.progress, PREPARE_SHARE))
         status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     if (status == BAT_OK)
-        status = cloud_geometry_make(parameterized(&work), work.options->fit.threads, &work.geometry, error);
+        status = cloud_geometry_make(parameterized(&work), work.options->fit.threads, progress_of_part(&prepare_part),
+                                     &work.geometry, error);
     double measured = clock_seconds();
     if (status == BAT_OK && work.options->trim)
         status = make_trimming(&work, error);

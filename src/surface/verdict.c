@@ -8,6 +8,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "base/threads.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/noise.h"
@@ -24,6 +25,7 @@ enum
     MIN_SIDE = 2, ///< samples of a cell in each direction
     MAX_SIDE = 16,
     MAX_SAMPLES = 400000,
+    BLOCK_POINTS = 65536, ///< measured between two questions whether to go on
     SPACING_POINTS = 12,
     /// With fewer points than so many neighbourhoods have together, tangent planes say too little: only distances are
     /// judged.
@@ -79,7 +81,22 @@ static bool star_scratch_reserve(star_scratch *scratch, size_t count)
     return scratch->capacity > 0;
 }
 
-/// The area of a point: a third of that of its triangles in a Delaunay triangulation of its tangent plane.
+/// The part of the triangle of the origin, a and b that is nearest to the origin: the mixed area of Meyer, Desbrun,
+/// Schroeder and Barr, "Discrete differential-geometry operators" (2003). The parts of the corners of a triangle sum up to
+/// it. In a star whose neighbours lie on one circle with the origin, as in grids, they do not depend on the diagonals.
+static double mixed_area(const double a[2], const double b[2])
+{
+    double area = fmax(a[0] * b[1] - a[1] * b[0], 0) / 2;
+    double aa = a[0] * a[0] + a[1] * a[1], bb = b[0] * b[0] + b[1] * b[1], ab = a[0] * b[0] + a[1] * b[1];
+    if (!(area > 0) || ab <= 0)
+        return area / 2;
+    if (aa <= ab || bb <= ab)
+        return area / 4;
+    // The cotangents at b and at a are (bb - ab) and (aa - ab) over twice the area.
+    return (aa * (bb - ab) + bb * (aa - ab)) / (16 * area);
+}
+
+/// The area of a point: its parts of its triangles in a Delaunay triangulation of its tangent plane.
 static double star_area(const star_scratch *scratch, size_t count, double spacing)
 {
     size_t ring[STAR_MAX_RING];
@@ -91,7 +108,7 @@ static double star_area(const star_scratch *scratch, size_t count, double spacin
         const double *a = scratch->planar[ring[k]], *b = scratch->planar[ring[(k + 1) % corners]];
         double longest = fmax(fmax(hypot(a[0], a[1]), hypot(b[0], b[1])), hypot(a[0] - b[0], a[1] - b[1]));
         if (longest < MAX_SPOKE * spacing)
-            sum += fmax(a[0] * b[1] - a[1] * b[0], 0) / 6;
+            sum += mixed_area(a, b);
     }
     return sum;
 }
@@ -122,42 +139,59 @@ static bool measure_point(cloud_geometry *geometry, size_t point, star_scratch *
     return true;
 }
 
-static bat_status measure_points(cloud_geometry *geometry, int threads, bat_error *error)
+/// Measure the points from `begin` to `end`. False when out of memory.
+static bool measure_block(cloud_geometry *geometry, size_t begin, size_t end, int threads, double *areas)
 {
-    size_t count = geometry->order.cloud.count;
-    geometry->spacing = memory_array(count, sizeof *geometry->spacing);
-    double *areas = memory_array(count, sizeof *areas);
-    bool complete = geometry->spacing != NULL && areas != NULL;
-#pragma omp parallel num_threads(threads_for(threads, count / 256 + 1)) if (complete) reduction(&& : complete)
+    bool complete = true;
+#pragma omp parallel num_threads(threads_for(threads, (end - begin) / 256 + 1)) reduction(&& : complete)
     {
         star_scratch scratch = {0};
 #pragma omp for schedule(dynamic, 256)
-        for (size_t i = 0; i < count; i++)
+        for (size_t i = begin; i < end; i++)
             complete = complete && measure_point(geometry, i, &scratch, &areas[i]);
         neighbour_list_free(&scratch.near);
         free(scratch.planar);
         free(scratch.inverse);
     }
-    for (size_t i = 0; complete && i < count; i++)
+    return complete;
+}
+
+static bat_status measure_points(cloud_geometry *geometry, int threads, bat_progress progress, bat_error *error)
+{
+    size_t count = geometry->order.cloud.count;
+    geometry->spacing = memory_array(count, sizeof *geometry->spacing);
+    double *areas = memory_array(count, sizeof *areas);
+    bool complete = geometry->spacing != NULL && areas != NULL, goes_on = true;
+    // Blocks: the caller is asked between them whether to go on.
+    for (size_t begin = 0; begin < count && complete && goes_on; begin += BLOCK_POINTS)
+    {
+        goes_on = progress_goes_on(progress, (double)begin / (double)count);
+        complete =
+            measure_block(geometry, begin, count - begin < BLOCK_POINTS ? count : begin + BLOCK_POINTS, threads, areas);
+    }
+    for (size_t i = 0; complete && goes_on && i < count; i++)
         geometry->area += areas[i];
-    if (complete)
+    if (complete && goes_on)
     {
         memcpy(areas, geometry->spacing, count * sizeof *areas);
         qsort(areas, count, sizeof *areas, ascending);
         geometry->middle_spacing = areas[count / 2];
     }
     free(areas);
+    if (!goes_on)
+        return error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     return complete ? BAT_OK : error_memory(error, count * 2 * sizeof(double));
 }
 
-bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, cloud_geometry *geometry, bat_error *error)
+bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, bat_progress progress, cloud_geometry *geometry,
+                               bat_error *error)
 {
     *geometry = (cloud_geometry){.frame = unit_frame_of(cloud->points, cloud->count)};
     bat_status status = spatial_order_make(cloud, &geometry->order, error);
     if (status == BAT_OK)
         status = oriented_planes_make(&geometry->order.cloud, &geometry->order.tree, &geometry->oriented, error);
     if (status == BAT_OK)
-        status = measure_points(geometry, threads, error);
+        status = measure_points(geometry, threads, progress, error);
     if (status == BAT_OK)
         status = noise_estimate(geometry->order.cloud.points, &geometry->order.tree, &geometry->noise, error);
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -286,6 +320,11 @@ static bat_status measure_samples(const cloud_geometry *geometry, int threads, s
         neighbour_list_free(&near);
     }
     return complete ? BAT_OK : error_memory(error, sizeof(neighbour));
+}
+
+static bat_status judge_check(const bat_surface_fit_options *options, bat_error *error)
+{
+    return progress_goes_on(options->progress, 1) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
 }
 
 /// A distance with its share of the area.
@@ -422,10 +461,14 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     bat_status status = set_samples(surface, count, &samples, error);
     if (status == BAT_OK)
         status = clip_samples(&surface->trim, parameters, count, &samples, error);
+    if (status == BAT_OK)
+        status = judge_check(options, error);
     if (status == BAT_OK && samples.count > 0)
         status = bat_spline_surface_evaluate(surface, samples.parameters, samples.count, 1, samples.values, error);
     if (status == BAT_OK)
         status = measure_samples(geometry, options->threads, &samples, error);
+    if (status == BAT_OK)
+        status = judge_check(options, error);
     if (status == BAT_OK)
         sum_samples(geometry, &samples, verdict);
     if (status == BAT_OK && samples.count > 0)

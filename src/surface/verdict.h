@@ -23,15 +23,17 @@ typedef struct cloud_geometry
 } cloud_geometry;
 
 /// Measure a cloud.
-/// @return BAT_OK or BAT_NO_MEMORY; release `geometry` in both cases
-bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, cloud_geometry *geometry, bat_error *error);
+/// @param progress asked whether to go on
+/// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY; release `geometry` in all cases
+bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, bat_progress progress, cloud_geometry *geometry,
+                               bat_error *error);
 void cloud_geometry_free(cloud_geometry *geometry);
 
 /// Judge a surface over the bounding box of the parameters of the points.
 /// @param parameters of the points, [count x 2]
 /// @param distances of the points of the cloud from the surface, [count], in the units of the cloud
-/// @param options   of the fit: threads, and the tolerance that was asked for
-/// @return BAT_OK or BAT_NO_MEMORY
+/// @param options   of the fit: threads, progress, and the tolerance that was asked for
+/// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY
 bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *parameters,
                          const double *distances, size_t count, const bat_surface_fit_options *options,
                          bat_surface_verdict *verdict, bat_error *error);

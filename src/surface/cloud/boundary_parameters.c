@@ -92,7 +92,9 @@ static const double PI = 3.14159265358979323846;
 static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
 /// Minimum share of a side in the loop.
 #define MIN_SIDE (1.0 / 40)
-static const double EVENNESS = 6.0;
+static const double EVENNESS = 4.0;
+/// From this sharpness on, the turning angle is extrapolated to chords of length 0: the sides at a corner may be curved.
+static const double CURVED_SHARPNESS = 0.5;
 /// Turning angles below this multiple of a circle's count as smooth; those above MAX_TURN count as MAX_TURN.
 static const double SMOOTH_TURN = 2.0;
 static const double MAX_TURN = 2.0943951023931953; // 2 pi / 3
@@ -183,7 +185,7 @@ static void turns_at(const corner_search *search, size_t at, double chord, const
 
 static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
 {
-    double length = cloud_loop_length(&search->loop), space_sum = 0, plane_sum = 0, circle_sum = 0;
+    double length = cloud_loop_length(&search->loop), space_sum = 0, circle_sum = 0, in_plane[WINDOWS], plane_sum = 0;
     const double *here = search->points + 3 * at;
     bat_status status = neighbours_within(&search->tree, here, WINDOW_SHARES[WINDOWS - 1] * length, &search->near, error);
     if (status == BAT_OK && search->near.count < MIN_NEIGHBOURS)
@@ -193,13 +195,17 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
     local_plane plane = local_plane_fit(search->samples, &search->near);
     for (int w = 0; w < WINDOWS; w++)
     {
-        double in_space, in_plane;
-        turns_at(search, at, WINDOW_SHARES[w] * length, &plane, &in_space, &in_plane);
+        double in_space;
+        turns_at(search, at, WINDOW_SHARES[w] * length, &plane, &in_space, &in_plane[w]);
         space_sum += in_space / WINDOWS;
-        plane_sum += in_plane / WINDOWS;
+        plane_sum += in_plane[w] / WINDOWS;
         circle_sum += 2 * PI * WINDOW_SHARES[w] / WINDOWS;
     }
     double sharp = fmin(plane_sum, MAX_TURN) - SMOOTH_TURN * circle_sum;
+    // The line of least squares through the turning angles, at chords of length 0; WINDOW_SHARES has equal steps.
+    double slope = 0.5 * (in_plane[WINDOWS - 1] - in_plane[0]) / (WINDOW_SHARES[1] - WINDOW_SHARES[0]);
+    if (sharp >= CURVED_SHARPNESS)
+        sharp = fmax(sharp, fmin(plane_sum - slope * WINDOW_SHARES[1], MAX_TURN) - SMOOTH_TURN * circle_sum);
     search->sharpness[at] = fmax(sharp, 0) + TURN_IN_SPACE * space_sum;
     return BAT_OK;
 }

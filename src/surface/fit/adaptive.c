@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "batten/surface_fit.h"
+#include "surface/fit/border.h"
 #include "surface/fit/foot_points.h"
 #include "surface/fit/marking.h"
 #include "surface/fit/smoothing.h"
@@ -153,6 +154,8 @@ static bat_status update_robust_weights(fit_points *points, double size, size_t 
         double scale = fmax(NORMAL_SCALE * median(sorted, end - begin), global);
         for (size_t row = begin; row < end; row++)
         {
+            if (points->number[row] >= points->own)
+                continue;
             points->weight[row] = scale > 0 ? biweight(points->distance[row], scale) : 1;
             found += points->weight[row] == 0;
         }
@@ -181,6 +184,7 @@ typedef struct fit_loop
     const bat_surface_fit_options *options;
     const bat_surface_team *team; ///< null for one process
     fit_points points;
+    fit_border border; ///< empty without
     bat_hierarchical_space *space;
     fit_system system;
     fit_solver *solver;
@@ -216,6 +220,7 @@ static void loop_free(fit_loop *loop)
 {
     loop_free_fit(loop);
     fit_points_free(&loop->points);
+    fit_border_free(&loop->border);
     bat_hierarchical_space_free(loop->space);
     bat_hierarchical_space_free(loop->best.space);
     free(loop->best.parameter);
@@ -294,8 +299,10 @@ static bat_status loop_make(const bat_surface_team *team, const bat_surface_fit_
     if (loop->rounds == NULL)
         return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
     bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
+    if (status == BAT_OK && team == NULL && data->border && data->boundary_count > 0)
+        status = fit_border_make(data, options, &loop->border, error);
     if (status == BAT_OK)
-        status = team == NULL ? fit_points_make(data, NULL, options->space.truncated, &loop->points, error)
+        status = team == NULL ? fit_border_points(&loop->border, data, options->space.truncated, &loop->points, error)
                               : fit_points_make_part(team, data, numbers, options->space.truncated, &loop->points, error);
     size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
@@ -396,6 +403,20 @@ static bat_status fit_control(fit_loop *loop, bool search, bat_error *error)
     return status;
 }
 
+/// Leave boundary points on the edge to the border curves.
+static void leave_out_edges(fit_loop *loop)
+{
+    fit_points *points = &loop->points;
+    for (size_t row = 0; row < points->count; row++)
+    {
+        if (points->number[row] >= loop->border.boundary_count || (loop->held != NULL && loop->held[row]))
+            continue;
+        bool takes = fit_border_takes(&loop->border, points->number[row]);
+        if (!takes || !loop->options->robust)
+            points->weight[row] = takes ? 1 : 0;
+    }
+}
+
 /// Measure distances, or move the parameters to foot points, and update the robust weights.
 static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *error)
 {
@@ -418,6 +439,12 @@ static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *err
     if (status == BAT_OK && loop->held != NULL)
         status = measure_held_out(loop, error);
     loop->corrects = loop->corrects || correct;
+    if (status == BAT_OK && correct && loop->border.samples > 0)
+    {
+        status = fit_border_update(&loop->border, &loop->nets, &loop->points, error);
+        if (status == BAT_OK)
+            leave_out_edges(loop);
+    }
     return status;
 }
 
@@ -473,6 +500,8 @@ static void distance_terms(const void *context, size_t row, double *sums)
 {
     const fit_loop *loop = context;
     double distance = loop->points.distance[row];
+    if (loop->points.number[row] >= loop->points.own)
+        return;
     sums[0] += distance * distance;
     sums[1] += distance <= loop->options->tolerance;
 }
@@ -489,7 +518,7 @@ static bat_status find_worst(const fit_points *points, worst_point *worst, bat_e
 {
     *worst = (worst_point){0};
     for (size_t row = 0; row < points->count; row++)
-        if (points->distance[row] > worst->distance)
+        if (points->number[row] < points->own && points->distance[row] > worst->distance)
             *worst = (worst_point){points->distance[row], points->before + row, points->number[row]};
     size_t *sizes;
     char *all;
@@ -813,8 +842,9 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     double *distances = report == NULL ? NULL : memory_array(data->count, sizeof *distances);
     if (report != NULL && distances == NULL)
         return error_memory(error, data->count * sizeof *distances);
-    for (size_t row = 0; report != NULL && row < data->count; row++)
-        distances[loop->team != NULL ? row : loop->points.number[row]] = loop->points.distance[row];
+    for (size_t row = 0; report != NULL && row < loop->points.count; row++)
+        if (loop->points.number[row] < loop->points.own)
+            distances[loop->team != NULL ? row : loop->points.number[row]] = loop->points.distance[row];
     uint64_t changed = fit_points_return(&loop->points, data);
     bat_status status = team_sum_counts(loop->team, &changed, 1, error);
     if (status != BAT_OK)

@@ -458,7 +458,7 @@ static bat_status restart_feet(const fit_nets *nets, fit_points *points, const w
 static void distance_terms(const void *context, size_t row, double *sums)
 {
     const fit_points *points = context;
-    sums[0] += points->distance[row];
+    sums[0] += points->number[row] < points->own ? points->distance[row] : 0;
 }
 
 bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_correction correction, int threads,
@@ -514,7 +514,7 @@ bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double
                 const double *at = points->parameter + 2 * row;
                 foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
                 foot_measure(nets, points->position + row * nets->dimension, scratch, &now);
-                count += is_near(nets, &now, reach);
+                count += points->number[row] < points->own && is_near(nets, &now, reach);
             }
         free(scratch);
     }

@@ -393,7 +393,7 @@ static bat_status gather_all(gather_context *gather, double *values, double *rig
     return status;
 }
 
-/// The terms of a point in the sums: w |x|^2, and 1 where the weight is positive.
+/// The terms of a point in the sums: w |x|^2, and 1 for a point with positive weight.
 static void square_terms(const void *context, size_t row, double *sums)
 {
     const fit_points *points = context;
@@ -401,7 +401,7 @@ static void square_terms(const void *context, size_t row, double *sums)
     for (size_t k = 0; k < points->dimension; k++)
         square += points->position[row * points->dimension + k] * points->position[row * points->dimension + k];
     sums[0] += points->weight[row] * square;
-    sums[1] += points->weight[row] > 0;
+    sums[1] += points->weight[row] > 0 && points->number[row] < points->own;
 }
 
 bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_error *error)

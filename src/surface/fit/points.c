@@ -201,7 +201,7 @@ static void copy_rows(const bat_surface_fit_data *data, const double *weights, b
 bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
                            bat_error *error)
 {
-    *points = (fit_points){.total = data->count, .count = data->count, .dimension = data->dimension};
+    *points = (fit_points){.total = data->count, .own = data->count, .count = data->count, .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
         status = set_numbers(data, points->number, error);
@@ -215,7 +215,7 @@ bat_status fit_points_make_part(const bat_surface_team *team, const bat_surface_
                                 bool centred, fit_points *points, bat_error *error)
 {
     uint64_t total = data->count, before = 0;
-    *points = (fit_points){.team = team, .count = data->count, .dimension = data->dimension};
+    *points = (fit_points){.team = team, .own = SIZE_MAX, .count = data->count, .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
         status = team_sum_counts(team, &total, 1, error);
@@ -321,6 +321,8 @@ size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data)
     size_t moved = 0;
     for (size_t row = 0; row < points->count; row++)
     {
+        if (points->number[row] >= points->own)
+            continue;
         double *at = data->parameters + 2 * (points->team != NULL ? row : (size_t)points->number[row]);
         const double *now = points->parameter + 2 * row;
         moved += at[0] != now[0] || at[1] != now[1];

@@ -12,7 +12,8 @@
 typedef struct average_solver
 {
     bool direct;
-    int threads; ///< threads of the iteration, 0: the default of OpenMP; the result does not depend on it
+    int threads;           ///< threads of the iteration, 0: the default of OpenMP; the result does not depend on it
+    bat_progress progress; ///< of the rounds of iterative methods
 } average_solver;
 
 /// Solve for some interior points.

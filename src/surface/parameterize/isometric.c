@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "linalg/multifrontal.h"
 #include "linalg/vector3.h"
 #include "surface/parameterize/delaunay.h"
@@ -376,7 +377,7 @@ static double take_step(isometric_problem *problem, double energy, double slope)
     return energy;
 }
 
-static bat_status run_rounds(isometric_problem *problem, bat_error *error)
+static bat_status run_rounds(isometric_problem *problem, bat_progress progress, bat_error *error)
 {
     double energy = energy_of(problem, problem->parameters);
     bat_status status = BAT_OK;
@@ -385,6 +386,11 @@ static bat_status run_rounds(isometric_problem *problem, bat_error *error)
         return error_memory(error, problem->unknowns * sizeof *gradient);
     for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && isfinite(energy); round++)
     {
+        if (!progress_goes_on(progress, (double)round / MAX_ROUNDS))
+        {
+            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+            break;
+        }
         assemble(problem);
         if (!(multifrontal_factor(problem->solver, problem->values, NULL) > 0))
             break;
@@ -640,7 +646,7 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
             status = problem_make(cloud, parameters, solver, used, &problem, error);
     }
     if (status == BAT_OK && problem.solver != NULL)
-        status = run_rounds(&problem, error);
+        status = run_rounds(&problem, solver.progress, error);
     if (status == BAT_OK && problem.solver != NULL)
         status = store(cloud, rows, solver, used, &problem, parameters, error);
     problem_free(&problem);

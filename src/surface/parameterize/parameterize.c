@@ -114,6 +114,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
 static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *boundary,
                                         const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
+    average_solver solver = {.threads = options->threads, .progress = options->progress};
     spatial_order order = {0};
     sparse_rows rows = {0};
     double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
@@ -124,12 +125,12 @@ static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *bo
     if (status == BAT_OK)
     {
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
-        status = averages_solve(&order.cloud, &rows, NULL, (average_solver){.threads = options->threads}, ordered, error);
+        status = averages_solve(&order.cloud, &rows, NULL, solver, ordered, error);
     }
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING)
-        status = stretch_minimize(&order.cloud, &rows, (average_solver){.threads = options->threads}, ordered, error);
+        status = stretch_minimize(&order.cloud, &rows, solver, ordered, error);
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_ISOMETRIC)
-        status = isometric_minimize(&order.cloud, &rows, (average_solver){.threads = options->threads}, ordered, error);
+        status = isometric_minimize(&order.cloud, &rows, solver, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
     sparse_rows_free(&rows);

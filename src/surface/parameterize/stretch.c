@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -136,6 +137,11 @@ bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_s
         memcpy(next, parameters, 2 * cloud->count * sizeof *next);
     for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
     {
+        if (!progress_goes_on(solver.progress, (double)round / MAX_ROUNDS))
+        {
+            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+            break;
+        }
         status = reweight_and_solve(cloud, rows, solver, MIN_STRETCH * energy, stretch, next, &reduced, error);
         if (status != BAT_OK || !(reduced < (1 - MIN_REDUCTION) * energy))
             break;

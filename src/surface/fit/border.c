@@ -1,0 +1,433 @@
+/// @file
+/// Border curves of a fit; see border.h.
+
+#include "surface/fit/border.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MIN_SIDE_POINTS = 6,   ///< fewest boundary points of a side
+    SAMPLES_PER_POINT = 2, ///< samples of a side for each of its points
+    POINTS_PER_SPAN = 2,   ///< of a border curve
+    CURVE_DEGREE = 3,      ///< of a border curve
+    CURVE_CORRECTIONS = 2, ///< rounds that move points along their curve
+    CORNERS = 4
+};
+
+// Weight of a sample, relative to a point.
+static const double SAMPLE_WEIGHT = 2;
+// Mean distance of the edge of randomly scattered points from the curve, in units of the loop's roughness.
+static const double OFFSET = 1.35;
+// Loops with less roughness, in distances between their points, run along the edge.
+static const double ROUGH = 0.08;
+// Below this ratio of roughness to noise the two cannot be told apart.
+static const double NOISE_RATIO = 0.75;
+
+void fit_border_free(fit_border *border)
+{
+    for (int s = 0; s < FIT_BORDER_SIDES; s++)
+    {
+        bat_spline_surface_free(&border->sides[s].curve);
+        free(border->sides[s].points);
+        free(border->sides[s].at);
+    }
+    free(border->side);
+    free(border->points);
+    free(border->at);
+    free(border->foot);
+    *border = (fit_border){0};
+}
+
+/// The parameter that varies along a side, and the value of the other one.
+static size_t along_of(int side)
+{
+    return (size_t)side % 2;
+}
+
+static double level_of(int side)
+{
+    return side == 1 || side == 2 ? 1 : 0;
+}
+
+static bool is_on_side(const double *at, int side)
+{
+    return at[1 - along_of(side)] == level_of(side);
+}
+
+static void set_parameter(int side, double t, double *at)
+{
+    at[along_of(side)] = t;
+    at[1 - along_of(side)] = level_of(side);
+}
+
+/// Copy the boundary points of a side.
+static bat_status gather_side(const bat_surface_fit_data *data, int number, fit_border_side *side, bat_error *error)
+{
+    size_t dimension = data->dimension;
+    side->points = memory_array(data->boundary_count, dimension * sizeof *side->points);
+    side->at = memory_array(data->boundary_count, 2 * sizeof *side->at);
+    if (side->points == NULL || side->at == NULL)
+        return error_memory(error, data->boundary_count * (dimension + 2) * sizeof *side->points);
+    for (size_t i = 0; i < data->boundary_count; i++)
+        if (is_on_side(data->parameters + 2 * i, number))
+        {
+            memcpy(side->points + side->count * dimension, data->points + i * dimension, dimension * sizeof(double));
+            side->at[2 * side->count] = data->parameters[2 * i + along_of(number)];
+            side->at[2 * side->count++ + 1] = 0;
+        }
+    return BAT_OK;
+}
+
+/// Fit a curve to the points of a side, and move their parameters along it. The curve is a surface that is linear across;
+/// with every point on both of its long sides it is constant across.
+static bat_status fit_side(size_t dimension, const bat_surface_fit_options *options, fit_border_side *side, bat_error *error)
+{
+    size_t count = side->count;
+    double *points = memory_array(count, 2 * dimension * sizeof *points), *at = memory_array(count, 4 * sizeof *at);
+    bat_status status =
+        points == NULL || at == NULL ? error_memory(error, count * 2 * (dimension + 2) * sizeof *at) : BAT_OK;
+    if (status == BAT_OK)
+    {
+        memcpy(points, side->points, count * dimension * sizeof *points);
+        memcpy(points + count * dimension, side->points, count * dimension * sizeof *points);
+        memcpy(at, side->at, 2 * count * sizeof *at);
+        memcpy(at + 2 * count, side->at, 2 * count * sizeof *at);
+        for (size_t i = 0; i < count; i++)
+            at[2 * (count + i) + 1] = 1;
+        bat_surface_fit_data data = {.points = points,
+                                     .parameters = at,
+                                     .count = 2 * count,
+                                     .dimension = dimension,
+                                     .boundary_count = 2 * count,
+                                     .slides = true};
+        bat_surface_fit_options curve = bat_surface_fit_defaults();
+        curve.space.degree[0] = CURVE_DEGREE;
+        curve.space.degree[1] = 1;
+        curve.space.spans[0] = (count + POINTS_PER_SPAN - 1) / POINTS_PER_SPAN;
+        curve.hold_out = 0;
+        curve.iterations = 0;
+        curve.final_corrections = CURVE_CORRECTIONS;
+        curve.no_restarts = true;
+        curve.robust = options->robust;
+        curve.threads = options->threads;
+        status = bat_surface_fit(&data, &curve, &side->curve, NULL, error);
+        memcpy(side->at, at, 2 * count * sizeof *at);
+    }
+    free(points);
+    free(at);
+    return status;
+}
+
+/// Place the samples on the curves.
+static bat_status place_samples(fit_border *border, bat_error *error)
+{
+    size_t dimension = border->dimension, total = CORNERS;
+    for (int s = 0; s < FIT_BORDER_SIDES; s++)
+    {
+        border->sides[s].first = total - CORNERS;
+        border->sides[s].samples = SAMPLES_PER_POINT * border->sides[s].count - 1;
+        total += border->sides[s].samples;
+    }
+    border->points = memory_array(total, dimension * sizeof *border->points);
+    border->at = memory_array(total, 2 * sizeof *border->at);
+    border->foot = calloc(total, 2 * sizeof *border->foot);
+    if (border->points == NULL || border->at == NULL || border->foot == NULL)
+        return error_memory(error, total * (dimension + 4) * sizeof *border->points);
+    border->samples = total;
+    bat_status status = BAT_OK;
+    size_t corners = total - CORNERS;
+    memset(border->points + corners * dimension, 0, CORNERS * dimension * sizeof *border->points);
+    for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
+    {
+        fit_border_side *side = &border->sides[s];
+        for (size_t k = 0; k < side->samples; k++)
+        {
+            double t = (double)(k + 1) / (double)(side->samples + 1);
+            set_parameter(s, t, border->at + 2 * (side->first + k));
+            border->foot[2 * (side->first + k)] = t;
+        }
+        status = bat_spline_surface_evaluate(&side->curve, border->foot + 2 * side->first, side->samples, 0,
+                                             border->points + side->first * dimension, error);
+        double ends[2][2] = {{0, 0}, {1, 0}};
+        for (int e = 0; e < 2 && status == BAT_OK; e++)
+        {
+            // The corners are numbered by u + 2 v. Each is the mean of the ends of two curves.
+            double corner[2];
+            set_parameter(s, e, corner);
+            size_t number = corners + (size_t)(corner[0] + 2 * corner[1]);
+            double *place = memory_array(dimension, sizeof *place);
+            status = place == NULL ? error_memory(error, dimension * sizeof *place)
+                                   : bat_spline_surface_evaluate(&side->curve, ends[e], 1, 0, place, error);
+            for (size_t d = 0; d < dimension && status == BAT_OK; d++)
+                border->points[number * dimension + d] += 0.5 * place[d];
+            memcpy(border->at + 2 * number, corner, sizeof corner);
+            free(place);
+        }
+    }
+    return status;
+}
+
+bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_border *border,
+                           bat_error *error)
+{
+    *border = (fit_border){.dimension = data->dimension,
+                           .boundary_count = data->boundary_count,
+                           .side = memory_array(data->boundary_count, sizeof *border->side)};
+    bat_status status = border->side != NULL ? BAT_OK : error_memory(error, data->boundary_count);
+    bool enough = true;
+    for (size_t i = 0; i < data->boundary_count && status == BAT_OK; i++)
+        for (int s = FIT_BORDER_SIDES - 1; s >= 0; s--)
+            if (is_on_side(data->parameters + 2 * i, s))
+                border->side[i] = (uint8_t)s;
+    for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
+    {
+        status = gather_side(data, s, &border->sides[s], error);
+        enough = enough && border->sides[s].count >= MIN_SIDE_POINTS;
+    }
+    for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK && enough; s++)
+        status = fit_side(data->dimension, options, &border->sides[s], error);
+    if (status == BAT_OK && enough)
+        status = place_samples(border, error);
+    if (status != BAT_OK || !enough)
+        fit_border_free(border);
+    return status;
+}
+
+bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
+                             bat_error *error)
+{
+    if (border->samples == 0)
+        return fit_points_make(data, NULL, centred, points, error);
+    size_t count = data->count + border->samples, dimension = data->dimension;
+    double *all = memory_array(count, dimension * sizeof *all), *at = memory_array(count, 2 * sizeof *at);
+    bat_status status = all == NULL || at == NULL ? error_memory(error, count * (dimension + 2) * sizeof *all) : BAT_OK;
+    if (status == BAT_OK)
+    {
+        memcpy(all, data->points, data->count * dimension * sizeof *all);
+        memcpy(all + data->count * dimension, border->points, border->samples * dimension * sizeof *all);
+        memcpy(at, data->parameters, 2 * data->count * sizeof *at);
+        memcpy(at + 2 * data->count, border->at, 2 * border->samples * sizeof *at);
+        bat_surface_fit_data joined = {.points = all, .parameters = at, .count = count, .dimension = dimension};
+        status = fit_points_make(&joined, NULL, centred, points, error);
+    }
+    free(all);
+    free(at);
+    if (status != BAT_OK)
+        return status;
+    points->own = points->total = data->count;
+    for (size_t row = 0; row < points->count; row++)
+        if (points->number[row] >= points->own)
+        {
+            points->freedom[row] = FIT_FIXED;
+            points->weight[row] = SAMPLE_WEIGHT;
+        }
+    return BAT_OK;
+}
+
+/// A frame of the surface at a place of its border.
+typedef struct border_frame
+{
+    double *values;           ///< S, S_u and S_v
+    const double *place;      ///< S
+    double *tangent, *across; ///< unit vectors along the side, and tangent to the surface, normal to the side, outwards
+} border_frame;
+
+static double dot(size_t dimension, const double *a, const double *b)
+{
+    double sum = 0;
+    for (size_t d = 0; d < dimension; d++)
+        sum += a[d] * b[d];
+    return sum;
+}
+
+/// Evaluate the frame of a side at a parameter. False where the surface has no tangent plane.
+/// @param values  3 x dimension
+static bool frame_at(const fit_nets *nets, int side, const double *at, double *scratch, double *values, border_frame *frame)
+{
+    size_t dimension = nets->dimension;
+    fit_nets_evaluate(nets, bat_hierarchical_space_locate(nets->space, at[0], at[1]), at, 1, scratch, values);
+    double *tangent = values + (size_t)(1 + along_of(side)) * dimension;
+    double *across = values + (size_t)(2 - along_of(side)) * dimension;
+    double sign = level_of(side) > 0 ? 1 : -1, length = sqrt(dot(dimension, tangent, tangent));
+    *frame = (border_frame){values, values, tangent, across};
+    if (!(length > 0))
+        return false;
+    for (size_t d = 0; d < dimension; d++)
+        tangent[d] /= length;
+    double along = dot(dimension, tangent, across);
+    for (size_t d = 0; d < dimension; d++)
+        across[d] -= along * tangent[d];
+    length = sqrt(dot(dimension, across, across));
+    if (!(length > 0))
+        return false;
+    for (size_t d = 0; d < dimension; d++)
+        across[d] *= sign / length;
+    return true;
+}
+
+/// Buffers of an update.
+typedef struct border_update
+{
+    fit_border *border;
+    const fit_nets *nets;
+    const double *centre;
+    double *scratch, *values; ///< for frame_at()
+    double *feet;             ///< samples x dimension: places of the surface, later their feet on the curves
+    double *targets;          ///< samples x dimension
+    double *distances;        ///< samples
+} border_update;
+
+/// The roughness of a loop: the part of its points' residuals that is tangent to the surface and normal to the border, less
+/// noise, which is measured normal to both.
+static bat_status measure_offset(const border_update *update, int number, bat_error *error)
+{
+    fit_border_side *side = &update->border->sides[number];
+    size_t dimension = update->border->dimension;
+    double *places = memory_array(side->count, dimension * sizeof *places), across = 0, normal = 0, length = 0;
+    if (places == NULL)
+        return error_memory(error, side->count * dimension * sizeof *places);
+    bat_status status = bat_spline_surface_evaluate(&side->curve, side->at, side->count, 0, places, error);
+    for (size_t i = 0; i < side->count && status == BAT_OK; i++)
+    {
+        border_frame frame;
+        double at[2], square = 0;
+        set_parameter(number, side->at[2 * i], at);
+        double *residual = places + i * dimension;
+        for (size_t d = 0; d < dimension; d++)
+        {
+            residual[d] = side->points[i * dimension + d] - residual[d];
+            double step = i > 0 ? side->points[i * dimension + d] - side->points[(i - 1) * dimension + d] : 0;
+            square += step * step;
+        }
+        length += sqrt(square);
+        if (!frame_at(update->nets, number, at, update->scratch, update->values, &frame))
+            continue;
+        double out = dot(dimension, residual, frame.across), along = dot(dimension, residual, frame.tangent);
+        across += out * out;
+        if (dimension > 2)
+            normal += fmax(dot(dimension, residual, residual) - out * out - along * along, 0) / (double)(dimension - 2);
+    }
+    free(places);
+    double count = (double)side->count, noise = sqrt(normal / count), rough = sqrt(fmax(across - normal, 0) / count);
+    side->offset = rough > fmax(ROUGH * length / count, NOISE_RATIO * noise) ? OFFSET * rough : 0;
+    return status;
+}
+
+/// The targets of the samples of a side.
+static bat_status update_side(const border_update *update, int number, bat_error *error)
+{
+    fit_border *border = update->border;
+    fit_border_side *side = &border->sides[number];
+    size_t dimension = border->dimension, first = side->first;
+    double *feet = update->feet + first * dimension;
+    border_frame frame;
+    for (size_t k = 0; k < side->samples; k++)
+    {
+        (void)frame_at(update->nets, number, border->at + 2 * (first + k), update->scratch, update->values, &frame);
+        for (size_t d = 0; d < dimension; d++)
+            feet[k * dimension + d] = frame.place[d] + update->centre[d];
+    }
+    bat_surface_fit_data data = {.points = feet,
+                                 .parameters = border->foot + 2 * first,
+                                 .count = side->samples,
+                                 .dimension = dimension,
+                                 .boundary_count = side->samples,
+                                 .slides = true};
+    bat_status status = bat_spline_correct(&side->curve, &data, NULL, error);
+    if (status == BAT_OK)
+        status = bat_spline_surface_evaluate(&side->curve, data.parameters, side->samples, 0, feet, error);
+    for (size_t k = 0; k < side->samples && status == BAT_OK; k++)
+    {
+        double *target = update->targets + (first + k) * dimension, out = side->offset;
+        bool has_frame =
+            frame_at(update->nets, number, border->at + 2 * (first + k), update->scratch, update->values, &frame);
+        for (size_t d = 0; d < dimension; d++)
+        {
+            feet[k * dimension + d] -= update->centre[d];
+            out += has_frame ? frame.across[d] * (feet[k * dimension + d] - frame.place[d]) : 0;
+        }
+        for (size_t d = 0; d < dimension; d++)
+            target[d] = feet[k * dimension + d] + (has_frame ? side->offset * frame.across[d] : 0);
+        update->distances[first + k] = has_frame ? fabs(out) : 0;
+    }
+    return status;
+}
+
+/// The targets of the corners: their places in the tangent plane, moved outwards of both sides.
+static void update_corners(const border_update *update)
+{
+    fit_border *border = update->border;
+    size_t dimension = border->dimension;
+    for (size_t c = border->samples - CORNERS; c < border->samples; c++)
+    {
+        const double *at = border->at + 2 * c;
+        double *target = update->targets + c * dimension, square = 0;
+        border_frame frame;
+        memset(target, 0, dimension * sizeof *target);
+        for (int s = 0; s < FIT_BORDER_SIDES; s++)
+        {
+            if (!is_on_side(at, s) || !frame_at(update->nets, s, at, update->scratch, update->values, &frame))
+                continue;
+            double out = border->sides[s].offset, along = 0;
+            for (size_t d = 0; d < dimension; d++)
+            {
+                double step = border->points[c * dimension + d] - update->centre[d] - frame.place[d];
+                // Both sides span the same tangent plane: each gives half of the step in it.
+                out += 0.5 * frame.across[d] * step;
+                along += 0.5 * frame.tangent[d] * step;
+            }
+            for (size_t d = 0; d < dimension; d++)
+                target[d] += out * frame.across[d] + along * frame.tangent[d];
+        }
+        for (size_t d = 0; d < dimension; d++)
+        {
+            square += target[d] * target[d];
+            target[d] += update->values[d];
+        }
+        update->distances[c] = sqrt(square);
+    }
+}
+
+bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error)
+{
+    size_t dimension = border->dimension, samples = border->samples;
+    border_update update = {.border = border,
+                            .nets = nets,
+                            .centre = points->centre,
+                            .scratch = memory_array(fit_nets_scratch(nets), sizeof(double)),
+                            .values = memory_array(3 * dimension, sizeof(double)),
+                            .feet = memory_array(samples, dimension * sizeof(double)),
+                            .targets = memory_array(samples, dimension * sizeof(double)),
+                            .distances = memory_array(samples, sizeof(double))};
+    bat_status status = BAT_OK;
+    if (update.scratch == NULL || update.values == NULL || update.feet == NULL || update.targets == NULL ||
+        update.distances == NULL)
+        status = error_memory(error, samples * dimension * sizeof(double));
+    for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
+    {
+        status = measure_offset(&update, s, error);
+        if (status == BAT_OK)
+            status = update_side(&update, s, error);
+    }
+    if (status == BAT_OK)
+        update_corners(&update);
+    for (size_t row = 0; row < points->count && status == BAT_OK; row++)
+        if (points->number[row] >= points->own)
+        {
+            size_t sample = points->number[row] - points->own;
+            memcpy(points->position + row * dimension, update.targets + sample * dimension, dimension * sizeof(double));
+            points->distance[row] = update.distances[sample];
+        }
+    free(update.scratch);
+    free(update.values);
+    free(update.feet);
+    free(update.targets);
+    free(update.distances);
+    return status;
+}
