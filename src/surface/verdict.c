@@ -530,7 +530,7 @@ bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud 
     if (status == BAT_OK)
         status = bat_cloud_check(cloud, error);
     if (status == BAT_OK)
-        status = cloud_geometry_make(cloud, options->threads, &geometry, error);
+        status = cloud_geometry_make(cloud, options->threads, options->progress, &geometry, error);
     if (status == BAT_OK)
         status = surface_judge(&geometry, surface, parameters, distances, cloud->count, options, verdict, error);
     cloud_geometry_free(&geometry);
