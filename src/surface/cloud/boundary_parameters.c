@@ -93,8 +93,8 @@ static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
 /// Minimum share of a side in the loop.
 #define MIN_SIDE (1.0 / 40)
 static const double EVENNESS = 4.0;
-/// From this sharpness on, the turning angle of the shortest chords counts if it is larger: the sides at a corner may be
-/// curved.
+/// From this sharpness on, the turning angle is extrapolated to chords of length 0, up to a right angle: the sides at a
+/// corner may be curved.
 static const double CURVED_SHARPNESS = 0.3;
 /// Turning angles below this multiple of a circle's count as smooth; those above MAX_TURN count as MAX_TURN.
 static const double SMOOTH_TURN = 2.0;
@@ -203,8 +203,10 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
         circle_sum += 2 * PI * WINDOW_SHARES[w] / WINDOWS;
     }
     double sharp = fmin(plane_sum, MAX_TURN) - SMOOTH_TURN * circle_sum;
+    // The line of least squares through the turning angles, at chords of length 0; WINDOW_SHARES has equal steps.
+    double slope = 0.5 * (in_plane[WINDOWS - 1] - in_plane[0]) / (WINDOW_SHARES[1] - WINDOW_SHARES[0]);
     if (sharp >= CURVED_SHARPNESS)
-        sharp = fmax(sharp, fmin(in_plane[0], MAX_TURN) - SMOOTH_TURN * circle_sum);
+        sharp = fmax(sharp, fmin(plane_sum - slope * WINDOW_SHARES[1], 0.5 * PI) - SMOOTH_TURN * circle_sum);
     search->sharpness[at] = fmax(sharp, 0) + TURN_IN_SPACE * space_sum;
     return BAT_OK;
 }
