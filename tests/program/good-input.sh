@@ -364,7 +364,7 @@ check "the report has rounds" grep -Eq '^ +0 +12 +1 ' surface.txt
 "$batten" shape hull -o hull.xyz --vertices 400 --quiet
 first=$(sed -n 's/^# corners \([0-9]*\) \([0-9]*\) \([0-9]*\) \([0-9]*\)/\2,\3,\4,\1/p' hull.xyz)
 "$batten" surface hull.xyz --parameterization shape-preserving --corners "$first" --functions 60 --parameters hull.uv --quiet
-check "corners are where they are asked for" test "$(sed -n "$((${first%%,*} + 1))p" hull.uv)" = "0 0"
+check "corners are where they are asked for" awk -v row="$((${first%%,*} + 1))" 'NR == row { found = $1 < 0.01 && $2 < 0.01 } END { exit !found }' hull.uv
 "$batten" shape cage -o cage.obj --quiet
 printf 'v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 1\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\nf 4 5 8\nf 4 8 7\nf 5 6 9\nf 5 9 8\n' > sheet.obj
 "$batten" surface sheet.obj --model $model --functions 9 --json > sheet.json
