@@ -8,7 +8,7 @@
 #   make docs       a site of all pages, tutorials and the Python reference      (build/site)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs, the papers'
-#                   tables and the gradients in double precision, whose code the others run
+#                   tables and studies and the gradients in double precision, whose code the others run
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make web        the page out/web/index.html and the npm package in web/npm
@@ -56,7 +56,7 @@ bench: all
 
 sanitize: dependencies
 	@$(call configure,sanitize) && $(call compile,sanitize)
-	@$(call test,sanitize) --exclude-regex '^program_|_table$$|_double$$'
+	@$(call test,sanitize) --exclude-regex '^program_|_table$$|_double$$|_study$$|_ablation$$|^documents$$|^mesh_shapes$$'
 
 sanitize-clang: ci-dependencies
 	@$(call configure,sanitize-clang) && $(call compile,sanitize-clang) --target batten
