@@ -312,7 +312,7 @@ static double sweep_threshold(const decimation *all, double *samples)
 {
     size_t count = 0, live = 0, step, seen = 0;
     for (size_t e = 0; e < all->mesh.edge_count; e++)
-        live += isfinite(all->errors[e]);
+        live += isfinite(all->errors[e]) ? 1 : 0;
     step = live / SWEEP_SAMPLES + 1;
     for (size_t e = 0; e < all->mesh.edge_count; e++)
     {
