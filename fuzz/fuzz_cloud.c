@@ -65,7 +65,12 @@ static void search(bat_cloud *cloud)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     file_text text;
-    PROMISE(file_text_copy((const char *)data, size, &text, NULL) == BAT_OK);
+    bat_error refused = {0};
+    if (file_text_copy((const char *)data, size, &text, &refused) != BAT_OK)
+    {
+        PROMISE(refused.status == BAT_BAD_FILE); // text in UTF-16
+        return 0;
+    }
     (void)cloud_format_of_text(&text);
     for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_LAS; format++)
         for (int choice = 0; choice < 3; choice++)

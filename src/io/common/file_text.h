@@ -19,6 +19,7 @@ typedef struct file_text
 bat_status file_text_read(const char *path, file_text *text, bat_error *error);
 
 /// Copy bytes in memory, without the byte order mark and with a final zero byte.
+/// @return BAT_OK, BAT_BAD_FILE for a text in UTF-16, or BAT_NO_MEMORY
 bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_error *error);
 
 void file_text_free(file_text *text);
