@@ -8,6 +8,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
+#include "mesh_of_vectors.hpp"
 #include "timing.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
@@ -18,7 +19,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <vector>
 
 namespace
@@ -32,31 +32,6 @@ struct Traits : OpenMesh::DefaultTraits
     using Normal = OpenMesh::Vec3d;
 };
 using PeerMesh = OpenMesh::TriMesh_ArrayKernelT<Traits>;
-
-[[noreturn]] void stop(const char *what)
-{
-    (void)std::fprintf(stderr, "peer_decimate: %s\n", what);
-    std::exit(1);
-}
-
-template <typename Value> Value *copy_of(const std::vector<Value> &values)
-{
-    auto *copy = static_cast<Value *>(std::malloc(values.size() * sizeof(Value)));
-    if (copy == nullptr)
-        stop("out of memory");
-    std::memcpy(copy, values.data(), values.size() * sizeof(Value));
-    return copy;
-}
-
-bat_mesh mesh_of(const std::vector<double> &positions, const std::vector<uint32_t> &faces)
-{
-    bat_mesh mesh = {};
-    mesh.positions = copy_of(positions);
-    mesh.faces = copy_of(faces);
-    mesh.vertex_count = positions.size() / 3;
-    mesh.face_count = faces.size() / 3;
-    return mesh;
-}
 
 /// Rings of vertices between two poles, the radius going up and down.
 bat_mesh bumpy_sphere(uint32_t rings, uint32_t spokes)

@@ -6,6 +6,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
+#include "mesh_of_vectors.hpp"
 #include "timing.h"
 
 #include <CGAL/Simple_cartesian.h>
@@ -21,7 +22,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <ctime>
 #include <vector>
 
@@ -56,31 +56,6 @@ enum
 
 const std::array<const char *, WAYS> NAMES = {"CGAL, Lindstrom-Turk", "batten, quadric", "batten, memoryless",
                                               "batten, fast", "meshoptimizer"};
-
-[[noreturn]] void stop(const char *what)
-{
-    (void)std::fprintf(stderr, "peer_simplify: %s\n", what);
-    std::exit(1);
-}
-
-template <typename Value> Value *copy_of(const std::vector<Value> &values)
-{
-    auto *copy = static_cast<Value *>(std::malloc(values.size() * sizeof(Value)));
-    if (copy == nullptr)
-        stop("out of memory");
-    std::memcpy(copy, values.data(), values.size() * sizeof(Value));
-    return copy;
-}
-
-bat_mesh mesh_of(const std::vector<double> &positions, const std::vector<uint32_t> &faces)
-{
-    bat_mesh mesh = {};
-    mesh.positions = copy_of(positions);
-    mesh.faces = copy_of(faces);
-    mesh.vertex_count = positions.size() / 3;
-    mesh.face_count = faces.size() / 3;
-    return mesh;
-}
 
 Peer to_cgal(const bat_mesh &mesh)
 {
