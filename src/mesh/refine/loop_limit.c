@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "batten/mesh_refine.h"
 #include "linalg/vector3.h"
+#include "mesh/refine/limit.h"
 #include "mesh/refine/normal.h"
 
 #include <math.h>
@@ -93,33 +94,9 @@ static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vert
     }
 }
 
-static void limit_row(const mesh_rows *rows, uint32_t vertex)
-{
-    size_t dim = rows->dim;
-    const double *from = rows->from + vertex * dim;
-    double *restrict to = rows->to + vertex * dim;
-    sharp_vertex sharp = {.kind = SHARP_CORNER};
-    if (rows->level->links->first[vertex] != BAT_MESH_NONE)
-        sharpness_around(rows->level, vertex, &sharp, NULL, NULL);
-    if (sharp.kind < SHARP_CREASE)
-    {
-        inner_limit(rows, vertex, &sharp);
-        return;
-    }
-    const double *p = rows->from + sharp.ends[0] * dim, *q = rows->from + sharp.ends[1] * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = sharp.kind == SHARP_CORNER ? from[i] : (4 * from[i] + p[i] + q[i]) / 6;
-}
-
-static void limit_range(const void *context, size_t begin, size_t end)
-{
-    for (size_t v = begin; v < end; v++)
-        limit_row(context, (uint32_t)v);
-}
-
 void loop_limit(const mesh_rows *rows, int threads)
 {
-    mesh_share(limit_range, rows, rows->level->links->vertex_count, threads);
+    limit_rows(rows, inner_limit, threads);
 }
 
 // Limit normals.
