@@ -439,6 +439,40 @@ static void files_without_a_system_are_guessed(void **state)
     bat_curve_set_free(&set);
 }
 
+/// The coordinates of a drawing are lengths, even where they could be degrees.
+static void drawings_are_in_the_plane(void **state)
+{
+    (void)state;
+    put("a.csv", "x,y\n0,0\n10,5\n20,-5\n");
+    bat_curve_set set = must_read_file("a.csv", NULL);
+    must_write_file("a.dxf", &set);
+    bat_curve_set back = must_read_file("a.dxf", NULL);
+    assert_string_equal(back.space->name, "plane");
+    assert_non_null(strstr(bat_curve_set_note(&back, 0), "those of a plane"));
+    assert_int_equal(back.count, 1);
+    assert_int_equal(back.curves[0].count, 3);
+    assert_memory_equal(back.curves[0].points, set.curves[0].points, 6 * sizeof(double));
+    bat_curve_set_free(&back);
+    bat_curve_set_free(&set);
+}
+
+static void topojson_keeps_shared_borders(void **state)
+{
+    (void)state;
+    static const char TEXT[] = "{\"type\":\"Topology\",\"objects\":{\"a\":{\"type\":\"GeometryCollection\",\"geometries\":["
+                               "{\"type\":\"Polygon\",\"arcs\":[[0,1]]},{\"type\":\"Polygon\",\"arcs\":[[2,-1]]}]}},"
+                               "\"arcs\":[[[5,0],[6,5],[5,9]],[[5,9],[0,9],[0,0],[5,0]],[[5,0],[11,1],[11,9],[5,9]]]}";
+    put("a.topojson", TEXT);
+    bat_curve_set set = must_read_file("a.topojson", NULL);
+    assert_string_equal(set.space->name, "sphere");
+    assert_int_equal(set.count, 2);
+    assert_true(set.curves[0].closed && set.curves[1].closed);
+    assert_int_equal(set.curves[0].count, 5);
+    bat_curve_set_free(&set);
+    put("b.json", TEXT);
+    refuse("b.json", NULL, BAT_UNSUPPORTED, "--from gdal");
+}
+
 static void points_of_the_globe_have_the_written_decimals(void **state)
 {
     (void)state;
@@ -638,6 +672,8 @@ int main(void)
         GIS_TEST(projected_data_stay_in_their_plane),
         GIS_TEST(projected_data_go_to_the_sphere_and_back),
         GIS_TEST(files_without_a_system_are_guessed),
+        GIS_TEST(drawings_are_in_the_plane),
+        GIS_TEST(topojson_keeps_shared_borders),
         GIS_TEST(points_of_the_globe_have_the_written_decimals),
         GIS_TEST(points_pass_through),
         GIS_TEST(a_shapefile_is_replaced_as_a_whole),

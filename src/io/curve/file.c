@@ -108,7 +108,7 @@ static const curve_format FORMATS[] = {
     GIS_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "curves: tracks or routes of GPX, by GDAL"),
     GIS_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL"),
     GIS_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL"),
-    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed"),
+    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip .dxf .topojson", "curves: any vector format of GDAL, also remote or packed"),
 };
 static const choice_table TABLE = CHOICE_TABLE("curve format", FORMATS);
 

@@ -456,7 +456,8 @@ static bool fits_degrees(OGRLayerH layer)
            box.MaxY <= 90;
 }
 
-static bat_status find_system(layer_reader *reader, const char *space, layer_system *found, bat_error *error)
+/// @param drawing whether coordinates without a system are those of a drawing, never degrees
+static bat_status find_system(layer_reader *reader, bool drawing, const char *space, layer_system *found, bat_error *error)
 {
     OGRSpatialReferenceH system = gdal.OGR_L_GetSpatialRef(reader->layer);
     *found = (layer_system){.space = space, .missing = system == NULL};
@@ -464,7 +465,7 @@ static bat_status find_system(layer_reader *reader, const char *space, layer_sys
     {
         found->guessed = space == NULL;
         if (space == NULL)
-            found->space = fits_degrees(reader->layer) ? "sphere" : "plane";
+            found->space = !drawing && fits_degrees(reader->layer) ? "sphere" : "plane";
         return BAT_OK;
     }
     reader->swaps = system_is_swapped(system);
@@ -555,7 +556,7 @@ static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const b
     reader->measures = gdal.OGR_GT_HasM(type) && !gdal.OGR_GT_HasZ(type);
     layer_system system;
     bat_curve_set made = {0};
-    bat_status status = find_system(reader, options->space, &system, error);
+    bat_status status = find_system(reader, strcmp(driver, "DXF") == 0, options->space, &system, error);
     if (status == BAT_OK)
         status = write_features(reader, error);
     if (status == BAT_OK)
