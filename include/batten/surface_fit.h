@@ -9,6 +9,9 @@ BAT_C_BEGIN
 /// Spline surfaces through scattered points with parameters: penalized least squares, and adaptive refinement. Source:
 /// Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et al. (2014).
 
+/// Border curves of a fit by several processes; see bat_surface_border_make().
+typedef struct bat_surface_border bat_surface_border;
+
 /// Points and their parameters.
 typedef struct bat_surface_fit_data
 {
@@ -23,6 +26,8 @@ typedef struct bat_surface_fit_data
     /// Whether each side gets a border curve with a smoothing weight of its own. The curves hold the border of the surface,
     /// and boundary points are then as free as others. It takes six boundary points on each side, else this has no effect.
     bool border;
+    /// The border curves of bat_surface_fit_together(), which takes them; null: none.
+    bat_surface_border *curves;
 } bat_surface_fit_data;
 
 /// The largest number of rings of cells that are refined around a marked one.
@@ -186,6 +191,23 @@ typedef struct bat_surface_team
                        bat_error *error);
 } bat_surface_team;
 
+/// Make the border curves of a fit by several processes. Each process makes the same.
+/// @param data   the boundary points of the whole fit, in order, with their parameters: `boundary_count` of them
+/// @param border receives the curves, without samples where a side has fewer than six points; release it with
+///               bat_surface_border_free(), also after the fit
+/// @return the failures of bat_surface_fit(); `border` is untouched on failure
+BAT_API bat_status bat_surface_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
+                                           bat_surface_border **border, bat_error *error);
+/// Free border curves; null is allowed.
+BAT_API void bat_surface_border_free(bat_surface_border *border);
+/// Places of the curves and their parameters, which hold the border of the surface. They are among the points of
+/// bat_surface_fit_together(); their numbers follow those of the points of the cloud.
+/// @param points     receives an array of count x dimension
+/// @param parameters receives one of count x 2
+/// @return their number
+BAT_API size_t bat_surface_border_samples(const bat_surface_border *border, const double **points,
+                                          const double **parameters);
+
 /// bat_surface_fit() by several processes: each has a part of the points. With the library's solver the surface is that of
 /// bat_surface_fit() to the last bit, for any number of processes.
 /// @param data    the points of this process, along the curve: ascending by bat_surface_fit_order(), equal ones by
@@ -193,7 +215,8 @@ typedef struct bat_surface_team
 ///                have none. `boundary_count` is that of all points: those of lower numbers
 /// @param numbers count: the place of each point among all points, from 0; counts all points, each once
 /// @param options the same in all processes, but for `progress`: that of rank 0 may stop the fit
-/// @param report  distances are those of this process; all else is of all points, `worst` a number
+/// @param report  distances are those of this process, also of samples of border curves; all else is of all points of the
+///                cloud, `worst` a number
 /// @return as bat_surface_fit(), and the failures of the team's functions
 BAT_API bat_status bat_surface_fit_together(const bat_surface_team *team, bat_surface_fit_data *data,
                                             const uint32_t *numbers, const bat_surface_fit_options *options,

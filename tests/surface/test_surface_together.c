@@ -150,19 +150,31 @@ static int compare_placed(const void *a, const void *b)
 static void compare(const surface_sample *sample, const bat_surface_fit_options *options, size_t ranks, exchange *shared,
                     const bat_spline_surface *surface, const bat_surface_fit_report *report)
 {
-    size_t count = sample->data.count, blocks = (count + BAT_SURFACE_FIT_BLOCK - 1) / BAT_SURFACE_FIT_BLOCK;
+    size_t own_count = sample->data.count, count = own_count;
+    bat_surface_border *curves[MAX_RANKS] = {0};
+    const double *places = NULL, *at = NULL;
+    for (size_t rank = 0; rank < ranks && sample->data.border; rank++)
+    {
+        check_status(bat_surface_border_make(&sample->data, options, &curves[rank], NULL), BAT_OK);
+        count = own_count + bat_surface_border_samples(curves[rank], &places, &at);
+        assert_true(count > own_count);
+    }
+    size_t blocks = (count + BAT_SURFACE_FIT_BLOCK - 1) / BAT_SURFACE_FIT_BLOCK;
     placed *order = calloc(count, sizeof *order);
     double *points = calloc(3 * count, sizeof *points), *parameters = calloc(2 * count, sizeof *parameters);
     uint32_t *numbers = calloc(count, sizeof *numbers);
     process each[MAX_RANKS] = {0};
     for (size_t i = 0; i < count; i++)
-        order[i] = (placed){bat_surface_fit_order(sample->data.parameters + 2 * i), (uint32_t)i};
+        order[i] = (placed){
+            bat_surface_fit_order(i < own_count ? sample->data.parameters + 2 * i : at + 2 * (i - own_count)), (uint32_t)i};
     qsort(order, count, sizeof *order, compare_placed);
     for (size_t row = 0; row < count; row++)
     {
         size_t i = numbers[row] = order[row].number;
-        memcpy(points + 3 * row, sample->points + 3 * i, 3 * sizeof *points);
-        memcpy(parameters + 2 * row, sample->data.parameters + 2 * i, 2 * sizeof *parameters);
+        bool is_sample = i >= own_count;
+        memcpy(points + 3 * row, is_sample ? places + 3 * (i - own_count) : sample->points + 3 * i, 3 * sizeof *points);
+        memcpy(parameters + 2 * row, is_sample ? at + 2 * (i - own_count) : sample->data.parameters + 2 * i,
+               2 * sizeof *parameters);
     }
     shared->ranks = ranks;
     assert_int_equal(pthread_barrier_init(&shared->barrier, NULL, (unsigned)ranks), 0);
@@ -178,6 +190,7 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
         own->data.points = points + 3 * begin;
         own->data.parameters = parameters + 2 * begin;
         own->data.count = end - begin;
+        own->data.curves = curves[rank];
         own->team = (bat_surface_team){.context = own,
                                        .rank = rank,
                                        .count = ranks,
@@ -207,7 +220,9 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
             assert_memory_equal(&own->report.rounds[k], &report->rounds[k], sizeof *report->rounds);
         }
         for (size_t i = 0; i < own->data.count; i++)
-            check_near(own->report.distances[i], report->distances[own->numbers[i]], 0);
+            if (own->numbers[i] < own_count)
+                check_near(own->report.distances[i], report->distances[own->numbers[i]], 0);
+        bat_surface_border_free(curves[rank]);
         bat_spline_surface_free(&own->surface);
         bat_surface_fit_report_free(&own->report);
     }
@@ -225,6 +240,7 @@ static const bat_surface_fit_options *options_of(int kind)
     options.threads = 1;
     if (kind == 1)
         options.functions = 300;
+    // Kind 4 has the default options.
     if (kind == 2)
     {
         options.tolerance = 2e-3;
@@ -246,10 +262,11 @@ static const bat_surface_fit_options *options_of(int kind)
 static void several_processes_give_the_same_bits(void **state)
 {
     (void)state;
-    for (int kind = 0; kind < 4; kind++)
+    for (int kind = 0; kind < 5; kind++)
     {
         const bat_surface_fit_options *options = options_of(kind);
         surface_sample sample = sample_make(shape_hills, 5000, kind < 2 ? 0 : 80, kind == 1 ? 0.01 : 1e-3, 12);
+        sample.data.border = kind >= 2;
         if (kind == 2)
             for (size_t i = 100; i < 5000; i += 97)
                 sample.points[3 * i + 2] += 0.3;
@@ -284,7 +301,8 @@ static void a_saved_state_is_taken_up(void **state)
         for (int saves = 1; saves <= 4; saves += 3)
         {
             const bat_surface_fit_options *options = options_of(kind);
-            surface_sample sample = scattered(5000);
+            surface_sample sample = kind == 2 ? sample_make(shape_hills, 5000, 80, 0.01, 5) : scattered(5000);
+            sample.data.border = kind == 2;
             double *parameters = calloc(2 * sample.data.count, sizeof *parameters);
             memcpy(parameters, sample.data.parameters, 2 * sample.data.count * sizeof *parameters);
             bat_spline_surface surface;
@@ -293,7 +311,7 @@ static void a_saved_state_is_taken_up(void **state)
             memcpy(sample.data.parameters, parameters, 2 * sample.data.count * sizeof *parameters);
             exchange shared = {.saves = saves};
             for (int k = 0; k < 3; k++)
-                shared.columns[k] = calloc(2 * sample.data.count, sizeof(double));
+                shared.columns[k] = calloc(2 * sample.data.count + 1000, sizeof(double));
             compare(&sample, options, 3, &shared, &surface, &report);
             assert_non_null(shared.head);
             shared.saves = 0;

@@ -301,9 +301,15 @@ static bat_status loop_make(const bat_surface_team *team, const bat_surface_fit_
     bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
     if (status == BAT_OK && team == NULL && data->border && data->boundary_count > 0)
         status = fit_border_make(data, options, &loop->border, error);
+    if (team != NULL && data->curves != NULL)
+    {
+        loop->border = *data->curves;
+        *data->curves = (fit_border){0};
+    }
     if (status == BAT_OK)
         status = team == NULL ? fit_border_points(&loop->border, data, options->space.truncated, &loop->points, error)
-                              : fit_points_make_part(team, data, numbers, options->space.truncated, &loop->points, error);
+                              : fit_border_points_part(&loop->border, team, data, numbers, options->space.truncated,
+                                                       &loop->points, error);
     size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
     if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
@@ -682,7 +688,7 @@ static bat_status save_state(const fit_loop *loop, bat_error *error)
     if (status == BAT_OK && loop->best.space != NULL)
         status = bat_hierarchical_space_regions(loop->best.space, &best_boxes, &best_count, error);
     size_t rounds = loop->count * sizeof *loop->rounds, size = sizeof(state_head) + rounds;
-    size += (count + best_count) * sizeof *boxes;
+    size += (count + best_count) * sizeof *boxes + fit_border_state_size(&loop->border);
     char *bytes = status == BAT_OK ? memory_array(size, 1) : NULL;
     if (status == BAT_OK && bytes == NULL)
         status = error_memory(error, size);
@@ -707,6 +713,7 @@ static bat_status save_state(const fit_loop *loop, bat_error *error)
             memcpy(bytes + sizeof head + rounds, boxes, count * sizeof *boxes);
         if (best_count > 0)
             memcpy(bytes + sizeof head + rounds + count * sizeof *boxes, best_boxes, best_count * sizeof *boxes);
+        fit_border_save(&loop->border, bytes + size - fit_border_state_size(&loop->border));
         status = team->save(team->context, bytes, size, columns, state_columns(loop, columns), error);
     }
     free(bytes);
@@ -747,7 +754,7 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
         memcpy(&head, bytes, sizeof head);
     size_t rounds = head.rounds * sizeof *loop->rounds, boxes = (head.boxes + head.best_boxes) * sizeof(bat_spline_box);
     if (head.rounds > (size_t)loop->options->iterations || (head.has_best != 0 && loop->held == NULL) ||
-        size != sizeof head + rounds + boxes)
+        size != sizeof head + rounds + boxes + fit_border_state_size(&loop->border))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the state is not one of this fit");
     bat_spline_box *copy = memory_array(boxes, 1);
     if (copy == NULL)
@@ -776,6 +783,7 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
     loop->best.largest = head.best_largest;
     loop->best.lambda = head.best_lambda;
     loop->begin = clock_seconds() - head.seconds;
+    fit_border_load(&loop->border, bytes + sizeof head + rounds + boxes, &loop->points);
     return BAT_OK;
 }
 
@@ -843,7 +851,7 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     if (report != NULL && distances == NULL)
         return error_memory(error, data->count * sizeof *distances);
     for (size_t row = 0; report != NULL && row < loop->points.count; row++)
-        if (loop->points.number[row] < loop->points.own)
+        if (loop->team != NULL || loop->points.number[row] < loop->points.own)
             distances[loop->team != NULL ? row : loop->points.number[row]] = loop->points.distance[row];
     uint64_t changed = fit_points_return(&loop->points, data);
     bat_status status = team_sum_counts(loop->team, &changed, 1, error);

@@ -41,6 +41,7 @@ void fit_border_free(fit_border *border)
     free(border->points);
     free(border->at);
     free(border->foot);
+    free(border->target);
     *border = (fit_border){0};
 }
 
@@ -137,8 +138,9 @@ static bat_status place_samples(fit_border *border, bat_error *error)
     border->points = memory_array(total, dimension * sizeof *border->points);
     border->at = memory_array(total, 2 * sizeof *border->at);
     border->foot = calloc(total, 2 * sizeof *border->foot);
-    if (border->points == NULL || border->at == NULL || border->foot == NULL)
-        return error_memory(error, total * (dimension + 4) * sizeof *border->points);
+    border->target = calloc(total, dimension * sizeof *border->target);
+    if (border->points == NULL || border->at == NULL || border->foot == NULL || border->target == NULL)
+        return error_memory(error, total * (2 * dimension + 4) * sizeof *border->points);
     border->samples = total;
     bat_status status = BAT_OK;
     size_t corners = total - CORNERS;
@@ -199,6 +201,18 @@ bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_f
     return status;
 }
 
+/// Rows of numbers from `own` on are samples.
+static void set_samples(fit_points *points, size_t own)
+{
+    points->own = points->total = own;
+    for (size_t row = 0; row < points->count; row++)
+        if (points->number[row] >= own)
+        {
+            points->freedom[row] = FIT_FIXED;
+            points->weight[row] = SAMPLE_WEIGHT;
+        }
+}
+
 bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
                              bat_error *error)
 {
@@ -220,14 +234,20 @@ bat_status fit_border_points(const fit_border *border, const bat_surface_fit_dat
     free(at);
     if (status != BAT_OK)
         return status;
-    points->own = points->total = data->count;
-    for (size_t row = 0; row < points->count; row++)
-        if (points->number[row] >= points->own)
-        {
-            points->freedom[row] = FIT_FIXED;
-            points->weight[row] = SAMPLE_WEIGHT;
-        }
+    set_samples(points, data->count);
     return BAT_OK;
+}
+
+bat_status fit_border_points_part(const fit_border *border, const bat_surface_team *team, const bat_surface_fit_data *data,
+                                  const uint32_t *numbers, bool centred, fit_points *points, bat_error *error)
+{
+    bat_surface_fit_data joined = *data;
+    if (border->samples > 0)
+        joined.boundary_count = 0;
+    bat_status status = fit_points_make_part(team, &joined, numbers, centred, points, error);
+    if (status == BAT_OK && border->samples > 0)
+        set_samples(points, points->total - border->samples);
+    return status;
 }
 
 /// A frame of the surface at a place of its border.
@@ -279,7 +299,6 @@ typedef struct border_update
     const double *centre;
     double *scratch, *values; ///< for frame_at()
     double *feet;             ///< samples x dimension: places of the surface, later their feet on the curves
-    double *targets;          ///< samples x dimension
     double *distances;        ///< samples
 } border_update;
 
@@ -344,7 +363,7 @@ static bat_status update_side(const border_update *update, int number, bat_error
         status = bat_spline_surface_evaluate(&side->curve, data.parameters, side->samples, 0, feet, error);
     for (size_t k = 0; k < side->samples && status == BAT_OK; k++)
     {
-        double *target = update->targets + (first + k) * dimension, out = side->offset;
+        double *target = border->target + (first + k) * dimension, out = side->offset;
         bool has_frame =
             frame_at(update->nets, number, border->at + 2 * (first + k), update->scratch, update->values, &frame);
         for (size_t d = 0; d < dimension; d++)
@@ -367,7 +386,7 @@ static void update_corners(const border_update *update)
     for (size_t c = border->samples - CORNERS; c < border->samples; c++)
     {
         const double *at = border->at + 2 * c;
-        double *target = update->targets + c * dimension, square = 0;
+        double *target = border->target + c * dimension, square = 0;
         border_frame frame;
         memset(target, 0, dimension * sizeof *target);
         for (int s = 0; s < FIT_BORDER_SIDES; s++)
@@ -394,6 +413,16 @@ static void update_corners(const border_update *update)
     }
 }
 
+/// Move the rows of samples to their targets.
+static void move_samples(const fit_border *border, fit_points *points)
+{
+    size_t dimension = border->dimension;
+    for (size_t row = 0; row < points->count; row++)
+        if (points->number[row] >= points->own)
+            memcpy(points->position + row * dimension, border->target + (points->number[row] - points->own) * dimension,
+                   dimension * sizeof(double));
+}
+
 bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error)
 {
     size_t dimension = border->dimension, samples = border->samples;
@@ -403,11 +432,9 @@ bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_point
                             .scratch = memory_array(fit_nets_scratch(nets), sizeof(double)),
                             .values = memory_array(3 * dimension, sizeof(double)),
                             .feet = memory_array(samples, dimension * sizeof(double)),
-                            .targets = memory_array(samples, dimension * sizeof(double)),
                             .distances = memory_array(samples, sizeof(double))};
     bat_status status = BAT_OK;
-    if (update.scratch == NULL || update.values == NULL || update.feet == NULL || update.targets == NULL ||
-        update.distances == NULL)
+    if (update.scratch == NULL || update.values == NULL || update.feet == NULL || update.distances == NULL)
         status = error_memory(error, samples * dimension * sizeof(double));
     for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
     {
@@ -417,17 +444,93 @@ bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_point
     }
     if (status == BAT_OK)
         update_corners(&update);
+    border->moved = border->moved || status == BAT_OK;
+    if (status == BAT_OK)
+        move_samples(border, points);
     for (size_t row = 0; row < points->count && status == BAT_OK; row++)
         if (points->number[row] >= points->own)
-        {
-            size_t sample = points->number[row] - points->own;
-            memcpy(points->position + row * dimension, update.targets + sample * dimension, dimension * sizeof(double));
-            points->distance[row] = update.distances[sample];
-        }
+            points->distance[row] = update.distances[points->number[row] - points->own];
     free(update.scratch);
     free(update.values);
     free(update.feet);
-    free(update.targets);
     free(update.distances);
     return status;
+}
+
+/// The feet, the targets, the offsets of the sides, and whether there was an update.
+static size_t state_numbers(const fit_border *border)
+{
+    return border->samples > 0 ? border->samples * (2 + border->dimension) + FIT_BORDER_SIDES + 1 : 0;
+}
+
+size_t fit_border_state_size(const fit_border *border)
+{
+    return state_numbers(border) * sizeof(double);
+}
+
+void fit_border_save(const fit_border *border, char *bytes)
+{
+    double moved = border->moved ? 1 : 0;
+    size_t feet = 2 * border->samples * sizeof moved, targets = border->samples * border->dimension * sizeof moved;
+    if (border->samples == 0)
+        return;
+    memcpy(bytes, &moved, sizeof moved);
+    bytes += sizeof moved;
+    for (int s = 0; s < FIT_BORDER_SIDES; s++, bytes += sizeof moved)
+        memcpy(bytes, &border->sides[s].offset, sizeof moved);
+    memcpy(bytes, border->foot, feet);
+    memcpy(bytes + feet, border->target, targets);
+}
+
+void fit_border_load(fit_border *border, const char *bytes, fit_points *points)
+{
+    double moved;
+    size_t feet = 2 * border->samples * sizeof moved, targets = border->samples * border->dimension * sizeof moved;
+    if (border->samples == 0)
+        return;
+    memcpy(&moved, bytes, sizeof moved);
+    bytes += sizeof moved;
+    for (int s = 0; s < FIT_BORDER_SIDES; s++, bytes += sizeof moved)
+        memcpy(&border->sides[s].offset, bytes, sizeof moved);
+    memcpy(border->foot, bytes, feet);
+    memcpy(border->target, bytes + feet, targets);
+    border->moved = moved > 0;
+    if (border->moved)
+        move_samples(border, points);
+}
+
+bat_status bat_surface_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
+                                   bat_surface_border **border, bat_error *error)
+{
+    const bat_surface_fit_options defaults = bat_surface_fit_defaults();
+    bat_status status = bat_surface_fit_options_check(options, error);
+    bat_surface_fit_data loop = *data;
+    loop.count = data->boundary_count;
+    if (status == BAT_OK)
+        status = fit_points_check(&loop, error);
+    if (status != BAT_OK)
+        return status;
+    fit_border *made = calloc(1, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, sizeof *made);
+    status = fit_border_make(data, options != NULL ? options : &defaults, made, error);
+    if (status == BAT_OK)
+        *border = made;
+    else
+        free(made);
+    return status;
+}
+
+void bat_surface_border_free(bat_surface_border *border)
+{
+    if (border != NULL)
+        fit_border_free(border);
+    free(border);
+}
+
+size_t bat_surface_border_samples(const bat_surface_border *border, const double **points, const double **parameters)
+{
+    *points = border->points;
+    *parameters = border->at;
+    return border->samples;
 }

@@ -32,7 +32,8 @@ typedef struct fit_border_side
 } fit_border_side;
 
 /// The border of a fit; empty without. Release it with fit_border_free().
-typedef struct fit_border
+typedef struct bat_surface_border fit_border;
+struct bat_surface_border
 {
     size_t dimension, samples;
     size_t boundary_count;
@@ -41,7 +42,9 @@ typedef struct fit_border
     double *points; ///< samples x dimension: places on the curves; the last four are the corners
     double *at;     ///< samples x 2: parameters on the surface
     double *foot;   ///< samples x 2: parameters on the curves, (s, 0)
-} fit_border;
+    double *target; ///< samples x dimension: places less the centre of the points, after an update
+    bool moved;     ///< there was an update
+};
 
 /// Fit the border curves. The border stays empty where a side has too few points.
 bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_border *border,
@@ -51,6 +54,9 @@ void fit_border_free(fit_border *border);
 /// As fit_points_make() for the points and the samples, whose numbers follow those of the points.
 bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
                              bat_error *error);
+/// As fit_points_make_part(), for data that have the samples.
+bat_status fit_border_points_part(const fit_border *border, const bat_surface_team *team, const bat_surface_fit_data *data,
+                                  const uint32_t *numbers, bool centred, fit_points *points, bat_error *error);
 
 /// Whether a boundary point takes part in the fit of the surface: in rough loops, which run inside the edge. Those that lie
 /// on the edge are represented by their curve; the surface would follow the noise of half of them.
@@ -59,7 +65,13 @@ static inline bool fit_border_takes(const fit_border *border, size_t point)
     return border->sides[border->side[point]].offset > 0;
 }
 
-/// Move the targets of the samples. Requires parameters that were corrected on this surface.
+/// Move the targets of the samples. Requires parameters that were corrected on this surface. Every process moves all.
 bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error);
+
+/// Bytes of what updates have changed.
+size_t fit_border_state_size(const fit_border *border);
+void fit_border_save(const fit_border *border, char *bytes);
+/// Take up what fit_border_save() has written, in the points too.
+void fit_border_load(fit_border *border, const char *bytes, fit_points *points);
 
 #endif
