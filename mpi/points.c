@@ -3,28 +3,12 @@
 #include "ranks.h"
 #include "rows.h"
 
-#include "batten/surface_fit.h"
+#include "batten/surface.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/// A point with its parameter, as it is sent.
-typedef struct point_row
-{
-    double at[5]; ///< x, y, z, u, v
-    uint64_t number;
-} point_row;
-
-/// Points of this rank in the order of the file.
-typedef struct file_part
-{
-    point_row *rows;
-    size_t count;
-    size_t boundary;
-    size_t duplicates;
-} file_part;
 
 void fit_input_free(fit_input *input)
 {
@@ -275,17 +259,57 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/// The places of rows on the curve: the key, and the index of the row in the lower bits, ascending.
-static uint64_t *sort_rows(const point_row *rows, size_t count)
+/// The place of a row among others.
+typedef uint32_t row_key(const void *context, const point_row *row);
+
+static uint32_t curve_key(const void *context, const point_row *row)
+{
+    (void)context;
+    return bat_surface_fit_order(row->at + 3);
+}
+
+/// A row of one key with others.
+typedef struct numbered_row
+{
+    uint64_t number, key;
+} numbered_row;
+
+static int compare_numbered(const void *a, const void *b)
+{
+    const numbered_row *p = a, *q = b;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+/// Sort rows of one key by their numbers.
+static void sort_equal(const point_row *rows, uint64_t *keys, size_t count)
+{
+    numbered_row *order = ranks_allocate(count, sizeof *order);
+    for (size_t i = 0; i < count; i++)
+        order[i] = (numbered_row){rows[keys[i] & UINT32_MAX].number, keys[i]};
+    qsort(order, count, sizeof *order, compare_numbered);
+    for (size_t i = 0; i < count; i++)
+        keys[i] = order[i].key;
+    free(order);
+}
+
+/// The keys of rows, with the index of the row in the lower bits: ascending, rows of one key by number.
+static uint64_t *sort_rows(const point_row *rows, size_t count, row_key *key, const void *context)
 {
     uint64_t *keys = ranks_allocate(count, sizeof *keys);
     for (size_t i = 0; i < count; i++)
-        keys[i] = (uint64_t)bat_surface_fit_order(rows[i].at + 3) << 32 | i;
+        keys[i] = (uint64_t)key(context, &rows[i]) << 32 | i;
     qsort(keys, count, sizeof *keys, compare_keys);
+    for (size_t begin = 0, end; begin < count; begin = end)
+    {
+        for (end = begin + 1; end < count && keys[end] >> 32 == keys[begin] >> 32;)
+            end++;
+        if (end > begin + 1)
+            sort_equal(rows, keys + begin, end - begin);
+    }
     return keys;
 }
 
-/// The number of rows before a place of the curve: a key, and the number of a point.
+/// The number of rows before a place: a key, and the number of a point.
 static size_t rows_before(const point_row *rows, const uint64_t *keys, size_t count, uint64_t place)
 {
     size_t low = 0, high = count;
@@ -315,11 +339,12 @@ static size_t blocks_until(size_t rank, size_t blocks, size_t relief)
     return first + (blocks - first) * rank / (ranks - 1);
 }
 
-/// Divide the curve so that each rank gets whole blocks, about the same number. Bisects all limits at once.
-/// @param relief blocks
-/// @param counts receives the number of rows of this rank that go to each
-static void divide_curve(const point_row *rows, const uint64_t *keys, size_t count, size_t total, size_t relief,
-                         size_t *counts)
+/// Divide the rows so that each rank gets whole blocks, about the same number. Bisects all limits at once.
+/// @param relief     blocks
+/// @param whole_keys rows of one key go to one rank, so that blocks may be parted
+/// @param counts     receives the number of rows of this rank that go to each
+static void divide_rows(const point_row *rows, const uint64_t *keys, size_t count, size_t total, size_t relief,
+                        bool whole_keys, size_t *counts)
 {
     size_t ranks = (size_t)ranks_count(), blocks = (total + BAT_SURFACE_FIT_BLOCK - 1) / BAT_SURFACE_FIT_BLOCK;
     uint64_t *low = ranks_allocate(4 * ranks, sizeof *low), *high = low + ranks, *mine = high + ranks, *all = mine + ranks;
@@ -346,7 +371,8 @@ static void divide_curve(const point_row *rows, const uint64_t *keys, size_t cou
     size_t before = 0;
     for (size_t rank = 0; rank < ranks; rank++)
     {
-        size_t end = rank + 1 < ranks ? rows_before(rows, keys, count, low[rank]) : count;
+        uint64_t limit = whole_keys ? low[rank] >> 32 << 32 : low[rank];
+        size_t end = rank + 1 < ranks ? rows_before(rows, keys, count, limit) : count;
         counts[rank] = end - before;
         before = end;
     }
@@ -354,12 +380,14 @@ static void divide_curve(const point_row *rows, const uint64_t *keys, size_t cou
 }
 
 /// Send all points to their ranks. Empties the part.
-static point_row *send_points(file_part *part, size_t total, size_t relief, size_t *received)
+static point_row *send_points(file_part *part, row_key *key, const void *context, bool whole_keys, size_t relief,
+                              size_t *received)
 {
     size_t ranks = (size_t)ranks_count(), *counts = ranks_allocate(ranks, sizeof *counts);
-    uint64_t *keys = sort_rows(part->rows, part->count);
+    size_t total = sum_over_ranks(part->count);
+    uint64_t *keys = sort_rows(part->rows, part->count, key, context);
     point_row *sorted = ranks_allocate(part->count, sizeof *sorted);
-    divide_curve(part->rows, keys, part->count, total, relief / BAT_SURFACE_FIT_BLOCK, counts);
+    divide_rows(part->rows, keys, part->count, total, relief / BAT_SURFACE_FIT_BLOCK, whole_keys, counts);
     for (size_t i = 0; i < part->count; i++)
         sorted[i] = part->rows[keys[i] & UINT32_MAX];
     free(keys);
@@ -371,14 +399,14 @@ static point_row *send_points(file_part *part, size_t total, size_t relief, size
     return rows;
 }
 
-static void distribute(file_part *part, size_t relief, fit_input *input)
+void fit_input_distribute(file_part *part, size_t samples, size_t relief, fit_input *input)
 {
+    *input = (fit_input){.samples = samples};
     input->total = sum_over_ranks(part->count);
     input->boundary_count = part->boundary;
     input->duplicates = part->duplicates;
-    // Rows come by rank, and so, for equal keys, by number.
-    point_row *rows = send_points(part, input->total, relief, &input->count);
-    uint64_t *keys = sort_rows(rows, input->count), label = 0;
+    point_row *rows = send_points(part, curve_key, NULL, false, relief, &input->count);
+    uint64_t *keys = sort_rows(rows, input->count, curve_key, NULL), label = 0;
     size_t count = input->count;
     input->points = ranks_allocate(count * 3, sizeof(double));
     input->parameters = ranks_allocate(count * 2, sizeof(double));
@@ -398,31 +426,125 @@ static void distribute(file_part *part, size_t relief, fit_input *input)
     input->first = sum_before(count);
 }
 
+// Points without parameters
+
+uint64_t place_hash(const double place[3])
+{
+    return mix(hash_of(place, 3));
+}
+
+/// What the order of points depends on.
+typedef struct cloud_frame
+{
+    double centre[3];
+    double farthest; ///< by bat_surface_chart_order()
+} cloud_frame;
+
+static cloud_frame find_frame(const file_part *part)
+{
+    cloud_frame frame;
+    double ends[6], all[6], farthest = 0;
+    for (int k = 0; k < 6; k++)
+        ends[k] = -INFINITY;
+    for (size_t i = 0; i < part->count; i++)
+        for (int k = 0; k < 3; k++)
+        {
+            ends[k] = fmax(ends[k], part->rows[i].at[k]);
+            ends[3 + k] = fmax(ends[3 + k], -part->rows[i].at[k]);
+        }
+    (void)MPI_Allreduce(ends, all, 6, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    for (int k = 0; k < 3; k++)
+        frame.centre[k] = -all[3 + k] * 0.5 + all[k] * 0.5;
+    for (size_t i = 0; i < part->count; i++)
+        farthest = fmax(farthest, bat_surface_chart_order(part->rows[i].at, frame.centre));
+    (void)MPI_Allreduce(&farthest, &frame.farthest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    return frame;
+}
+
+static uint32_t distance_key(const void *context, const point_row *row)
+{
+    const cloud_frame *frame = context;
+    double distance = bat_surface_chart_order(row->at, frame->centre);
+    return frame->farthest > 0 ? (uint32_t)(distance / frame->farthest * (double)UINT32_MAX) : 0;
+}
+
+/// By v, the distance, and then by coordinates.
+static int compare_rows(const void *a, const void *b)
+{
+    static const int KEYS[] = {4, 0, 1, 2};
+    const point_row *p = a, *q = b;
+    for (int k = 0; k < 4; k++)
+        if (p->at[KEYS[k]] != q->at[KEYS[k]])
+            return p->at[KEYS[k]] < q->at[KEYS[k]] ? -1 : 1;
+    return 0;
+}
+
+void file_part_sort(file_part *part)
+{
+    cloud_frame frame = find_frame(part);
+    for (size_t i = 0; i < part->count; i++)
+    {
+        point_row *row = &part->rows[i];
+        row->at[3] = row->number < part->boundary ? (double)row->number + 1 : 0;
+        row->at[4] = bat_surface_chart_order(row->at, frame.centre);
+    }
+    size_t received;
+    point_row *rows = send_points(part, distance_key, &frame, true, 0, &received);
+    qsort(rows, received, sizeof *rows, compare_rows);
+    part->rows = rows;
+    part->count = received;
+    size_t first = sum_before(received);
+    for (size_t i = 0; i < received; i++)
+        rows[i].number = first + i;
+}
+
+/// Read the columns of a file.
+/// @param needed 3, or 5 for points with parameters
+static bool read_rows(const char *path, bat_cloud_format format, size_t needed, size_t boundary, file_part *part)
+{
+    rows_text text = {.columns = 5, .needed = needed};
+    *part = (file_part){0};
+    if (format == BAT_CLOUD_FORMAT_AUTO)
+        format = bat_cloud_format_of_path(path);
+    if (!(format == BAT_CLOUD_FORMAT_PLY ? rows_read_ply(path, &text) : rows_read_text(path, &text)))
+        return false;
+    part->count = text.count;
+    part->boundary = boundary > 0 ? boundary : text.boundary;
+    part->rows = ranks_allocate(part->count, sizeof *part->rows);
+    size_t first = sum_before(part->count);
+    for (size_t i = 0; i < part->count; i++)
+    {
+        memcpy(part->rows[i].at, text.values + i * text.columns, sizeof part->rows[i].at);
+        part->rows[i].number = first + i;
+    }
+    free(text.values);
+    return true;
+}
+
+bool file_part_read(const char *path, bat_cloud_format format, size_t boundary, bool strict, file_part *part)
+{
+    if (!read_rows(path, format, 3, boundary, part))
+        return false;
+    for (size_t i = 0; i < part->count; i++)
+        part->rows[i].at[3] = part->rows[i].at[4] = 0;
+    // All parameters are 0, on a side, so that the check keeps the boundary.
+    bool good = drop_repeated(path, strict, part) && check_points(path, part);
+    if (!good)
+        free(part->rows);
+    return good;
+}
+
 bool fit_input_read(const char *path, const char *parameters, bat_cloud_format format, size_t boundary, bool strict,
                     size_t relief, fit_input *input)
 {
-    file_part part = {0};
-    rows_text text = {.columns = 5, .needed = parameters == NULL ? 5 : 3};
+    file_part part;
     *input = (fit_input){0};
-    if (format == BAT_CLOUD_FORMAT_AUTO)
-        format = bat_cloud_format_of_path(path);
-    bool good = format == BAT_CLOUD_FORMAT_PLY ? rows_read_ply(path, &text) : rows_read_text(path, &text);
-    if (!good)
+    if (!read_rows(path, format, parameters == NULL ? 5 : 3, boundary, &part))
         return false;
-    part.count = text.count;
-    part.boundary = boundary > 0 ? boundary : text.boundary;
-    part.rows = ranks_allocate(part.count, sizeof *part.rows);
-    size_t first = sum_before(part.count);
-    for (size_t i = 0; i < part.count; i++)
-    {
-        memcpy(part.rows[i].at, text.values + i * text.columns, sizeof part.rows[i].at);
-        part.rows[i].number = first + i;
-    }
-    free(text.values);
-    good = (parameters == NULL || join_parameters(parameters, &part)) && drop_repeated(path, strict, &part) &&
-           check_points(path, &part);
+    bool good = (parameters == NULL || join_parameters(parameters, &part)) && drop_repeated(path, strict, &part) &&
+                check_points(path, &part);
     if (good)
-        distribute(&part, relief, input);
+        fit_input_distribute(&part, 0, relief, input);
     free(part.rows);
     return good;
 }

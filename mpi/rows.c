@@ -347,3 +347,48 @@ bool rows_read_ply(const char *path, rows_text *text)
     text->values = NULL;
     return false;
 }
+
+// Parameters
+
+/// The numbers of the first line that has some.
+static size_t count_numbers(char *text)
+{
+    char *rest = NULL;
+    for (char *line = strtok_r(text, "\n", &rest); line != NULL; line = strtok_r(NULL, "\n", &rest))
+    {
+        size_t count = 0;
+        char *remark = strchr(line, '#'), *end;
+        if (remark != NULL)
+            *remark = '\0';
+        for (;; count++, line = end)
+        {
+            (void)strtod(line, &end);
+            if (end == line)
+                break;
+        }
+        if (count > 0)
+            return count;
+    }
+    return 0;
+}
+
+bool rows_have_parameters(const char *path, bat_cloud_format format)
+{
+    int found = 0;
+    if (ranks_rank() == 0)
+    {
+        FILE *file = fopen(path, "rb");
+        char *text = ranks_allocate(HEADER + 1, 1);
+        size_t size = file != NULL ? fread(text, 1, HEADER, file) : 0;
+        text[size] = '\0';
+        if (file != NULL)
+            (void)fclose(file);
+        ply_layout layout = {0};
+        if (format == BAT_CLOUD_FORMAT_AUTO)
+            format = bat_cloud_format_of_path(path);
+        found = format == BAT_CLOUD_FORMAT_PLY ? read_header(text, FIELDS, &layout) == NULL : count_numbers(text) == FIELDS;
+        free(text);
+    }
+    (void)MPI_Bcast(&found, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    return found != 0;
+}

@@ -1,6 +1,8 @@
 #ifndef MPI_ROWS_H
 #define MPI_ROWS_H
 
+#include "batten/cloud_file.h"
+
 #include <stddef.h>
 
 #include <stdbool.h>
@@ -23,6 +25,10 @@ typedef struct rows_text
 bool rows_read_text(const char *path, rows_text *text);
 /// Read the vertices of a PLY file, binary and little-endian: x, y, z, and the properties u and v (or s and t).
 bool rows_read_ply(const char *path, rows_text *text);
+
+/// Whether a file has parameters after x, y and z: five numbers in its first row, or properties u and v. False for a file
+/// that cannot be read. All ranks receive the answer of rank 0.
+bool rows_have_parameters(const char *path, bat_cloud_format format);
 
 /// Send rows to the ranks; `counts` of them to each, those of rank 0 first.
 /// @param received receives the number of rows that came, those of rank 0 first

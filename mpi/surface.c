@@ -1,10 +1,12 @@
 #include "verbs.h"
 
+#include "chart.h"
 #include "counts.h"
 #include "judge.h"
 #include "points.h"
 #include "ranks.h"
 #include "report.h"
+#include "rows.h"
 #include "surface_options.h"
 #include "surface_report.h"
 #include "team.h"
@@ -18,8 +20,16 @@
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the surface to OUT"},
-    {"parameterization", 0, "FILE", "u v of each point of IN; default: the columns after x y z (PLY: u and v) of IN"},
-    {"boundary", 0, "N", "the first N points are the boundary: their parameters stay; default: told in IN, else none"},
+    {"parameterization", 0, "auto|FILE",
+     "u v of each point of IN: found as by `batten surface` (auto), or in FILE; default: those that IN has after x y z "
+     "(PLY: u "
+     "and v), else auto"},
+    {"sample", 0, "N",
+     "find boundary and parameters by about N points, on rank 0, from 20001; default 200000; with all points, the surface "
+     "is "
+     "that of one machine"},
+    {"boundary", 0, "N",
+     "the first N points are the boundary; given parameters of these stay; default: told in IN, else none is given"},
     {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 2"},
     {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
     {"functions", 0, "N", "the maximum number of functions; default: as many as bring held-out points nearer"},
@@ -51,8 +61,8 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"parameterization
 static const verb_spec SPEC = {
     .usage =
         "mpirun -n RANKS batten-mpi surface IN -o OUT [--parameterization FILE] [--tolerance T|--functions N] [options]",
-    .summary = "Fit an adaptive spline surface to points with parameters, which are divided among the ranks (XYZ, binary "
-               "PLY). The\nsurface is that of `batten surface` with the same parameters.",
+    .summary = "Fit an adaptive spline surface to points, which are divided among the ranks (XYZ, binary PLY). The surface "
+               "is that\nof `batten surface`.",
     .options = OPTIONS,
     .min_positional = 1,
     .max_positional = 1,
@@ -64,6 +74,7 @@ enum
 {
     MAX_SAMPLES = 1000,
     MAX_BOUNDARY = 1000000000,
+    SAMPLE = 200000,         ///< points by which a chart is found
     POINTS_PER_FUNCTION = 30 ///< whose memory is that of a function in the matrix and its factors
 };
 
@@ -73,9 +84,10 @@ static const char *const SOLVERS[] = {"cholesky", "direct", "iterative", NULL};
 typedef struct fit_job
 {
     const char *input, *output, *parameters;
-    char *checkpoint;
+    char *checkpoint, *second_checkpoint; ///< of the second attempt at points without parameters
     bat_cloud_format from;
-    size_t boundary;
+    size_t boundary, sample;
+    bool finds; ///< the parameters
     bat_surface_options options;
     bat_surface_write_options write;
     int solver;
@@ -117,7 +129,7 @@ static bool read_formats(const arguments *given, fit_job *job)
 /// False after a message.
 static bool read_job(const arguments *given, fit_job *job)
 {
-    long samples, boundary;
+    long samples, boundary, sample;
     *job = (fit_job){.input = given->positional[0],
                      .output = argument(given, "output"),
                      .parameters = argument(given, "parameterization"),
@@ -126,26 +138,30 @@ static bool read_job(const arguments *given, fit_job *job)
                      .force = argument_flag(given, "force"),
                      .json = argument_flag(given, "json"),
                      .quiet = argument_flag(given, "quiet")};
-    job->options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
     job->options.fit.threads = 1;
     if (!surface_read_fit(given, &job->options.fit) || !argument_whole(given, "samples", 1, MAX_SAMPLES, 0, &samples) ||
         !argument_whole(given, "boundary", 4, MAX_BOUNDARY, 0, &boundary) ||
+        !argument_whole(given, "sample", BAT_SURFACE_ALL_POINTS + 1, MAX_BOUNDARY, SAMPLE, &sample) ||
         !argument_word(given, "solver", SOLVERS, TEAM_SOLVER_CHOLESKY, &job->solver) || !read_formats(given, job))
         return false;
     if (argument(given, "threads") == NULL)
         job->options.fit.threads = 1;
     job->write.samples = (size_t)samples;
     job->boundary = (size_t)boundary;
+    job->sample = (size_t)sample;
+    job->finds = job->parameters != NULL && strcmp(job->parameters, "auto") == 0;
+    if (job->finds)
+        job->parameters = NULL;
     return true;
 }
 
-static char *checkpoint_path(const arguments *given, const fit_job *job)
+static char *checkpoint_path(const arguments *given, const fit_job *job, const char *attempt)
 {
     const char *path = argument(given, "checkpoint"), *ending = path != NULL ? "" : ".checkpoint";
     path = path != NULL ? path : job->output;
-    size_t size = strlen(path) + strlen(ending) + 1;
+    size_t size = strlen(path) + strlen(ending) + strlen(attempt) + 1;
     char *joined = ranks_allocate(size, 1);
-    (void)snprintf(joined, size, "%s%s", path, ending);
+    (void)snprintf(joined, size, "%s%s%s", path, ending, attempt);
     return joined;
 }
 
@@ -154,10 +170,10 @@ static uint64_t label_of(const fit_job *job)
 {
     char text[400];
     const bat_surface_fit_options *fit = &job->options.fit;
-    (void)snprintf(text, sizeof text, "%s %d %d %.17g %.17g %zu %d %d %d %d %.17g %.17g %d %d %d %d", bat_version(),
-                   fit->space.degree[0], fit->space.degree[1], fit->tolerance, fit->share, fit->functions, fit->hold_out,
-                   fit->iterations, fit->neighbours, (int)fit->smoothing, fit->weight, fit->noise, fit->corrections,
-                   fit->final_corrections, (int)fit->robust, job->solver);
+    (void)snprintf(text, sizeof text, "%s %zu %d %d %.17g %.17g %zu %d %d %d %d %.17g %.17g %d %d %d %d", bat_version(),
+                   job->finds ? job->sample : 0, fit->space.degree[0], fit->space.degree[1], fit->tolerance, fit->share,
+                   fit->functions, fit->hold_out, fit->iterations, fit->neighbours, (int)fit->smoothing, fit->weight,
+                   fit->noise, fit->corrections, fit->final_corrections, (int)fit->robust, job->solver);
     // FNV-1a.
     uint64_t hash = UINT64_C(0xcbf29ce484222325);
     for (const char *at = text; *at != '\0'; at++)
@@ -170,42 +186,38 @@ typedef struct fit_result
 {
     fit_input input;
     bat_surface_result result;
+    size_t points; ///< of all ranks
+    size_t duplicates;
     size_t resumed;
     double seconds[3]; ///< of reading and distributing, of the fit, of the verdict
 } fit_result;
 
-/// False after a message.
-static bool make_fit(const fit_job *job, fit_result *made)
+/// Fit the points of all ranks.
+/// @param border   taken; null for none
+/// @param functions the budget
+static bat_status fit_together(const fit_job *job, const char *checkpoint, bat_surface_border *border, size_t functions,
+                               fit_result *made, bat_error *error)
 {
-    bat_error error = {0};
-    double begin = MPI_Wtime();
-    if (!fit_input_read(job->input, job->parameters, job->from, job->boundary, job->strict,
-                        POINTS_PER_FUNCTION * job->options.fit.functions, &made->input))
-        return false;
-    made->seconds[0] = MPI_Wtime() - begin;
     fit_input *input = &made->input;
     bat_surface_result *result = &made->result;
-    fit_team *team = fit_team_make((team_solver)job->solver, job->checkpoint, input->label ^ label_of(job));
+    fit_team *team = fit_team_make((team_solver)job->solver, checkpoint, input->label ^ label_of(job));
     fit_team_set_rows(team, input->first, input->count, input->total);
     bat_surface_fit_data data = {.points = input->points,
                                  .parameters = input->parameters,
                                  .count = input->count,
                                  .dimension = 3,
-                                 .boundary_count = input->boundary_count};
+                                 .boundary_count = input->boundary_count,
+                                 .curves = border};
     bat_surface_fit_options options = job->options.fit;
+    options.functions = functions;
     if (ranks_rank() == 0)
         options.progress = report_progress("fitting");
     bat_status status = bat_surface_fit_together(fit_team_interface(team), &data, input->numbers, &options, &result->surface,
-                                                 &result->report, &error);
+                                                 &result->report, error);
     report_progress_end();
     made->resumed = fit_team_resumed(team);
     fit_team_free(team);
-    if (!ranks_agree(job->input, status, &error))
-        return false;
-    made->seconds[1] = MPI_Wtime() - begin - made->seconds[0];
-    judge_surface(input, result->report.distances, &result->surface, &job->options.fit, &result->verdict, &result->noise);
-    made->seconds[2] = MPI_Wtime() - begin - made->seconds[0] - made->seconds[1];
-    return true;
+    return status;
 }
 
 /// Fill what the report of one machine has besides.
@@ -227,14 +239,139 @@ static void describe(const fit_job *job, fit_result *made)
     result->seconds[2] = made->seconds[1];
 }
 
+/// Fit points with parameters. False after a message.
+static bool make_fit(const fit_job *job, fit_result *made)
+{
+    bat_error error = {0};
+    double begin = MPI_Wtime();
+    fit_input *input = &made->input;
+    bat_surface_result *result = &made->result;
+    if (!fit_input_read(job->input, job->parameters, job->from, job->boundary, job->strict,
+                        POINTS_PER_FUNCTION * job->options.fit.functions, input))
+        return false;
+    made->seconds[0] = MPI_Wtime() - begin;
+    made->points = input->total;
+    made->duplicates = input->duplicates;
+    bat_status status = fit_together(job, job->checkpoint, NULL, job->options.fit.functions, made, &error);
+    if (!ranks_agree(job->input, status, &error))
+        return false;
+    made->seconds[1] = MPI_Wtime() - begin - made->seconds[0];
+    judge_surface(input, result->report.distances, &result->surface, &job->options.fit, &result->verdict, &result->noise);
+    made->seconds[2] = MPI_Wtime() - begin - made->seconds[0] - made->seconds[1];
+    if (ranks_rank() == 0)
+        describe(job, made);
+    return true;
+}
+
+// Points without parameters
+
+/// The surface of a few points, by rank 0.
+static bat_status reconstruct_alone(const fit_job *job, shared_chart *shared, fit_result *made, bat_error *error)
+{
+    bat_surface_options options = job->options;
+    options.force = true;
+    options.fit.progress = report_progress("fitting");
+    bat_status status = ranks_rank() == 0 ? bat_surface_reconstruct(&shared->cloud, &options, &made->result, error) : BAT_OK;
+    report_progress_end();
+    return status;
+}
+
+/// One attempt at the surface of many points. Every rank gets the status.
+static bat_status reconstruct_together(const fit_job *job, file_part *part, const char *checkpoint, bool again,
+                                       shared_chart *shared, fit_result *made, bat_error *error)
+{
+    bat_surface_options options = job->options;
+    bat_surface_border *border = NULL;
+    if (ranks_rank() == 0)
+        options.fit.progress = report_progress("boundary and parameters");
+    bat_status status = shared_chart_find(part, &options, again, shared, error);
+    report_progress_end();
+    if (status == BAT_OK)
+        status = shared_chart_distribute(shared, part, &job->options.fit, POINTS_PER_FUNCTION * job->options.fit.functions,
+                                         &made->input, &border, error);
+    made->input.duplicates = part->duplicates;
+    if (status == BAT_OK)
+        status = fit_together(job, checkpoint, border, bat_surface_chart_functions(shared->chart), made, error);
+    bat_surface_border_free(border);
+    if (status == BAT_OK)
+        status = shared_chart_finish(shared, &made->input, &made->result, error);
+    return status;
+}
+
+static void fit_result_free(fit_result *made)
+{
+    bat_surface_result_free(&made->result);
+    fit_input_free(&made->input);
+    *made = (fit_result){0};
+}
+
+/// Read the points and fit their surface.
+/// @param again  a second attempt, with a boundary that a smaller disc finds
+/// @param unknown receives whether the boundary was unknown
+/// @return false after a message
+static bool find_surface(const fit_job *job, const char *checkpoint, bool again, fit_result *made, bool *unknown,
+                         bat_status *status, bat_error *error)
+{
+    file_part part;
+    shared_chart shared;
+    double begin = MPI_Wtime();
+    if (!file_part_read(job->input, job->from, job->boundary, job->strict, &part))
+        return false;
+    file_part_sort(&part);
+    unsigned long long mine = part.count, total = 0;
+    (void)MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
+    shared_chart_sample(&part, (size_t)total, job->sample, &shared);
+    made->points = (size_t)total;
+    made->duplicates = part.duplicates;
+    made->seconds[0] = MPI_Wtime() - begin;
+    *unknown = shared.found && total > BAT_SURFACE_ALL_POINTS;
+    *status = total > BAT_SURFACE_ALL_POINTS ? reconstruct_together(job, &part, checkpoint, again, &shared, made, error)
+                                             : reconstruct_alone(job, &shared, made, error);
+    made->result.boundary_found = shared.found;
+    made->result.below_noise =
+        *status == BAT_OK && ranks_rank() == 0 &&
+        bat_surface_below_noise(&job->options.fit, &made->result.report, made->points, made->result.noise);
+    made->seconds[1] = MPI_Wtime() - begin - made->seconds[0];
+    free(part.rows);
+    shared_chart_free(&shared);
+    return true;
+}
+
+/// Find parameters and fit. False after a message.
+static bool make_surface(const fit_job *job, fit_result *made)
+{
+    bat_status status;
+    bat_error error = {0};
+    bool unknown;
+    if (!find_surface(job, job->checkpoint, false, made, &unknown, &status, &error) ||
+        !ranks_agree(job->input, status, &error))
+        return false;
+    int wrong = made->result.verdict.fault != BAT_SURFACE_FAULT_NONE && unknown;
+    (void)MPI_Bcast(&wrong, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    if (wrong == 0)
+        return true;
+    fit_result again = {0};
+    if (!find_surface(job, job->second_checkpoint, true, &again, &unknown, &status, &error))
+        return false;
+    int better = status == BAT_OK && again.result.verdict.fault == BAT_SURFACE_FAULT_NONE;
+    (void)MPI_Bcast(&better, 1, MPI_INT, 0, MPI_COMM_WORLD);
+    if (better == 0)
+    {
+        fit_result_free(&again);
+        return true;
+    }
+    fit_result_free(made);
+    *made = again;
+    return true;
+}
+
 static int report(const fit_job *job, const fit_result *made, const counts_summary *summary)
 {
-    const fit_input *input = &made->input;
-    bat_cloud cloud = {.count = input->total, .duplicates = input->duplicates};
+    bat_cloud cloud = {.count = made->points, .duplicates = made->duplicates};
     surface_findings findings = {job->input, &cloud, &job->options, &made->result};
     if (job->json)
     {
-        cloud.boundary_count = input->boundary_count;
+        cloud.boundary_count = made->input.boundary_count;
         json_t *object = surface_report_json(&findings);
         (void)json_object_set_new(object, "exchange", counts_json(summary));
         (void)json_object_set_new(object, "reading_seconds", json_real(made->seconds[0]));
@@ -249,7 +386,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     (void)printf("seconds to read and distribute the points: %.2f\n", made->seconds[0]);
     counts_print(summary, stdout);
     (void)printf("%.3g bytes a point and round\n",
-                 summary->sum.bytes / ((double)input->total * (double)made->result.report.count));
+                 summary->sum.bytes / ((double)made->points * (double)made->result.report.count));
     return EXIT_DONE;
 }
 
@@ -257,7 +394,6 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
 static int finish(const fit_job *job, fit_result *made, const counts_summary *summary)
 {
     bat_error error = {0};
-    describe(job, made);
     if (!job->force && bat_surface_verdict_check(&made->result.verdict, &error) != BAT_OK)
     {
         size_t length = strlen(error.text);
@@ -290,18 +426,26 @@ int verb_surface(int argc, char **argv)
     ranks_speak(silence);
     if (!good)
         return EXIT_BAD_USAGE;
-    job.checkpoint = checkpoint_path(&given, &job);
+    job.checkpoint = checkpoint_path(&given, &job, "");
+    job.second_checkpoint = checkpoint_path(&given, &job, ".again");
+    if (job.parameters == NULL)
+        job.finds = job.finds || !rows_have_parameters(job.input, job.from);
+    if (!job.finds)
+        job.options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
     code = EXIT_BAD_INPUT;
-    if (make_fit(&job, &made))
+    if (job.finds ? make_surface(&job, &made) : make_fit(&job, &made))
     {
         counts_summary summary = counts_collect();
         code = ranks_rank() == 0 ? finish(&job, &made, &summary) : EXIT_DONE;
         (void)MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
         if (code == EXIT_DONE && ranks_rank() == 0)
+        {
             fit_team_forget(job.checkpoint);
+            fit_team_forget(job.second_checkpoint);
+        }
     }
     free(job.checkpoint);
-    bat_surface_result_free(&made.result);
-    fit_input_free(&made.input);
+    free(job.second_checkpoint);
+    fit_result_free(&made);
     return code;
 }

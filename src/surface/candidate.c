@@ -340,7 +340,9 @@ bat_status surface_candidate_extend(surface_candidate *candidate, const cloud_pa
                                  .count = cloud->count,
                                  .dimension = 3,
                                  .boundary_count = cloud->boundary_count};
-    bat_status status = cloud_part_spread(part, cloud, candidate->corrected, parameters, error);
+    unit_frame frame = unit_frame_of(cloud->points, cloud->count);
+    bat_status status =
+        cloud_part_spread(&frame, &part->cloud, candidate->corrected, cloud->points, cloud->count, parameters, error);
     memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
     if (status == BAT_OK)
         status = bat_spline_correct(&candidate->surface, &data, NULL, error);

@@ -2,9 +2,9 @@
 /// From a cloud to a spline surface: boundary, parameters, adaptive fit. docs/surfaces.md describes the steps.
 ///
 /// For each way k of parameterizing, S_k is the adaptive fit to the points x_i at the parameters u_i^k. The result is the
-/// S_k that surface_candidate_best() selects. Of clouds of more than MAX_ALL_POINTS points, and of scan lines, a part is
-/// parameterized and fitted for each k. The other points get the parameters of their feet on the selected surface, and the
-/// last fit is to all points.
+/// S_k that surface_candidate_best() selects. Of clouds of more than BAT_SURFACE_ALL_POINTS points, and of scan lines, a
+/// part is parameterized and fitted for each k. The other points get the parameters of their feet on the selected surface,
+/// and the last fit is to all points.
 
 #include "batten/surface.h"
 
@@ -15,6 +15,7 @@
 #include "base/option.h"
 #include "base/progress.h"
 #include "surface/candidate.h"
+#include "surface/chart.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/canonical_order.h"
 #include "surface/cloud/part.h"
@@ -26,7 +27,6 @@
 enum
 {
     MIN_POINTS = 4,         ///< one for each corner of a patch
-    MAX_ALL_POINTS = 20000, ///< clouds with more points are fitted on a sample first
     SAMPLE_POINTS = 10000,  ///< of that sample
     POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a part
 };
@@ -220,7 +220,7 @@ static bat_status make_trimming(reconstruction *work, bat_error *error)
 /// Whether every candidate is fitted to all points; the best fit is then already the result.
 static bool fits_all_points(const reconstruction *work)
 {
-    return work->part.members == NULL && (work->kind_count == 1 || work->cloud->count <= MAX_ALL_POINTS);
+    return work->part.members == NULL && (work->kind_count == 1 || work->cloud->count <= BAT_SURFACE_ALL_POINTS);
 }
 
 /// The points that are parameterized.
@@ -236,7 +236,7 @@ static bat_status take_part(reconstruction *work, bat_error *error)
     if (work->boundary == NULL || cloud->triangle_count > 0 || work->options->parameters == BAT_SURFACE_PARAMETERS_GIVEN ||
         work->options->published)
         return BAT_OK;
-    bool large = cloud->count > MAX_ALL_POINTS && work->kind_count > 1;
+    bool large = cloud->count > BAT_SURFACE_ALL_POINTS && work->kind_count > 1;
     bat_status status = cloud_part_make(cloud, large ? SAMPLE_POINTS : cloud->count, &work->part, error);
     if (status != BAT_OK || work->part.members == NULL)
         return status;
@@ -340,15 +340,23 @@ static bat_status check_best(const reconstruction *work, bat_error *error)
     return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
 }
 
+/// The budget of the last fit.
+static size_t last_budget(const reconstruction *work)
+{
+    const bat_surface_fit_options *fit = &work->options->fit;
+    // Points on lines do not tell what a surface does between them: an even sample tells its size.
+    if (work->part.is_even && fit->functions == 0)
+        return fit->tolerance > 0 ? work->part.cloud.count / 2 : work->best->report.functions;
+    return fit->functions;
+}
+
 static bat_status fit_best(reconstruction *work, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
     progress_part parts[2];
     fit.progress = fit_progress(work, TRIAL_SHARE, 1 - TRIAL_SHARE, parts);
+    fit.functions = last_budget(work);
     bat_status status = BAT_OK;
-    // Points on lines do not tell what a surface does between them: an even sample tells its size.
-    if (work->part.is_even && fit.functions == 0)
-        fit.functions = fit.tolerance > 0 ? work->part.cloud.count / 2 : work->best->report.functions;
     if (work->part.members != NULL)
         status = surface_candidate_extend(work->best, &work->part, work->cloud, work->boundary, error);
     if (status == BAT_OK)
@@ -368,8 +376,7 @@ static bat_status fit_kinds(reconstruction *work, bat_error *error)
     for (size_t i = 0; i < work->kind_count; i++)
         work->result.candidates[i] = work->candidates[i].report;
     work->result.candidate_count = work->kind_count;
-    status = check_best(work, error);
-    return status == BAT_OK && !fits_all_points(work) ? fit_best(work, error) : status;
+    return check_best(work, error);
 }
 
 bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_surface_fit_report *report, size_t points,
@@ -434,6 +441,45 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     return BAT_OK;
 }
 
+static void reconstruction_free(reconstruction *work)
+{
+    cloud_geometry_free(&work->geometry);
+    for (size_t i = 0; i < work->kind_count; i++)
+        surface_candidate_free(&work->candidates[i]);
+    free(work->boundary);
+    free(work->part_boundary);
+    cloud_part_free(&work->part);
+    free(work->planar);
+    trimming_free(&work->trimming);
+}
+
+/// Find the best candidate.
+static bat_status find_best(reconstruction *work, bat_error *error)
+{
+    double begin = clock_seconds();
+    progress_part prepare_part = {work->options->fit.progress, PREPARE_SHARE, 0};
+    bat_status status = prepare(work, error);
+    double prepared = clock_seconds();
+    if (status == BAT_OK)
+    {
+        list_kinds(work);
+        status = take_part(work, error);
+    }
+    if (status == BAT_OK && !progress_goes_on(work->options->fit.progress, PREPARE_SHARE))
+        status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    if (status == BAT_OK)
+        status = cloud_geometry_make(parameterized(work), work->options->fit.threads, progress_of_part(&prepare_part),
+                                     &work->geometry, error);
+    double measured = clock_seconds();
+    if (status == BAT_OK && work->options->trim)
+        status = make_trimming(work, error);
+    if (status == BAT_OK)
+        status = fit_kinds(work, error);
+    const double seconds[3] = {prepared - begin, measured - prepared, clock_seconds() - measured};
+    memcpy(work->result.seconds, seconds, sizeof seconds);
+    return status;
+}
+
 /// Reconstruct a surface, right or wrong.
 /// @param disc      factor of the radius of the disc that finds the boundary
 /// @param one_sided receives whether the points lie on a one-sided surface
@@ -441,38 +487,15 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
                               bool *one_sided, bat_error *error)
 {
     reconstruction work = {.cloud = cloud, .options = options, .disc = disc};
-    double begin = clock_seconds();
-    progress_part prepare_part = {options->fit.progress, PREPARE_SHARE, 0};
-    bat_status status = prepare(&work, error);
-    double prepared = clock_seconds();
-    if (status == BAT_OK)
-    {
-        list_kinds(&work);
-        status = take_part(&work, error);
-    }
-    if (status == BAT_OK && !progress_goes_on(work.options->fit.progress, PREPARE_SHARE))
-        status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-    if (status == BAT_OK)
-        status = cloud_geometry_make(parameterized(&work), work.options->fit.threads, progress_of_part(&prepare_part),
-                                     &work.geometry, error);
-    double measured = clock_seconds();
-    if (status == BAT_OK && work.options->trim)
-        status = make_trimming(&work, error);
-    if (status == BAT_OK)
-        status = fit_kinds(&work, error);
+    bat_status status = find_best(&work, error);
+    double found = clock_seconds();
+    if (status == BAT_OK && !fits_all_points(&work))
+        status = fit_best(&work, error);
     if (status == BAT_OK)
         status = store_result(&work, error);
     *one_sided = status == BAT_OK && is_one_sided(&work);
-    const double seconds[3] = {prepared - begin, measured - prepared, clock_seconds() - measured};
-    memcpy(work.result.seconds, seconds, sizeof seconds);
-    cloud_geometry_free(&work.geometry);
-    for (size_t i = 0; i < work.kind_count; i++)
-        surface_candidate_free(&work.candidates[i]);
-    free(work.boundary);
-    free(work.part_boundary);
-    cloud_part_free(&work.part);
-    free(work.planar);
-    trimming_free(&work.trimming);
+    work.result.seconds[2] += clock_seconds() - found;
+    reconstruction_free(&work);
     if (status == BAT_OK)
         *result = work.result;
     return status;
@@ -530,4 +553,120 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     else
         bat_surface_result_free(&made);
     return status;
+}
+
+// Reconstructions by several processes
+
+bat_status bat_surface_chart_boundary(bat_cloud *cloud, bool again, bat_progress progress, bat_error *error)
+{
+    progress_part part = {progress, 0, PREPARE_SHARE};
+    return cloud_find_boundary(cloud, again ? SMALL_DISC : 1, progress_of_part(&part), error);
+}
+
+/// Store what all processes need.
+static bat_status share_chart(const reconstruction *work, bat_surface_chart *chart, bat_error *error)
+{
+    const bat_cloud *cloud = work->cloud;
+    bat_status status = bat_cloud_copy(&work->part.cloud, &chart->part, error);
+    if (status != BAT_OK)
+        return status;
+    chart->frame = unit_frame_of(cloud->points, cloud->count);
+    chart->functions = last_budget(work);
+    chart->loop_count = cloud->boundary_count;
+    chart->of_part = work->best->corrected;
+    work->best->corrected = NULL;
+    chart->surface = work->best->surface;
+    work->best->surface = (bat_spline_surface){0};
+    bat_surface_fit_report_free(&work->best->fit);
+    chart->loop = memory_array(chart->loop_count, 3 * sizeof *chart->loop);
+    chart->loop_parameters = memory_array(chart->loop_count, 2 * sizeof *chart->loop);
+    if (chart->loop == NULL || chart->loop_parameters == NULL)
+        return error_memory(error, chart->loop_count * 5 * sizeof *chart->loop);
+    memcpy(chart->loop, cloud->points, 3 * chart->loop_count * sizeof *chart->loop);
+    memcpy(chart->loop_parameters, work->boundary, 2 * chart->loop_count * sizeof *chart->loop);
+    return BAT_OK;
+}
+
+bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_options *options, bat_surface_chart **chart,
+                                  bat_error *error)
+{
+    const bat_surface_options defaults = bat_surface_defaults();
+    bat_status status = bat_surface_options_check(options, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK && (cloud->count <= BAT_SURFACE_ALL_POINTS || cloud->triangle_count > 0 || options->published ||
+                             options->trim || options->parameters != BAT_SURFACE_PARAMETERS_AUTO))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "a chart is of more than %d points without triangles, with automatic parameters",
+                           BAT_SURFACE_ALL_POINTS);
+    if (status != BAT_OK)
+        return status;
+    bat_surface_chart *made = calloc(1, sizeof *made);
+    reconstruction *work = calloc(1, sizeof *work);
+    if (made == NULL || work == NULL)
+    {
+        free(made);
+        free(work);
+        return error_memory(error, sizeof *work);
+    }
+    made->work = work;
+    made->options = *options;
+    *work = (reconstruction){.cloud = cloud, .options = &made->options, .disc = 1};
+    status = find_best(work, error);
+    if (status == BAT_OK)
+        status = share_chart(work, made, error);
+    if (status == BAT_OK)
+        *chart = made;
+    else
+        bat_surface_chart_free(made);
+    return status;
+}
+
+void bat_surface_chart_free(bat_surface_chart *chart)
+{
+    if (chart == NULL)
+        return;
+    if (chart->work != NULL)
+        reconstruction_free(chart->work);
+    free(chart->work);
+    chart_free_shared(chart);
+    free(chart);
+}
+
+bat_status bat_surface_chart_finish(bat_surface_chart *chart, bat_spline_surface *surface, bat_surface_fit_report *report,
+                                    const double *parameters, const double *distances, bat_surface_result *result,
+                                    bat_error *error)
+{
+    reconstruction *work = chart->work;
+    if (work == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "another process has found the chart");
+    size_t count = work->cloud->count;
+    surface_candidate *best = work->best;
+    double begin = clock_seconds();
+    bat_status status = surface_judge(&work->geometry, surface, parameters, distances, count, &work->options->fit,
+                                      &best->report.verdict, error);
+    if (status == BAT_OK && best->report.verdict.fault != BAT_SURFACE_FAULT_NONE && !work->options->force &&
+        is_one_sided(work))
+        status = tell_one_sided(error);
+    if (status != BAT_OK)
+        return status;
+    free(best->corrected);
+    best->corrected = memory_array(count, 2 * sizeof *best->corrected);
+    if (best->corrected == NULL)
+        return error_memory(error, count * 2 * sizeof *best->corrected);
+    memcpy(best->corrected, parameters, 2 * count * sizeof *best->corrected);
+    best->surface = *surface;
+    best->fit = *report;
+    status = store_result(work, error);
+    if (status != BAT_OK)
+    {
+        best->surface = (bat_spline_surface){0};
+        best->fit = (bat_surface_fit_report){0};
+        return status;
+    }
+    work->result.seconds[2] += clock_seconds() - begin;
+    *surface = (bat_spline_surface){0};
+    *report = (bat_surface_fit_report){0};
+    *result = work->result;
+    work->result = (bat_surface_result){0};
+    return BAT_OK;
 }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/surface.h"
 #include "surface/cloud/spatial_order.h"
 
 #include <math.h>
@@ -42,6 +43,12 @@ static void find_centre(const double *points, size_t count, double centre[3])
         centre[k] = low[k] * 0.5 + high[k] * 0.5;
 }
 
+double bat_surface_chart_order(const double point[3], const double centre[3])
+{
+    double x = point[0] * 0.5 - centre[0] * 0.5, y = point[1] * 0.5 - centre[1] * 0.5, z = point[2] * 0.5 - centre[2] * 0.5;
+    return hypot(hypot(x, y), z);
+}
+
 bat_status canonical_order_find(const double *points, size_t count, size_t *order, bat_error *error)
 {
     sort_entry *entries = memory_array(count, sizeof *entries);
@@ -52,8 +59,7 @@ bat_status canonical_order_find(const double *points, size_t count, size_t *orde
     for (size_t i = 0; i < count; i++)
     {
         const double *at = points + 3 * i;
-        double x = at[0] * 0.5 - centre[0] * 0.5, y = at[1] * 0.5 - centre[1] * 0.5, z = at[2] * 0.5 - centre[2] * 0.5;
-        entries[i] = (sort_entry){hypot(hypot(x, y), z), {at[0], at[1], at[2]}, i};
+        entries[i] = (sort_entry){bat_surface_chart_order(at, centre), {at[0], at[1], at[2]}, i};
     }
     qsort(entries, count, sizeof *entries, compare_entries);
     for (size_t i = 0; i < count; i++)

@@ -110,27 +110,26 @@ bat_status cloud_part_make(const bat_cloud *cloud, size_t wanted, cloud_part *pa
     return status;
 }
 
-bat_status cloud_part_spread(const cloud_part *part, const bat_cloud *cloud, const double *of_part, double *parameters,
-                             bat_error *error)
+bat_status cloud_part_spread(const unit_frame *frame, const bat_cloud *part, const double *of_part, const double *points,
+                             size_t count, double *parameters, bat_error *error)
 {
-    unit_frame frame = unit_frame_of(cloud->points, cloud->count);
-    size_t members = part->cloud.count;
+    size_t members = part->count;
     double *unit = memory_array(members, 3 * sizeof *unit);
     if (unit == NULL)
         return error_memory(error, members * 3 * sizeof *unit);
     for (size_t i = 0; i < members; i++)
-        unit_frame_place(&frame, part->cloud.points + 3 * i, unit + 3 * i);
+        unit_frame_place(frame, part->points + 3 * i, unit + 3 * i);
     neighbour_tree tree = {0};
     bat_status status = neighbour_tree_build(unit, members, &tree, error);
     bool complete = status == BAT_OK;
-#pragma omp parallel num_threads(threads_for(0, cloud->count / 1024 + 1)) if (complete) reduction(&& : complete)
+#pragma omp parallel num_threads(threads_for(0, count / 1024 + 1)) if (complete) reduction(&& : complete)
     {
         neighbour_list near = {0};
 #pragma omp for schedule(static)
-        for (size_t i = 0; i < cloud->count; i++)
+        for (size_t i = 0; i < count; i++)
         {
             double place[3];
-            unit_frame_place(&frame, cloud->points + 3 * i, place);
+            unit_frame_place(frame, points + 3 * i, place);
             complete = complete && neighbours_nearest(&tree, place, 1, &near, NULL) == BAT_OK;
             if (complete)
                 memcpy(parameters + 2 * i, of_part + 2 * (size_t)near.entries[0].item, 2 * sizeof *parameters);
@@ -139,5 +138,5 @@ bat_status cloud_part_spread(const cloud_part *part, const bat_cloud *cloud, con
     }
     neighbour_tree_free(&tree);
     free(unit);
-    return complete || status != BAT_OK ? status : error_memory(error, cloud->count * 2 * sizeof *parameters);
+    return complete || status != BAT_OK ? status : error_memory(error, count * 2 * sizeof *parameters);
 }

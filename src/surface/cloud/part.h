@@ -2,6 +2,7 @@
 #define SURFACE_CLOUD_PART_H
 
 #include "batten/cloud.h"
+#include "surface/cloud/local_plane.h"
 
 /// @file
 /// A part of a cloud that stands for all of it: a random sample of a large cloud, or an even sample of scan lines.
@@ -22,11 +23,14 @@ typedef struct cloud_part
 bat_status cloud_part_make(const bat_cloud *cloud, size_t wanted, cloud_part *part, bat_error *error);
 void cloud_part_free(cloud_part *part);
 
-/// Give each point of the cloud the parameter of the nearest point of the part.
-/// @param of_part    part->cloud.count x 2
-/// @param parameters receives cloud->count x 2
+/// Give each of some points the parameter of the nearest point of a part.
+/// @param frame      in which distances are compared: that of the whole cloud
+/// @param part       the points of the part
+/// @param of_part    part->count x 2
+/// @param points     count x 3
+/// @param parameters receives count x 2
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status cloud_part_spread(const cloud_part *part, const bat_cloud *cloud, const double *of_part, double *parameters,
-                             bat_error *error);
+bat_status cloud_part_spread(const unit_frame *frame, const bat_cloud *part, const double *of_part, const double *points,
+                             size_t count, double *parameters, bat_error *error);
 
 #endif

@@ -17,6 +17,7 @@
 #include "surface/fit/foot_points.h"
 #include "surface/fit/marking.h"
 #include "surface/fit/smoothing.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -722,31 +723,6 @@ static bat_status save_state(const fit_loop *loop, bat_error *error)
     return status;
 }
 
-/// The space of these regions. `boxes` are changed.
-static bat_status space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
-                                   bat_hierarchical_space **space, bat_error *error)
-{
-    // A region of a level consists of cells of the level before.
-    for (size_t k = 0; k < count; k++)
-    {
-        boxes[k].level--;
-        for (int d = 0; d < 2; d++)
-        {
-            boxes[k].low[d] /= 2;
-            boxes[k].high[d] /= 2;
-        }
-    }
-    bat_hierarchical_space *made = NULL;
-    bat_status status = bat_hierarchical_space_make(options, &made, error);
-    if (status == BAT_OK && count > 0)
-        status = bat_hierarchical_space_refine(made, boxes, count, error);
-    if (status == BAT_OK)
-        *space = made;
-    else
-        bat_hierarchical_space_free(made);
-    return status;
-}
-
 static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat_error *error)
 {
     state_head head = {0};
@@ -762,9 +738,10 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
     memcpy(loop->rounds, bytes + sizeof head, rounds);
     memcpy(copy, bytes + sizeof head + rounds, boxes);
     bat_hierarchical_space *space = NULL;
-    bat_status status = space_of_regions(&loop->options->space, copy, head.boxes, &space, error);
+    bat_status status = hierarchical_space_of_regions(&loop->options->space, copy, head.boxes, &space, error);
     if (status == BAT_OK && head.has_best != 0)
-        status = space_of_regions(&loop->options->space, copy + head.boxes, head.best_boxes, &loop->best.space, error);
+        status = hierarchical_space_of_regions(&loop->options->space, copy + head.boxes, head.best_boxes, &loop->best.space,
+                                               error);
     free(copy);
     if (status != BAT_OK)
     {
