@@ -227,11 +227,13 @@ bat_status shared_chart_find(const file_part *part, const bat_surface_options *o
 {
     bool first = ranks_rank() == 0;
     bat_status status = BAT_OK;
+    double begin = MPI_Wtime();
     if (first && shared->found)
         status = bat_surface_chart_boundary(&shared->cloud, again, options->fit.progress, error);
     status = share_status(status, error);
     if (status == BAT_OK && shared->found && shared->limit != UINT64_MAX)
         status = move_loop(part, shared, error);
+    shared->seconds = MPI_Wtime() - begin;
     void *bytes = NULL;
     size_t size = 0;
     if (status == BAT_OK && first)
@@ -424,4 +426,56 @@ bat_status shared_chart_finish(const shared_chart *shared, const fit_input *inpu
         status = judge(shared, all, received, result, error);
     free(all);
     return share_status(status, error);
+}
+
+// The report
+
+/// The number by file_part_sort() of point `number` of the fit.
+/// @param loop the numbers of the points of the loop, ascending
+static uint64_t sorted_number(const loop_place *loop, size_t count, const bat_cloud *cloud, size_t number)
+{
+    if (number < count)
+        return cloud->order[number];
+    uint64_t sorted = number - count;
+    for (size_t k = 0; k < count && loop[k].number <= sorted; k++)
+        sorted++;
+    return sorted;
+}
+
+void shared_chart_describe(const shared_chart *shared, const file_part *part, bat_surface_result *result, bat_cloud *cloud)
+{
+    enum
+    {
+        CORNERS = 4
+    };
+    size_t loop = shared->cloud.boundary_count, rounds = result->report.count, count = CORNERS + rounds;
+    uint64_t asked = count;
+    broadcast(&asked, sizeof asked);
+    count = (size_t)asked;
+    uint64_t *numbers = ranks_allocate(2 * count, sizeof *numbers), *found = numbers + count;
+    if (ranks_rank() == 0)
+    {
+        loop_place *places = ranks_allocate(loop, sizeof *places);
+        for (size_t k = 0; k < loop; k++)
+            places[k] = (loop_place){shared->cloud.order[k], k};
+        qsort(places, loop, sizeof *places, compare_loop);
+        for (size_t k = 0; k < CORNERS; k++)
+            numbers[k] = sorted_number(places, loop, &shared->cloud, shared->cloud.corners[k]);
+        for (size_t k = 0; k < rounds; k++)
+            numbers[CORNERS + k] = sorted_number(places, loop, &shared->cloud, result->report.rounds[k].worst);
+        free(places);
+    }
+    broadcast(numbers, count * sizeof *numbers);
+    for (size_t k = 0; k < count; k++)
+        if (numbers[k] - part->origin_first < part->origin_count)
+            numbers[k] = part->origins[numbers[k] - part->origin_first];
+        else
+            numbers[k] = 0;
+    (void)MPI_Reduce(numbers, found, (int)count, MPI_UINT64_T, MPI_MAX, 0, MPI_COMM_WORLD);
+    *cloud = (bat_cloud){.boundary_count = loop, .has_corners = shared->cloud.has_corners};
+    for (size_t k = 0; k < CORNERS && ranks_rank() == 0; k++)
+        cloud->corners[k] = (size_t)found[k];
+    for (size_t k = 0; k < rounds && ranks_rank() == 0; k++)
+        result->report.rounds[k].worst = (size_t)found[CORNERS + k];
+    free(numbers);
 }

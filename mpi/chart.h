@@ -19,6 +19,7 @@ typedef struct shared_chart
     bat_cloud cloud; ///< of rank 0: the points by which the chart is found, numbered as all
     uint64_t limit;  ///< points with a smaller hash are in the sample; UINT64_MAX: all
     bool found;      ///< the boundary was unknown
+    double seconds;  ///< that it took to find it
 } shared_chart;
 
 void shared_chart_free(shared_chart *shared);
@@ -41,5 +42,10 @@ bat_status shared_chart_distribute(const shared_chart *shared, file_part *part, 
 /// @param result has the surface and the report of this rank; receives, on rank 0, what bat_surface_chart_finish() gives
 bat_status shared_chart_finish(const shared_chart *shared, const fit_input *input, bat_surface_result *result,
                                bat_error *error);
+
+/// Tell what the report says of the cloud: its points get their numbers in the file.
+/// @param result of rank 0; the numbers of the worst points change
+/// @param cloud  receives boundary and corners, without points
+void shared_chart_describe(const shared_chart *shared, const file_part *part, bat_surface_result *result, bat_cloud *cloud);
 
 #endif

@@ -10,6 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+void file_part_free(file_part *part)
+{
+    free(part->rows);
+    free(part->origins);
+    *part = (file_part){0};
+}
+
 void fit_input_free(fit_input *input)
 {
     free(input->points);
@@ -428,6 +435,9 @@ void fit_input_distribute(file_part *part, size_t samples, size_t relief, fit_in
 
 // Points without parameters
 
+/// More than there are points.
+static const double NUMBERS = 0x1p32;
+
 uint64_t place_hash(const double place[3])
 {
     return mix(hash_of(place, 3));
@@ -486,6 +496,7 @@ void file_part_sort(file_part *part)
     {
         point_row *row = &part->rows[i];
         row->at[3] = row->number < part->boundary ? (double)row->number + 1 : 0;
+        row->number = (uint64_t)(row->at[4] * NUMBERS);
         row->at[4] = bat_surface_chart_order(row->at, frame.centre);
     }
     size_t received;
@@ -494,8 +505,14 @@ void file_part_sort(file_part *part)
     part->rows = rows;
     part->count = received;
     size_t first = sum_before(received);
+    part->origins = ranks_allocate(received, sizeof *part->origins);
+    part->origin_first = first;
+    part->origin_count = received;
     for (size_t i = 0; i < received; i++)
+    {
+        part->origins[i] = (uint32_t)rows[i].number;
         rows[i].number = first + i;
+    }
 }
 
 /// Read the columns of a file.
@@ -525,12 +542,15 @@ bool file_part_read(const char *path, bat_cloud_format format, size_t boundary, 
 {
     if (!read_rows(path, format, 3, boundary, part))
         return false;
+    // v keeps the number in the file, as a fraction; u = 0 is a side of the square, so that the check keeps the boundary.
     for (size_t i = 0; i < part->count; i++)
-        part->rows[i].at[3] = part->rows[i].at[4] = 0;
-    // All parameters are 0, on a side, so that the check keeps the boundary.
+    {
+        part->rows[i].at[3] = 0;
+        part->rows[i].at[4] = fmin((double)part->rows[i].number / NUMBERS, 1);
+    }
     bool good = drop_repeated(path, strict, part) && check_points(path, part);
     if (!good)
-        free(part->rows);
+        file_part_free(part);
     return good;
 }
 
@@ -545,6 +565,6 @@ bool fit_input_read(const char *path, const char *parameters, bat_cloud_format f
                 check_points(path, &part);
     if (good)
         fit_input_distribute(&part, 0, relief, input);
-    free(part.rows);
+    file_part_free(&part);
     return good;
 }

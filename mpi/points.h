@@ -23,7 +23,11 @@ typedef struct file_part
     size_t count;
     size_t boundary; ///< points of the boundary of all ranks: the lowest numbers
     size_t duplicates;
+    uint32_t *origins; ///< origin_count: numbers in the file, of the numbers from origin_first on
+    size_t origin_first, origin_count;
 } file_part;
+
+void file_part_free(file_part *part);
 
 /// The points of this rank.
 typedef struct fit_input

@@ -47,14 +47,23 @@ bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, argument
     return goes_on;
 }
 
-bool ranks_agree(const char *file, bat_status status, const bat_error *error)
+bat_status ranks_agree_on(bat_status status, bat_error *error)
 {
     int rank = status != BAT_OK ? ranks_rank() : ranks_count(), lowest = rank;
     (void)MPI_Allreduce(&rank, &lowest, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
     if (lowest == ranks_count())
+        return BAT_OK;
+    if (status != BAT_OK)
+        error->status = status;
+    (void)MPI_Bcast(error, (int)sizeof *error, MPI_BYTE, lowest, MPI_COMM_WORLD);
+    return error->status;
+}
+
+bool ranks_agree(const char *file, bat_status status, const bat_error *error)
+{
+    bat_error failure = status != BAT_OK ? *error : (bat_error){0};
+    if (ranks_agree_on(status, &failure) == BAT_OK)
         return true;
-    bat_error failure = lowest == rank ? *error : (bat_error){0};
-    (void)MPI_Bcast(&failure, (int)sizeof failure, MPI_BYTE, lowest, MPI_COMM_WORLD);
     if (ranks_rank() == 0)
         (void)report_failure(file, &failure);
     return false;

@@ -18,6 +18,8 @@ void ranks_speak(int silence);
 /// arguments_read() on all ranks, with messages of rank 0 alone.
 bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code);
 
+/// The failure of the lowest rank that failed; every rank receives it.
+bat_status ranks_agree_on(bat_status status, bat_error *error);
 /// Whether all ranks are fine. Where some failed, rank 0 prints the failure of the lowest of them, as report_failure() does.
 bool ranks_agree(const char *file, bat_status status, const bat_error *error);
 

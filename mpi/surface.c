@@ -25,7 +25,7 @@ static const option_spec OPTIONS[] = {
      "(PLY: u "
      "and v), else auto"},
     {"sample", 0, "N",
-     "find boundary and parameters by about N points, on rank 0, from 20001; default 200000; with all points, the surface "
+     "find boundary and parameters by about N points, on rank 0, from 22000; default 200000; with all points, the surface "
      "is "
      "that of one machine"},
     {"boundary", 0, "N",
@@ -74,6 +74,7 @@ enum
 {
     MAX_SAMPLES = 1000,
     MAX_BOUNDARY = 1000000000,
+    MIN_SAMPLE = 22000,      ///< more than BAT_SURFACE_ALL_POINTS, whatever points are drawn
     SAMPLE = 200000,         ///< points by which a chart is found
     POINTS_PER_FUNCTION = 30 ///< whose memory is that of a function in the matrix and its factors
 };
@@ -141,7 +142,7 @@ static bool read_job(const arguments *given, fit_job *job)
     job->options.fit.threads = 1;
     if (!surface_read_fit(given, &job->options.fit) || !argument_whole(given, "samples", 1, MAX_SAMPLES, 0, &samples) ||
         !argument_whole(given, "boundary", 4, MAX_BOUNDARY, 0, &boundary) ||
-        !argument_whole(given, "sample", BAT_SURFACE_ALL_POINTS + 1, MAX_BOUNDARY, SAMPLE, &sample) ||
+        !argument_whole(given, "sample", MIN_SAMPLE, MAX_BOUNDARY, SAMPLE, &sample) ||
         !argument_word(given, "solver", SOLVERS, TEAM_SOLVER_CHOLESKY, &job->solver) || !read_formats(given, job))
         return false;
     if (argument(given, "threads") == NULL)
@@ -186,8 +187,7 @@ typedef struct fit_result
 {
     fit_input input;
     bat_surface_result result;
-    size_t points; ///< of all ranks
-    size_t duplicates;
+    bat_cloud cloud; ///< for the report, without points
     size_t resumed;
     double seconds[3]; ///< of reading and distributing, of the fit, of the verdict
 } fit_result;
@@ -250,8 +250,8 @@ static bool make_fit(const fit_job *job, fit_result *made)
                         POINTS_PER_FUNCTION * job->options.fit.functions, input))
         return false;
     made->seconds[0] = MPI_Wtime() - begin;
-    made->points = input->total;
-    made->duplicates = input->duplicates;
+    made->cloud =
+        (bat_cloud){.count = input->total, .duplicates = input->duplicates, .boundary_count = input->boundary_count};
     bat_status status = fit_together(job, job->checkpoint, NULL, job->options.fit.functions, made, &error);
     if (!ranks_agree(job->input, status, &error))
         return false;
@@ -321,8 +321,6 @@ static bool find_surface(const fit_job *job, const char *checkpoint, bool again,
     unsigned long long mine = part.count, total = 0;
     (void)MPI_Allreduce(&mine, &total, 1, MPI_UNSIGNED_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
     shared_chart_sample(&part, (size_t)total, job->sample, &shared);
-    made->points = (size_t)total;
-    made->duplicates = part.duplicates;
     made->seconds[0] = MPI_Wtime() - begin;
     *unknown = shared.found && total > BAT_SURFACE_ALL_POINTS;
     *status = total > BAT_SURFACE_ALL_POINTS ? reconstruct_together(job, &part, checkpoint, again, &shared, made, error)
@@ -330,9 +328,17 @@ static bool find_surface(const fit_job *job, const char *checkpoint, bool again,
     made->result.boundary_found = shared.found;
     made->result.below_noise =
         *status == BAT_OK && ranks_rank() == 0 &&
-        bat_surface_below_noise(&job->options.fit, &made->result.report, made->points, made->result.noise);
+        bat_surface_below_noise(&job->options.fit, &made->result.report, (size_t)total, made->result.noise);
     made->seconds[1] = MPI_Wtime() - begin - made->seconds[0];
-    free(part.rows);
+    made->result.seconds[0] += shared.seconds;
+    if (total > BAT_SURFACE_ALL_POINTS)
+        made->result.seconds[2] = made->seconds[1] - made->result.seconds[0] - made->result.seconds[1];
+    *status = ranks_agree_on(*status, error);
+    if (*status == BAT_OK)
+        shared_chart_describe(&shared, &part, &made->result, &made->cloud);
+    made->cloud.count = (size_t)total;
+    made->cloud.duplicates = part.duplicates;
+    file_part_free(&part);
     shared_chart_free(&shared);
     return true;
 }
@@ -367,11 +373,13 @@ static bool make_surface(const fit_job *job, fit_result *made)
 
 static int report(const fit_job *job, const fit_result *made, const counts_summary *summary)
 {
-    bat_cloud cloud = {.count = made->points, .duplicates = made->duplicates};
+    bat_cloud cloud = made->cloud;
+    // Given parameters have no corners to be printed.
+    if (!job->finds && !job->json)
+        cloud.boundary_count = 0;
     surface_findings findings = {job->input, &cloud, &job->options, &made->result};
     if (job->json)
     {
-        cloud.boundary_count = made->input.boundary_count;
         json_t *object = surface_report_json(&findings);
         (void)json_object_set_new(object, "exchange", counts_json(summary));
         (void)json_object_set_new(object, "reading_seconds", json_real(made->seconds[0]));
@@ -386,7 +394,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     (void)printf("seconds to read and distribute the points: %.2f\n", made->seconds[0]);
     counts_print(summary, stdout);
     (void)printf("%.3g bytes a point and round\n",
-                 summary->sum.bytes / ((double)made->points * (double)made->result.report.count));
+                 summary->sum.bytes / ((double)made->cloud.count * (double)made->result.report.count));
     return EXIT_DONE;
 }
 
