@@ -2,10 +2,11 @@
 
 #include "counts.h"
 #include "ranks.h"
+#include "solver.h"
 
 #include "batten/base.h"
 
-#include <petscsys.h>
+#include <mpi.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -56,18 +57,16 @@ static int run(int argc, char **argv, bool speaks)
 
 int main(int argc, char **argv)
 {
-    // PETSc gets no words of the command line; its own options come from the environment (PETSC_OPTIONS).
     // Threads of OpenMP work beside the one that calls MPI.
     int provided;
-    if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS || PetscInitializeNoArguments() != 0)
+    if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS)
         return EXIT_BAD_INPUT;
-    (void)PetscPopSignalHandler();
     bool speaks = ranks_rank() == 0;
     // Only rank 0 prints results.
     int code = speaks || freopen("/dev/null", "w", stdout) != NULL ? run(argc, argv, speaks) : EXIT_BAD_INPUT;
     if (fflush(stdout) != 0 && code == EXIT_DONE)
         code = EXIT_BAD_INPUT;
-    (void)PetscFinalize();
+    petsc_end();
     (void)MPI_Finalize();
     return code;
 }

@@ -76,22 +76,22 @@ static bat_status broadcast(void *context, void *bytes, size_t size, bat_error *
 static bat_status factor(void *context, size_t size, const int *first, const int *row, const double *values, bool *regular,
                          bat_error *error)
 {
-    return petsc_solver_factor(((const fit_team *)context)->solver, size, first, row, values, regular, error);
+    return petsc_load()->factor(((const fit_team *)context)->solver, size, first, row, values, regular, error);
 }
 
 static bat_status solve(void *context, size_t columns, const double *right, double *solution, bat_error *error)
 {
-    return petsc_solver_solve(((const fit_team *)context)->solver, columns, right, solution, error);
+    return petsc_load()->solve(((const fit_team *)context)->solver, columns, right, solution, error);
 }
 
 static bat_status attend(void *context, bat_error *error)
 {
-    return petsc_solver_attend(((const fit_team *)context)->solver, error);
+    return petsc_load()->attend(((const fit_team *)context)->solver, error);
 }
 
 static bat_status release(void *context, bat_error *error)
 {
-    return petsc_solver_release(((const fit_team *)context)->solver, error);
+    return petsc_load()->release(((const fit_team *)context)->solver, error);
 }
 
 // The state: a head, the library's bytes, then the columns of all points in their order.
@@ -231,7 +231,7 @@ fit_team *fit_team_make(team_solver solver, const char *state, uint64_t label)
                                          .broadcast = broadcast};
     if (solver != TEAM_SOLVER_CHOLESKY)
     {
-        team->solver = petsc_solver_make(solver == TEAM_SOLVER_ITERATIVE);
+        team->solver = petsc_load()->make(solver == TEAM_SOLVER_ITERATIVE);
         team->interface.factor = factor;
         team->interface.solve = solve;
         team->interface.attend = attend;
@@ -251,7 +251,8 @@ void fit_team_free(fit_team *team)
 {
     if (team == NULL)
         return;
-    petsc_solver_free(team->solver);
+    if (team->solver != NULL)
+        petsc_load()->free(team->solver);
     free(team->path);
     free(team->temporary);
     free(team);
