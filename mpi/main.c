@@ -6,6 +6,9 @@
 
 #include "batten/base.h"
 
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <mpi.h>
 #include <stdio.h>
 #include <string.h>
@@ -55,8 +58,24 @@ static int run(int argc, char **argv, bool speaks)
     return EXIT_BAD_USAGE;
 }
 
+/// Give the memory of large arrays back to the system when they are freed. By default glibc keeps arrays of up to 32 MiB in
+/// its heap once one of that size was freed; what is freed below a later array then stays with the process.
+static void keep_memory_small(void)
+{
+#if defined(__GLIBC__)
+    enum
+    {
+        LARGE_ARRAY = 1 << 19,
+        FREE_AT_END = 1 << 20
+    };
+    (void)mallopt(M_MMAP_THRESHOLD, LARGE_ARRAY);
+    (void)mallopt(M_TRIM_THRESHOLD, FREE_AT_END);
+#endif
+}
+
 int main(int argc, char **argv)
 {
+    keep_memory_small();
     // Threads of OpenMP work beside the one that calls MPI.
     int provided;
     if (MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS)

@@ -76,7 +76,7 @@ enum
     MAX_BOUNDARY = 1000000000,
     MIN_SAMPLE = 22000,      ///< more than BAT_SURFACE_ALL_POINTS, whatever points are drawn
     SAMPLE = 200000,         ///< points by which a chart is found
-    POINTS_PER_FUNCTION = 30 ///< whose memory is that of a function in the matrix and its factors
+    POINTS_PER_FUNCTION = 15 ///< whose memory is that of a function in the matrix and its factors
 };
 
 static const char *const SOLVERS[] = {"cholesky", "direct", "iterative", NULL};
@@ -421,6 +421,41 @@ static int finish(const fit_job *job, fit_result *made, const counts_summary *su
     return code;
 }
 
+/// Let OpenBLAS map its memory on rank 0, by a fit of a few points. Where it cannot, it tries for ever: that is found out
+/// first.
+static void take_memory_of_products(void)
+{
+    enum
+    {
+        PRODUCTS = 136, ///< MiB
+        SIDE = 12
+    };
+    bat_error error = {.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX};
+    if (ranks_rank() != 0)
+        return;
+    void *volatile memory = malloc((size_t)PRODUCTS << 20);
+    (void)snprintf(error.text, sizeof error.text, "rank 0 is out of memory (%d MiB for OpenBLAS); ulimit -d tells its limit",
+                   PRODUCTS);
+    ranks_need(NULL, memory != NULL ? BAT_OK : BAT_NO_MEMORY, &error);
+    free(memory);
+    double points[3 * SIDE * SIDE], parameters[2 * SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE; i++)
+    {
+        double u = i % SIDE / (SIDE - 1.0), v = i / SIDE / (SIDE - 1.0);
+        const double point[3] = {u, v, u * u * v};
+        memcpy(points + 3 * (size_t)i, point, sizeof point);
+        parameters[2 * i] = u;
+        parameters[2 * i + 1] = v;
+    }
+    bat_surface_fit_data data = {.points = points, .parameters = parameters, .count = SIDE * SIDE, .dimension = 3};
+    bat_surface_fit_options options = bat_surface_fit_defaults();
+    options.threads = 1;
+    options.space.spans[0] = options.space.spans[1] = 4;
+    bat_spline_surface surface;
+    ranks_need(NULL, bat_surface_fit(&data, &options, &surface, NULL, &error), &error);
+    bat_spline_surface_free(&surface);
+}
+
 int verb_surface(int argc, char **argv)
 {
     arguments given;
@@ -441,6 +476,7 @@ int verb_surface(int argc, char **argv)
     if (!job.finds)
         job.options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
     code = EXIT_BAD_INPUT;
+    take_memory_of_products();
     if (job.finds ? make_surface(&job, &made) : make_fit(&job, &made))
     {
         counts_summary summary = counts_collect();
