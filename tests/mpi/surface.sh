@@ -119,12 +119,15 @@ assert other["rms"] < 1.05 * one["rms"] and other["largest"] < 1.6 * one["larges
 END
     check "a sample gives a surface as good" test $? -eq 0
     # Killed and taken up.
-    "$mpirun" -n 2 "$mpi" surface raw.xyz --checkpoint state -o killed.xml > stdout 2> stderr < /dev/null &
-    running=$!
-    while kill -0 $running 2> /dev/null && [ ! -e state ]; do sleep 0.01; done
-    rank=$(pgrep -P $running | tail -n 1)
-    [ -n "$rank" ] && kill -9 "$rank" 2> /dev/null
-    wait $running 2> /dev/null
+    for attempt in 1 2 3 4 5; do
+        "$mpirun" -n 2 "$mpi" surface raw.xyz --checkpoint state -o killed.xml > stdout 2> stderr < /dev/null &
+        running=$!
+        while kill -0 $running 2> /dev/null && [ ! -e state ]; do sleep 0.01; done
+        rank=$(pgrep -P $running | tail -n 1)
+        [ -n "$rank" ] && kill -9 "$rank" 2> /dev/null
+        wait $running 2> /dev/null
+        [ -e state ] && break
+    done
     check "a state is there" test -e state
     "$batten" surface raw.xyz -o one.xml --quiet 2> stderr
     ranks 3 0 raw.xyz --checkpoint state -o killed.xml
