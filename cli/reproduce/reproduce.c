@@ -192,6 +192,7 @@ static const struct
      .clouds = MAKES},
     {.name = "scan-verdict",
      .run = reproduce_scan_verdict,
+     .seeded = true,
      .summary = "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses",
      .data = "meshes (OBJ, OFF, PLY)",
      .reads_truth = true},
@@ -227,7 +228,8 @@ static const option_spec OPTIONS[] = {
      "surface-ablation: a network that does not know the boundary, beside --model; else it is trained"},
     {"set", 0, "NAME", "tension-table1: published (default), resampled or unseen curves"},
     {"seed", 0, "N",
-     "tension-table2: of the noise; surface-clouds: of the clouds; tension-table3, -table4, mesh-ablations, mesh-style, "
+     "tension-table2: of the noise; surface-clouds, scan-verdict: of the clouds; tension-table3, -table4, mesh-ablations, "
+     "mesh-style, "
      "surface-ablation: of the trainings; default 1"},
     {"data", 0, "FOLDER",
      "mesh-table2: all shapes of a folder but those that the networks learned from; real-curves, motion-keyframes, "

@@ -83,6 +83,7 @@ int reproduce_scan_verdict(const reproduce_job *job)
     bat_scan_verdict_row *rows;
     size_t count;
     bat_error error;
+    options.seed = job->seed;
     options.progress = report_progress("fitting");
     bat_status status = bat_scan_verdict(job->data, &options, &rows, &count, &error);
     report_progress_end();

@@ -16,6 +16,7 @@
 #include "base/progress.h"
 #include "surface/candidate.h"
 #include "surface/chart.h"
+#include "surface/cloud/advancing_front.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/canonical_order.h"
 #include "surface/cloud/part.h"
@@ -140,7 +141,8 @@ typedef struct reconstruction
 {
     bat_cloud *cloud;
     const bat_surface_options *options;
-    double disc;                                              ///< factor of the radius of the disc that finds the boundary
+    double disc; ///< factor of the radius of the disc that finds the boundary
+    bool deep;   ///< charts of triangles alone, whose parameters are corrected at the end alone
     bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
     size_t kind_count;
     double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
@@ -160,6 +162,11 @@ static void list_kinds(reconstruction *work)
         work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_PLANAR;
     else if (work->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         work->kinds[work->kind_count++] = work->options->parameters;
+    else if (work->deep && work->cloud->triangle_count > 0)
+    {
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_ISOMETRIC;
+        work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_MEAN_VALUE;
+    }
     else
     {
         work->kinds[work->kind_count++] = BAT_SURFACE_PARAMETERS_LEARNED;
@@ -279,6 +286,15 @@ static bool has_border(const reconstruction *work)
            options->parameters != BAT_SURFACE_PARAMETERS_GIVEN;
 }
 
+/// The first fits are far from the parts that stand out of a deep shape. Their nearest places say nothing about parameters.
+static void correct_late(const reconstruction *work, bat_surface_fit_options *fit)
+{
+    if (!work->deep)
+        return;
+    fit->final_corrections = fit->final_corrections > fit->corrections ? fit->final_corrections : fit->corrections;
+    fit->corrections = 0;
+}
+
 static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
@@ -293,6 +309,7 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     size_t maximum = cloud->count / POINTS_PER_FUNCTION;
     if (has_part && (fit.functions == 0 || fit.functions > maximum))
         fit.functions = fit.functions == 0 ? 0 : maximum;
+    correct_late(work, &fit);
     surface_candidate *candidate = &work->candidates[number];
     bat_surface_options options = *work->options;
     // Charts only ask whether to go on: their share of the time is small.
@@ -319,6 +336,9 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
 /// width.
 static bool is_one_sided(const reconstruction *work)
 {
+    // Neighbours in space may be on sheets that touch; triangles tell them apart, and can be oriented.
+    if (work->deep && work->cloud->triangle_count > 0)
+        return false;
     double limit = ONE_SIDED_ROOTS * sqrt((double)work->geometry.order.cloud.count);
     return (double)work->geometry.oriented.conflicts > limit;
 }
@@ -356,6 +376,7 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     progress_part parts[2];
     fit.progress = fit_progress(work, TRIAL_SHARE, 1 - TRIAL_SHARE, parts);
     fit.functions = last_budget(work);
+    correct_late(work, &fit);
     bat_status status = BAT_OK;
     if (work->part.members != NULL)
         status = surface_candidate_extend(work->best, &work->part, work->cloud, work->boundary, error);
@@ -470,6 +491,7 @@ static bat_status find_best(reconstruction *work, bat_error *error)
     if (status == BAT_OK)
         status = cloud_geometry_make(parameterized(work), work->options->fit.threads, progress_of_part(&prepare_part),
                                      &work->geometry, error);
+    work->geometry.is_deep = work->deep;
     double measured = clock_seconds();
     if (status == BAT_OK && work->options->trim)
         status = make_trimming(work, error);
@@ -482,11 +504,12 @@ static bat_status find_best(reconstruction *work, bat_error *error)
 
 /// Reconstruct a surface, right or wrong.
 /// @param disc      factor of the radius of the disc that finds the boundary
+/// @param deep      charts of triangles alone, whose parameters are corrected at the end alone
 /// @param one_sided receives whether the points lie on a one-sided surface
-static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *options, double disc, bat_surface_result *result,
-                              bool *one_sided, bat_error *error)
+static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *options, double disc, bool deep,
+                              bat_surface_result *result, bool *one_sided, bat_error *error)
 {
-    reconstruction work = {.cloud = cloud, .options = options, .disc = disc};
+    reconstruction work = {.cloud = cloud, .options = options, .disc = disc, .deep = deep};
     bat_status status = find_best(&work, error);
     double found = clock_seconds();
     if (status == BAT_OK && !fits_all_points(&work))
@@ -501,24 +524,73 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     return status;
 }
 
-/// Reconstruct again with a boundary that a smaller disc finds, which enters narrow gaps. Keep the result if it is right.
-static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
-                                    bat_error *error)
+/// The ways to reconstruct again where a surface is wrong. The first four have a boundary and charts of triangles
+/// (advancing_front.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The first is
+/// also for meshes that are given, and for clouds with a known boundary.
+typedef enum other_way
 {
-    bat_cloud copy;
+    OPEN_GAPS,
+    NARROW_GAPS,
+    SMALL_GAPS,
+    CLOSED_GAPS,
+    FINE_LOOP, ///< with a boundary that a smaller disc finds, which enters narrow gaps
+    OTHER_WAYS
+} other_way;
+
+// Scales of triangles. Triangles of random points need the last one; in meshes, 0.5 suffices for most.
+static const double SCALES[FINE_LOOP] = {0.55, 0.65, 0.8, 1};
+
+/// Prepare a copy of a cloud for another way.
+static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, other_way way, bat_progress progress,
+                               bat_cloud *copy, bat_error *error)
+{
+    bat_status status = bat_cloud_copy(cloud, copy, error);
+    if (status != BAT_OK || !finds_boundary)
+        return status;
+    copy->boundary_count = 0;
+    copy->has_corners = false;
+    if (way == FINE_LOOP)
+        return BAT_OK;
+    bat_cloud disc = {0};
+    status = canonical_order_apply(copy, error);
+    if (status == BAT_OK)
+        status = advancing_front_triangulate(copy, SCALES[way], progress, &disc, error);
+    bat_cloud_free(copy);
+    *copy = disc;
+    return status;
+}
+
+/// Reconstruct again in another way. Keep the result if it is right.
+/// @param finds_boundary whether the boundary was found, or is to be found
+/// @param is_right       receives whether it is
+static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options *options, bool finds_boundary, other_way way,
+                                    bat_surface_result *result, bool *is_right, bat_error *error)
+{
+    bat_cloud copy = {0};
     bat_surface_result again = {0};
     bat_error failure = {0};
-    bool one_sided;
-    bat_status status = bat_cloud_copy(cloud, &copy, error);
-    if (status != BAT_OK)
-        return status;
-    copy.boundary_count = 0;
-    copy.has_corners = false;
-    status = reconstruct(&copy, options, SMALL_DISC, &again, &one_sided, &failure);
-    if (status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE)
+    bool one_sided = false;
+    double begin = clock_seconds();
+    progress_part part = {options->fit.progress, 0, 0};
+    bat_status status = prepare_copy(cloud, finds_boundary, way, progress_of_part(&part), &copy, &failure);
+    double prepared = clock_seconds() - begin;
+    if (status == BAT_OK)
+        status =
+            reconstruct(&copy, options, way == FINE_LOOP ? SMALL_DISC : 1, way != FINE_LOOP, &again, &one_sided, &failure);
+    *is_right = status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE && !one_sided;
+    if (*is_right)
     {
         for (size_t k = 0; k < sizeof again.seconds / sizeof *again.seconds; k++)
             again.seconds[k] += result->seconds[k];
+        again.seconds[0] += prepared;
+        again.boundary_found = finds_boundary;
+        if (finds_boundary)
+        {
+            // The triangles are no part of the input.
+            free(copy.triangles);
+            copy.triangles = NULL;
+            copy.triangle_count = 0;
+        }
         bat_cloud_free(cloud);
         bat_surface_result_free(result);
         *cloud = copy;
@@ -532,26 +604,54 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options 
                : BAT_OK;
 }
 
+/// Whether a wrong surface, or none, may become right in another way.
+/// @param finds_boundary whether the boundary was found, or is to be found
+static bool may_help(const bat_cloud *cloud, const bat_surface_options *options, bool finds_boundary, other_way way,
+                     bat_status status)
+{
+    if (way == FINE_LOOP)
+        return finds_boundary && status == BAT_OK;
+    if (way != OPEN_GAPS && !finds_boundary)
+        return false;
+    return options->parameters == BAT_SURFACE_PARAMETERS_AUTO && !options->published && !options->trim &&
+           cloud->count <= BAT_SURFACE_ALL_POINTS;
+}
+
 bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
                                    bat_error *error)
 {
     const bat_surface_options defaults = bat_surface_defaults();
     bat_surface_result made = {0};
+    bat_error failure = {0};
     bool one_sided = false;
     bat_status status = bat_surface_options_check(options, error);
+    if (status != BAT_OK)
+        return status;
     options = options != NULL ? options : &defaults;
-    bool finds_corners = !cloud->has_corners;
-    if (status == BAT_OK)
-        status = reconstruct(cloud, options, 1, &made, &one_sided, error);
-    if (status == BAT_OK && made.verdict.fault != BAT_SURFACE_FAULT_NONE && made.boundary_found && finds_corners &&
-        !one_sided)
-        status = reconstruct_again(cloud, options, &made, error);
-    if (status == BAT_OK && made.verdict.fault != BAT_SURFACE_FAULT_NONE && !options->force)
-        status = refuse(&made.verdict, options->trim, one_sided, error);
+    bool has_corners = cloud->has_corners, finds_boundary = cloud->boundary_count == 0 && !options->trim &&
+                                                            options->parameters != BAT_SURFACE_PARAMETERS_GIVEN;
+    status = reconstruct(cloud, options, 1, false, &made, &one_sided, &failure);
+    bool is_right = status == BAT_OK && made.verdict.fault == BAT_SURFACE_FAULT_NONE;
+    bool goes_on = !is_right && !has_corners && (status == BAT_OK || status == BAT_NO_CONVERGENCE);
+    for (int way = 0; way < OTHER_WAYS && goes_on && !is_right; way++)
+    {
+        bat_status before = status;
+        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) || (one_sided && way == FINE_LOOP))
+            continue;
+        status = reconstruct_again(cloud, options, finds_boundary, (other_way)way, &made, &is_right, &failure);
+        goes_on = status == BAT_OK;
+        if (status == BAT_OK && !is_right)
+            status = before;
+    }
+    if (status == BAT_OK && !is_right && !options->force)
+        status = refuse(&made.verdict, options->trim, one_sided, &failure);
     if (status == BAT_OK)
         *result = made;
     else
+    {
         bat_surface_result_free(&made);
+        (void)error_set(error, status, failure.index, failure.line, "%s", failure.text);
+    }
     return status;
 }
 

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "base/threads.h"
+#include "batten/mesh_measure.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/noise.h"
 #include "surface/parameterize/star.h"
@@ -47,6 +48,10 @@ static const double FARTHEST_TRIMMED = 4;      ///< the same of a trimmed surfac
 // Distances in spacings and standard deviations of the noise that are not far.
 static const double FAR_SPACINGS = 3;
 static const double FAR_NOISE = 4;
+/// Of deep shapes: the largest noise, in spacings, and distance of 99 % of the surface from the triangles, as a share of the
+/// size.
+static const double DEEP_NOISE = 0.2;
+static const double DEEP_STRAY = 0.03;
 static const double CROSS_COSINE = 0.5;
 /// Sides of stars longer than this many spacings span gaps.
 static const double MAX_SPOKE = 3.5;
@@ -183,6 +188,64 @@ static bat_status measure_points(cloud_geometry *geometry, int threads, bat_prog
     return complete ? BAT_OK : error_memory(error, count * 2 * sizeof(double));
 }
 
+static void cross_of(const bat_cloud *cloud, const uint32_t corners[3], double product[3])
+{
+    double u[3], v[3];
+    vector3_subtract(cloud->points + 3 * (size_t)corners[1], cloud->points + 3 * (size_t)corners[0], u);
+    vector3_subtract(cloud->points + 3 * (size_t)corners[2], cloud->points + 3 * (size_t)corners[0], v);
+    vector3_cross(u, v, product);
+}
+
+/// Take tangent planes and areas from the triangles of a mesh: where sheets are near each other, neighbours in space are not
+/// neighbours in the surface. Normals are means over neighbours, so that noise does not tilt them.
+static bat_status measure_triangles(cloud_geometry *geometry, bat_error *error)
+{
+    enum
+    {
+        ROUNDS = 2
+    };
+    const bat_cloud *cloud = &geometry->order.cloud;
+    double *normals = memory_array(cloud->count, 6 * sizeof *normals);
+    if (normals == NULL)
+        return error_memory(error, cloud->count * 6 * sizeof *normals);
+    double *next = normals + 3 * cloud->count;
+    memset(normals, 0, 6 * cloud->count * sizeof *normals);
+    for (int round = 0; round < ROUNDS; round++)
+    {
+        for (size_t t = 0; t < cloud->triangle_count; t++)
+        {
+            const uint32_t *corners = cloud->triangles + 3 * t;
+            double normal[3] = {0};
+            if (round == 0)
+                cross_of(cloud, corners, normal);
+            for (size_t k = 0; k < 9 && round > 0; k++)
+                normal[k % 3] += normals[3 * (size_t)corners[k / 3] + k % 3];
+            for (size_t k = 0; k < 9; k++)
+                next[3 * (size_t)corners[k / 3] + k % 3] += normal[k % 3];
+        }
+        memcpy(normals, next, 3 * cloud->count * sizeof *normals);
+        memset(next, 0, 3 * cloud->count * sizeof *next);
+    }
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        double length = sqrt(vector3_dot(normals + 3 * i, normals + 3 * i));
+        for (size_t k = 0; k < 3 && length > 0; k++)
+            normals[3 * i + k] /= length;
+        if (length > 0)
+            memcpy(geometry->oriented.planes[i].axes[2], normals + 3 * i, 3 * sizeof *normals);
+    }
+    geometry->area = 0;
+    for (size_t t = 0; t < cloud->triangle_count; t++)
+    {
+        double normal[3];
+        cross_of(cloud, cloud->triangles + 3 * t, normal);
+        for (size_t k = 0; k < 3; k++)
+            geometry->area += fabs(vector3_dot(normal, normals + 3 * (size_t)cloud->triangles[3 * t + k])) / 6;
+    }
+    free(normals);
+    return BAT_OK;
+}
+
 bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, bat_progress progress, cloud_geometry *geometry,
                                bat_error *error)
 {
@@ -192,6 +255,8 @@ bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, bat_progress
         status = oriented_planes_make(&geometry->order.cloud, &geometry->order.tree, &geometry->oriented, error);
     if (status == BAT_OK)
         status = measure_points(geometry, threads, progress, error);
+    if (status == BAT_OK && cloud->triangle_count > 0)
+        status = measure_triangles(geometry, error);
     if (status == BAT_OK)
         status = noise_estimate(geometry->order.cloud.points, &geometry->order.tree, &geometry->noise, error);
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -370,9 +435,15 @@ static bat_status missed_of(const double *distances, size_t count, double *misse
     return BAT_OK;
 }
 
+/// The distance that noise accounts for. Around thin parts, the residuals of local fits are no noise.
+static double noise_reach(const cloud_geometry *geometry)
+{
+    return FAR_NOISE * (geometry->is_deep ? fmin(geometry->noise, DEEP_NOISE * geometry->middle_spacing) : geometry->noise);
+}
+
 static double far_of(const cloud_geometry *geometry, double spacing)
 {
-    return FAR_SPACINGS * spacing + FAR_NOISE * geometry->noise;
+    return FAR_SPACINGS * spacing + noise_reach(geometry);
 }
 
 /// Sum the areas; `verdict` is still in units of the scaled cloud, `area` in those of the given one.
@@ -397,22 +468,55 @@ static void sum_samples(const cloud_geometry *geometry, const surface_samples *s
     verdict->cross_share = verdict->area > 0 ? 1 - fmax(front, back) / verdict->area : 1;
 }
 
+/// The distance from the triangles of a deep shape that 99 % of the surface is within; 0 for others.
+static bat_status triangle_strays(const cloud_geometry *geometry, double area, int threads, surface_samples *samples,
+                                  double *strays, bat_error *error)
+{
+    const bat_cloud *cloud = &geometry->order.cloud;
+    *strays = 0;
+    if (!geometry->is_deep || cloud->triangle_count == 0 || samples->count == 0)
+        return BAT_OK;
+    const bat_mesh mesh = {.positions = cloud->points,
+                           .faces = cloud->triangles,
+                           .vertex_count = cloud->count,
+                           .face_count = cloud->triangle_count};
+    double *places = memory_array(samples->count, 3 * sizeof *places), *distances = samples->distances;
+    samples->distances = memory_array(samples->count, sizeof *samples->distances);
+    bat_mesh_closest_point *closest = memory_array(samples->count, sizeof *closest);
+    bat_status status = BAT_OK;
+    if (places == NULL || samples->distances == NULL || closest == NULL)
+        status = error_memory(error, samples->count * sizeof *closest);
+    for (size_t s = 0; s < samples->count && status == BAT_OK; s++)
+        unit_frame_place(&geometry->frame, samples->values + 9 * s, places + 3 * s);
+    if (status == BAT_OK)
+        status = bat_mesh_closest(&mesh, places, samples->count, threads, closest, error);
+    for (size_t s = 0; s < samples->count && status == BAT_OK; s++)
+        samples->distances[s] = closest[s].distance;
+    if (status == BAT_OK)
+        status = quantile_of(samples, area, 0.99, strays, error);
+    free(places);
+    free(closest);
+    free(samples->distances);
+    samples->distances = distances;
+    return status;
+}
+
 /// @param farthest  distance of the surface from the points that passes, in spacings
+/// @param strays    distance from the triangles that 99 % of the surface is within
 /// @param tail      distance that 99.5 % of the points are within
 /// @param tolerance that was asked for; a distance within it is no fault, up to the limit of the tail
 static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, double farthest,
-                                  double tail, double tolerance)
+                                  double strays, double tail, double tolerance)
 {
     double size = ldexp(geometry->size, 1 - geometry->frame.exponent);
-    double ratio = verdict->area / verdict->cloud_area, noise = ldexp(geometry->noise, 1 - geometry->frame.exponent);
+    double ratio = verdict->area / verdict->cloud_area, noise = ldexp(noise_reach(geometry), 1 - geometry->frame.exponent);
     // A negation is true for what is not a number.
-    if (!(verdict->far_share <= MAX_FAR) ||
-        !(verdict->farthest <= fmax(MAX_FARTHEST * size, farthest * verdict->spacing) + FAR_NOISE * noise))
+    if (!(verdict->far_share <= MAX_FAR) || !(strays <= DEEP_STRAY * geometry->size + noise_reach(geometry)) ||
+        !(verdict->farthest <= fmax(MAX_FARTHEST * size, farthest * verdict->spacing) + noise))
         return BAT_SURFACE_FAULT_STRAYS;
     double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
     double missed = fmax(fmax(MAX_MISSED * size, spacings * verdict->spacing), fmin(tolerance, MAX_TAIL * size));
-    if (!(verdict->missed <= missed + FAR_NOISE * noise) ||
-        !(tail <= fmax(MAX_TAIL * size, verdict->spacing) + FAR_NOISE * noise))
+    if (!(verdict->missed <= missed + noise) || !(tail <= fmax(MAX_TAIL * size, verdict->spacing) + noise))
         return BAT_SURFACE_FAULT_MISSED;
     if (geometry->order.cloud.count < MIN_PLANE_POINTS)
         return BAT_SURFACE_FAULT_NONE;
@@ -456,7 +560,7 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
                          bat_surface_verdict *verdict, bat_error *error)
 {
     surface_samples samples = {0};
-    double tail = 0;
+    double tail = 0, strays = 0;
     *verdict = (bat_surface_verdict){0};
     bat_status status = set_samples(surface, count, &samples, error);
     if (status == BAT_OK)
@@ -474,14 +578,16 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     if (status == BAT_OK && samples.count > 0)
         status = quantile_of(&samples, verdict->area, 0.99, &verdict->strays, error);
     if (status == BAT_OK)
+        status = triangle_strays(geometry, verdict->area, options->threads, &samples, &strays, error);
+    if (status == BAT_OK)
         status = missed_of(distances, count, &verdict->missed, &tail, error);
     int exponent = 1 - geometry->frame.exponent;
     verdict->strays = ldexp(verdict->strays, exponent);
     verdict->farthest = ldexp(verdict->farthest, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
-    verdict->fault = fault_of(geometry, verdict, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, tail,
-                              options->tolerance);
+    verdict->fault = fault_of(geometry, verdict, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, strays,
+                              tail, options->tolerance);
     samples_free(&samples);
     return status;
 }

@@ -20,6 +20,7 @@ typedef struct cloud_geometry
     double area;              ///< sum of the areas of the points
     double noise;             ///< estimated standard deviation of a coordinate
     double size;              ///< longest side of the bounding box
+    bool is_deep;             ///< set by a caller: surfaces are judged by the triangles of the cloud too
 } cloud_geometry;
 
 /// Measure a cloud.

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "surface/cloud/neighbours.h"
-#include "surface/parameterize/delaunay.h"
+#include "surface/cloud/delaunay.h"
 #include "surface/trim/region.h"
 
 #include <math.h>

@@ -13,7 +13,8 @@
 #include "base/progress.h"
 #include "linalg/multifrontal.h"
 #include "linalg/vector3.h"
-#include "surface/parameterize/delaunay.h"
+#include "mesh/key_map.h"
+#include "surface/cloud/delaunay.h"
 #include "surface/parameterize/stretch.h"
 #include "surface/parameterize/weights.h"
 
@@ -27,6 +28,8 @@ enum
     MAX_HALVINGS = 24,
     /// Larger clouds are represented by a part of their points; the others get averages.
     MAX_CORNERS = 8000,
+    /// Larger meshes are triangulated anew, as clouds are.
+    MAX_MESH = 20000,
     CORNER_UNKNOWNS = 6, ///< unknowns of a triangle
     TRIANGLE_ENTRIES = CORNER_UNKNOWNS * (CORNER_UNKNOWNS + 1) / 2
 };
@@ -45,9 +48,13 @@ static const double PROXIMAL = 1e-6;
 static const double MAX_START = 1e7;
 /// Limit of the weights of the proxy.
 static const double MAX_WEIGHT = 1e8;
+/// The middle of the square.
+static const double MIDDLE[2] = {0.5, 0.5};
 
 /// Stands for a coordinate that does not move.
 static const int FIXED = -1;
+/// Stands for the index of a point that is not in the whole cloud.
+static const uint32_t NEW_POINT = UINT32_MAX;
 
 /// A triangle: gradients of the hat functions of its corners in its plane, and its area. The sum over corners of
 /// parameter_k gradient_k^T is the derivative of the map to the parameters.
@@ -492,6 +499,148 @@ static bat_status make_part(const bat_cloud *cloud, const double *parameters, bo
     return status;
 }
 
+/// The triangles of a mesh whose chords are halved.
+typedef struct chord_split
+{
+    const bat_cloud *cloud;
+    key_map middles; ///< of the edges that join boundary points through the interior: the new points
+    key_map edges;   ///< how many triangles an edge between boundary points has
+    size_t added;    ///< number of new points
+    bool flips;      ///< the triangles turn against the parameters
+} chord_split;
+
+static bool is_chord(const chord_split *split, uint32_t a, uint32_t b)
+{
+    size_t boundary = split->cloud->boundary_count;
+    if (a >= boundary || b >= boundary)
+        return false;
+    return key_map_find(&split->edges, key_of_pair(a, b)) > 1;
+}
+
+/// Number the middles of chords after the points of the cloud. False when out of memory.
+static bool find_chords(chord_split *split)
+{
+    const bat_cloud *cloud = split->cloud;
+    for (size_t h = 0; h < 3 * cloud->triangle_count; h++)
+    {
+        uint32_t a = cloud->triangles[h], b = cloud->triangles[h / 3 * 3 + (h + 1) % 3];
+        if (a >= cloud->boundary_count || b >= cloud->boundary_count)
+            continue;
+        uint32_t *uses = key_map_at(&split->edges, key_of_pair(a, b));
+        if (uses == NULL)
+            return false;
+        *uses = *uses == UINT32_MAX ? 1 : *uses + 1;
+    }
+    for (size_t h = 0; h < 3 * cloud->triangle_count; h++)
+    {
+        uint32_t a = cloud->triangles[h], b = cloud->triangles[h / 3 * 3 + (h + 1) % 3];
+        if (!is_chord(split, a, b))
+            continue;
+        uint32_t *middle = key_map_at(&split->middles, key_of_pair(a, b));
+        if (middle == NULL)
+            return false;
+        if (*middle == UINT32_MAX)
+            *middle = (uint32_t)(cloud->count + split->added++);
+    }
+    return true;
+}
+
+static void add_triangle(const chord_split *split, uint32_t a, uint32_t b, uint32_t c, bat_cloud *part)
+{
+    const uint32_t corners[3] = {a, split->flips ? c : b, split->flips ? b : c};
+    memcpy(part->triangles + 3 * part->triangle_count++, corners, sizeof corners);
+}
+
+/// Cut a triangle at the middles of its chords.
+static void cut_triangle(const chord_split *split, const uint32_t corners[3], bat_cloud *part)
+{
+    uint32_t middles[3];
+    size_t cuts = 0, last = 0, whole = 0;
+    for (size_t k = 0; k < 3; k++)
+    {
+        uint32_t a = corners[k], b = corners[(k + 1) % 3];
+        middles[k] = is_chord(split, a, b) ? key_map_find(&split->middles, key_of_pair(a, b)) : UINT32_MAX;
+        cuts += middles[k] != UINT32_MAX;
+        *(middles[k] != UINT32_MAX ? &last : &whole) = k;
+    }
+    // Corners from the cut, or from after the whole side, on.
+    size_t first = cuts == 2 ? (whole + 1) % 3 : last;
+    uint32_t a = corners[first], b = corners[(first + 1) % 3], c = corners[(first + 2) % 3];
+    uint32_t m = middles[first], n = middles[(first + 1) % 3], o = middles[(first + 2) % 3];
+    if (cuts == 0)
+        add_triangle(split, corners[0], corners[1], corners[2], part);
+    else if (cuts == 1)
+    {
+        add_triangle(split, a, m, c, part);
+        add_triangle(split, m, b, c, part);
+    }
+    else
+    {
+        add_triangle(split, m, b, n, part);
+        add_triangle(split, n, c, cuts == 3 ? o : a, part);
+        add_triangle(split, cuts == 3 ? o : n, a, m, part);
+        if (cuts == 3)
+            add_triangle(split, m, n, o, part);
+    }
+}
+
+/// Gather a mesh. An edge between two points of one side of the square would be flat there with all that it cuts off, so
+/// that such edges get middles.
+static bat_status gather_mesh(const bat_cloud *cloud, const double *parameters, bool *used, isometric_problem *problem,
+                              bat_error *error)
+{
+    bat_cloud *part = &problem->part;
+    chord_split split = {.cloud = cloud};
+    double turn = 0;
+    for (size_t i = 0; i < cloud->boundary_count; i++)
+    {
+        const double *a = parameters + 2 * i, *b = parameters + 2 * ((i + 1) % cloud->boundary_count);
+        turn += a[0] * b[1] - a[1] * b[0];
+    }
+    for (size_t h = 0; h < 3 * cloud->triangle_count; h++)
+    {
+        uint32_t a = cloud->triangles[h], b = cloud->triangles[h / 3 * 3 + (h + 1) % 3];
+        if (a < cloud->boundary_count && b == (a + 1) % cloud->boundary_count)
+            split.flips = turn < 0;
+        if (b < cloud->boundary_count && a == (b + 1) % cloud->boundary_count)
+            split.flips = turn > 0;
+    }
+    bool complete = find_chords(&split);
+    size_t count = cloud->count + split.added;
+    problem->members = memory_array(count, sizeof *problem->members);
+    part->points = memory_array(count, 3 * sizeof *part->points);
+    part->triangles = memory_array(cloud->triangle_count + 2 * split.added, 3 * sizeof *part->triangles);
+    if (!complete || problem->members == NULL || part->points == NULL || part->triangles == NULL)
+    {
+        key_map_free(&split.middles);
+        key_map_free(&split.edges);
+        return error_memory(error, cloud->triangle_count * 3 * sizeof *part->points);
+    }
+    part->count = count;
+    part->boundary_count = cloud->boundary_count;
+    memcpy(part->points, cloud->points, 3 * cloud->count * sizeof *part->points);
+    for (size_t i = 0; i < count; i++)
+        problem->members[i] = i < cloud->count ? (uint32_t)i : NEW_POINT;
+    for (size_t t = 0; t < cloud->triangle_count; t++)
+    {
+        const uint32_t *corners = cloud->triangles + 3 * t;
+        for (size_t k = 0; k < 3; k++)
+        {
+            uint32_t a = corners[k], b = corners[(k + 1) % 3];
+            used[a] = true;
+            if (!is_chord(&split, a, b))
+                continue;
+            double *middle = part->points + 3 * (size_t)key_map_find(&split.middles, key_of_pair(a, b));
+            for (size_t d = 0; d < 3; d++)
+                middle[d] = (cloud->points[3 * (size_t)a + d] + cloud->points[3 * (size_t)b + d]) / 2;
+        }
+        cut_triangle(&split, corners, part);
+    }
+    key_map_free(&split.middles);
+    key_map_free(&split.edges);
+    return BAT_OK;
+}
+
 /// Measure the triangles, scaled to the area of the square.
 static bat_status measure_triangles(isometric_problem *problem, bat_error *error)
 {
@@ -519,6 +668,13 @@ static bat_status measure_triangles(isometric_problem *problem, bat_error *error
     return BAT_OK;
 }
 
+/// Keep the next parameters where they have less energy.
+static void keep_better(isometric_problem *problem)
+{
+    if (energy_of(problem, problem->next) < energy_of(problem, problem->parameters))
+        memcpy(problem->parameters, problem->next, 2 * problem->point_count * sizeof *problem->next);
+}
+
 /// Even out the parameters by averages over the triangles, which turn no triangle over (Floater, 2003), with weights divided
 /// by the stretch (stretch.h). Rounding may prevent this where points crowd; then the given parameters stay.
 static bat_status even_out(isometric_problem *problem, average_solver solver, bat_error *error)
@@ -530,12 +686,14 @@ static bat_status even_out(isometric_problem *problem, average_solver solver, ba
     if (status == BAT_OK)
         status = averages_solve(&problem->part, &rows, NULL, solver, problem->next, &failure);
     if (status == BAT_OK)
+        keep_better(problem);
+    if (status == BAT_OK)
         status = stretch_minimize(&problem->part, &rows, solver, problem->next, &failure);
     sparse_rows_free(&rows);
     if (status == BAT_NO_MEMORY)
         return error_set(error, status, BAT_NO_INDEX, 0, "%s", failure.text);
-    if (status == BAT_OK && energy_of(problem, problem->next) < energy_of(problem, problem->parameters))
-        memcpy(problem->parameters, problem->next, 2 * problem->point_count * sizeof *problem->next);
+    if (status == BAT_OK)
+        keep_better(problem);
     return BAT_OK;
 }
 
@@ -556,10 +714,13 @@ static bat_status make_solver(isometric_problem *problem, bat_error *error)
     return multifrontal_make(&pattern, true, &problem->solver, error);
 }
 
-static bat_status problem_make(const bat_cloud *cloud, const double *parameters, average_solver solver, bool *used,
-                               isometric_problem *problem, bat_error *error)
+/// @param of_mesh the triangles are those of the cloud; else of a triangulation of the parameters
+static bat_status problem_make(const bat_cloud *cloud, const double *parameters, bool of_mesh, average_solver solver,
+                               bool *used, isometric_problem *problem, bat_error *error)
 {
-    bat_status status = make_part(cloud, parameters, used, problem, error);
+    memset(used, 0, cloud->count * sizeof *used);
+    bat_status status =
+        of_mesh ? gather_mesh(cloud, parameters, used, problem, error) : make_part(cloud, parameters, used, problem, error);
     size_t count = problem->part.count;
     if (status != BAT_OK || count == 0)
         return status;
@@ -570,7 +731,9 @@ static bat_status problem_make(const bat_cloud *cloud, const double *parameters,
     if (problem->unknown == NULL || problem->parameters == NULL || problem->next == NULL)
         return error_memory(error, count * 2 * sizeof(double));
     for (size_t i = 0; i < count; i++)
-        memcpy(problem->parameters + 2 * i, parameters + 2 * (size_t)problem->members[i], 2 * sizeof *parameters);
+        memcpy(problem->parameters + 2 * i,
+               problem->members[i] == NEW_POINT ? MIDDLE : parameters + 2 * (size_t)problem->members[i],
+               2 * sizeof *parameters);
     status = measure_triangles(problem, error);
     if (status == BAT_OK)
         status = even_out(problem, solver, error);
@@ -612,7 +775,8 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
         return error_memory(error, cloud->boundary_count * 2 * sizeof *before);
     memcpy(before, parameters, 2 * cloud->boundary_count * sizeof *before);
     for (size_t i = 0; i < problem->point_count; i++)
-        memcpy(parameters + 2 * (size_t)problem->members[i], problem->parameters + 2 * i, 2 * sizeof *parameters);
+        if (problem->members[i] != NEW_POINT)
+            memcpy(parameters + 2 * (size_t)problem->members[i], problem->parameters + 2 * i, 2 * sizeof *parameters);
     move_boundary(cloud, used, before, parameters);
     free(before);
     for (size_t i = 0; i < cloud->count; i++)
@@ -636,14 +800,27 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
     bool *used = memory_array(cloud->count, sizeof *used);
     if (used == NULL)
         return error_memory(error, cloud->count);
-    bat_status status = problem_make(cloud, parameters, solver, used, &problem, error);
-    if (status == BAT_OK && is_crowded(&problem))
+    bool of_mesh = cloud->triangle_count > 0 && cloud->count <= MAX_MESH;
+    bat_status status = BAT_OK;
+    if (of_mesh)
+        // Where points crowd, an iteration turns triangles over.
+        status = problem_make(cloud, parameters, true, (average_solver){.direct = true, .progress = solver.progress}, used,
+                              &problem, error);
+    if (status == BAT_OK && of_mesh && !isfinite(energy_of(&problem, problem.parameters)))
+    {
+        problem_free(&problem);
+        problem = (isometric_problem){0};
+        of_mesh = false;
+    }
+    if (status == BAT_OK && !of_mesh)
+        status = problem_make(cloud, parameters, false, solver, used, &problem, error);
+    if (status == BAT_OK && !of_mesh && is_crowded(&problem))
     {
         problem_free(&problem);
         problem = (isometric_problem){0};
         status = stretch_minimize(cloud, rows, solver, parameters, error);
         if (status == BAT_OK)
-            status = problem_make(cloud, parameters, solver, used, &problem, error);
+            status = problem_make(cloud, parameters, false, solver, used, &problem, error);
     }
     if (status == BAT_OK && problem.solver != NULL)
         status = run_rounds(&problem, solver.progress, error);

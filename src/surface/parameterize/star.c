@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
-#include "surface/parameterize/delaunay.h"
+#include "surface/cloud/delaunay.h"
 
 #include <float.h>
 #include <math.h>

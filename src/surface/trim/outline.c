@@ -9,7 +9,7 @@
 #include "base/memory.h"
 #include "linalg/vector3.h"
 #include "mesh/key_map.h"
-#include "surface/parameterize/delaunay.h"
+#include "surface/cloud/delaunay.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,0 +1,25 @@
+#ifndef SURFACE_CLOUD_ADVANCING_FRONT_H
+#define SURFACE_CLOUD_ADVANCING_FRONT_H
+
+#include "batten/cloud.h"
+
+/// @file
+/// Triangulation of a cloud that is a topological disc: Cohen-Steiner and Da, "A greedy Delaunay-based surface
+/// reconstruction algorithm" (2004). Triangles of the Delaunay triangulation in space are added one by one at the edge of an
+/// oriented surface, the most plausible first: those that continue it smoothly with the smallest empty ball through their
+/// corners.
+///
+/// The surface stays a sphere with holes: it never grows together where that would make a handle. Of its loops, the longest
+/// remains, and the others are filled. Points that are left over are put into the nearest triangles.
+
+/// Triangulate a cloud.
+/// @param cloud made in canonical order (canonical_order.h); its boundary and its triangles are not used
+/// @param scale factor of the size of triangles that join points that are on the surface: with a smaller one gaps of the
+///              boundary stay open
+/// @param disc  receives a cloud with the same points, a boundary, and triangles
+/// @return BAT_OK; BAT_NO_CONVERGENCE where the points have no such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` is
+///         untouched on failure
+bat_status advancing_front_triangulate(const bat_cloud *cloud, double scale, bat_progress progress, bat_cloud *disc,
+                                       bat_error *error);
+
+#endif

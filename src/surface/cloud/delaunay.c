@@ -1,0 +1,126 @@
+/// @file
+/// Delaunay triangulations; see delaunay.h.
+
+#include "surface/cloud/delaunay.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <libqhull_r/libqhull_r.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void planar_triangles_free(planar_triangles *triangles)
+{
+    free(triangles->corners);
+    *triangles = (planar_triangles){0};
+}
+
+/// Twice the signed area.
+static double doubled_area(const double (*planar)[2], const uint32_t corners[3])
+{
+    const double *a = planar[corners[0]], *b = planar[corners[1]], *c = planar[corners[2]];
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+/// Copy the facets of the lower hull. Null when out of memory, or where a facet is no simplex.
+static uint32_t *gather(qhT *qh, size_t dimension, size_t points, size_t *count)
+{
+    facetT *facet;
+    size_t facets = 0, made = 0;
+    FORALLfacets facets += !facet->upperdelaunay;
+    uint32_t *corners = memory_array(facets, (dimension + 1) * sizeof *corners);
+    if (corners == NULL)
+        return NULL;
+    FORALLfacets
+    {
+        vertexT *vertex, **vertexp;
+        size_t found = 0;
+        if (facet->upperdelaunay)
+            continue;
+        FOREACHvertex_(facet->vertices)
+        {
+            int point = qh_pointid(qh, vertex->point);
+            if (found <= dimension && point >= 0 && (size_t)point < points)
+                corners[(dimension + 1) * made + found++] = (uint32_t)point;
+        }
+        made += found == dimension + 1;
+    }
+    *count = made;
+    return corners;
+}
+
+/// Triangulate points.
+/// @param points  count x dimension
+/// @param corners receives the simplices' corners, found x (dimension + 1); null where Qhull finds none
+static bat_status triangulate(const double *points, size_t dimension, size_t count, uint32_t **corners, size_t *found,
+                              bat_error *error)
+{
+    char unread[256];
+    coordT *copy = memory_array(count, dimension * sizeof *copy);
+    FILE *messages = fmemopen(unread, sizeof unread, "w");
+    qhT *qh = malloc(sizeof *qh);
+    *corners = NULL;
+    *found = 0;
+    if (copy == NULL || messages == NULL || qh == NULL)
+    {
+        free(copy);
+        free(qh);
+        if (messages != NULL)
+            (void)fclose(messages);
+        return error_memory(error, count * dimension * sizeof *copy);
+    }
+    memcpy(copy, points, count * dimension * sizeof *copy);
+    qh_zero(qh, messages);
+    char options[] = "qhull d Qt Qbb Qc";
+    // Qhull fails for too few points, and for those of a lower dimension.
+    bool is_made = qh_new_qhull(qh, (int)dimension, (int)count, copy, False, options, NULL, messages) == 0;
+    if (is_made)
+        *corners = gather(qh, dimension, count, found);
+    int left = 0, total = 0;
+    qh_freeqhull(qh, !qh_ALL);
+    qh_memfreeshort(qh, &left, &total);
+    (void)fclose(messages);
+    free(copy);
+    free(qh);
+    return !is_made || *corners != NULL ? BAT_OK : error_memory(error, count * sizeof *copy);
+}
+
+bat_status planar_delaunay(const double (*planar)[2], size_t count, planar_triangles *triangles, bat_error *error)
+{
+    *triangles = (planar_triangles){0};
+    size_t found;
+    if (count < 4)
+        return BAT_OK;
+    bat_status status = triangulate(&planar[0][0], 2, count, &triangles->corners, &found, error);
+    // Turn the triangles counter-clockwise, and leave out degenerate ones.
+    for (size_t t = 0; t < found; t++)
+    {
+        uint32_t corners[3];
+        memcpy(corners, triangles->corners + 3 * t, sizeof corners);
+        double area = doubled_area(planar, corners);
+        if (area == 0)
+            continue;
+        if (area < 0)
+        {
+            uint32_t swap = corners[1];
+            corners[1] = corners[2];
+            corners[2] = swap;
+        }
+        memcpy(triangles->corners + 3 * triangles->count++, corners, sizeof corners);
+    }
+    return status;
+}
+
+void spatial_tetrahedra_free(spatial_tetrahedra *tetrahedra)
+{
+    free(tetrahedra->corners);
+    *tetrahedra = (spatial_tetrahedra){0};
+}
+
+bat_status spatial_delaunay(const double *points, size_t count, spatial_tetrahedra *tetrahedra, bat_error *error)
+{
+    *tetrahedra = (spatial_tetrahedra){0};
+    return count < 5 ? BAT_OK : triangulate(points, 3, count, &tetrahedra->corners, &tetrahedra->count, error);
+}
