@@ -109,6 +109,7 @@ static double time_fit(const double *points, const double *start, size_t count, 
 {
     bat_error error;
     bat_surface_fit_options options = bat_surface_fit_defaults();
+    options.space.degree[0] = options.space.degree[1] = 2;
     options.functions = wanted;
     double *parameters = malloc(count * 2 * sizeof *parameters);
     if (parameters == NULL)

@@ -55,7 +55,7 @@ static double seconds_to_factor(const bat_spline_surface *surface)
     fit_system system;
     fit_solver *solver = NULL;
     double pivot, start = NAN;
-    bat_status status = fit_system_make(surface->space, NULL, surface->dimension, 0, &system, NULL);
+    bat_status status = fit_system_make(surface->space, NULL, surface->dimension, true, 0, &system, NULL);
     if (status == BAT_OK)
         status = fit_solver_make(&system.pattern, &solver, NULL);
     for (size_t f = 0; status == BAT_OK && f < system.functions; f++)
@@ -145,7 +145,7 @@ static void compare_solvers(const bat_spline_surface *surface)
 {
     fit_system system;
     double times[SOLVERS][STEPS][REPEATS], seconds[STEPS];
-    bool good = fit_system_make(surface->space, NULL, surface->dimension, 0, &system, NULL) == BAT_OK;
+    bool good = fit_system_make(surface->space, NULL, surface->dimension, true, 0, &system, NULL) == BAT_OK;
     double *x = good ? malloc(system.functions * system.columns * sizeof *x) : NULL;
     for (size_t f = 0; good && f < system.functions; f++)
         system.plate[system.pattern.first[f]] *= 1.001;
@@ -200,6 +200,7 @@ static int run(size_t count, size_t functions)
     double *points;
     bat_error error;
     bat_surface_fit_options options = bat_surface_fit_defaults();
+    options.space.degree[0] = options.space.degree[1] = 2;
     options.functions = functions;
     bat_spline_surface surface;
     bat_surface_fit_report report;

@@ -20,7 +20,7 @@ enum
 
 static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the surface to OUT (- for standard output)"},
-    {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 2"},
+    {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 3"},
     {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
     {"functions", 0, "N",
      "the maximum number of functions, which is that of control points; default: as many as bring held-out points nearer"},

@@ -11,15 +11,24 @@ static size_t place_of(const bat_cloud *cloud, size_t point)
     return cloud->order == NULL ? point : cloud->order[point];
 }
 
-/// The best candidate but the one that was chosen; null where all others fail or stray.
-static const bat_surface_candidate *runner_up(const bat_surface_result *result)
+/// Whether candidates are compared by the expected distance of new points.
+static bool compares_expected(const surface_findings *findings, const bat_surface_candidate *candidate)
 {
+    const bat_surface_fit_options *fit = &findings->options->fit;
+    return fit->functions == 0 && !fit->robust && isfinite(candidate->expected_rms);
+}
+
+/// The best candidate but the one that was chosen; null where all others fail or stray.
+static const bat_surface_candidate *runner_up(const surface_findings *findings)
+{
+    const bat_surface_result *result = findings->result;
     const bat_surface_candidate *second = NULL;
     for (size_t i = 0; i < result->candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result->candidates[i];
         if (candidate->parameters != result->chosen && isfinite(candidate->mean_squared) && !candidate->strays &&
-            (second == NULL || candidate->mean_squared < second->mean_squared))
+            (second == NULL || (compares_expected(findings, second) ? candidate->expected_rms < second->expected_rms
+                                                                    : candidate->mean_squared < second->mean_squared)))
             second = candidate;
     }
     return second;
@@ -35,7 +44,7 @@ static const bat_surface_candidate *chosen_one(const bat_surface_result *result)
 
 void surface_report_reason(const surface_findings *findings, char *text, size_t size)
 {
-    const bat_surface_candidate *first = chosen_one(findings->result), *second = runner_up(findings->result);
+    const bat_surface_candidate *first = chosen_one(findings->result), *second = runner_up(findings);
     bool tolerant = findings->options->fit.tolerance > 0;
     if (findings->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         (void)snprintf(text, size, "asked for");
@@ -46,6 +55,9 @@ void surface_report_reason(const surface_findings *findings, char *text, size_t 
     else if (tolerant && first->reached && first->functions != second->functions)
         (void)snprintf(text, size, "within the tolerance by %zu functions instead of %zu", first->functions,
                        second->functions);
+    else if (compares_expected(findings, first))
+        (void)snprintf(text, size, "expected distance of new points %.4g instead of %.4g", first->expected_rms,
+                       second->expected_rms);
     else
         (void)snprintf(text, size, "%s squared distance %.4g instead of %.4g",
                        findings->options->fit.robust ? "median" : "mean", first->mean_squared, second->mean_squared);

@@ -30,7 +30,7 @@ static const option_spec OPTIONS[] = {
      "that of one machine"},
     {"boundary", 0, "N",
      "the first N points are the boundary; given parameters of these stay; default: told in IN, else none is given"},
-    {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 2"},
+    {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 3"},
     {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
     {"functions", 0, "N", "the maximum number of functions; default: as many as bring held-out points nearer"},
     {"share", 0, "S", "stop when this share of the points is within the tolerance; default 1"},

@@ -114,6 +114,7 @@ typedef struct bat_surface_candidate
     bat_cloud_parameters_report repaired; ///< after it; the same as `folds` where there was nothing to repair
     size_t functions;                     ///< of the fit on trial
     double mean_squared; ///< of its distances; with robust weights the median of their squares; NaN when it failed
+    double expected_rms; ///< bat_surface_fit_report::expected_rms of the fit on trial; NaN when it failed, and without
     bool reached;        ///< bat_surface_fit_report::reached
     double stray; ///< one-sided Hausdorff distance from the surface, sampled at corners and centres of cells, to the points
     bool strays;  ///< that distance is twice that of another candidate, which excludes this one
@@ -152,7 +153,8 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 /// The candidates of BAT_SURFACE_PARAMETERS_AUTO are the network, shape-preserving weights, stretch-minimizing ones and, for
 /// a mesh, mean values. Each is repaired and fitted with the final options. A candidate is excluded when its surface is
 /// twice as far from the points as another one's. Of two that reach the tolerance, the one with fewer functions is better;
-/// else the one with the smaller mean squared distance. Clouds of more than 20,000 points are fitted in part on trial, with
+/// else the one with the smaller expected distance of new points, or with a given number of functions or robust weights the
+/// smaller mean or median squared distance. Clouds of more than 20,000 points are fitted in part on trial, with
 /// at most a quarter as many functions. A candidate that fails, or folds at more than a quarter of the points, is excluded.
 ///
 /// The result does not depend on the order of the points.

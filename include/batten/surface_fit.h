@@ -45,7 +45,7 @@ typedef enum bat_surface_smoothing
 /// Options of the adaptive fit. Begin with bat_surface_fit_defaults().
 typedef struct bat_surface_fit_options
 {
-    bat_hierarchical_options space; ///< the first space; default bidegree (2, 2), one cell, truncated, of no class
+    bat_hierarchical_options space; ///< the first space; default bidegree (3, 3), one cell, truncated, of no class
     double tolerance;               ///< farther points mark their cells; at least 0; 0: set by the budget; default 0
     double share;                   ///< stop when this share of points is within the tolerance; above 0, to 1; default 1
     size_t functions;               ///< the budget of functions; 0: as many as reduce the distances of held-out points, at
@@ -100,6 +100,9 @@ typedef struct bat_surface_fit_report
     size_t held_out_count;   ///< points that were held out; 0: none, and the next two are NaN
     double held_out_rms;     ///< of a fit in the final space to the other points; with robust weights, of inliers
     double held_out_largest; ///< the largest of these distances
+    /// Expected root mean square distance of a new point: of the held-out ones (a third, in logarithms) and by generalized
+    /// cross-validation of the others. It chooses the size, and among candidates. NaN without held-out points
+    double expected_rms;
 } bat_surface_fit_report;
 
 /// Free what a report owns and make it empty.

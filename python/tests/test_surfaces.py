@@ -32,7 +32,7 @@ def test_points_in_another_order(patch, random):
 
 
 def test_parameters_corners_and_meshes_are_taken(patch):
-    given = batten.fit_surface(patch, parameters=patch[:, :2], corrections=0, functions=9)
+    given = batten.fit_surface(patch, parameters=patch[:, :2], corrections=0, functions=16)
     np.testing.assert_allclose(given.parameters, patch[:, :2])
     chosen = batten.fit_surface(patch, corners=[0, 11, 143, 132])
     np.testing.assert_allclose(chosen.parameters[[0, 11, 143, 132]], [[0, 0], [1, 0], [1, 1], [0, 1]])

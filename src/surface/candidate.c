@@ -113,7 +113,7 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
                                   bat_surface_parameters kind, surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
-    *candidate = (surface_candidate){.report = {.parameters = kind, .mean_squared = NAN},
+    *candidate = (surface_candidate){.report = {.parameters = kind, .mean_squared = NAN, .expected_rms = NAN},
                                      .parameters = memory_array(cloud->count, 2 * sizeof(double))};
     if (candidate->parameters == NULL)
         return error_memory(error, cloud->count * 2 * sizeof(double));
@@ -221,6 +221,7 @@ static bat_status record_metrics(const bat_surface_fit_data *data, const bat_sur
     const bat_surface_fit_round *last = &fit->rounds[fit->count - 1];
     report->functions = last->functions;
     report->mean_squared = last->mean_squared;
+    report->expected_rms = fit->expected_rms;
     report->reached = fit->reached;
     report->fit_seconds = last->seconds;
     bat_status status = one_sided_hausdorff(surface, data->points, data->count, &report->stray, error);
@@ -369,6 +370,8 @@ static bool is_better(const bat_surface_candidate *first, const bat_surface_cand
         return first->reached;
     if (options->tolerance > 0 && first->reached && first->functions != second->functions)
         return first->functions < second->functions;
+    if (options->functions == 0 && !options->robust && isfinite(first->expected_rms) && isfinite(second->expected_rms))
+        return first->expected_rms < second->expected_rms;
     return first->mean_squared < second->mean_squared;
 }
 

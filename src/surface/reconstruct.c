@@ -404,7 +404,7 @@ bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_s
                              double noise)
 {
     double share = fmin(options->share, 1 - 1 / (double)points);
-    return options->tolerance > 0 && !report->reached && report->stalled &&
+    return options->tolerance > 0 && !report->reached && (report->stalled || options->functions == 0) &&
            erf(options->tolerance / (noise * sqrt(2))) < share;
 }
 

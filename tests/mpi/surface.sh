@@ -82,8 +82,8 @@ equal)
     check "PLY gives the same" cmp one.xml ply.xml
     check "JSON tells what was sent" grep -q '"largest_memory"' stdout
     check "a repeated point is left out" grep -q '"duplicates": 1' stdout
-    "$batten" surface $given --robust --tolerance 1e-3 --degree 3,2 --final-corrections 1 -o one.step --quiet 2> stderr
-    ranks 2 0 $given --robust --tolerance 1e-3 --degree 3,2 --final-corrections 1 -o two.step
+    "$batten" surface $given --robust --tolerance 1e-3 --degree 3,2 --final-corrections 1 -o one.step --force --quiet 2> stderr
+    ranks 2 0 $given --robust --tolerance 1e-3 --degree 3,2 --final-corrections 1 -o two.step --force
     check "other options too" cmp one.step two.step
     ;;
 cloud)

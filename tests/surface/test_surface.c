@@ -389,7 +389,7 @@ static void what_is_wrong_is_refused(void **state)
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
     options = options_for(BAT_SURFACE_PARAMETERS_UNIFORM, 8);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
-    assert_non_null(strstr(error.text, "functions is 8, but must be 0 or at least the 9"));
+    assert_non_null(strstr(error.text, "functions is 8, but must be 0 or at least the 16"));
     options = options_for(BAT_SURFACE_PARAMETERS_MEAN_VALUE, 0);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_UNSUPPORTED);
     options = options_for(BAT_SURFACE_PARAMETERS_UNIFORM, 0);

@@ -88,7 +88,7 @@ static void energy_is_that_of_the_formula(void **state)
     double lambda = 0;
     bat_spline_surface surface = fit(space, &sample.data, NULL, &lambda);
     fit_system system;
-    check_status(fit_system_make(space, NULL, 3, 1, &system, NULL), BAT_OK);
+    check_status(fit_system_make(space, NULL, 3, false, 1, &system, NULL), BAT_OK);
     // f = u^2 v^3: integrals of f_uu^2 = 4 v^6, f_uv^2 = 36 u^2 v^4 and f_vv^2 = 36 u^4 v^2.
     check_near(energy_of(&system, surface.control, 0), 4.0 / 7 + 36.0 / 15 + 36.0 / 15, 1e-10);
     check_near(energy_of(&system, surface.control, 1), 0, 1e-10);
@@ -119,7 +119,7 @@ static double *dense_rows(const bat_hierarchical_space *space, const bat_surface
             matrix[i * functions + active[k]] = sqrt(weights[i]) * values[k];
     }
     fit_system system;
-    check_status(fit_system_make(space, NULL, 3, 1, &system, NULL), BAT_OK);
+    check_status(fit_system_make(space, NULL, 3, false, 1, &system, NULL), BAT_OK);
     for (size_t j = 0; j < functions; j++)
         for (int at = system.pattern.first[j]; at < system.pattern.first[j + 1]; at++)
             plate[(size_t)system.pattern.row[at] * functions + j] = system.plate[at];

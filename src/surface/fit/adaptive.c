@@ -44,10 +44,15 @@ static const double STEP_TOLERANCE = 1e-3;
 // is stiff, feet may be at other places of it, and corrections would fold the parameters of deep shapes.
 static const double CORRECTION_REACH = 0.25;
 static const double NEAR_SHARE = 0.9;
-// The mean squared distance of held-out points falls, when it falls below this share of its least value before. Refinement
-// ends when it has not, with the functions more by STALL_GROWTH.
-static const double HELD_OUT_GAIN = 0.99;
+// The expected squared distance of new points falls, when it falls below its least value before by the largest of these
+// shares: GAIN_POINTS of the number of points, FUNCTION_GAIN for each function more, and MIN_GAIN. Refinement ends when it
+// has not, with the functions more by STALL_GROWTH.
+static const double GAIN_POINTS = 15;
+static const double FUNCTION_GAIN = 0.1;
+static const double MIN_GAIN = 5e-4;
 static const double STALL_GROWTH = 2.2;
+// Weight of held-out points in the expected squared distance: the other part is generalized cross-validation.
+static const double HELD_OUT_SHARE = 1.0 / 3;
 // A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
 static const double BUDGET_FILLED = 0.99;
 // Distances below this fraction of the size of the point set are rounding errors.
@@ -56,7 +61,7 @@ static const double ROUNDING = 1e-13;
 bat_surface_fit_options bat_surface_fit_defaults(void)
 {
     return (bat_surface_fit_options){
-        .space = {.degree = {2, 2}, .spans = {1, 1}, .truncated = true},
+        .space = {.degree = {3, 3}, .spans = {1, 1}, .truncated = true},
         .share = 1,
         .hold_out = HOLD_OUT,
         .iterations = 30,
@@ -168,13 +173,13 @@ static bat_status update_robust_weights(fit_points *points, double size, size_t 
 
 _Static_assert(BAT_SURFACE_FIT_BLOCK % NEIGHBOURS == 0, "neighbours are of one block");
 
-/// The round with the least distances of held-out points.
+/// The round with the least expected distance of new points.
 typedef struct fit_best
 {
     bat_hierarchical_space *space; ///< null for none
     double *parameter;             ///< points.count x 2, before the corrections of later rounds
-    double square;                 ///< mean squared distance of held-out points
-    double largest;
+    double expected;               ///< root of the expected squared distance
+    double held_rms, held_largest; ///< distances of held-out points
     size_t round;
     double lambda;
 } fit_best;
@@ -192,6 +197,7 @@ typedef struct fit_loop
     double *control; ///< functions x dimension
     fit_nets nets;
     double lambda; ///< smoothing weight of the last fit; 0 before the first
+    double trace;  ///< of the influence matrix, at the last search for a weight
     size_t budget; ///< maximum number of functions; 0: none
     double size;   ///< the largest absolute coordinate of a point
     bool full;     ///< no further refinement fits the budget
@@ -201,6 +207,7 @@ typedef struct fit_loop
     bool corrects; ///< parameters have been corrected, which leaves residuals across the surface only
     bool stalled;
     double held_rms, held_largest; ///< distances of the held-out points at the last measurement
+    double expected;               ///< root of the expected squared distance of new points, at the last measurement
     fit_best best;
     bat_surface_fit_round *rounds; ///< iterations + 1
     size_t count;
@@ -261,21 +268,37 @@ static double held_weight(const fit_loop *loop, size_t row)
     return !loop->held[row] ? 0 : loop->options->robust ? loop->points.weight[row] : 1;
 }
 
+/// Sums over the points that are held out, then over the others without samples of border curves.
 static void held_terms(const void *context, size_t row, double *sums)
 {
     const fit_loop *loop = context;
     double weight = held_weight(loop, row), distance = loop->points.distance[row];
     sums[0] += weight * distance * distance;
     sums[1] += weight;
+    if (loop->held[row] || loop->points.number[row] >= loop->points.own)
+        return;
+    weight = loop->points.weight[row];
+    sums[2] += weight * distance * distance;
+    sums[3] += weight;
+}
+
+/// The root of the expected squared distance of a new point: a geometric mean of that of held-out points and of generalized
+/// cross-validation, R / N / (1 - T / N)^2. The first is unbiased, the second varies less.
+static double expected_distance(const fit_loop *loop, const double sums[4])
+{
+    double left = sums[3] > 0 ? 1 - loop->trace / sums[3] : NAN;
+    if (!(left > 0))
+        return loop->held_rms;
+    return pow(sqrt(sums[2] / sums[3]) / left, 1 - HELD_OUT_SHARE) * pow(loop->held_rms, HELD_OUT_SHARE);
 }
 
 /// Measure the distances of the points that are held out, and take these out of the fit.
 static bat_status measure_held_out(fit_loop *loop, bat_error *error)
 {
     fit_points *points = &loop->points;
-    double sums[2];
+    double sums[4];
     bat_status status =
-        team_sum_points(points->team, points->count, held_terms, loop, 2, loop->options->threads, sums, error);
+        team_sum_points(points->team, points->count, held_terms, loop, 4, loop->options->threads, sums, error);
     loop->held_largest = 0;
     for (size_t row = 0; row < points->count; row++)
     {
@@ -287,6 +310,7 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
     if (status == BAT_OK)
         status = team_largest(points->team, &loop->held_largest, 1, error);
     loop->held_rms = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
+    loop->expected = expected_distance(loop, sums);
     return status;
 }
 
@@ -362,6 +386,13 @@ static size_t noisy_coordinates(const fit_loop *loop)
     return !loop->corrects ? dimension : dimension > 3 ? dimension - 2 : 1;
 }
 
+/// Factor of the variance of residuals for the choice of a weight. In all coordinates together the noise has the ratio of
+/// their numbers; its root is taken, because the whole ratio smooths too much where functions are few.
+static double residual_spread(const fit_loop *loop)
+{
+    return sqrt((double)loop->points.dimension / (double)noisy_coordinates(loop));
+}
+
 /// Solve the system, on the first process with or without the others.
 static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
 {
@@ -369,13 +400,15 @@ static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
     const bat_surface_team *team = loop->team;
     bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN, shares = team != NULL && team->factor != NULL;
     fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
-                                .noise = options->noise * sqrt((double)noisy_coordinates(loop)),
+                                .noise = options->noise * sqrt(residual_spread(loop) * (double)noisy_coordinates(loop)),
+                                .spread = residual_spread(loop),
                                 .lambda = given ? options->weight : loop->lambda,
                                 .trials = trials_for(loop),
                                 .progress = {loop_report, loop}};
     bat_status status = BAT_OK;
+    double trace = NAN;
     if (team_is_first(team))
-        status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, loop->control, error);
+        status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, &trace, loop->control, error);
     if (shares && team_is_first(team))
     {
         bat_status released = team->release(team->context, status == BAT_OK ? error : NULL);
@@ -386,6 +419,10 @@ static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
     status = team_agree(team, status, error);
     if (status == BAT_OK)
         status = team_broadcast(team, &loop->lambda, sizeof loop->lambda, error);
+    if (status == BAT_OK && search)
+        status = team_broadcast(team, &trace, sizeof trace, error);
+    if (search)
+        loop->trace = trace;
     return status == BAT_OK ? team_broadcast(team, loop->control,
                                              loop->system.functions * loop->points.dimension * sizeof *loop->control, error)
                             : status;
@@ -460,8 +497,9 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
 {
     size_t functions = bat_hierarchical_space_functions(loop->space);
     loop_free_fit(loop);
-    bat_status status =
-        fit_system_make(loop->space, loop->team, loop->points.dimension, loop->options->threads, &loop->system, error);
+    bat_status status = fit_system_make(loop->space, loop->team, loop->points.dimension,
+                                        loop->options->smoothing != BAT_SURFACE_SMOOTHING_GIVEN, loop->options->threads,
+                                        &loop->system, error);
     if (status == BAT_OK)
         status = fit_solver_make_for(loop->team, &loop->system.pattern, &loop->solver, error);
     if (status != BAT_OK)
@@ -598,8 +636,10 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
 {
     const bat_surface_fit_round *round = &loop->rounds[loop->count - 1];
     fit_best *best = &loop->best;
-    double square = loop->held_rms * loop->held_rms;
-    if (best->space != NULL && !(square < HELD_OUT_GAIN * best->square))
+    double before = best->space == NULL ? 0 : (double)loop->rounds[best->round].functions, expected = loop->expected;
+    double least = fmax(GAIN_POINTS, FUNCTION_GAIN * ((double)round->functions - before));
+    double gain = fmax(least / (double)loop->points.total, MIN_GAIN);
+    if (best->space != NULL && !(expected * expected < (1 - gain) * best->expected * best->expected))
     {
         double growth = (double)round->functions / (double)loop->rounds[best->round].functions;
         // A surface that is still far from the points is too stiff to tell.
@@ -613,8 +653,9 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
         return status;
     bat_hierarchical_space_free(best->space);
     best->space = copy;
-    best->square = square;
-    best->largest = loop->held_largest;
+    best->expected = expected;
+    best->held_rms = loop->held_rms;
+    best->held_largest = loop->held_largest;
     best->round = loop->count - 1;
     best->lambda = loop->lambda;
     memcpy(best->parameter, loop->points.parameter, 2 * loop->points.count * sizeof *best->parameter);
@@ -641,8 +682,9 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
         loop->count = best->round + 1;
         loop->stalled = true;
         loop->lambda = best->lambda;
-        loop->held_rms = sqrt(best->square);
-        loop->held_largest = best->largest;
+        loop->expected = best->expected;
+        loop->held_rms = best->held_rms;
+        loop->held_largest = best->held_largest;
         memcpy(loop->points.parameter, best->parameter, 2 * loop->points.count * sizeof *best->parameter);
     }
     for (size_t row = 0; row < loop->points.count; row++)
@@ -663,7 +705,7 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
 typedef struct state_head
 {
     uint64_t rounds, boxes, best_boxes, best_round, outliers;
-    double lambda, best_square, best_largest, best_lambda, seconds;
+    double lambda, best_expected, best_held_rms, best_held_largest, best_lambda, seconds;
     uint64_t full, corrects, has_best;
 } state_head;
 
@@ -701,8 +743,9 @@ static bat_status save_state(const fit_loop *loop, bat_error *error)
                            .best_round = loop->best.round,
                            .outliers = loop->outliers,
                            .lambda = loop->lambda,
-                           .best_square = loop->best.square,
-                           .best_largest = loop->best.largest,
+                           .best_expected = loop->best.expected,
+                           .best_held_rms = loop->best.held_rms,
+                           .best_held_largest = loop->best.held_largest,
                            .best_lambda = loop->best.lambda,
                            .seconds = clock_seconds() - loop->begin,
                            .full = loop->full,
@@ -756,8 +799,9 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
     loop->full = head.full != 0;
     loop->corrects = head.corrects != 0;
     loop->best.round = head.best_round;
-    loop->best.square = head.best_square;
-    loop->best.largest = head.best_largest;
+    loop->best.expected = head.best_expected;
+    loop->best.held_rms = head.best_held_rms;
+    loop->best.held_largest = head.best_held_largest;
     loop->best.lambda = head.best_lambda;
     loop->begin = clock_seconds() - head.seconds;
     fit_border_load(&loop->border, bytes + sizeof head + rounds + boxes, &loop->points);
@@ -849,6 +893,7 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
                                            .held_out_count = holds ? loop->held_count : 0,
                                            .held_out_rms = holds ? loop->held_rms : NAN,
                                            .held_out_largest = holds ? loop->held_largest : NAN,
+                                           .expected_rms = holds ? loop->expected : NAN,
                                            .reached = has_reached(loop, &loop->rounds[loop->count - 1])};
     else
         free(loop->rounds);

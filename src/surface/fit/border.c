@@ -20,8 +20,10 @@ enum
     CORNERS = 4
 };
 
-// Weight of a sample, relative to a point.
-static const double SAMPLE_WEIGHT = 2;
+// Weights of samples of curves along the edge, and of those of rough loops and before the first correction, relative to a
+// point.
+static const double SAMPLE_WEIGHT = 1;
+static const double ROUGH_WEIGHT = 0.25;
 // Mean distance of the edge of randomly scattered points from the curve, in units of the loop's roughness.
 static const double OFFSET = 1.35;
 // Loops with less roughness, in distances between their points, run along the edge.
@@ -209,7 +211,7 @@ static void set_samples(fit_points *points, size_t own)
         if (points->number[row] >= own)
         {
             points->freedom[row] = FIT_FIXED;
-            points->weight[row] = SAMPLE_WEIGHT;
+            points->weight[row] = ROUGH_WEIGHT;
         }
 }
 
@@ -371,8 +373,9 @@ static bat_status update_side(const border_update *update, int number, bat_error
             feet[k * dimension + d] -= update->centre[d];
             out += has_frame ? frame.across[d] * (feet[k * dimension + d] - frame.place[d]) : 0;
         }
+        // The curve of a rough loop lies inside the edge, where heights are others: the points alone determine these.
         for (size_t d = 0; d < dimension; d++)
-            target[d] = feet[k * dimension + d] + (has_frame ? side->offset * frame.across[d] : 0);
+            target[d] = has_frame && side->offset > 0 ? frame.place[d] + out * frame.across[d] : feet[k * dimension + d];
         update->distances[first + k] = has_frame ? fabs(out) : 0;
     }
     return status;
@@ -413,14 +416,32 @@ static void update_corners(const border_update *update)
     }
 }
 
-/// Move the rows of samples to their targets.
+/// The weight of a sample after an update.
+static double weight_of_sample(const fit_border *border, size_t sample)
+{
+    for (int s = 0; s < FIT_BORDER_SIDES; s++)
+    {
+        const fit_border_side *side = &border->sides[s];
+        bool is_corner = sample >= border->samples - CORNERS;
+        bool is_here = is_corner ? is_on_side(border->at + 2 * sample, s)
+                                 : sample >= side->first && sample - side->first < side->samples;
+        if (is_here && side->offset > 0)
+            return ROUGH_WEIGHT;
+    }
+    return SAMPLE_WEIGHT;
+}
+
+/// Move the rows of samples to their targets, and set their weights.
 static void move_samples(const fit_border *border, fit_points *points)
 {
     size_t dimension = border->dimension;
     for (size_t row = 0; row < points->count; row++)
         if (points->number[row] >= points->own)
-            memcpy(points->position + row * dimension, border->target + (points->number[row] - points->own) * dimension,
-                   dimension * sizeof(double));
+        {
+            size_t sample = points->number[row] - points->own;
+            memcpy(points->position + row * dimension, border->target + sample * dimension, dimension * sizeof(double));
+            points->weight[row] = weight_of_sample(border, sample);
+        }
 }
 
 bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error)

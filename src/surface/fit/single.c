@@ -68,7 +68,7 @@ static bat_status single_make(const bat_hierarchical_space *space, const bat_sur
         status = fit_points_sort(&fit->points, space, error);
     }
     if (status == BAT_OK)
-        status = fit_system_make(space, NULL, data->dimension, 0, &fit->system, error);
+        status = fit_system_make(space, NULL, data->dimension, false, 0, &fit->system, error);
     if (status == BAT_OK)
         status = fit_system_gather(&fit->system, &fit->points, error);
     if (status == BAT_OK)

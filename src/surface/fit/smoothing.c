@@ -7,13 +7,14 @@
 ///
 /// R is the sum of squared residuals of N points. T is estimated with random signs z (Hutchinson, 1990). The criteria are
 ///
-///     restricted likelihood   2 lambda J / s^2 = T - 3  for each coordinate,  s^2 = (R + 2 lambda J) / (N - 3),
+///     restricted likelihood   2 lambda J / s^2 = T - 3  for each coordinate,  s^2 = q (R + 2 lambda J) / (N - 3),
 ///     cross-validation        minimize R / (1 - T / N)^2,
 ///     the same, given noise   2 lambda J / noise^2 = T - 3,
 ///
-/// of Wahba (1985) and Craven and Wahba (1979, generalized cross-validation). 3 is the dimension of the null
-/// space of M, which contains 1, u and v. The slope of each criterion changes sign at the best weight, so that log10 lambda
-/// is bracketed and found by regula falsi.
+/// of Wahba (1985) and Craven and Wahba (1979, generalized cross-validation). J and s^2 are sums over d coordinates.
+/// Residuals hold the noise of all of them, q = 1, or after parameter correction of d - 2 of them, q = sqrt(d / (d - 2)). 3
+/// is the dimension of the null space of M, which contains 1, u and v. The slope of each criterion changes sign at the best
+/// weight, so that log10 lambda is bracketed and found by regula falsi.
 
 #include "surface/fit/smoothing.h"
 
@@ -49,6 +50,7 @@ typedef struct weight_trial
     double log_lambda; ///< log10 lambda
     double score;      ///< to be minimized
     double slope;      ///< negative if the weight is too small, positive if it is too large
+    double trace;      ///< T
     bool regular;      ///< the matrix is regular in double precision
 } weight_trial;
 
@@ -238,11 +240,11 @@ static void score_cross_validation(const weight_workspace *workspace, double lam
 
 /// Restricted likelihood, with -J / s^2 as the log density of a Gaussian prior on surfaces. The slope is the difference of
 /// both sides of its stationarity condition.
-static void score_likelihood(const weight_workspace *workspace, double lambda, const weight_effect *effect,
+static void score_likelihood(const weight_workspace *workspace, double spread, double lambda, const weight_effect *effect,
                              weight_trial *trial)
 {
     double points = fmax((double)workspace->system->counted - PLANE_FUNCTIONS, 1), penalty = 2 * lambda * effect->energy;
-    trial->slope = points * penalty / (effect->residual + penalty) - (effect->trace - PLANE_FUNCTIONS);
+    trial->slope = points * penalty / (spread * (effect->residual + penalty)) - (effect->trace - PLANE_FUNCTIONS);
     trial->score = fabs(trial->slope);
 }
 
@@ -266,10 +268,11 @@ static bat_status try_weight(weight_workspace *workspace, const fit_weight_searc
     if (status != BAT_OK)
         return status;
     trial->regular = true;
+    trial->trace = effect.trace;
     if (search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION)
         score_cross_validation(workspace, lambda, &effect, trial);
     else if (search->smoothing == BAT_SURFACE_SMOOTHING_LIKELIHOOD)
-        score_likelihood(workspace, lambda, &effect, trial);
+        score_likelihood(workspace, search->spread, lambda, &effect, trial);
     else
         score_noise(search->noise, lambda, &effect, trial);
     return BAT_OK;
@@ -326,8 +329,8 @@ static bool may_continue(const fit_weight_search *search)
     return search->progress.report == NULL || search->progress.report(search->progress.context, 0);
 }
 
-static bat_status run_search(weight_workspace *workspace, const fit_weight_search *search, double *lambda, double *control,
-                             bat_error *error)
+static bat_status run_search(weight_workspace *workspace, const fit_weight_search *search, double *lambda, double *trace,
+                             double *control, bat_error *error)
 {
     double unit = log10(balanced_weight(workspace->system));
     weight_bracket bracket = {.low_limit = unit + log10(MIN_SHARE),
@@ -347,6 +350,7 @@ static bat_status run_search(weight_workspace *workspace, const fit_weight_searc
         {
             best = trial;
             *lambda = pow(10, log_lambda);
+            *trace = trial.trace;
             copy_coordinates(workspace->system, workspace->solution, control);
         }
         bracket_add(&bracket, &trial);
@@ -357,17 +361,18 @@ static bat_status run_search(weight_workspace *workspace, const fit_weight_searc
 }
 
 bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
-                           double *control, bat_error *error)
+                           double *trace, double *control, bat_error *error)
 {
     if (search->smoothing == BAT_SURFACE_SMOOTHING_GIVEN)
     {
         *lambda = search->lambda;
+        *trace = NAN;
         return fit_weight_solve(system, solver, lambda, control, error);
     }
     weight_workspace workspace;
     bat_status status = workspace_make(system, solver, &workspace, error);
     if (status == BAT_OK)
-        status = run_search(&workspace, search, lambda, control, error);
+        status = run_search(&workspace, search, lambda, trace, control, error);
     workspace_free(&workspace);
     return status;
 }

@@ -12,7 +12,8 @@
 typedef struct fit_weight_search
 {
     bat_surface_smoothing smoothing;
-    double noise;  ///< root of the variance of a residual, summed over coordinates, for BAT_SURFACE_SMOOTHING_NOISE
+    double noise;  ///< root of the variance to assume, for BAT_SURFACE_SMOOTHING_NOISE
+    double spread; ///< ratio of the variance to assume to that of residuals: above 1 after parameter correction
     double lambda; ///< the given weight, or the start of the search; 0: no estimate is known
     int trials;    ///< maximum number of weights to evaluate, at least 1
     bat_progress progress;
@@ -25,7 +26,8 @@ bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double
 
 /// Search for the best weight and solve with it.
 /// @param lambda receives the weight
+/// @param trace  receives the estimated trace of the influence matrix; NaN for a given weight
 bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
-                           double *control, bat_error *error);
+                           double *trace, double *control, bat_error *error);
 
 #endif

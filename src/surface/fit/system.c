@@ -61,6 +61,7 @@ typedef struct plate_context
 {
     const bat_hierarchical_space *space;
     gauss_rule rule[2];
+    bool levelled; ///< cells of level l have the weight 16^-l
 } plate_context;
 
 /// Univariate integrals over a cell of products of the k-th derivatives of two functions, k = 0, 1, 2.
@@ -101,6 +102,7 @@ static void fill_thin_plate(const void *context, size_t index, double *scratch, 
     const hierarchical_cell *cell = &plate->space->cells[index];
     size_t width = (size_t)plate->space->options.degree[0] + 1, height = (size_t)plate->space->options.degree[1] + 1;
     size_t locals = width * height;
+    double weight = plate->levelled ? ldexp(1, -4 * (int)cell->level) : 1;
     side_integrals u, v;
     integrate_side(plate, cell, 0, &u);
     integrate_side(plate, cell, 1, &v);
@@ -108,20 +110,22 @@ static void fill_thin_plate(const void *context, size_t index, double *scratch, 
         for (size_t a = 0; a < width; a++)
             for (size_t d = 0; d < height; d++)
                 for (size_t c = 0; c < width; c++)
-                    scratch[(b * width + a) * locals + d * width + c] = u.of[2][a * width + c] * v.of[0][b * height + d] +
-                                                                        u.of[1][a * width + c] * v.of[1][b * height + d] +
-                                                                        u.of[0][a * width + c] * v.of[2][b * height + d];
+                    scratch[(b * width + a) * locals + d * width + c] =
+                        weight * (u.of[2][a * width + c] * v.of[0][b * height + d] +
+                                  u.of[1][a * width + c] * v.of[1][b * height + d] +
+                                  u.of[0][a * width + c] * v.of[2][b * height + d]);
     hierarchical_extract_matrix(plate->space, cell, scratch, scratch + locals * locals, matrix);
 }
 
 /// Compute the lower triangle of the thin-plate matrix M.
-static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchical_space *space, int threads,
+static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchical_space *space, bool levelled, int threads,
                                  double *values, bat_error *error)
 {
     size_t locals = hierarchical_locals(space);
     plate_context plate = {
         .space = space,
-        .rule = {gauss_rule_make(space->options.degree[0] + 1), gauss_rule_make(space->options.degree[1] + 1)}};
+        .rule = {gauss_rule_make(space->options.degree[0] + 1), gauss_rule_make(space->options.degree[1] + 1)},
+        .levelled = levelled};
     fit_cell_work work = {.fill = fill_thin_plate,
                           .context = &plate,
                           .scratch = locals * (locals + bat_hierarchical_space_max_active(space)),
@@ -130,8 +134,8 @@ static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchi
     return fit_pattern_sum(pattern, space, &work, threads, error);
 }
 
-bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surface_team *team, size_t dimension, int threads,
-                           fit_system *system, bat_error *error)
+bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surface_team *team, size_t dimension,
+                           bool levelled, int threads, fit_system *system, bat_error *error)
 {
     *system = (fit_system){.space = space,
                            .functions = bat_hierarchical_space_functions(space),
@@ -149,7 +153,7 @@ bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surfac
     system->right = memory_array(system->functions * system->columns, sizeof *system->right);
     if (system->gram == NULL || system->plate == NULL || system->right == NULL)
         return error_memory(error, entries * sizeof *system->gram);
-    return fit_thin_plate(&system->pattern, space, threads, system->plate, error);
+    return fit_thin_plate(&system->pattern, space, levelled, threads, system->plate, error);
 }
 
 void fit_system_free(fit_system *system)
