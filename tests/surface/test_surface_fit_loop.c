@@ -87,6 +87,8 @@ static void held_out_points_choose_the_size(void **state)
         assert_true(report.held_out_count > 480 && report.held_out_count < 510);
         assert_true(report.held_out_rms > 0.009 && report.held_out_rms < (k == 0 ? 0.013 : 0.02));
         assert_true(report.held_out_largest > report.held_out_rms);
+        // A new point is as far as the noise across the surface at least, and about as far as the held-out ones.
+        assert_true(report.expected_rms > 0.009 && report.expected_rms < 1.1 * report.held_out_rms);
         check_near(report.rounds[report.count - 1].held_out, report.held_out_rms, 0);
         memcpy(sample.points, sample.truth, 15000 * sizeof(double));
         check_status(bat_spline_correct(&surface, &sample.data, NULL, NULL), BAT_OK);
