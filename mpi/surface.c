@@ -22,12 +22,10 @@ static const option_spec OPTIONS[] = {
     {"output", 'o', "OUT", "write the surface to OUT"},
     {"parameterization", 0, "auto|FILE",
      "u v of each point of IN: found as by `batten surface` (auto), or in FILE; default: those that IN has after x y z "
-     "(PLY: u "
-     "and v), else auto"},
+     "(PLY: u and v), else auto"},
     {"sample", 0, "N",
      "find boundary and parameters by about N points, on rank 0, from 22000; default 200000; with all points, the surface "
-     "is "
-     "that of one machine"},
+     "is that of one machine"},
     {"boundary", 0, "N",
      "the first N points are the boundary; given parameters of these stay; default: told in IN, else none is given"},
     {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 3"},
