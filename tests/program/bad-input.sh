@@ -416,7 +416,7 @@ surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
 surface 'closed.in.obj: .*closed' closed.in.obj
 surface 'none.in.xyz: cannot open' none.in.xyz
 surface '^batten: cloud.in.xyz: the weight of smoothing 1e\+308 is out of range' cloud.in.xyz --parameterization uniform --smoothing 1e308
-surface 'functions is 8, but must be 0 or at least the 9' cloud.in.xyz --functions 8
+surface 'functions is 8, but must be 0 or at least the 16' cloud.in.xyz --functions 8
 surface 'functions is 15, but must be 0 or at least the 16' cloud.in.xyz --functions 15 --degree 3
 surface 'boundary of 301 points' cloud.in.xyz --boundary 301
 surface "boundary's file: cannot open" cloud.in.xyz --boundary none.in.xyz

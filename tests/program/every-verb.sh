@@ -139,7 +139,7 @@ works shape scan -o scan.xyz --vertices 400
 for parameterization in learned shape-preserving inverse-distance uniform stretch-minimizing; do
     works surface hull.xyz --parameterization $parameterization --functions 40 -o out.json
 done
-works surface sheet.obj --parameterization mean-value --functions 9 -o out.vtk
+works surface sheet.obj --parameterization mean-value --functions 16 -o out.vtk
 works surface scan.xyz -o out.xml --parameters out.uv --picture out.png --json
 works surface scan.xyz --parameterization out.uv --degree 3,2 --tolerance 0.05 --robust --noise 0.01 -o out.step
 works surface scan.xyz --parameterization uniform --published --slide-boundary --final-corrections 1 --corrections 2 --smoothing 1e-6 -o out.obj

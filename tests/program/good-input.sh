@@ -367,7 +367,7 @@ first=$(sed -n 's/^# corners \([0-9]*\) \([0-9]*\) \([0-9]*\) \([0-9]*\)/\2,\3,\
 check "corners are where they are asked for" awk -v row="$((${first%%,*} + 1))" 'NR == row { found = $1 < 0.01 && $2 < 0.01 } END { exit !found }' hull.uv
 "$batten" shape cage -o cage.obj --quiet
 printf 'v 0 0 0\nv 1 0 0\nv 2 0 1\nv 0 1 0\nv 1 1 1\nv 2 1 0\nv 0 2 0\nv 1 2 0\nv 2 2 1\nf 1 2 5\nf 1 5 4\nf 2 3 6\nf 2 6 5\nf 4 5 8\nf 4 8 7\nf 5 6 9\nf 5 9 8\n' > sheet.obj
-"$batten" surface sheet.obj --model $model --functions 9 --json > sheet.json
+"$batten" surface sheet.obj --model $model --functions 16 --json > sheet.json
 check "a mesh has mean values among its candidates" json sheet.json 'mean-value'
 "$batten" reproduce surface-clouds --model $model --clouds 2 --points 50,60 --noise 0.01 --degrees 2 --json > clouds.json
 check "surface-clouds --json has its rows" json clouds.json '"excess"'

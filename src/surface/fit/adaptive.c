@@ -46,11 +46,12 @@ static const double CORRECTION_REACH = 0.25;
 static const double NEAR_SHARE = 0.9;
 // The expected squared distance of new points falls, when it falls below its least value before by the largest of these
 // shares: GAIN_POINTS of the number of points, FUNCTION_GAIN for each function more, and MIN_GAIN. Refinement ends when it
-// has not, with the functions more by STALL_GROWTH.
+// has not, with the functions more by STALL_GROWTH and STALL_MORE: a few coarse cells do not reach a narrow feature.
 static const double GAIN_POINTS = 15;
 static const double FUNCTION_GAIN = 0.1;
 static const double MIN_GAIN = 5e-4;
 static const double STALL_GROWTH = 2.2;
+static const double STALL_MORE = 64;
 // Weight of held-out points in the expected squared distance: the other part is generalized cross-validation.
 static const double HELD_OUT_SHARE = 1.0 / 3;
 // A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
@@ -641,10 +642,10 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
     double gain = fmax(least / (double)loop->points.total, MIN_GAIN);
     if (best->space != NULL && !(expected * expected < (1 - gain) * best->expected * best->expected))
     {
-        double growth = (double)round->functions / (double)loop->rounds[best->round].functions;
+        double enough = STALL_GROWTH * (double)loop->rounds[best->round].functions + STALL_MORE;
         // A surface that is still far from the points is too stiff to tell.
         bool near = loop->corrects || loop->options->corrections == 0;
-        loop->stalled = near && growth >= STALL_GROWTH && loop->count > best->round + 2;
+        loop->stalled = near && (double)round->functions >= enough && loop->count > best->round + 2;
         return BAT_OK;
     }
     bat_hierarchical_space *copy;
