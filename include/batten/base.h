@@ -58,7 +58,7 @@ BAT_API const char *bat_status_name(bat_status status);
 #define BAT_MAX_POINTS (SIZE_MAX / (sizeof(size_t) > 4 ? 1 << 24 : 1 << 6))
 
 #define BAT_NO_INDEX ((size_t)-1)
-#define BAT_ERROR_TEXT_SIZE 240
+#define BAT_ERROR_TEXT_SIZE 280
 
 /// The text and the place of a failure. Only failing calls fill it. Every call takes null instead.
 typedef struct bat_error

@@ -26,8 +26,10 @@ typedef enum bat_curve_format
     BAT_CURVE_FORMAT_SHP,   ///< Shapefile
     BAT_CURVE_FORMAT_GPX,
     BAT_CURVE_FORMAT_KML,
-    BAT_CURVE_FORMAT_FGB, ///< FlatGeobuf
-    BAT_CURVE_FORMAT_GDAL ///< whatever GDAL recognizes
+    BAT_CURVE_FORMAT_FGB,      ///< FlatGeobuf
+    BAT_CURVE_FORMAT_DXF,      ///< drawings; always in the plane
+    BAT_CURVE_FORMAT_TOPOJSON, ///< read only
+    BAT_CURVE_FORMAT_GDAL      ///< whatever GDAL recognizes
 } bat_curve_format;
 
 /// What a file tells beyond its curves: GeoJSON features with their properties, CSV column names. Opaque, shared by

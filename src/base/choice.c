@@ -114,7 +114,7 @@ bat_status choice_for_path(const choice_table *table, const char *path, bool wri
         if (has_ending(HINTS[i].endings, ending))
             hint = HINTS[i].text;
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "no %s that is %s has the ending '%.20s'%s; there are %s, and --%s names a format", table->what,
+                     "no %s that is %s has the ending '%.20s'%s; there are %s; --%s names one", table->what,
                      writes ? "written" : "read", ending, hint, choice_endings(table, writes, known, sizeof known), option);
 }
 

@@ -470,7 +470,7 @@ static void topojson_keeps_shared_borders(void **state)
     assert_int_equal(set.curves[0].count, 5);
     bat_curve_set_free(&set);
     put("b.json", TEXT);
-    refuse("b.json", NULL, BAT_UNSUPPORTED, "--from gdal");
+    refuse("b.json", NULL, BAT_UNSUPPORTED, "--from topojson");
 }
 
 static void points_of_the_globe_have_the_written_decimals(void **state)

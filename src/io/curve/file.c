@@ -108,14 +108,22 @@ static const curve_format FORMATS[] = {
     GIS_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "curves: tracks or routes of GPX, by GDAL"),
     GIS_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL"),
     GIS_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL"),
-    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip .dxf .topojson", "curves: any vector format of GDAL, also remote or packed"),
+    GIS_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL"),
+    {.choice = {.name = "topojson",
+                .summary = "curves: TopoJSON, by GDAL",
+                .endings = ".topojson",
+                .reads = true,
+                .value = BAT_CURVE_FORMAT_TOPOJSON}},
+    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed"),
 };
 static const choice_table TABLE = CHOICE_TABLE("curve format", FORMATS);
 
 /// The drivers of the formats without a reader of our own, as gis_read() takes them.
 static const char *const DRIVERS[] = {
-    [BAT_CURVE_FORMAT_GPKG] = "GPKG",      [BAT_CURVE_FORMAT_SHP] = "ESRI Shapefile", [BAT_CURVE_FORMAT_GPX] = "GPX",
-    [BAT_CURVE_FORMAT_KML] = "LIBKML,KML", [BAT_CURVE_FORMAT_FGB] = "FlatGeobuf",     [BAT_CURVE_FORMAT_GDAL] = NULL,
+    [BAT_CURVE_FORMAT_GPKG] = "GPKG",         [BAT_CURVE_FORMAT_SHP] = "ESRI Shapefile",
+    [BAT_CURVE_FORMAT_GPX] = "GPX",           [BAT_CURVE_FORMAT_KML] = "LIBKML,KML",
+    [BAT_CURVE_FORMAT_FGB] = "FlatGeobuf",    [BAT_CURVE_FORMAT_DXF] = "DXF",
+    [BAT_CURVE_FORMAT_TOPOJSON] = "TopoJSON", [BAT_CURVE_FORMAT_GDAL] = NULL,
 };
 
 CHOICE_FUNCTIONS(bat_curve_format, TABLE, 1)

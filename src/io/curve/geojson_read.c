@@ -292,7 +292,7 @@ static bat_status choose_space(geojson_reader *reader, const json_t *root, const
 {
     if (geojson_has_type(root, "Topology"))
         return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the file is TopoJSON; --from gdal reads it, ogr2ogr converts it");
+                         "the file is TopoJSON; --from topojson reads it, ogr2ogr converts it");
     const char *crs = crs_name_of(root, &reader->unnamed_crs);
     if (crs != NULL)
     {
