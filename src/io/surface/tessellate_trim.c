@@ -3,8 +3,8 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "surface/cloud/neighbours.h"
 #include "surface/cloud/delaunay.h"
+#include "surface/cloud/neighbours.h"
 #include "surface/trim/region.h"
 
 #include <math.h>
