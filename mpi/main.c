@@ -8,6 +8,7 @@
 
 #if defined(__GLIBC__)
 #include <malloc.h>
+#include <signal.h>
 #endif
 #include <mpi.h>
 #include <stdio.h>
@@ -85,6 +86,8 @@ int main(int argc, char **argv)
     int code = speaks || freopen("/dev/null", "w", stdout) != NULL ? run(argc, argv, speaks) : EXIT_BAD_INPUT;
     if (fflush(stdout) != 0 && code == EXIT_DONE)
         code = EXIT_BAD_INPUT;
+    // mpirun ends the other ranks by a signal where one has failed: that is no message of its own.
+    (void)signal(SIGTERM, SIG_DFL);
     petsc_end();
     (void)MPI_Finalize();
     return code;
