@@ -107,7 +107,7 @@ typedef struct bat_scan_verdict_row
     char shape[BAT_SCAN_VERDICT_NAME]; ///< the mesh's file, or the formula
     size_t points;
     double noise;      ///< standard deviation of a coordinate
-    char failure[256]; ///< why there is no surface; empty where there is one
+    char failure[BAT_ERROR_TEXT_SIZE]; ///< why there is no surface; empty where there is one
     bat_surface_fault fault;
     bool is_accepted, is_right;
     double missed; ///< distance from the surface of 99 % of the truth's vertices
