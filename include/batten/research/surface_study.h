@@ -106,7 +106,7 @@ typedef struct bat_scan_verdict_row
 {
     char shape[BAT_SCAN_VERDICT_NAME]; ///< the mesh's file, or the formula
     size_t points;
-    double noise;      ///< standard deviation of a coordinate
+    double noise;                      ///< standard deviation of a coordinate
     char failure[BAT_ERROR_TEXT_SIZE]; ///< why there is no surface; empty where there is one
     bat_surface_fault fault;
     bool is_accepted, is_right;
