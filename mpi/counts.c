@@ -170,6 +170,28 @@ int MPI_Gather(const void *out, int out_count, MPI_Datatype out_type, void *in, 
     WAITED(PMPI_Gather(out, out_count, out_type, in, in_count, in_type, root, comm));
 }
 
+int MPI_Ibcast(void *buffer, int count, MPI_Datatype type, int root, MPI_Comm comm, MPI_Request *request)
+{
+    double others = size_of(comm) - 1;
+    if (rank_of(comm) == root)
+        add(others, others * bytes_of(count, type));
+    return PMPI_Ibcast(buffer, count, type, root, comm, request);
+}
+
+int MPI_Igather(const void *out, int out_count, MPI_Datatype out_type, void *in, int in_count, MPI_Datatype in_type,
+                int root, MPI_Comm comm, MPI_Request *request)
+{
+    add_to(root, comm, out_count, out_type);
+    return PMPI_Igather(out, out_count, out_type, in, in_count, in_type, root, comm, request);
+}
+
+int MPI_Igatherv(const void *out, int out_count, MPI_Datatype out_type, void *in, const int in_counts[], const int places[],
+                 MPI_Datatype in_type, int root, MPI_Comm comm, MPI_Request *request)
+{
+    add_to(root, comm, out_count, out_type);
+    return PMPI_Igatherv(out, out_count, out_type, in, in_counts, places, in_type, root, comm, request);
+}
+
 int MPI_Gatherv(const void *out, int out_count, MPI_Datatype out_type, void *in, const int in_counts[], const int places[],
                 MPI_Datatype in_type, int root, MPI_Comm comm)
 {

@@ -13,7 +13,7 @@
 
 typedef struct petsc_solver petsc_solver;
 
-/// What the module gives. All ranks call `make`, `free` and `end`; the others are as in bat_surface_team.
+/// What the module gives. All ranks call `make`, `free` and `end`; the others are as in bat_surface_fit_backend.
 typedef struct petsc_functions
 {
     /// @param iterative conjugate gradients with GAMG instead of MUMPS

@@ -1,7 +1,9 @@
 #include "verbs.h"
 
+#include "backend.h"
 #include "chart.h"
 #include "counts.h"
+#include "group.h"
 #include "judge.h"
 #include "points.h"
 #include "ranks.h"
@@ -9,7 +11,6 @@
 #include "rows.h"
 #include "surface_options.h"
 #include "surface_report.h"
-#include "team.h"
 
 #include "batten/batten.h"
 
@@ -141,7 +142,7 @@ static bool read_job(const arguments *given, fit_job *job)
     if (!surface_read_fit(given, &job->options.fit) || !argument_whole(given, "samples", 1, MAX_SAMPLES, 0, &samples) ||
         !argument_whole(given, "boundary", 4, MAX_BOUNDARY, 0, &boundary) ||
         !argument_whole(given, "sample", MIN_SAMPLE, MAX_BOUNDARY, SAMPLE, &sample) ||
-        !argument_word(given, "solver", SOLVERS, TEAM_SOLVER_CHOLESKY, &job->solver) || !read_formats(given, job))
+        !argument_word(given, "solver", SOLVERS, FIT_SOLVER_CHOLESKY, &job->solver) || !read_formats(given, job))
         return false;
     if (argument(given, "threads") == NULL)
         job->options.fit.threads = 1;
@@ -198,8 +199,8 @@ static bat_status fit_together(const fit_job *job, const char *checkpoint, bat_s
 {
     fit_input *input = &made->input;
     bat_surface_result *result = &made->result;
-    fit_team *team = fit_team_make((team_solver)job->solver, checkpoint, input->label ^ label_of(job));
-    fit_team_set_rows(team, input->first, input->count, input->total);
+    fit_backend *backend = fit_backend_make((fit_solver_kind)job->solver, checkpoint, input->label ^ label_of(job));
+    fit_backend_set_rows(backend, input->first, input->count, input->total);
     bat_surface_fit_data data = {.points = input->points,
                                  .parameters = input->parameters,
                                  .count = input->count,
@@ -210,11 +211,11 @@ static bat_status fit_together(const fit_job *job, const char *checkpoint, bat_s
     options.functions = functions;
     if (ranks_rank() == 0)
         options.progress = report_progress("fitting");
-    bat_status status = bat_surface_fit_together(fit_team_interface(team), &data, input->numbers, &options, &result->surface,
-                                                 &result->report, error);
+    bat_status status = bat_surface_fit_together(ranks_group(), fit_backend_interface(backend), &data, input->numbers,
+                                                 &options, &result->surface, &result->report, error);
     report_progress_end();
-    made->resumed = fit_team_resumed(team);
-    fit_team_free(team);
+    made->resumed = fit_backend_resumed(backend);
+    fit_backend_free(backend);
     return status;
 }
 
@@ -482,8 +483,8 @@ int verb_surface(int argc, char **argv)
         (void)MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
         if (code == EXIT_DONE && ranks_rank() == 0)
         {
-            fit_team_forget(job.checkpoint);
-            fit_team_forget(job.second_checkpoint);
+            fit_backend_forget(job.checkpoint);
+            fit_backend_forget(job.second_checkpoint);
         }
     }
     free(job.checkpoint);

@@ -152,21 +152,12 @@ typedef struct bat_surface_fit_column
     size_t width;
 } bat_surface_fit_column;
 
-/// Processes that fit one surface together, and how they exchange data. Every process makes the same calls in the same
-/// order. Failures of a function end the fit of the process that sees them.
-typedef struct bat_surface_team
+/// What the processes of a fit use beside messages: a solver that all of them run, and a store of the state between rounds.
+typedef struct bat_surface_fit_backend
 {
-    void *context;
-    size_t rank;  ///< of this process, from 0
-    size_t count; ///< of processes
-    /// Rank 0 receives the bytes of all ranks, in their order.
-    /// @param sizes [count], receives the number of bytes of each; rank 0 alone
-    /// @param all   receives an array from malloc(); rank 0 alone
-    bat_status (*gather)(void *context, const void *bytes, size_t size, size_t *sizes, void **all, bat_error *error);
-    /// All ranks receive the bytes of rank 0.
-    bat_status (*broadcast)(void *context, void *bytes, size_t size, bat_error *error);
+    void *context; ///< handed to the functions
 
-    // A solver of symmetric positive definite systems that all ranks run together. All null: that of the library, on rank 0.
+    // A solver of symmetric positive definite systems that all ranks run. All null: that of the library, on rank 0.
 
     /// Rank 0: factor the matrix whose lower triangle is in compressed columns, rows ascending.
     /// @param regular receives false for a matrix that is singular in double precision
@@ -192,7 +183,7 @@ typedef struct bat_surface_team
     /// @param columns receive the values
     bat_status (*load)(void *context, void **head, size_t *size, const bat_surface_fit_column *columns, size_t column_count,
                        bat_error *error);
-} bat_surface_team;
+} bat_surface_fit_backend;
 
 /// Make the border curves of a fit by several processes. Each process makes the same.
 /// @param data   the boundary points of the whole fit, in order, with their parameters: `boundary_count` of them
@@ -213,6 +204,8 @@ BAT_API size_t bat_surface_border_samples(const bat_surface_border *border, cons
 
 /// bat_surface_fit() by several processes: each has a part of the points. With the library's solver the surface is that of
 /// bat_surface_fit() to the last bit, for any number of processes.
+/// @param group   null for a process alone
+/// @param backend null for the solver of the library, without a store
 /// @param data    the points of this process, along the curve: ascending by bat_surface_fit_order(), equal ones by
 ///                number, and after those of lower ranks. All ranks but the last with points have whole blocks; a rank may
 ///                have none. `boundary_count` is that of all points: those of lower numbers
@@ -220,10 +213,11 @@ BAT_API size_t bat_surface_border_samples(const bat_surface_border *border, cons
 /// @param options the same in all processes, but for `progress`: that of rank 0 may stop the fit
 /// @param report  distances are those of this process, also of samples of border curves; all else is of all points of the
 ///                cloud, `worst` a number
-/// @return as bat_surface_fit(), and the failures of the team's functions
-BAT_API bat_status bat_surface_fit_together(const bat_surface_team *team, bat_surface_fit_data *data,
-                                            const uint32_t *numbers, const bat_surface_fit_options *options,
-                                            bat_spline_surface *surface, bat_surface_fit_report *report, bat_error *error);
+/// @return as bat_surface_fit(), and the failures of the functions of the group and of the backend
+BAT_API bat_status bat_surface_fit_together(const bat_group *group, const bat_surface_fit_backend *backend,
+                                            bat_surface_fit_data *data, const uint32_t *numbers,
+                                            const bat_surface_fit_options *options, bat_spline_surface *surface,
+                                            bat_surface_fit_report *report, bat_error *error);
 
 BAT_C_END
 

@@ -33,8 +33,28 @@ typedef struct group_items
 /// The items of this process among `count`: the ranks have consecutive items, and numbers that differ by at most 1.
 group_items group_items_of(const bat_group *group, size_t count);
 
+static inline bool group_is_first(const bat_group *group)
+{
+    return group_rank(group) == 0;
+}
+
 /// Send bytes of one process to all others.
 bat_status group_broadcast(const bat_group *group, size_t root, void *bytes, size_t size, bat_error *error);
+
+/// Every rank receives a status of rank 0, with its text.
+bat_status group_agree_with_first(const bat_group *group, bat_status status, bat_error *error);
+
+/// Rank 0 receives what all ranks have, in their order. A process alone receives a copy.
+/// @param sizes,all need free(), also after a failure
+bat_status group_gather(const bat_group *group, const void *bytes, size_t size, size_t **sizes, char **all,
+                        bat_error *error);
+
+/// Sums over ranks of each number; every rank receives them.
+bat_status group_sum_counts(const bat_group *group, uint64_t *numbers, size_t count, bat_error *error);
+/// The sum over lower ranks.
+bat_status group_sum_before(const bat_group *group, uint64_t number, uint64_t *sum, bat_error *error);
+/// The largest over ranks of each number; every rank receives them.
+bat_status group_largest(const bat_group *group, double *numbers, size_t count, bat_error *error);
 
 /// Collect the items that the processes made: each has those of its share, and receives all others. The first failure as by
 /// bat_group_agree().

@@ -74,6 +74,28 @@ static inline bat_status group_receive(void *context, size_t from, void *bytes, 
     return BAT_OK;
 }
 
+/// Join every two of a group's processes.
+static inline void group_join(size_t count, int ends[MAX_RANKS][MAX_RANKS])
+{
+    assert_true(count <= MAX_RANKS);
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = i + 1; j < count; j++)
+        {
+            int pair[2];
+            assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
+            ends[i][j] = pair[0];
+            ends[j][i] = pair[1];
+        }
+}
+
+static inline void group_part(size_t count, int ends[MAX_RANKS][MAX_RANKS])
+{
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = 0; j < count; j++)
+            if (i != j)
+                (void)close(ends[i][j]);
+}
+
 /// What a process of a group does; no assertions here. Returns its status.
 typedef bat_status group_member(const bat_group *group, void *context, bat_error *error);
 
@@ -92,15 +114,7 @@ static inline const group_results *group_run(size_t count, group_member *member,
     pid_t children[MAX_RANKS];
     if (results == NULL)
         results = group_memory(sizeof *results);
-    assert_true(count <= MAX_RANKS);
-    for (size_t i = 0; i < count; i++)
-        for (size_t j = i + 1; j < count; j++)
-        {
-            int pair[2];
-            assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, pair), 0);
-            links.ends[i][j] = pair[0];
-            links.ends[j][i] = pair[1];
-        }
+    group_join(count, links.ends);
     (void)fflush(NULL);
     for (size_t rank = 0; rank < count; rank++)
     {
@@ -117,10 +131,7 @@ static inline const group_results *group_run(size_t count, group_member *member,
         results->status[rank] = member(count > 1 ? &group : NULL, context, &results->error[rank]);
         _exit(0);
     }
-    for (size_t i = 0; i < count; i++)
-        for (size_t j = 0; j < count; j++)
-            if (i != j)
-                (void)close(links.ends[i][j]);
+    group_part(count, links.ends);
     for (size_t rank = 0; rank < count; rank++)
     {
         int code;

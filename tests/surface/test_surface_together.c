@@ -1,21 +1,19 @@
 // A fit by several processes, which are threads here: the same bits as by one, also from a state that was saved.
 
+#include "group_helpers.h"
 #include "surface_fit_helpers.h"
 
 #include <pthread.h>
 
 enum
 {
-    MAX_RANKS = 5
+    THREADS = 5
 };
 
 /// What the threads exchange.
 typedef struct exchange
 {
     pthread_barrier_t barrier;
-    size_t ranks;
-    const void *bytes[MAX_RANKS];
-    size_t sizes[MAX_RANKS];
     // The state after some round.
     int saves; ///< that are still kept
     char *head;
@@ -27,7 +25,9 @@ typedef struct exchange
 typedef struct process
 {
     exchange *shared;
-    bat_surface_team team;
+    group_links links;
+    bat_group group;
+    bat_surface_fit_backend backend;
     bat_surface_fit_data data;
     uint32_t *numbers;
     size_t first; ///< of its rows
@@ -44,41 +44,6 @@ static void wait_for_all(process *own)
     (void)pthread_barrier_wait(&own->shared->barrier);
 }
 
-static bat_status gather(void *context, const void *bytes, size_t size, size_t *sizes, void **all, bat_error *error)
-{
-    (void)error;
-    process *own = context;
-    exchange *shared = own->shared;
-    shared->bytes[own->team.rank] = bytes;
-    shared->sizes[own->team.rank] = size;
-    wait_for_all(own);
-    if (own->team.rank == 0)
-    {
-        size_t total = 0, at = 0;
-        for (size_t rank = 0; rank < shared->ranks; rank++)
-            total += sizes[rank] = shared->sizes[rank];
-        char *joined = malloc(total + 1);
-        for (size_t rank = 0; joined != NULL && rank < shared->ranks; at += shared->sizes[rank++])
-            memcpy(joined + at, shared->bytes[rank], shared->sizes[rank]);
-        *all = joined;
-    }
-    wait_for_all(own);
-    return BAT_OK;
-}
-
-static bat_status broadcast(void *context, void *bytes, size_t size, bat_error *error)
-{
-    (void)error;
-    process *own = context;
-    if (own->team.rank == 0)
-        own->shared->bytes[0] = bytes;
-    wait_for_all(own);
-    if (own->team.rank > 0)
-        memcpy(bytes, own->shared->bytes[0], size);
-    wait_for_all(own);
-    return BAT_OK;
-}
-
 static bat_status save(void *context, const void *head, size_t size, const bat_surface_fit_column *columns, size_t count,
                        bat_error *error)
 {
@@ -91,7 +56,7 @@ static bat_status save(void *context, const void *head, size_t size, const bat_s
         for (size_t k = 0; k < count; k++)
             memcpy(shared->columns[k] + own->first * columns[k].width, columns[k].values,
                    own->data.count * columns[k].width * sizeof(double));
-        if (own->team.rank == 0)
+        if (own->group.rank == 0)
         {
             free(shared->head);
             shared->head = malloc(size);
@@ -100,7 +65,7 @@ static bat_status save(void *context, const void *head, size_t size, const bat_s
         }
     }
     wait_for_all(own);
-    if (own->team.rank == 0)
+    if (own->group.rank == 0)
         shared->saves--;
     wait_for_all(own);
     return BAT_OK;
@@ -126,8 +91,8 @@ static bat_status load(void *context, void **head, size_t *size, const bat_surfa
 static void *run(void *context)
 {
     process *own = context;
-    own->status = bat_surface_fit_together(&own->team, &own->data, own->numbers, own->options, &own->surface, &own->report,
-                                           &own->error);
+    own->status = bat_surface_fit_together(&own->group, &own->backend, &own->data, own->numbers, own->options, &own->surface,
+                                           &own->report, &own->error);
     return NULL;
 }
 
@@ -151,7 +116,7 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
                     const bat_spline_surface *surface, const bat_surface_fit_report *report)
 {
     size_t own_count = sample->data.count, count = own_count;
-    bat_surface_border *curves[MAX_RANKS] = {0};
+    bat_surface_border *curves[THREADS] = {0};
     const double *places = NULL, *at = NULL;
     for (size_t rank = 0; rank < ranks && sample->data.border; rank++)
     {
@@ -163,7 +128,7 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
     placed *order = calloc(count, sizeof *order);
     double *points = calloc(3 * count, sizeof *points), *parameters = calloc(2 * count, sizeof *parameters);
     uint32_t *numbers = calloc(count, sizeof *numbers);
-    process each[MAX_RANKS] = {0};
+    process each[THREADS] = {0};
     for (size_t i = 0; i < count; i++)
         order[i] = (placed){
             bat_surface_fit_order(i < own_count ? sample->data.parameters + 2 * i : at + 2 * (i - own_count)), (uint32_t)i};
@@ -176,7 +141,8 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
         memcpy(parameters + 2 * row, is_sample ? at + 2 * (i - own_count) : sample->data.parameters + 2 * i,
                2 * sizeof *parameters);
     }
-    shared->ranks = ranks;
+    group_links links = {0};
+    group_join(ranks, links.ends);
     assert_int_equal(pthread_barrier_init(&shared->barrier, NULL, (unsigned)ranks), 0);
     for (size_t rank = 0; rank < ranks; rank++)
     {
@@ -191,13 +157,11 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
         own->data.parameters = parameters + 2 * begin;
         own->data.count = end - begin;
         own->data.curves = curves[rank];
-        own->team = (bat_surface_team){.context = own,
-                                       .rank = rank,
-                                       .count = ranks,
-                                       .gather = gather,
-                                       .broadcast = broadcast,
-                                       .save = save,
-                                       .load = load};
+        own->links = links;
+        own->links.rank = rank;
+        own->group =
+            (bat_group){.rank = rank, .count = ranks, .context = &own->links, .send = group_send, .receive = group_receive};
+        own->backend = (bat_surface_fit_backend){.context = own, .save = save, .load = load};
         assert_int_equal(pthread_create(&own->thread, NULL, run, own), 0);
     }
     size_t functions = bat_hierarchical_space_functions(surface->space);
@@ -226,6 +190,7 @@ static void compare(const surface_sample *sample, const bat_surface_fit_options 
         bat_spline_surface_free(&own->surface);
         bat_surface_fit_report_free(&own->report);
     }
+    group_part(ranks, links.ends);
     (void)pthread_barrier_destroy(&shared->barrier);
     free(order);
     free(points);
@@ -276,7 +241,7 @@ static void several_processes_give_the_same_bits(void **state)
         bat_surface_fit_report report;
         check_status(bat_surface_fit(&sample.data, options, &surface, &report, NULL), BAT_OK);
         memcpy(sample.data.parameters, parameters, 2 * sample.data.count * sizeof *parameters);
-        for (size_t ranks = 1; ranks <= MAX_RANKS; ranks += ranks)
+        for (size_t ranks = 1; ranks <= THREADS; ranks += ranks)
         {
             exchange shared = {0};
             compare(&sample, options, ranks, &shared, &surface, &report);
@@ -334,10 +299,10 @@ static void wrong_parts_are_refused(void **state)
     uint32_t *numbers = calloc(2000, sizeof *numbers);
     for (uint32_t i = 0; i < 2000; i++)
         numbers[i] = i;
-    bat_surface_team team = {.count = 1};
     bat_spline_surface surface;
     bat_error error;
-    check_status(bat_surface_fit_together(&team, &sample.data, numbers, NULL, &surface, NULL, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_surface_fit_together(NULL, NULL, &sample.data, numbers, NULL, &surface, NULL, &error),
+                 BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "order"));
     free(numbers);
     sample_free(&sample);

@@ -131,7 +131,7 @@ static bat_status size_of(const fit_points *points, double *size, bat_error *err
     *size = 0;
     for (size_t k = 0; k < points->count * points->dimension; k++)
         *size = fmax(*size, fabs(points->position[k]));
-    return team_largest(points->team, size, 1, error);
+    return group_largest(points->group, size, 1, error);
 }
 
 static double biweight(double distance, double scale)
@@ -149,7 +149,7 @@ static double biweight(double distance, double scale)
 static bat_status update_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error)
 {
     double sorted[NEIGHBOURS], middle;
-    bat_status status = team_select(points->team, points->distance, points->count, points->total / 2, &middle, error);
+    bat_status status = fit_select(points->group, points->distance, points->count, points->total / 2, &middle, error);
     if (status != BAT_OK)
         return status;
     double global = fmax(NORMAL_SCALE * middle, MIN_SCALE * size);
@@ -167,7 +167,7 @@ static bat_status update_robust_weights(fit_points *points, double size, size_t 
             found += points->weight[row] == 0;
         }
     }
-    status = team_sum_counts(points->team, &found, 1, error);
+    status = group_sum_counts(points->group, &found, 1, error);
     *outliers = (size_t)found;
     return status;
 }
@@ -189,7 +189,8 @@ typedef struct fit_best
 typedef struct fit_loop
 {
     const bat_surface_fit_options *options;
-    const bat_surface_team *team; ///< null for one process
+    const bat_group *group; ///< null for one process
+    bat_surface_fit_backend backend;
     fit_points points;
     fit_border border; ///< empty without
     bat_hierarchical_space *space;
@@ -248,7 +249,7 @@ static bat_status hold_out(fit_loop *loop, bat_error *error)
         return error_memory(error, points->count * 2 * sizeof *loop->best.parameter);
     for (size_t row = 0; row < points->count; row++)
         count += points->freedom[row] == FIT_FREE;
-    bat_status status = team_sum_before(points->team, count, &passed, error);
+    bat_status status = group_sum_before(points->group, count, &passed, error);
     count = 0;
     for (size_t row = 0; row < points->count; row++)
     {
@@ -259,7 +260,7 @@ static bat_status hold_out(fit_loop *loop, bat_error *error)
             points->weight[row] = 0;
     }
     if (status == BAT_OK)
-        status = team_sum_counts(points->team, &count, 1, error);
+        status = group_sum_counts(points->group, &count, 1, error);
     loop->held_count = (size_t)count;
     return status;
 }
@@ -299,7 +300,7 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
     fit_points *points = &loop->points;
     double sums[4];
     bat_status status =
-        team_sum_points(points->team, points->count, held_terms, loop, 4, loop->options->threads, sums, error);
+        fit_sum_points(points->group, points->count, held_terms, loop, 4, loop->options->threads, sums, error);
     loop->held_largest = 0;
     for (size_t row = 0; row < points->count; row++)
     {
@@ -309,33 +310,38 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
             points->weight[row] = 0;
     }
     if (status == BAT_OK)
-        status = team_largest(points->team, &loop->held_largest, 1, error);
+        status = group_largest(points->group, &loop->held_largest, 1, error);
     loop->held_rms = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
     loop->expected = expected_distance(loop, sums);
     return status;
 }
 
-/// @param team    null for one process
-/// @param numbers of a team
-static bat_status loop_make(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
-                            const bat_surface_fit_options *options, fit_loop *loop, bat_error *error)
+/// @param group   null for one process
+/// @param backend null for none
+/// @param numbers of a part; null where all points are here
+static bat_status loop_make(const bat_group *group, const bat_surface_fit_backend *backend, const bat_surface_fit_data *data,
+                            const uint32_t *numbers, const bat_surface_fit_options *options, fit_loop *loop,
+                            bat_error *error)
 {
-    *loop = (fit_loop){.options = options, .team = team, .begin = clock_seconds()};
+    *loop = (fit_loop){.options = options,
+                       .group = group,
+                       .backend = backend != NULL ? *backend : (bat_surface_fit_backend){0},
+                       .begin = clock_seconds()};
     loop->rounds = memory_array((size_t)options->iterations + 1, sizeof *loop->rounds);
     if (loop->rounds == NULL)
         return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
     bat_status status = bat_hierarchical_space_make(&options->space, &loop->space, error);
-    if (status == BAT_OK && team == NULL && data->border && data->boundary_count > 0)
+    if (status == BAT_OK && numbers == NULL && data->border && data->boundary_count > 0)
         status = fit_border_make(data, options, &loop->border, error);
-    if (team != NULL && data->curves != NULL)
+    if (numbers != NULL && data->curves != NULL)
     {
         loop->border = *data->curves;
         *data->curves = (fit_border){0};
     }
     if (status == BAT_OK)
-        status = team == NULL ? fit_border_points(&loop->border, data, options->space.truncated, &loop->points, error)
-                              : fit_border_points_part(&loop->border, team, data, numbers, options->space.truncated,
-                                                       &loop->points, error);
+        status = numbers == NULL ? fit_border_points(&loop->border, data, options->space.truncated, &loop->points, error)
+                                 : fit_border_points_part(&loop->border, group, data, numbers, options->space.truncated,
+                                                          &loop->points, error);
     size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
     if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
@@ -368,7 +374,7 @@ static bat_status loop_check(fit_loop *loop, bat_error *error)
 {
     bat_status status =
         loop_report(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
-    return team_agree(loop->team, status, error);
+    return group_agree_with_first(loop->group, status, error);
 }
 
 /// Maximum number of weights to evaluate in this round.
@@ -398,8 +404,9 @@ static double residual_spread(const fit_loop *loop)
 static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
-    const bat_surface_team *team = loop->team;
-    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN, shares = team != NULL && team->factor != NULL;
+    const bat_group *group = loop->group;
+    const bat_surface_fit_backend *backend = &loop->backend;
+    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN, shares = backend->factor != NULL;
     fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
                                 .noise = options->noise * sqrt(residual_spread(loop) * (double)noisy_coordinates(loop)),
                                 .spread = residual_spread(loop),
@@ -408,24 +415,24 @@ static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
                                 .progress = {loop_report, loop}};
     bat_status status = BAT_OK;
     double trace = NAN;
-    if (team_is_first(team))
+    if (group_is_first(group))
         status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, &trace, loop->control, error);
-    if (shares && team_is_first(team))
+    if (shares && group_is_first(group))
     {
-        bat_status released = team->release(team->context, status == BAT_OK ? error : NULL);
+        bat_status released = backend->release(backend->context, status == BAT_OK ? error : NULL);
         status = status == BAT_OK ? released : status;
     }
     else if (shares)
-        status = team->attend(team->context, error);
-    status = team_agree(team, status, error);
+        status = backend->attend(backend->context, error);
+    status = group_agree_with_first(group, status, error);
     if (status == BAT_OK)
-        status = team_broadcast(team, &loop->lambda, sizeof loop->lambda, error);
+        status = group_broadcast(group, 0, &loop->lambda, sizeof loop->lambda, error);
     if (status == BAT_OK && search)
-        status = team_broadcast(team, &trace, sizeof trace, error);
+        status = group_broadcast(group, 0, &trace, sizeof trace, error);
     if (search)
         loop->trace = trace;
-    return status == BAT_OK ? team_broadcast(team, loop->control,
-                                             loop->system.functions * loop->points.dimension * sizeof *loop->control, error)
+    return status == BAT_OK ? group_broadcast(group, 0, loop->control,
+                                              loop->system.functions * loop->points.dimension * sizeof *loop->control, error)
                             : status;
 }
 
@@ -498,11 +505,11 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
 {
     size_t functions = bat_hierarchical_space_functions(loop->space);
     loop_free_fit(loop);
-    bat_status status = fit_system_make(loop->space, loop->team, loop->points.dimension,
+    bat_status status = fit_system_make(loop->space, loop->group, loop->points.dimension,
                                         loop->options->smoothing != BAT_SURFACE_SMOOTHING_GIVEN, loop->options->threads,
                                         &loop->system, error);
     if (status == BAT_OK)
-        status = fit_solver_make_for(loop->team, &loop->system.pattern, &loop->solver, error);
+        status = fit_solver_make_for(loop->group, &loop->backend, &loop->system.pattern, &loop->solver, error);
     if (status != BAT_OK)
         return status;
     fit_points_locate(&loop->points, loop->space, loop->options->threads);
@@ -568,14 +575,14 @@ static bat_status find_worst(const fit_points *points, worst_point *worst, bat_e
             *worst = (worst_point){points->distance[row], points->before + row, points->number[row]};
     size_t *sizes;
     char *all;
-    bat_status status = team_gather(points->team, worst, sizeof *worst, &sizes, &all, error);
+    bat_status status = group_gather(points->group, worst, sizeof *worst, &sizes, &all, error);
     const worst_point *found = (const worst_point *)(void *)all;
-    for (size_t rank = 0; status == BAT_OK && found != NULL && points->team != NULL && rank < points->team->count; rank++)
+    for (size_t rank = 0; status == BAT_OK && found != NULL && rank < group_count(points->group); rank++)
         if (found[rank].distance > worst->distance)
             *worst = found[rank];
     free(sizes);
     free(all);
-    return status == BAT_OK ? team_broadcast(points->team, worst, sizeof *worst, error) : status;
+    return status == BAT_OK ? group_broadcast(points->group, 0, worst, sizeof *worst, error) : status;
 }
 
 static bat_status measure_round(const fit_loop *loop, bat_surface_fit_round *round, bat_error *error)
@@ -584,7 +591,7 @@ static bat_status measure_round(const fit_loop *loop, bat_surface_fit_round *rou
     worst_point worst = {0};
     double sums[2];
     bat_status status =
-        team_sum_points(points->team, points->count, distance_terms, loop, 2, loop->options->threads, sums, error);
+        fit_sum_points(points->group, points->count, distance_terms, loop, 2, loop->options->threads, sums, error);
     if (status == BAT_OK)
         status = find_worst(points, &worst, error);
     *round = (bat_surface_fit_round){.functions = loop->system.functions,
@@ -722,11 +729,11 @@ static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns
 /// Keep the state between two rounds.
 static bat_status save_state(const fit_loop *loop, bat_error *error)
 {
-    const bat_surface_team *team = loop->team;
+    const bat_surface_fit_backend *backend = &loop->backend;
     bat_surface_fit_column columns[3];
     bat_spline_box *boxes = NULL, *best_boxes = NULL;
     size_t count = 0, best_count = 0;
-    if (team == NULL || team->save == NULL)
+    if (backend->save == NULL)
         return BAT_OK;
     bat_status status = bat_hierarchical_space_regions(loop->space, &boxes, &count, error);
     if (status == BAT_OK && loop->best.space != NULL)
@@ -759,7 +766,7 @@ static bat_status save_state(const fit_loop *loop, bat_error *error)
         if (best_count > 0)
             memcpy(bytes + sizeof head + rounds + count * sizeof *boxes, best_boxes, best_count * sizeof *boxes);
         fit_border_save(&loop->border, bytes + size - fit_border_state_size(&loop->border));
-        status = team->save(team->context, bytes, size, columns, state_columns(loop, columns), error);
+        status = backend->save(backend->context, bytes, size, columns, state_columns(loop, columns), error);
     }
     free(bytes);
     free(boxes);
@@ -812,13 +819,13 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
 /// Take up the state of an earlier call, where there is one.
 static bat_status load_state(fit_loop *loop, bat_error *error)
 {
-    const bat_surface_team *team = loop->team;
+    const bat_surface_fit_backend *backend = &loop->backend;
     bat_surface_fit_column columns[3];
     void *bytes = NULL;
     size_t size = 0;
-    if (team == NULL || team->load == NULL)
+    if (backend->load == NULL)
         return BAT_OK;
-    bat_status status = team->load(team->context, &bytes, &size, columns, state_columns(loop, columns), error);
+    bat_status status = backend->load(backend->context, &bytes, &size, columns, state_columns(loop, columns), error);
     if (status == BAT_OK && bytes != NULL)
         status = read_state(loop, bytes, size, error);
     free(bytes);
@@ -873,10 +880,10 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     if (report != NULL && distances == NULL)
         return error_memory(error, data->count * sizeof *distances);
     for (size_t row = 0; report != NULL && row < loop->points.count; row++)
-        if (loop->team != NULL || loop->points.number[row] < loop->points.own)
-            distances[loop->team != NULL ? row : loop->points.number[row]] = loop->points.distance[row];
+        if (loop->points.is_part || loop->points.number[row] < loop->points.own)
+            distances[loop->points.is_part ? row : loop->points.number[row]] = loop->points.distance[row];
     uint64_t changed = fit_points_return(&loop->points, data);
-    bat_status status = team_sum_counts(loop->team, &changed, 1, error);
+    bat_status status = group_sum_counts(loop->group, &changed, 1, error);
     if (status != BAT_OK)
     {
         free(distances);
@@ -905,10 +912,11 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     return BAT_OK;
 }
 
-/// @param team    null for one process
-/// @param numbers of a team
-static bat_status fit_all(const bat_surface_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
-                          const bat_surface_fit_options *options, bat_spline_surface *surface,
+/// @param group   null for one process
+/// @param backend null for none
+/// @param numbers of a part; null where all points are here
+static bat_status fit_all(const bat_group *group, const bat_surface_fit_backend *backend, bat_surface_fit_data *data,
+                          const uint32_t *numbers, const bat_surface_fit_options *options, bat_spline_surface *surface,
                           bat_surface_fit_report *report, bat_error *error)
 {
     fit_loop loop = {0};
@@ -916,9 +924,9 @@ static bat_status fit_all(const bat_surface_team *team, bat_surface_fit_data *da
     options = options != NULL ? options : &defaults;
     bat_status status = bat_surface_fit_options_check(options, error);
     if (status == BAT_OK)
-        status = team == NULL ? fit_points_check(data, error) : fit_points_check_part(team, data, numbers, error);
+        status = numbers == NULL ? fit_points_check(data, error) : fit_points_check_part(group, data, numbers, error);
     if (status == BAT_OK)
-        status = loop_make(team, data, numbers, options, &loop, error);
+        status = loop_make(group, backend, data, numbers, options, &loop, error);
     if (status == BAT_OK)
         status = run(&loop, error);
     if (status == BAT_OK)
@@ -930,12 +938,13 @@ static bat_status fit_all(const bat_surface_team *team, bat_surface_fit_data *da
 bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options, bat_spline_surface *surface,
                            bat_surface_fit_report *report, bat_error *error)
 {
-    return fit_all(NULL, data, NULL, options, surface, report, error);
+    return fit_all(NULL, NULL, data, NULL, options, surface, report, error);
 }
 
-bat_status bat_surface_fit_together(const bat_surface_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status bat_surface_fit_together(const bat_group *group, const bat_surface_fit_backend *backend,
+                                    bat_surface_fit_data *data, const uint32_t *numbers,
                                     const bat_surface_fit_options *options, bat_spline_surface *surface,
                                     bat_surface_fit_report *report, bat_error *error)
 {
-    return fit_all(team, data, numbers, options, surface, report, error);
+    return fit_all(group, backend, data, numbers, options, surface, report, error);
 }

@@ -240,13 +240,13 @@ bat_status fit_border_points(const fit_border *border, const bat_surface_fit_dat
     return BAT_OK;
 }
 
-bat_status fit_border_points_part(const fit_border *border, const bat_surface_team *team, const bat_surface_fit_data *data,
+bat_status fit_border_points_part(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
                                   const uint32_t *numbers, bool centred, fit_points *points, bat_error *error)
 {
     bat_surface_fit_data joined = *data;
     if (border->samples > 0)
         joined.boundary_count = 0;
-    bat_status status = fit_points_make_part(team, &joined, numbers, centred, points, error);
+    bat_status status = fit_points_make_part(group, &joined, numbers, centred, points, error);
     if (status == BAT_OK && border->samples > 0)
         set_samples(points, points->total - border->samples);
     return status;

@@ -14,9 +14,9 @@
 struct fit_solver
 {
     size_t functions;
-    multifrontal *fronts;         ///< null with supernodes
-    const bat_surface_team *team; ///< whose solver this is; null for the library's
-    const fit_pattern *pattern;   ///< of a team's solver
+    multifrontal *fronts;                   ///< null with supernodes
+    const bat_surface_fit_backend *backend; ///< whose solver this is; null for the library's
+    const fit_pattern *pattern;             ///< of a backend's solver
 #if defined(BATTEN_GPL)
     supernodal *supernodes; ///< null with fronts
 #endif
@@ -51,17 +51,17 @@ bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_
     return fit_solver_make_by(pattern, FIT_FACTORIZATION, solver, error);
 }
 
-bat_status fit_solver_make_for(const bat_surface_team *team, const fit_pattern *pattern, fit_solver **solver,
-                               bat_error *error)
+bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
+                               fit_solver **solver, bat_error *error)
 {
-    if (!team_is_first(team))
+    if (!group_is_first(group))
         return BAT_OK;
-    if (team == NULL || team->factor == NULL)
+    if (backend->factor == NULL)
         return fit_solver_make(pattern, solver, error);
     fit_solver *made = calloc(1, sizeof *made);
     if (made == NULL)
         return error_memory(error, sizeof *made);
-    *made = (fit_solver){.functions = pattern->functions, .team = team, .pattern = pattern};
+    *made = (fit_solver){.functions = pattern->functions, .backend = backend, .pattern = pattern};
     *solver = made;
     return BAT_OK;
 }
@@ -81,10 +81,10 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
 {
     const fit_pattern *pattern = solver->pattern;
     bool regular = false;
-    if (solver->team != NULL)
+    if (solver->backend != NULL)
     {
-        bat_status status = solver->team->factor(solver->team->context, solver->functions, pattern->first, pattern->row,
-                                                 values, &regular, error);
+        bat_status status = solver->backend->factor(solver->backend->context, solver->functions, pattern->first,
+                                                    pattern->row, values, &regular, error);
         *pivot = regular ? 1 : 0;
         return status;
     }
@@ -98,16 +98,16 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
 
 bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *right, double *solution, bat_error *error)
 {
-    const bat_surface_team *team = solver->team;
+    const bat_surface_fit_backend *backend = solver->backend;
     size_t bytes = solver->functions * columns * sizeof *solution;
-    if (team != NULL)
+    if (backend != NULL)
     {
         double *copy = right == solution ? memory_array(1, bytes) : NULL;
         if (right == solution && copy == NULL)
             return error_memory(error, bytes);
         if (copy != NULL)
             memcpy(copy, right, bytes);
-        bat_status status = team->solve(team->context, columns, copy != NULL ? copy : right, solution, error);
+        bat_status status = backend->solve(backend->context, columns, copy != NULL ? copy : right, solution, error);
         free(copy);
         return status;
     }

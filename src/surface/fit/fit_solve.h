@@ -2,7 +2,7 @@
 #define SURFACE_FIT_FIT_SOLVE_H
 
 #include "surface/fit/pattern.h"
-#include "surface/fit/team.h"
+#include "surface/fit/sums.h"
 
 /// @file
 /// Sparse symmetric positive definite systems of one pattern.
@@ -23,9 +23,10 @@ typedef struct fit_solver fit_solver;
 
 /// Order and analyse a pattern, which must outlive the solver.
 bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error);
-/// The same by the solver of a team, where it has one. Of its processes, the first alone has a solver; the others attend.
-bat_status fit_solver_make_for(const bat_surface_team *team, const fit_pattern *pattern, fit_solver **solver,
-                               bat_error *error);
+/// The same by the solver of a backend, where it has one; the backend must outlive it. Of the processes of a group, the
+/// first alone has a solver; the others attend.
+bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
+                               fit_solver **solver, bat_error *error);
 /// The same by a factorization of the caller's choice.
 /// @return BAT_OK, BAT_NO_MEMORY, BAT_TOO_LARGE; BAT_UNSUPPORTED for a factorization that this build has not
 bat_status fit_solver_make_by(const fit_pattern *pattern, fit_factorization factorization, fit_solver **solver,

@@ -320,7 +320,7 @@ static void receive_cell(const gather_context *gather, size_t cell, received_par
     memset(scratch, 0, size * sizeof *scratch);
     memset(numbers, 0, numbers_of(gather, active) * sizeof *numbers);
     bool summed = false;
-    for (size_t rank = 0; rank < gather->points->team->count; rank++)
+    for (size_t rank = 0; rank < group_count(gather->points->group); rank++)
     {
         received_part *part = &parts[rank];
         sent_head head;
@@ -345,18 +345,18 @@ static bat_status collect_cells(const void *context, size_t begin, size_t end, c
                                 bat_error *error)
 {
     const gather_context *gather = context;
-    const bat_surface_team *team = gather->points->team;
+    const bat_group *group = gather->points->group;
     size_t *sizes = NULL, side = max_side(gather), offset = 0;
     char *all = NULL;
-    bat_status status = team_gather(team, gather->sent + gather->first[begin],
-                                    (gather->first[end] - gather->first[begin]) * sizeof(double), &sizes, &all, error);
-    if (status == BAT_OK && team_is_first(team))
+    bat_status status = group_gather(group, gather->sent + gather->first[begin],
+                                     (gather->first[end] - gather->first[begin]) * sizeof(double), &sizes, &all, error);
+    if (status == BAT_OK && group_is_first(group))
     {
-        received_part *parts = memory_array(team->count, sizeof *parts);
+        received_part *parts = memory_array(group_count(group), sizeof *parts);
         double *scratch = memory_array(numbers_of(gather, side) + scratch_of(gather), sizeof *scratch);
         if (parts == NULL || scratch == NULL)
             status = error_memory(error, numbers_of(gather, side) * sizeof *scratch);
-        for (size_t rank = 0; status == BAT_OK && rank < team->count; offset += sizes[rank++])
+        for (size_t rank = 0; status == BAT_OK && rank < group_count(group); offset += sizes[rank++])
             parts[rank] = (received_part){(const double *)(const void *)(all + offset),
                                           (const double *)(const void *)(all + offset + sizes[rank])};
         for (size_t c = begin; status == BAT_OK && c < end; c++)
@@ -372,10 +372,10 @@ static bat_status collect_cells(const void *context, size_t begin, size_t end, c
 static bat_status gather_all(gather_context *gather, double *values, double *right, bat_error *error)
 {
     const fit_system *system = gather->system;
-    const bat_surface_team *team = gather->points->team;
+    const bat_group *group = gather->points->group;
     size_t locals = hierarchical_locals(system->space),
            scratch = 3 * numbers_of(gather, max_side(gather)) + scratch_of(gather);
-    bool together = team != NULL && team->count > 1;
+    bool together = group_count(group) > 1;
     bat_status status = together ? fill_sent(gather, scratch, system->threads, error) : BAT_OK;
     fit_cell_work work = {.fill = fill_cell,
                           .collect = together ? collect_cells : NULL,
@@ -407,7 +407,7 @@ static void square_terms(const void *context, size_t row, double *sums)
 bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_error *error)
 {
     double sums[2];
-    bat_status status = team_sum_points(points->team, points->count, square_terms, points, 2, system->threads, sums, error);
+    bat_status status = fit_sum_points(points->group, points->count, square_terms, points, 2, system->threads, sums, error);
     if (status != BAT_OK)
         return status;
     system->square = sums[0];

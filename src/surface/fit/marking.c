@@ -134,7 +134,7 @@ typedef struct sent_points
 } sent_points;
 
 /// Scores of all cells on the first process, from the statistics of all.
-static bat_status receive_scores(const bat_hierarchical_space *space, const bat_surface_team *team, const size_t *sizes,
+static bat_status receive_scores(const bat_hierarchical_space *space, const bat_group *group, const size_t *sizes,
                                  const char *all, double tolerance, double *scores, size_t cells, bat_error *error)
 {
     cell_points *sums = memory_array(cells, sizeof *sums);
@@ -143,7 +143,7 @@ static bat_status receive_scores(const bat_hierarchical_space *space, const bat_
         return error_memory(error, cells * sizeof *sums);
     for (size_t c = 0; c < cells; c++)
         sums[c] = NO_POINTS;
-    for (size_t rank = 0; rank < team->count; rank++)
+    for (size_t rank = 0; rank < group_count(group); rank++)
         bytes += sizes[rank];
     for (size_t at = 0; at < bytes; at += sizeof(sent_points))
     {
@@ -161,7 +161,7 @@ static bat_status receive_scores(const bat_hierarchical_space *space, const bat_
 static bat_status score_together(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
                                  double *scores, bat_error *error)
 {
-    const bat_surface_team *team = points->team;
+    const bat_group *group = points->group;
     size_t count = 0, *sizes = NULL, room = 1;
     for (size_t c = 0; c < points->cells; c++)
         for (size_t begin = points->first[c], end = points->first[c + 1]; begin < end; room++)
@@ -185,13 +185,13 @@ static bat_status score_together(const bat_hierarchical_space *space, const fit_
         }
     }
     char *all;
-    bat_status status = team_gather(team, sent, count * sizeof *sent, &sizes, &all, error);
+    bat_status status = group_gather(group, sent, count * sizeof *sent, &sizes, &all, error);
     free(sent);
-    if (status == BAT_OK && team_is_first(team))
-        status = receive_scores(space, team, sizes, all, tolerance, scores, points->cells, error);
+    if (status == BAT_OK && group_is_first(group))
+        status = receive_scores(space, group, sizes, all, tolerance, scores, points->cells, error);
     free(sizes);
     free(all);
-    return status == BAT_OK ? team_broadcast(team, scores, points->cells * sizeof *scores, error) : status;
+    return status == BAT_OK ? group_broadcast(group, 0, scores, points->cells * sizeof *scores, error) : status;
 }
 
 static bat_status score_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,

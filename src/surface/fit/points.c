@@ -138,7 +138,7 @@ static bat_status set_numbers(const bat_surface_fit_data *data, uint32_t *number
 /// Compute the mean position, and subtract it. The mean is that of the means of blocks.
 static bat_status subtract_centre(fit_points *points, bat_error *error)
 {
-    size_t dimension = points->dimension, blocks = team_blocks(points->count);
+    size_t dimension = points->dimension, blocks = fit_blocks(points->count);
     double *rows = calloc(blocks * dimension + 1, sizeof *rows);
     if (rows == NULL)
         return error_memory(error, blocks * dimension * sizeof *rows);
@@ -158,7 +158,7 @@ static bat_status subtract_centre(fit_points *points, bat_error *error)
         for (size_t k = 0; k < dimension; k++)
             rows[block * dimension + k] *= share;
     }
-    bat_status status = team_sum_rows(points->team, rows, blocks, dimension, points->centre, error);
+    bat_status status = fit_sum_rows(points->group, rows, blocks, dimension, points->centre, error);
     for (size_t k = 0; status == BAT_OK && k < points->count * dimension; k++)
         points->position[k] -= points->centre[k % dimension];
     free(rows);
@@ -211,16 +211,17 @@ bat_status fit_points_make(const bat_surface_fit_data *data, const double *weigh
     return centred ? subtract_centre(points, error) : BAT_OK;
 }
 
-bat_status fit_points_make_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status fit_points_make_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
                                 bool centred, fit_points *points, bat_error *error)
 {
     uint64_t total = data->count, before = 0;
-    *points = (fit_points){.team = team, .own = SIZE_MAX, .count = data->count, .dimension = data->dimension};
+    *points =
+        (fit_points){.group = group, .is_part = true, .own = SIZE_MAX, .count = data->count, .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
-        status = team_sum_counts(team, &total, 1, error);
+        status = group_sum_counts(group, &total, 1, error);
     if (status == BAT_OK)
-        status = team_sum_before(team, data->count, &before, error);
+        status = group_sum_before(group, data->count, &before, error);
     if (status != BAT_OK)
         return status;
     points->total = (size_t)total;
@@ -230,20 +231,20 @@ bat_status fit_points_make_part(const bat_surface_team *team, const bat_surface_
     return centred ? subtract_centre(points, error) : BAT_OK;
 }
 
-bat_status fit_points_check_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status fit_points_check_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
                                  bat_error *error)
 {
     uint64_t before, total = data->count;
-    bat_status status = team_sum_counts(team, &total, 1, error);
+    bat_status status = group_sum_counts(group, &total, 1, error);
     if (status == BAT_OK)
-        status = team_sum_before(team, data->count, &before, error);
+        status = group_sum_before(group, data->count, &before, error);
     if (status == BAT_OK)
         status = check_counts(data, (size_t)total, error);
     if (status == BAT_OK && total < 1)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
     if (status == BAT_OK && data->count > 0 && before % BAT_SURFACE_FIT_BLOCK != 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the points before rank %zu are not whole blocks",
-                           team->rank);
+                           group_rank(group));
     for (size_t i = 0; i < data->count && status == BAT_OK; i++)
     {
         status = check_point(data, i, numbers[i], error);
@@ -254,7 +255,7 @@ bat_status fit_points_check_part(const bat_surface_team *team, const bat_surface
         if (place < last || (place == last && numbers[i] <= numbers[i - 1]))
             status = error_set(error, BAT_INVALID_ARGUMENT, i, 0, "point %zu of this process is not in order", i);
     }
-    return team_agree_all(team, status, error);
+    return bat_group_agree(group, status, error);
 }
 
 void fit_points_free(fit_points *points)
@@ -298,7 +299,7 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
         first[c + 1] += first[c];
     for (size_t row = 0; row < points->count; row++)
         points->order[first[points->cell[row] + 1]++] = (uint32_t)row;
-    if (points->team == NULL || points->team->count == 1)
+    if (group_count(points->group) == 1)
         return BAT_OK;
     free(points->spread);
     points->spread = memory_array(cells, sizeof *points->spread);
@@ -306,7 +307,7 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
         return error_memory(error, cells * sizeof *points->spread);
     for (size_t c = 0; c < cells; c++)
         points->spread[c] = first[c + 1] - first[c];
-    return team_sum_counts(points->team, points->spread, cells, error);
+    return group_sum_counts(points->group, points->spread, cells, error);
 }
 
 void fit_points_restore(const fit_points *points, size_t functions, double *control)
@@ -323,7 +324,7 @@ size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data)
     {
         if (points->number[row] >= points->own)
             continue;
-        double *at = data->parameters + 2 * (points->team != NULL ? row : (size_t)points->number[row]);
+        double *at = data->parameters + 2 * (points->is_part ? row : (size_t)points->number[row]);
         const double *now = points->parameter + 2 * row;
         moved += at[0] != now[0] || at[1] != now[1];
         memcpy(at, now, 2 * sizeof *at);

@@ -1,7 +1,7 @@
 #ifndef SURFACE_FIT_POINTS_H
 #define SURFACE_FIT_POINTS_H
 
-#include "surface/fit/team.h"
+#include "surface/fit/sums.h"
 
 /// @file
 /// The points of a fit, ordered for fast passes. Rows follow a Morton curve of the initial parameters, so that the points of
@@ -19,9 +19,10 @@ typedef enum fit_freedom
 /// Points in Morton order; row r is the caller's point number[r]. Release it with fit_points_free().
 typedef struct fit_points
 {
-    const bat_surface_team *team; ///< the processes that have all points; null: all are here
-    size_t total;                 ///< number of points of all processes
-    size_t before;                ///< of them in lower ranks
+    const bat_group *group; ///< the processes that have all points; null: all are here
+    bool is_part;           ///< whether rows are in the caller's order, those of samples too
+    size_t total;           ///< number of points of all processes
+    size_t before;          ///< of them in lower ranks
     size_t count, dimension;
     size_t own;        ///< the caller's points; rows of larger numbers are samples of the border (border.h)
     uint32_t *number;  ///< count: index of a row among the caller's points
@@ -41,7 +42,7 @@ typedef struct fit_points
 /// Check counts, coordinates, parameters, and that boundary parameters lie on the boundary of the square.
 bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error);
 /// The same for a part of the points, which may be none, and that they follow the curve.
-bat_status fit_points_check_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status fit_points_check_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
                                  bat_error *error);
 
 /// Copy the points in Morton order.
@@ -51,7 +52,7 @@ bat_status fit_points_make(const bat_surface_fit_data *data, const double *weigh
                            bat_error *error);
 /// The same for the part of a process, which is in this order.
 /// @param numbers count
-bat_status fit_points_make_part(const bat_surface_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status fit_points_make_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
                                 bool centred, fit_points *points, bat_error *error);
 void fit_points_free(fit_points *points);
 

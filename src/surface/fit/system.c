@@ -134,15 +134,15 @@ static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchi
     return fit_pattern_sum(pattern, space, &work, threads, error);
 }
 
-bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surface_team *team, size_t dimension,
-                           bool levelled, int threads, fit_system *system, bat_error *error)
+bat_status fit_system_make(const bat_hierarchical_space *space, const bat_group *group, size_t dimension, bool levelled,
+                           int threads, fit_system *system, bat_error *error)
 {
     *system = (fit_system){.space = space,
                            .functions = bat_hierarchical_space_functions(space),
                            .dimension = dimension,
                            .columns = dimension + FIT_PROBES,
                            .threads = threads};
-    if (!team_is_first(team))
+    if (!group_is_first(group))
         return BAT_OK;
     bat_status status = fit_pattern_make(space, threads, &system->pattern, error);
     if (status != BAT_OK)

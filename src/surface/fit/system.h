@@ -33,13 +33,13 @@ typedef struct fit_system
     int threads;
 } fit_system;
 
-/// Compute the pattern and the thin-plate matrix of a space, which must outlive the system. Of the processes of a team, the
+/// Compute the pattern and the thin-plate matrix of a space, which must outlive the system. Of the processes of a group, the
 /// first alone has them.
-/// @param team     null for one process
+/// @param group    null for one process
 /// @param levelled whether the integral over a cell of level l counts 16^-l: the energy of a function then does not grow
 ///                 with its level
-bat_status fit_system_make(const bat_hierarchical_space *space, const bat_surface_team *team, size_t dimension,
-                           bool levelled, int threads, fit_system *system, bat_error *error);
+bat_status fit_system_make(const bat_hierarchical_space *space, const bat_group *group, size_t dimension, bool levelled,
+                           int threads, fit_system *system, bat_error *error);
 void fit_system_free(fit_system *system);
 
 /// Assemble G, b and the sums. Requires fit_points_sort(). The result is the same for any number of threads and processes.
