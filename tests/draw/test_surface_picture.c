@@ -461,6 +461,49 @@ static void patches_are_the_surface(void **state)
     bat_spline_surface_free(&flat);
 }
 
+/// Small cells have as many vertices as large ones: a deep part of a surface may be in few of them.
+static void small_cells_are_drawn(void **state)
+{
+    (void)state;
+    enum
+    {
+        LEVELS = 9
+    };
+    bat_spline_surface flat = make_flat(1);
+    for (uint32_t level = 0; level < LEVELS; level++)
+    {
+        uint32_t middle = level > 0 ? ((uint32_t)1 << level) / 2 : 0;
+        const bat_spline_box box = {.level = level, .low = {middle, middle}, .high = {middle + 1, middle + 1}};
+        assert_int_equal(bat_hierarchical_space_refine(flat.space, &box, 1, NULL), BAT_OK);
+    }
+    size_t count = bat_hierarchical_space_functions(flat.space), within = 0;
+    free(flat.control);
+    flat.control = calloc(count, 3 * sizeof(double));
+    assert_non_null(flat.control);
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_spline_function function = bat_hierarchical_space_function(flat.space, i);
+        flat.control[3 * i] = ldexp((double)function.i, -(int)function.level);
+        flat.control[3 * i + 1] = ldexp((double)function.j, -(int)function.level);
+    }
+    bat_mesh patch;
+    size_t loop_count;
+    assert_int_equal(surface_patch_make(&flat, &patch, &loop_count, NULL), BAT_OK);
+    bat_mesh_summary summary;
+    assert_int_equal(bat_mesh_summarize(&patch, &summary, NULL), BAT_OK);
+    check_near(summary.area, 1, 1e-12);
+    assert_int_equal(summary.boundary_edges, loop_count);
+    double end = 0.5 + ldexp(1, -LEVELS) + 1e-12;
+    for (size_t v = 0; v < patch.vertex_count; v++)
+    {
+        const double *at = patch.positions + 3 * v;
+        within += at[0] >= 0.5 && at[0] <= end && at[1] >= 0.5 && at[1] <= end;
+    }
+    assert_int_equal(within, 16);
+    bat_mesh_free(&patch);
+    bat_spline_surface_free(&flat);
+}
+
 /// A surface far from all points leaves its panel empty.
 static void surfaces_beyond_the_points_are_cut(void **state)
 {
@@ -533,6 +576,7 @@ int main(void)
         cmocka_unit_test(errors_are_colours),
         cmocka_unit_test(surfaces_hide_points),
         cmocka_unit_test(patches_are_the_surface),
+        cmocka_unit_test(small_cells_are_drawn),
         cmocka_unit_test(surfaces_beyond_the_points_are_cut),
         cmocka_unit_test(wrong_input_is_refused),
     };

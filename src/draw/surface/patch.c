@@ -10,29 +10,111 @@
 #include <string.h>
 
 /// @file
-/// Uniform triangulations of spline surfaces.
+/// Triangulations of spline surfaces by grids of parameters.
 
 /// The smallest number of steps along a side, also of a trimmed surface, and the largest.
 #define MIN_STEPS ((size_t)96)
 #define MIN_TRIMMED_STEPS ((size_t)256)
 #define MAX_STEPS ((size_t)320)
 
-/// Steps across a cell of the finest level, up to the largest number of all steps.
+/// Steps across a cell, where the number of all steps allows it.
 #define STEPS_OF_CELL ((size_t)3)
+
+/// The largest number of lines along borders of cells, and of places where they may be.
+#define MAX_LINES ((size_t)241)
+#define MAX_LATTICE 0x1p24
 
 /// A patch is nearly closed when the area facing the eye exceeds the area facing away by less than this fraction of the
 /// whole.
 #define OPEN_SHARE 0.2
 
-static size_t steps_for(const bat_spline_surface *surface, int direction)
+/// The lines of a grid in one direction: parameters from 0 to 1.
+typedef struct patch_lines
+{
+    double *at;   ///< steps + 1
+    size_t steps; ///< at least 1
+} patch_lines;
+
+/// Mark the borders of cells up to a level, on the lattice of this level.
+/// @param marks one for each line of the lattice
+/// @return the number of marked lines
+static size_t mark_lines(const bat_hierarchical_space *space, int direction, uint32_t level, char *marks, size_t lines)
+{
+    size_t count = 0;
+    memset(marks, 0, lines);
+    for (size_t c = 0; c < bat_hierarchical_space_cells(space); c++)
+    {
+        bat_spline_box cell = bat_hierarchical_space_cell(space, c);
+        if (cell.level <= level)
+            for (size_t end = 0; end < 2; end++)
+                marks[((size_t)cell.low[direction] + end) << (level - cell.level)] = 1;
+    }
+    for (size_t k = 0; k < lines; k++)
+        count += marks[k] != 0;
+    return count;
+}
+
+/// Divide the intervals between marked lines into equal steps: at most 1 / least long, and up to STEPS_OF_CELL of them.
+static bat_status divide_lines(const char *marks, size_t lattice, size_t least, patch_lines *lines, bat_error *error)
+{
+    size_t parts = STEPS_OF_CELL, total;
+    for (;; parts--)
+    {
+        total = 0;
+        for (size_t begin = 0, end; begin < lattice; begin = end)
+        {
+            for (end = begin + 1; marks[end] == 0;)
+                end++;
+            size_t wide = ((end - begin) * least + lattice - 1) / lattice;
+            total += wide > parts ? wide : parts;
+        }
+        if (total <= MAX_STEPS || parts == 1)
+            break;
+    }
+    lines->at = memory_array(total + 1, sizeof *lines->at);
+    if (lines->at == NULL)
+        return error_memory(error, (total + 1) * sizeof *lines->at);
+    lines->steps = 0;
+    for (size_t begin = 0, end; begin < lattice; begin = end)
+    {
+        for (end = begin + 1; marks[end] == 0;)
+            end++;
+        size_t wide = ((end - begin) * least + lattice - 1) / lattice, count = wide > parts ? wide : parts;
+        for (size_t k = 0; k < count; k++)
+            lines->at[lines->steps++] =
+                ((double)begin + (double)(end - begin) * (double)k / (double)count) / (double)lattice;
+    }
+    lines->at[lines->steps] = 1;
+    return BAT_OK;
+}
+
+/// Choose the lines of a grid. They pass along the borders of cells, so that parts of a surface in few small cells are
+/// drawn with as many steps as those in large ones; the finest levels are left out where these are too many lines.
+static bat_status make_lines(const bat_spline_surface *surface, int direction, patch_lines *lines, bat_error *error)
 {
     const bat_hierarchical_space *space = surface->space;
-    size_t cells = bat_hierarchical_space_options(space).spans[direction];
+    size_t spans = bat_hierarchical_space_options(space).spans[direction];
     size_t least = surface->trim.loop_count > 0 ? MIN_TRIMMED_STEPS : MIN_STEPS;
-    for (size_t level = 1; level < bat_hierarchical_space_levels(space) && cells < MAX_STEPS; level++)
-        cells *= 2;
-    size_t steps = cells < MAX_STEPS ? STEPS_OF_CELL * cells : MAX_STEPS;
-    return steps < least ? least : steps > MAX_STEPS ? MAX_STEPS : steps;
+    uint32_t level = (uint32_t)bat_hierarchical_space_levels(space) - 1;
+    while (level > 0 && ldexp((double)spans, (int)level) > MAX_LATTICE)
+        level--;
+    if (spans >= MAX_LINES)
+    {
+        // Cells are smaller than what is visible.
+        spans = level = 0;
+        least = MAX_STEPS;
+    }
+    size_t lattice = spans > 0 ? spans << level : 1;
+    char *marks = memory_array(lattice + 1, 1);
+    if (marks == NULL)
+        return error_memory(error, lattice + 1);
+    while (spans > 0 && mark_lines(space, direction, level, marks, (spans << level) + 1) > MAX_LINES)
+        level--;
+    lattice = spans > 0 ? spans << level : 1;
+    marks[0] = marks[lattice] = 1;
+    bat_status status = divide_lines(marks, lattice, least, lines, error);
+    free(marks);
+    return status;
 }
 
 /// The vertex in column i and row j of the grid.
@@ -65,8 +147,10 @@ static void fill_faces(const size_t steps[2], uint32_t *faces)
         }
 }
 
-static bat_status evaluate_grid(const bat_spline_surface *surface, const size_t steps[2], bat_mesh *mesh, bat_error *error)
+static bat_status evaluate_grid(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh,
+                                bat_error *error)
 {
+    const size_t steps[2] = {lines[0].steps, lines[1].steps};
     double *parameters = memory_array(mesh->vertex_count, 2 * sizeof *parameters);
     if (parameters == NULL)
         return error_memory(error, mesh->vertex_count * 2 * sizeof *parameters);
@@ -74,8 +158,8 @@ static bat_status evaluate_grid(const bat_spline_surface *surface, const size_t 
         for (size_t i = 0; i <= steps[0]; i++)
         {
             double *parameter = parameters + 2 * (size_t)vertex_at(steps, i, j);
-            parameter[0] = (double)i / (double)steps[0];
-            parameter[1] = (double)j / (double)steps[1];
+            parameter[0] = lines[0].at[i];
+            parameter[1] = lines[1].at[j];
         }
     bat_status status = bat_spline_surface_evaluate(surface, parameters, mesh->vertex_count, 0, mesh->positions, error);
     free(parameters);
@@ -83,8 +167,9 @@ static bat_status evaluate_grid(const bat_spline_surface *surface, const size_t 
 }
 
 /// Keep the triangles whose corners are within the trimming curves, and the vertices of these.
-static bat_status trim_patch(const bat_spline_surface *surface, const size_t steps[2], bat_mesh *mesh, bat_error *error)
+static bat_status trim_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh, bat_error *error)
 {
+    const size_t steps[2] = {lines[0].steps, lines[1].steps};
     trim_region region;
     bat_status status = trim_region_make(&surface->trim, &region, error);
     if (status != BAT_OK)
@@ -98,8 +183,7 @@ static bat_status trim_patch(const bat_spline_surface *surface, const size_t ste
     memset(numbers, 0, mesh->vertex_count * sizeof *numbers);
     for (size_t j = 0; j <= steps[1]; j++)
         for (size_t i = 0; i <= steps[0]; i++)
-            numbers[vertex_at(steps, i, j)] =
-                trim_region_contains(&region, (double)i / (double)steps[0], (double)j / (double)steps[1]);
+            numbers[vertex_at(steps, i, j)] = trim_region_contains(&region, lines[0].at[i], lines[1].at[j]);
     size_t vertices = 0, faces = 0;
     for (size_t v = 0; v < mesh->vertex_count; v++)
     {
@@ -123,29 +207,34 @@ static bat_status trim_patch(const bat_spline_surface *surface, const size_t ste
     return BAT_OK;
 }
 
+/// Make the grid of these lines.
+static bat_status make_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh, bat_error *error)
+{
+    const size_t steps[2] = {lines[0].steps, lines[1].steps};
+    *mesh = (bat_mesh){.vertex_count = (steps[0] + 1) * (steps[1] + 1), .face_count = 2 * steps[0] * steps[1]};
+    mesh->positions = memory_array(mesh->vertex_count, 3 * sizeof *mesh->positions);
+    mesh->faces = memory_array(mesh->face_count, 3 * sizeof *mesh->faces);
+    if (mesh->positions == NULL || mesh->faces == NULL)
+        return error_memory(error, mesh->vertex_count * 3 * sizeof *mesh->positions);
+    bat_status status = evaluate_grid(surface, lines, mesh, error);
+    if (status != BAT_OK)
+        return status;
+    fill_faces(steps, mesh->faces);
+    return surface->trim.loop_count > 0 ? trim_patch(surface, lines, mesh, error) : BAT_OK;
+}
+
 bat_status surface_patch_make(const bat_spline_surface *surface, bat_mesh *mesh, size_t *loop_count, bat_error *error)
 {
-    const size_t steps[2] = {steps_for(surface, 0), steps_for(surface, 1)};
-    bat_mesh made = {.vertex_count = (steps[0] + 1) * (steps[1] + 1), .face_count = 2 * steps[0] * steps[1]};
-    made.positions = memory_array(made.vertex_count, 3 * sizeof *made.positions);
-    made.faces = memory_array(made.face_count, 3 * sizeof *made.faces);
-    bat_status status = BAT_OK;
-    if (made.positions == NULL || made.faces == NULL)
-        status = error_memory(error, made.vertex_count * 3 * sizeof *made.positions);
+    patch_lines lines[2] = {0};
+    bat_mesh made = {0};
+    bat_status status = make_lines(surface, 0, &lines[0], error);
     if (status == BAT_OK)
-        status = evaluate_grid(surface, steps, &made, error);
-    if (status != BAT_OK)
-    {
-        bat_mesh_free(&made);
-        return status;
-    }
-    fill_faces(steps, made.faces);
-    *loop_count = 2 * (steps[0] + steps[1]);
-    if (surface->trim.loop_count > 0)
-    {
-        status = trim_patch(surface, steps, &made, error);
-        *loop_count = 0;
-    }
+        status = make_lines(surface, 1, &lines[1], error);
+    if (status == BAT_OK)
+        status = make_patch(surface, lines, &made, error);
+    *loop_count = surface->trim.loop_count > 0 ? 0 : 2 * (lines[0].steps + lines[1].steps);
+    free(lines[0].at);
+    free(lines[1].at);
     if (status == BAT_OK)
         *mesh = made;
     else

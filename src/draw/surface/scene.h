@@ -55,8 +55,8 @@ bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const doub
 /// The preferred height of the parameter plane for a width.
 double surface_plane_height(double width);
 
-/// Triangulate a surface for shading. The vertices are a uniform grid of parameters with cells no larger than the finest
-/// cells of the surface, down to a visible size. Boundary vertices come first, counter-clockwise from (0, 0).
+/// Triangulate a surface for shading. The vertices are a grid of parameters, whose lines pass along the borders of the
+/// surface's cells, up to a number of lines. Boundary vertices come first, counter-clockwise from (0, 0).
 /// @param mesh       receives the triangles; release it with bat_mesh_free()
 /// @param loop_count receives the number of boundary vertices
 /// @return BAT_OK, a failure of bat_spline_surface_evaluate(), or BAT_NO_MEMORY
