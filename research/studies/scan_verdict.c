@@ -3,7 +3,7 @@
 ///
 /// A crop is the part of a mesh within a graph distance of a vertex; it is one if it is a topological disc. Its vertices,
 /// with noise, are the cloud; its triangles are the truth. A surface is right if 99 % of the truth's vertices are within
-/// MAX_MISSED of it, 99 % of its own samples are within MAX_STRAY of the truth, both as shares of the size and beside the
+/// MAX_MISSED of it, 99 % of its own area are within MAX_STRAY of the truth, both as shares of the size and beside the
 /// noise, and the areas agree to AREA.
 
 #include "batten/research/mesh_study.h"
@@ -16,6 +16,7 @@
 #include "base/progress.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
+#include "io/surface/tessellate.h"
 #include "linalg/vector3.h"
 
 #include <dirent.h>
@@ -32,7 +33,7 @@ enum
     TRIES = 60,     ///< seeds of a crop
     MIN_CROP = 600, ///< vertices
     MAX_CROP = 8000,
-    GRID = 96, ///< cells of a sampled surface and of a formula, in each direction
+    GRID = 96, ///< cells of a formula, in each direction
     SHAPE_POINTS = 3000,
     EDGE_POINTS = 240 ///< of these, along the boundary
 };
@@ -301,64 +302,95 @@ static double size_of(const bat_mesh *mesh)
     return size;
 }
 
+static double area_of_face(const bat_mesh *mesh, size_t face)
+{
+    const double *corners[3];
+    double u[3], v[3], normal[3];
+    for (size_t k = 0; k < 3; k++)
+        corners[k] = mesh->positions + 3 * (size_t)mesh->faces[3 * face + k];
+    vector3_subtract(corners[1], corners[0], u);
+    vector3_subtract(corners[2], corners[0], v);
+    vector3_cross(u, v, normal);
+    return 0.5 * sqrt(vector3_dot(normal, normal));
+}
+
 static double area_of(const bat_mesh *mesh)
 {
     double area = 0;
     for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
-        double u[3], v[3], normal[3];
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, u);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, v);
-        vector3_cross(u, v, normal);
-        area += 0.5 * sqrt(vector3_dot(normal, normal));
-    }
+        area += area_of_face(mesh, f);
     return area;
 }
 
-/// The 99 % quantile of the distances of a mesh's vertices from another mesh.
-static bat_status distance_quantile(const bat_mesh *from, const bat_mesh *onto, int threads, double *quantile,
+/// A distance and its weight, for sorting.
+typedef struct weighted_distance
+{
+    double distance, weight;
+} weighted_distance;
+
+static int compare_weighted(const void *a, const void *b)
+{
+    const weighted_distance *x = a, *y = b;
+    return ascending(&x->distance, &y->distance);
+}
+
+/// Add a third of the area of each triangle to its vertices.
+static void weigh_by_area(const bat_mesh *mesh, weighted_distance *vertices)
+{
+    for (size_t f = 0; f < mesh->face_count; f++)
+        for (int k = 0; k < 3; k++)
+            vertices[mesh->faces[3 * f + (size_t)k]].weight += area_of_face(mesh, f) / 3;
+}
+
+/// The distance from another mesh that 99 % of a mesh has at most: of its vertices, or of its area.
+static bat_status distance_quantile(const bat_mesh *from, const bat_mesh *onto, bool by_area, int threads, double *quantile,
                                     bat_error *error)
 {
-    double *distances = memory_array(from->vertex_count, sizeof *distances);
-    if (distances == NULL)
-        return error_memory(error, from->vertex_count * sizeof *distances);
-    bat_status status = bat_mesh_vertex_distances(from, onto, threads, distances, error);
+    size_t count = from->vertex_count;
+    double *distances = memory_array(count, sizeof *distances), total = 0, below = 0;
+    weighted_distance *sorted = memory_array(count, sizeof *sorted);
+    bat_status status = distances == NULL || sorted == NULL
+                            ? error_memory(error, count * sizeof *sorted)
+                            : bat_mesh_vertex_distances(from, onto, threads, distances, error);
     if (status == BAT_OK)
     {
-        qsort(distances, from->vertex_count, sizeof *distances, ascending);
-        *quantile = distances[(size_t)(0.99 * (double)(from->vertex_count - 1))];
+        for (size_t v = 0; v < count; v++)
+            sorted[v] = (weighted_distance){distances[v], by_area ? 0 : 1};
+        if (by_area)
+            weigh_by_area(from, sorted);
+        for (size_t v = 0; v < count; v++)
+            total += sorted[v].weight;
+        qsort(sorted, count, sizeof *sorted, compare_weighted);
+        size_t last = 0;
+        while (last + 1 < count && (below += sorted[last].weight) < 0.99 * total)
+            last++;
+        *quantile = sorted[last].distance;
     }
     free(distances);
+    free(sorted);
     return status;
 }
 
-/// @param distances of the points of the cloud from the surface: bounds where the grid of samples is too coarse
-static bat_status measure(const bat_spline_surface *surface, const bat_mesh *truth, double *distances, int threads,
-                          bat_scan_verdict_row *row, bat_error *error)
+static bat_status measure(const bat_spline_surface *surface, const bat_mesh *truth, int threads, bat_scan_verdict_row *row,
+                          bat_error *error)
 {
-    bat_mesh sampled;
-    bat_status status = make_grid(&sampled, error);
-    double *parameters = memory_array(sampled.vertex_count, 2 * sizeof *parameters);
-    if (status == BAT_OK && parameters == NULL)
-        status = error_memory(error, sampled.vertex_count * 2 * sizeof *parameters);
-    for (size_t v = 0; v < sampled.vertex_count && status == BAT_OK; v++)
-        grid_place(v, parameters + 2 * v);
+    surface_tessellation samples;
+    bat_status status = surface_tessellate(surface, 0, &samples, error);
+    if (status != BAT_OK)
+        return status;
+    const bat_mesh sampled = {.positions = samples.positions,
+                              .vertex_count = samples.vertex_count,
+                              .faces = samples.triangles,
+                              .face_count = samples.triangle_count};
+    status = distance_quantile(truth, &sampled, false, threads, &row->missed, error);
     if (status == BAT_OK)
-        status = bat_spline_surface_evaluate(surface, parameters, sampled.vertex_count, 0, sampled.positions, error);
-    double size = size_of(truth);
-    if (status == BAT_OK)
-        status = distance_quantile(truth, &sampled, threads, &row->missed, error);
-    if (status == BAT_OK)
-        status = distance_quantile(&sampled, truth, threads, &row->strays, error);
-    qsort(distances, row->points, sizeof *distances, ascending);
-    row->missed = fmin(row->missed, distances[(size_t)(0.99 * (double)(row->points - 1))]) / size;
-    row->strays /= size;
+        status = distance_quantile(&sampled, truth, true, threads, &row->strays, error);
+    row->missed /= size_of(truth);
+    row->strays /= size_of(truth);
     row->area = area_of(&sampled) / area_of(truth);
     row->is_right = row->missed <= MAX_MISSED + 2 * row->noise && row->strays <= MAX_STRAY + 2 * row->noise &&
                     row->area >= AREA[0] && row->area <= AREA[1];
-    free(parameters);
-    bat_mesh_free(&sampled);
+    tessellation_free(&samples);
     return status;
 }
 
@@ -384,7 +416,7 @@ static bat_status judge(const bat_mesh *truth, bat_cloud *cloud, bat_random *ran
     }
     row->fault = result.verdict.fault;
     row->is_accepted = row->fault == BAT_SURFACE_FAULT_NONE;
-    status = measure(&result.surface, truth, result.report.distances, options->threads, row, error);
+    status = measure(&result.surface, truth, options->threads, row, error);
     bat_surface_result_free(&result);
     return status;
 }
