@@ -524,9 +524,9 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     return status;
 }
 
-/// The ways to reconstruct again where a surface is wrong. The first four have a boundary and charts of triangles
-/// (advancing_front.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The first is
-/// also for meshes that are given, and for clouds with a known boundary.
+/// The ways to reconstruct again where a surface is wrong or doubtful. The first four have a boundary and charts of
+/// triangles (advancing_front.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The
+/// first is also for meshes that are given, and for clouds with a known boundary.
 typedef enum other_way
 {
     OPEN_GAPS,
@@ -537,6 +537,9 @@ typedef enum other_way
     OTHER_WAYS
 } other_way;
 
+// A right surface of which more than this share is across the tangent planes is doubtful: others have less than 0.004, or up
+// to 0.014 where they are noisy and bend sharply.
+static const double DOUBTFUL_CROSS = 0.015;
 // Scales of triangles. Triangles of random points need the last one; in meshes, 0.5 suffices for most.
 static const double SCALES[FINE_LOOP] = {0.55, 0.65, 0.8, 1};
 
@@ -560,11 +563,12 @@ static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, othe
     return status;
 }
 
-/// Reconstruct again in another way. Keep the result if it is right.
+/// Reconstruct again in another way. Keep the result if it is right and less of it is across the tangent planes.
 /// @param finds_boundary whether the boundary was found, or is to be found
-/// @param is_right       receives whether it is
+/// @param cross          share of the surface across the tangent planes, which a better one has not
+/// @param is_better      receives whether the result was kept
 static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options *options, bool finds_boundary, other_way way,
-                                    bat_surface_result *result, bool *is_right, bat_error *error)
+                                    double cross, bat_surface_result *result, bool *is_better, bat_error *error)
 {
     bat_cloud copy = {0};
     bat_surface_result again = {0};
@@ -577,8 +581,9 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options 
     if (status == BAT_OK)
         status =
             reconstruct(&copy, options, way == FINE_LOOP ? SMALL_DISC : 1, way != FINE_LOOP, &again, &one_sided, &failure);
-    *is_right = status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE && !one_sided;
-    if (*is_right)
+    *is_better = status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE && !one_sided &&
+                 !(again.verdict.cross_share >= cross);
+    if (*is_better)
     {
         for (size_t k = 0; k < sizeof again.seconds / sizeof *again.seconds; k++)
             again.seconds[k] += result->seconds[k];
@@ -632,15 +637,19 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
                                                             options->parameters != BAT_SURFACE_PARAMETERS_GIVEN;
     status = reconstruct(cloud, options, 1, false, &made, &one_sided, &failure);
     bool is_right = status == BAT_OK && made.verdict.fault == BAT_SURFACE_FAULT_NONE;
-    bool goes_on = !is_right && !has_corners && (status == BAT_OK || status == BAT_NO_CONVERGENCE);
-    for (int way = 0; way < OTHER_WAYS && goes_on && !is_right; way++)
+    bool doubtful = is_right && made.verdict.cross_share > DOUBTFUL_CROSS, is_better = false;
+    bool goes_on = (!is_right || doubtful) && !has_corners && (status == BAT_OK || status == BAT_NO_CONVERGENCE);
+    for (int way = 0; way < OTHER_WAYS && goes_on && !is_better; way++)
     {
         bat_status before = status;
-        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) || (one_sided && way == FINE_LOOP))
+        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) ||
+            ((one_sided || doubtful) && way == FINE_LOOP))
             continue;
-        status = reconstruct_again(cloud, options, finds_boundary, (other_way)way, &made, &is_right, &failure);
+        status = reconstruct_again(cloud, options, finds_boundary, (other_way)way,
+                                   doubtful ? made.verdict.cross_share : INFINITY, &made, &is_better, &failure);
         goes_on = status == BAT_OK;
-        if (status == BAT_OK && !is_right)
+        is_right = is_right || is_better;
+        if (status == BAT_OK && !is_better)
             status = before;
     }
     if (status == BAT_OK && !is_right && !options->force)
