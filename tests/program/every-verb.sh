@@ -142,7 +142,7 @@ done
 works surface sheet.obj --parameterization mean-value --functions 16 -o out.vtk
 works surface scan.xyz -o out.xml --parameters out.uv --picture out.png --json
 works surface scan.xyz --parameterization out.uv --degree 3,2 --tolerance 0.05 --robust --noise 0.01 -o out.step
-works surface scan.xyz --parameterization uniform --published --slide-boundary --final-corrections 1 --corrections 2 --smoothing 1e-6 -o out.obj
+works surface scan.xyz --parameterization uniform --published --slide-boundary --final-corrections 1 --corrections 2 --smoothing 1e-4 -o out.obj
 works surface out.xml -o out.json
 works surface scan.xyz --strict --trim --fill-holes 0.1 --unit m -o out.igs --picture out.png
 works surface out.json -o out.step

@@ -115,6 +115,91 @@ static void patch_helicoid(double u, double v, double place[3])
     place[2] = 0.8 * v;
 }
 
+/// Distance of a place from the helicoid: from the nearest of many of its lines.
+static double helicoid_distance(const double place[3])
+{
+    enum
+    {
+        LINES = 500
+    };
+    double least = INFINITY;
+    for (int k = 0; k <= LINES; k++)
+    {
+        double start[3], end[3], square = 0;
+        patch_helicoid(0, (double)k / LINES, start);
+        patch_helicoid(1, (double)k / LINES, end);
+        double along = ((place[0] - start[0]) * (end[0] - start[0]) + (place[1] - start[1]) * (end[1] - start[1])) / 0.49;
+        along = fmin(fmax(along, 0), 1);
+        for (int d = 0; d < 3; d++)
+        {
+            double step = start[d] + along * (end[d] - start[d]) - place[d];
+            square += step * step;
+        }
+        least = fmin(least, square);
+    }
+    return sqrt(least);
+}
+
+/// A part of a cylinder of radius 0.5, three fifths of it.
+static void patch_cylinder(double u, double v, double place[3])
+{
+    double angle = 3.14159265358979323846 * 1.2 * (u - 0.5);
+    place[0] = 0.5 * cos(angle);
+    place[1] = 0.5 * sin(angle);
+    place[2] = 1.2 * v;
+}
+
+static double cylinder_distance(const double place[3])
+{
+    return fabs(hypot(place[0], place[1]) - 0.5);
+}
+
+/// Points at random places, none of which is at the edge. Beside them the surface runs on, but it neither folds nor swings.
+static void edges_beyond_random_points_are_fair(void **state)
+{
+    (void)state;
+    enum
+    {
+        STEPS = 100,
+        POINTS = 5000
+    };
+    static const struct
+    {
+        patch_surface *surface;
+        double (*distance)(const double place[3]);
+        double mean, largest;
+    } CASES[2] = {{patch_helicoid, helicoid_distance, 3e-3, 0.06}, {patch_cylinder, cylinder_distance, 2e-4, 0.01}};
+    for (int k = 0; k < 2; k++)
+        for (uint64_t seed = 1; seed <= 2; seed++)
+        {
+            bat_cloud cloud = {.points = calloc(POINTS, 3 * sizeof(double)), .count = POINTS};
+            bat_random random = bat_random_seed(seed);
+            for (size_t i = 0; i < POINTS; i++)
+            {
+                double u = bat_random_uniform(&random);
+                CASES[k].surface(u, bat_random_uniform(&random), cloud.points + 3 * i);
+            }
+            bat_surface_result result;
+            bat_error error;
+            if (bat_surface_reconstruct(&cloud, NULL, &result, &error) != BAT_OK)
+                fail_msg("%s", error.text);
+            double squares = 0, largest = 0;
+            for (int i = 0; i <= STEPS; i++)
+                for (int j = 0; j <= STEPS; j++)
+                {
+                    double at[2] = {(double)i / STEPS, (double)j / STEPS}, place[3];
+                    check_status(bat_spline_surface_evaluate(&result.surface, at, 1, 0, place, NULL), BAT_OK);
+                    double distance = CASES[k].distance(place);
+                    squares += distance * distance;
+                    largest = fmax(largest, distance);
+                }
+            assert_true(sqrt(squares) / (STEPS + 1) < CASES[k].mean);
+            assert_true(largest < CASES[k].largest);
+            bat_surface_result_free(&result);
+            bat_cloud_free(&cloud);
+        }
+}
+
 static void corners_are_found_between_curved_sides(void **state)
 {
     (void)state;
@@ -161,6 +246,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rough_loops_end_at_the_edge),
         cmocka_unit_test(exact_and_noisy_loops_keep_their_edge),
+        cmocka_unit_test(edges_beyond_random_points_are_fair),
         cmocka_unit_test(corners_are_found_between_curved_sides),
         cmocka_unit_test(charts_are_stopped),
     };

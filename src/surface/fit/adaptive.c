@@ -25,6 +25,9 @@
 
 enum
 {
+    /// Fewest points of a cell that is refined where no size is given. Functions of finer cells would be free beside the
+    /// points, above all at the border, which points at random places do not reach.
+    POINTS_IN_CELL = 12,
     POINTS_PER_FUNCTION = 4, ///< fewest points for each function, when neither a tolerance nor a budget is set,
     POINTS_IN_TOLERANCE = 2, ///< and beside a tolerance
     HOLD_OUT = 10,           ///< one in this many points is held out by default,
@@ -41,8 +44,13 @@ enum
 // Newton's method for a parameter stops when a step is at most this long, in cells.
 static const double STEP_TOLERANCE = 1e-3;
 // Parameters are corrected when at least NEAR_SHARE of the points are within this many sides of their cell. While a surface
-// is stiff, feet may be at other places of it, and corrections would fold the parameters of deep shapes.
+// is stiff, feet may be at other places of it, and corrections would fold the parameters of deep shapes. Corrections of a
+// fit whose size is free begin with STIFF_REACH: a coarse surface swings beyond a curved edge, where feet would leave a part
+// of the square empty, in which the surface then folds. Where distances fall by less than SLOW in a round, which noise and
+// narrow features cause too, it waits no longer.
 static const double CORRECTION_REACH = 0.25;
+static const double STIFF_REACH = 0.025;
+static const double SLOW = 0.7;
 static const double NEAR_SHARE = 0.9;
 // The expected squared distance of new points falls, when it falls below its least value before by the largest of these
 // shares: GAIN_POINTS of the number of points, FUNCTION_GAIN for each function more, and MIN_GAIN. Refinement ends when it
@@ -469,17 +477,29 @@ static void leave_out_edges(fit_loop *loop)
     }
 }
 
+/// How near points must be before a round corrects their parameters.
+static double reach_of_round(const fit_loop *loop)
+{
+    const bat_surface_fit_round *rounds = loop->rounds;
+    size_t count = loop->count;
+    // A surface of a given size may stay coarse.
+    bool is_coarse = loop->options->iterations == 0 || loop->options->functions > 0;
+    bool is_slow = count >= 2 && rounds[count - 1].rms > SLOW * rounds[count - 2].rms;
+    return loop->corrects || is_coarse || is_slow ? CORRECTION_REACH : STIFF_REACH;
+}
+
 /// Measure distances, or move the parameters to foot points, and update the robust weights.
-static bat_status measure_distances(fit_loop *loop, bool correct, bat_error *error)
+/// @param reach how near points must be, in sides of cells; 0: measure only
+static bat_status measure_distances(fit_loop *loop, double reach, bat_error *error)
 {
     fit_correction correction = {NEWTON_STEPS, STEP_TOLERANCE};
     int threads = loop->options->threads;
     size_t moved;
     bat_status status = loop_check(loop, error);
-    double share = 1;
-    if (status == BAT_OK && correct)
-        status = fit_near_share(&loop->nets, &loop->points, CORRECTION_REACH, threads, &share, error);
-    correct = correct && share >= NEAR_SHARE;
+    double share = 0;
+    if (status == BAT_OK && reach > 0)
+        status = fit_near_share(&loop->nets, &loop->points, reach, threads, &share, error);
+    bool correct = share >= NEAR_SHARE;
     if (status == BAT_OK && !correct)
         status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
     if (status == BAT_OK && correct)
@@ -523,13 +543,13 @@ static bat_status fit_round(fit_loop *loop, bat_error *error)
     if (status == BAT_OK)
         status = fit_control(loop, true, error);
     if (status == BAT_OK && loop->options->corrections == 0)
-        status = measure_distances(loop, false, error);
+        status = measure_distances(loop, 0, error);
     for (int k = 0; k < loop->options->corrections && status == BAT_OK; k++)
     {
         if (k > 0)
             status = fit_control(loop, false, error);
         if (status == BAT_OK)
-            status = measure_distances(loop, true, error);
+            status = measure_distances(loop, reach_of_round(loop), error);
     }
     return status;
 }
@@ -539,12 +559,12 @@ static bat_status fit_finally(fit_loop *loop, bat_error *error)
     bat_status status = BAT_OK;
     int rounds = loop->options->final_corrections;
     if (rounds > 0 && loop->options->corrections == 0)
-        status = measure_distances(loop, true, error);
+        status = measure_distances(loop, CORRECTION_REACH, error);
     for (int k = 0; k < rounds && status == BAT_OK; k++)
     {
         status = fit_control(loop, k == 0, error);
         if (status == BAT_OK)
-            status = measure_distances(loop, true, error);
+            status = measure_distances(loop, CORRECTION_REACH, error);
     }
     return status;
 }
@@ -623,7 +643,8 @@ static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round
 static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
-    fit_marking marking = {options->tolerance, loop->budget, options->neighbours};
+    bool has_size = options->tolerance > 0 || options->functions > 0;
+    fit_marking marking = {options->tolerance, loop->budget, has_size ? 0 : POINTS_IN_CELL, options->neighbours};
     bat_hierarchical_space *finer = NULL;
     bat_status status = fit_points_sort(&loop->points, loop->space, error);
     if (status == BAT_OK)
@@ -706,7 +727,7 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
         status = begin_round(loop, error);
     if (status == BAT_OK)
         status = fit_control(loop, true, error);
-    return status == BAT_OK ? measure_distances(loop, loop->options->corrections > 0, error) : status;
+    return status == BAT_OK ? measure_distances(loop, loop->options->corrections > 0 ? CORRECTION_REACH : 0, error) : status;
 }
 
 /// What begins the bytes of a state; rounds and boxes follow.

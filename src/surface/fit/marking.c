@@ -114,12 +114,15 @@ static bool are_separable(const bat_hierarchical_space *space, const cell_points
     return false;
 }
 
-/// The score of a cell, 0 for cells not to refine: all points within the tolerance, or last level. Without a tolerance the
-/// score is multiplied by (n - 1) / n for n points, because few points determine the error less reliably.
-static double score_of(const bat_hierarchical_space *space, const cell_points *gathered, size_t cell, double tolerance)
+/// The score of a cell, 0 for cells not to refine: all points within the tolerance, too few points, or last level. Without a
+/// tolerance the score is multiplied by (n - 1) / n for n points, because few points determine the error less reliably.
+static double score_of(const bat_hierarchical_space *space, const cell_points *gathered, size_t cell,
+                       const fit_marking *marking)
 {
+    double tolerance = marking->tolerance;
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
-    if (gathered->largest <= tolerance || level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
+    if (gathered->largest <= tolerance || gathered->count < (double)marking->fewest ||
+        level + 1 == BAT_HIERARCHICAL_MAX_LEVELS)
         return 0;
     if (tolerance > 0)
         return gathered->sum;
@@ -135,7 +138,7 @@ typedef struct sent_points
 
 /// Scores of all cells on the first process, from the statistics of all.
 static bat_status receive_scores(const bat_hierarchical_space *space, const bat_group *group, const size_t *sizes,
-                                 const char *all, double tolerance, double *scores, size_t cells, bat_error *error)
+                                 const char *all, const fit_marking *marking, double *scores, size_t cells, bat_error *error)
 {
     cell_points *sums = memory_array(cells, sizeof *sums);
     size_t bytes = 0;
@@ -152,13 +155,13 @@ static bat_status receive_scores(const bat_hierarchical_space *space, const bat_
         add_points(&sums[sent.cell], &sent.points);
     }
     for (size_t c = 0; c < cells; c++)
-        scores[c] = score_of(space, &sums[c], c, tolerance);
+        scores[c] = score_of(space, &sums[c], c, marking);
     free(sums);
     return BAT_OK;
 }
 
 /// Score the cells with points in several processes.
-static bat_status score_together(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
+static bat_status score_together(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
                                  double *scores, bat_error *error)
 {
     const bat_group *group = points->group;
@@ -188,21 +191,21 @@ static bat_status score_together(const bat_hierarchical_space *space, const fit_
     bat_status status = group_gather(group, sent, count * sizeof *sent, &sizes, &all, error);
     free(sent);
     if (status == BAT_OK && group_is_first(group))
-        status = receive_scores(space, group, sizes, all, tolerance, scores, points->cells, error);
+        status = receive_scores(space, group, sizes, all, marking, scores, points->cells, error);
     free(sizes);
     free(all);
     return status == BAT_OK ? group_broadcast(group, 0, scores, points->cells * sizeof *scores, error) : status;
 }
 
-static bat_status score_cells(const bat_hierarchical_space *space, const fit_points *points, double tolerance,
+static bat_status score_cells(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
                               double *scores, bat_error *error)
 {
     if (points->spread != NULL)
-        return score_together(space, points, tolerance, scores, error);
+        return score_together(space, points, marking, scores, error);
     for (size_t c = 0; c < points->cells; c++)
     {
         cell_points gathered = gather_points(points, c);
-        scores[c] = score_of(space, &gathered, c, tolerance);
+        scores[c] = score_of(space, &gathered, c, marking);
     }
     return BAT_OK;
 }
@@ -358,7 +361,7 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
     ranked_cell *ranked = memory_array(points->cells, sizeof *ranked);
     double *scores = memory_array(points->cells, sizeof *scores);
     bat_status status = ranked == NULL || scores == NULL ? error_memory(error, points->cells * sizeof *ranked)
-                                                         : score_cells(space, points, marking->tolerance, scores, error);
+                                                         : score_cells(space, points, marking, scores, error);
     size_t count = status == BAT_OK ? rank_cells(scores, points->cells, ranked) : 0;
     size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
     mark_choice choice = {space, ranked, marking->neighbours};

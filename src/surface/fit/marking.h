@@ -12,6 +12,7 @@ typedef struct fit_marking
     double tolerance; ///< cells with a point at a larger distance are marked; 0: mark the cells with a fixed share of the
                       ///< total squared error
     size_t budget;    ///< maximum number of functions after refinement; 0: unlimited
+    size_t fewest;    ///< cells with fewer points are not refined
     int neighbours;   ///< number of rings of cells refined around a marked cell
 } fit_marking;
 
