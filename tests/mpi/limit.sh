@@ -9,12 +9,8 @@ points=$3
 count=$4
 limit=$5
 shift 5
-# Open MPI refuses to run for root, as in containers, unless both are set. Ranks beyond the processors give way to others.
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
-export OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none OPENBLAS_NUM_THREADS=1
-folder=$(mktemp -d) || exit 1
-trap 'rm -rf "$folder"' EXIT
-cd "$folder" || exit 1
+export OPENBLAS_NUM_THREADS=1
+. "$(dirname "$0")/ranks.sh"
 # Rows of 5 doubles, in blocks of a lattice that is moved by less than its step.
 python3 - "$points" << 'END' || exit 1
 import math, struct, sys

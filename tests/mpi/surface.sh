@@ -5,32 +5,8 @@ what=$1
 batten=$2
 mpi=$3
 mpirun=$4
-here=$(cd "$(dirname "$0")" && pwd)
-# Open MPI refuses to run for root, as in containers, unless both are set. Ranks beyond the processors give way to others.
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
-export OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_btl_vader_single_copy_mechanism=none
-folder=$(mktemp -d) || exit 1
-trap 'rm -rf "$folder"' EXIT
-cd "$folder" || exit 1
-failures=0
-
-check()
-{
-    name=$1
-    shift
-    "$@" || { echo "FAILED: $name"; sed 's/^/    /' stderr; failures=$((failures + 1)); }
-}
-
-# ranks N CODE ARGUMENTS…: N ranks must end with CODE. What they print is in stdout and stderr.
-ranks()
-{
-    count=$1
-    code=$2
-    shift 2
-    "$mpirun" -n "$count" "$mpi" surface "$@" > stdout 2> stderr < /dev/null
-    got=$?
-    check "exit code $got instead of $code: $count ranks, $*" test $got -eq "$code"
-}
+verb=surface
+. "$(dirname "$0")/ranks.sh"
 
 python3 "$here/points.py" 6000 in.xyz in.uv in.ply || exit 1
 given="in.xyz --parameterization in.uv"
