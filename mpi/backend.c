@@ -20,16 +20,6 @@ struct fit_backend
     size_t resumed;
 };
 
-static bat_status fail(bat_error *error, bat_status status, const char *text)
-{
-    if (error != NULL)
-    {
-        *error = (bat_error){.status = status, .index = BAT_NO_INDEX};
-        (void)snprintf(error->text, sizeof error->text, "%s", text);
-    }
-    return status;
-}
-
 // The solver
 
 static bat_status factor(void *context, size_t size, const int *first, const int *row, const double *values, bool *regular,
@@ -105,7 +95,7 @@ static bat_status save(void *context, const void *head, size_t size, const bat_s
     memcpy(own.magic, MAGIC, sizeof own.magic);
     if (MPI_File_open(MPI_COMM_WORLD, backend->temporary, MPI_MODE_CREATE | MPI_MODE_WRONLY, MPI_INFO_NULL, &file) !=
         MPI_SUCCESS)
-        return fail(error, BAT_FILE_ACCESS, "cannot write the checkpoint");
+        return ranks_fail(error, BAT_FILE_ACCESS, "cannot write the checkpoint");
     size_t values = 0;
     for (size_t k = 0; k < column_count; k++)
         values += backend->total * columns[k].width;
@@ -121,7 +111,7 @@ static bat_status save(void *context, const void *head, size_t size, const bat_s
     if (all != 0 && ranks_rank() == 0)
         all = rename(backend->temporary, backend->path) == 0;
     (void)MPI_Bcast(&all, 1, MPI_INT, 0, MPI_COMM_WORLD);
-    return all != 0 ? BAT_OK : fail(error, BAT_FILE_ACCESS, "cannot write the checkpoint");
+    return all != 0 ? BAT_OK : ranks_fail(error, BAT_FILE_ACCESS, "cannot write the checkpoint");
 }
 
 static bat_status load(void *context, void **head, size_t *size, const bat_surface_fit_column *columns, size_t column_count,
@@ -138,7 +128,7 @@ static bat_status load(void *context, void **head, size_t *size, const bat_surfa
     if (exists == 0)
         return BAT_OK;
     if (MPI_File_open(MPI_COMM_WORLD, backend->path, MPI_MODE_RDONLY, MPI_INFO_NULL, &file) != MPI_SUCCESS)
-        return fail(error, BAT_FILE_ACCESS, "cannot read the checkpoint");
+        return ranks_fail(error, BAT_FILE_ACCESS, "cannot read the checkpoint");
     (void)MPI_File_read_at_all(file, 0, &own, (int)sizeof own, MPI_BYTE, MPI_STATUS_IGNORE);
     size_t values = 0;
     for (size_t k = 0; k < column_count; k++)
@@ -166,9 +156,9 @@ static bat_status load(void *context, void **head, size_t *size, const bat_surfa
         return BAT_OK;
     free(*head);
     *head = NULL;
-    return fail(error, BAT_BAD_FILE,
-                fits ? "cannot read the checkpoint"
-                     : "the checkpoint is that of another input or of other options; remove it, or name another");
+    return ranks_fail(error, BAT_BAD_FILE,
+                      fits ? "cannot read the checkpoint"
+                           : "the checkpoint is that of another input or of other options; remove it, or name another");
 }
 
 static char *join(const char *path, const char *ending)

@@ -19,24 +19,14 @@ enum
     PART = 1 << 30 ///< bytes of one broadcast
 };
 
-static bat_status fail(bat_error *error, bat_status status, const char *text)
-{
-    if (error != NULL)
-    {
-        *error = (bat_error){.status = status, .index = BAT_NO_INDEX};
-        (void)snprintf(error->text, sizeof error->text, "%s", text);
-    }
-    return status;
-}
-
 static bat_status broken(bat_error *error)
 {
-    return fail(error, BAT_FILE_ACCESS, "a message of MPI failed");
+    return ranks_fail(error, BAT_FILE_ACCESS, "a message of MPI failed");
 }
 
 static bat_status check_size(size_t size, bat_error *error)
 {
-    return size <= INT_MAX ? BAT_OK : fail(error, BAT_TOO_LARGE, "a message exceeds 2 GiB; take more ranks");
+    return size <= INT_MAX ? BAT_OK : ranks_fail(error, BAT_TOO_LARGE, "a message exceeds 2 GiB; take more ranks");
 }
 
 /// Wait for a message under way.
@@ -101,7 +91,7 @@ static bat_status gather(void *context, const void *bytes, size_t size, size_t *
         total += sizes[rank];
     }
     if (total > INT_MAX)
-        ranks_need(NULL, fail(&failure, BAT_TOO_LARGE, "rank 0 would receive more than 2 GiB at once"), &failure);
+        ranks_need(NULL, ranks_fail(&failure, BAT_TOO_LARGE, "rank 0 would receive more than 2 GiB at once"), &failure);
     char *received = first ? ranks_allocate(total + 1, 1) : NULL;
     if (status == BAT_OK)
     {

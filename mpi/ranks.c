@@ -69,6 +69,16 @@ bool ranks_agree(const char *file, bat_status status, const bat_error *error)
     return false;
 }
 
+bat_status ranks_fail(bat_error *error, bat_status status, const char *text)
+{
+    if (error != NULL)
+    {
+        *error = (bat_error){.status = status, .index = BAT_NO_INDEX};
+        (void)snprintf(error->text, sizeof error->text, "%s", text);
+    }
+    return status;
+}
+
 void ranks_need(const char *file, bat_status status, const bat_error *error)
 {
     if (status == BAT_OK)

@@ -23,6 +23,9 @@ bat_status ranks_agree_on(bat_status status, bat_error *error);
 /// Whether all ranks are fine. Where some failed, rank 0 prints the failure of the lowest of them, as report_failure() does.
 bool ranks_agree(const char *file, bat_status status, const bat_error *error);
 
+/// Set an error that has no index, where `error` is not null.
+/// @return `status`
+bat_status ranks_fail(bat_error *error, bat_status status, const char *text);
 /// End all ranks with exit code 1, after one line as that of report_failure(), unless `error` is fine. Any rank may fail
 /// alone.
 void ranks_need(const char *file, bat_status status, const bat_error *error);

@@ -94,18 +94,18 @@ bat_status group_agree_with_first(const bat_group *group, bat_status status, bat
     return done != BAT_OK ? done : sent.status;
 }
 
-/// group_gather() by messages: of each rank the size, then the bytes.
+/// group_gather() by messages: of each rank the size, then the bytes. A process alone has its own.
 static bat_status gather_messages(const bat_group *group, const void *bytes, size_t size, size_t *sizes, char **all,
                                   bat_error *error)
 {
-    if (group->rank > 0)
+    size_t total = sizes[0] = size, count = group_count(group);
+    bat_status status = BAT_OK;
+    if (group_rank(group) > 0)
     {
         bat_status sent = group->send(group->context, 0, &size, sizeof size, error);
         return sent == BAT_OK && size > 0 ? group->send(group->context, 0, bytes, size, error) : sent;
     }
-    size_t total = sizes[0] = size;
-    bat_status status = BAT_OK;
-    for (size_t rank = 1; rank < group->count && status == BAT_OK; total += sizes[rank++])
+    for (size_t rank = 1; rank < count && status == BAT_OK; total += sizes[rank++])
         status = group->receive(group->context, rank, &sizes[rank], sizeof *sizes, error);
     if (status != BAT_OK)
         return status;
@@ -113,7 +113,7 @@ static bat_status gather_messages(const bat_group *group, const void *bytes, siz
     if (at == NULL)
         return error_memory(error, total);
     memcpy(at, bytes, size);
-    for (size_t rank = 1; rank < group->count && status == BAT_OK; rank++)
+    for (size_t rank = 1; rank < count && status == BAT_OK; rank++)
     {
         at += sizes[rank - 1];
         if (sizes[rank] > 0)
@@ -129,21 +129,12 @@ bat_status group_gather(const bat_group *group, const void *bytes, size_t size, 
     *sizes = memory_array(count, sizeof **sizes);
     if (*sizes == NULL)
         return error_memory(error, count * sizeof **sizes);
-    if (count > 1 && group->gather == NULL)
+    if (count == 1 || group->gather == NULL)
         return gather_messages(group, bytes, size, *sizes, all, error);
-    if (count > 1)
-    {
-        void *received = NULL;
-        bat_status status = group->gather(group->context, bytes, size, *sizes, &received, error);
-        *all = received;
-        return status;
-    }
-    (*sizes)[0] = size;
-    *all = memory_array(size, 1);
-    if (*all == NULL)
-        return error_memory(error, size);
-    memcpy(*all, bytes, size);
-    return BAT_OK;
+    void *received = NULL;
+    bat_status status = group->gather(group->context, bytes, size, *sizes, &received, error);
+    *all = received;
+    return status;
 }
 
 /// Combine the numbers of all ranks on rank 0, and broadcast the result.

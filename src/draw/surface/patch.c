@@ -54,32 +54,44 @@ static size_t mark_lines(const bat_hierarchical_space *space, int direction, uin
     return count;
 }
 
-/// Divide the intervals between marked lines into equal steps: at most 1 / least long, and up to STEPS_OF_CELL of them.
+/// The marked line after another.
+static size_t next_line(const char *marks, size_t line)
+{
+    do
+        line++;
+    while (marks[line] == 0);
+    return line;
+}
+
+/// The equal steps of an interval of the lattice: each at most 1 / least long, and at least `parts` of them.
+static size_t steps_between(size_t begin, size_t end, size_t lattice, size_t least, size_t parts)
+{
+    size_t wide = ((end - begin) * least + lattice - 1) / lattice;
+    return wide > parts ? wide : parts;
+}
+
+/// Divide the intervals between marked lines into steps_between(), up to STEPS_OF_CELL where there are few lines.
 static bat_status divide_lines(const char *marks, size_t lattice, size_t least, patch_lines *lines, bat_error *error)
 {
-    size_t parts = STEPS_OF_CELL, total;
-    for (;; parts--)
+    size_t parts = STEPS_OF_CELL + 1, total;
+    do
     {
+        parts--;
         total = 0;
         for (size_t begin = 0, end; begin < lattice; begin = end)
         {
-            for (end = begin + 1; marks[end] == 0;)
-                end++;
-            size_t wide = ((end - begin) * least + lattice - 1) / lattice;
-            total += wide > parts ? wide : parts;
+            end = next_line(marks, begin);
+            total += steps_between(begin, end, lattice, least, parts);
         }
-        if (total <= MAX_STEPS || parts == 1)
-            break;
-    }
+    } while (total > MAX_STEPS && parts > 1);
     lines->at = memory_array(total + 1, sizeof *lines->at);
     if (lines->at == NULL)
         return error_memory(error, (total + 1) * sizeof *lines->at);
     lines->steps = 0;
     for (size_t begin = 0, end; begin < lattice; begin = end)
     {
-        for (end = begin + 1; marks[end] == 0;)
-            end++;
-        size_t wide = ((end - begin) * least + lattice - 1) / lattice, count = wide > parts ? wide : parts;
+        end = next_line(marks, begin);
+        size_t count = steps_between(begin, end, lattice, least, parts);
         for (size_t k = 0; k < count; k++)
             lines->at[lines->steps++] =
                 ((double)begin + (double)(end - begin) * (double)k / (double)count) / (double)lattice;
@@ -94,23 +106,18 @@ static bat_status make_lines(const bat_spline_surface *surface, int direction, p
 {
     const bat_hierarchical_space *space = surface->space;
     size_t spans = bat_hierarchical_space_options(space).spans[direction];
-    size_t least = surface->trim.loop_count > 0 ? MIN_TRIMMED_STEPS : MIN_STEPS;
+    // Smaller cells cannot be seen.
+    bool by_cells = spans < MAX_LINES;
+    size_t least = !by_cells ? MAX_STEPS : surface->trim.loop_count > 0 ? MIN_TRIMMED_STEPS : MIN_STEPS;
     uint32_t level = (uint32_t)bat_hierarchical_space_levels(space) - 1;
     while (level > 0 && ldexp((double)spans, (int)level) > MAX_LATTICE)
         level--;
-    if (spans >= MAX_LINES)
-    {
-        // Cells are smaller than what is visible.
-        spans = level = 0;
-        least = MAX_STEPS;
-    }
-    size_t lattice = spans > 0 ? spans << level : 1;
+    size_t lattice = by_cells ? spans << level : 1;
     char *marks = memory_array(lattice + 1, 1);
     if (marks == NULL)
         return error_memory(error, lattice + 1);
-    while (spans > 0 && mark_lines(space, direction, level, marks, (spans << level) + 1) > MAX_LINES)
-        level--;
-    lattice = spans > 0 ? spans << level : 1;
+    while (by_cells && mark_lines(space, direction, level, marks, lattice + 1) > MAX_LINES)
+        lattice = spans << --level;
     marks[0] = marks[lattice] = 1;
     bat_status status = divide_lines(marks, lattice, least, lines, error);
     free(marks);
