@@ -1,6 +1,7 @@
 #include "hierarchical_helpers.h"
 
 #include "surface/spline/box_tree.h"
+#include "surface/spline/hierarchical_space.h"
 
 /// Areas raised in any order against an array of levels; the tree's depth stays within its bound.
 static void check_tree(bat_random *random)
@@ -300,6 +301,31 @@ static void test_order_of_refinement(void **state)
     }
 }
 
+/// A refined space that would have too many functions is only counted.
+static void test_counted(void **state)
+{
+    (void)state;
+    bat_random random = bat_random_seed(5);
+    for (int trial = 0; trial < 20; trial++)
+    {
+        bat_hierarchical_options options = random_options(&random, 4);
+        bat_hierarchical_space *space = make_space(&options), *refined = make_space(&options), *made;
+        bat_spline_box boxes[6];
+        size_t count = random_boxes(&random, &options, 4, boxes, 6), functions, counted;
+        refine_space(refined, boxes, count);
+        functions = bat_hierarchical_space_functions(refined);
+        assert_int_equal(hierarchical_space_refined(space, boxes, count, functions - 1, &counted, &made, NULL), BAT_OK);
+        assert_null(made);
+        assert_int_equal(counted, functions);
+        assert_int_equal(hierarchical_space_refined(space, boxes, count, functions, &counted, &made, NULL), BAT_OK);
+        assert_int_equal(counted, functions);
+        check_equal_spaces(made, refined);
+        bat_hierarchical_space_free(space);
+        bat_hierarchical_space_free(refined);
+        bat_hierarchical_space_free(made);
+    }
+}
+
 /// The most successive levels that a cell sees.
 static uint32_t seen_levels(const bat_hierarchical_space *space)
 {
@@ -428,7 +454,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_box_tree),  cmocka_unit_test(test_box_tree_depth),      cmocka_unit_test(test_selection),
         cmocka_unit_test(test_locate),    cmocka_unit_test(test_order_of_refinement), cmocka_unit_test(test_admissible),
-        cmocka_unit_test(test_bad_input), cmocka_unit_test(test_most_levels),
+        cmocka_unit_test(test_bad_input), cmocka_unit_test(test_most_levels),         cmocka_unit_test(test_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,8 +9,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -272,8 +274,12 @@ static size_t surround(const mark_choice *choice, bat_spline_box cell, bat_splin
     return count;
 }
 
-/// A copy of the space with the first cells and their rings refined.
-static bat_status refine_first(const mark_choice *choice, size_t count, bat_hierarchical_space **refined, bat_error *error)
+/// The space with the first cells and their rings refined.
+/// @param most      the most functions that the space may have
+/// @param functions receives their number
+/// @param refined   receives the space, or null if it has more functions
+static bat_status refine_first(const mark_choice *choice, size_t count, size_t most, size_t *functions,
+                               bat_hierarchical_space **refined, bat_error *error)
 {
     size_t side = side_of(choice), boxes_count = 0;
     bat_spline_box *boxes = memory_array(count, side * side * sizeof *boxes);
@@ -284,43 +290,30 @@ static bat_status refine_first(const mark_choice *choice, size_t count, bat_hier
         bat_spline_box cell = bat_hierarchical_space_cell(choice->space, choice->ranked[k].cell);
         boxes_count += surround(choice, cell, boxes + boxes_count);
     }
-    bat_hierarchical_space *copy = NULL;
-    bat_status status = bat_hierarchical_space_copy(choice->space, &copy, error);
-    if (status == BAT_OK)
-        status = bat_hierarchical_space_refine(copy, boxes, boxes_count, error);
+    bat_status status = hierarchical_space_refined(choice->space, boxes, boxes_count, most, functions, refined, error);
     free(boxes);
-    if (status == BAT_OK)
-        *refined = copy;
-    else
-        bat_hierarchical_space_free(copy);
     return status;
 }
 
 /// Refine the largest number of highest-ranked cells that fits the budget, by regula falsi on the number of cells. Initially
-/// 0 cells fit and `count` do not.
+/// 0 cells fit and `count` do not. Only the last space is made; others are counted.
 static bat_status fill_budget(const mark_choice *choice, size_t count, size_t count_functions, size_t budget,
                               bat_hierarchical_space **refined, bat_error *error)
 {
-    size_t before = bat_hierarchical_space_functions(choice->space);
+    size_t before = bat_hierarchical_space_functions(choice->space), functions;
     size_t low = 0, high = count, low_functions = before, high_functions = count_functions;
     while (high - low > 1 && budget - low_functions > budget / SLACK)
     {
         double share = (double)(budget - low_functions) / (double)(high_functions - low_functions);
         size_t try = low + (size_t)(fmin(fmax(share, 0.1), 0.9) * (double)(high - low));
         try = try <= low ? low + 1 : try >= high ? high - 1 : try;
-        bat_hierarchical_space *made;
-        bat_status status = refine_first(choice, try, &made, error);
+        bat_status status = refine_first(choice, try, 0, &functions, refined, error);
         if (status != BAT_OK)
             return status;
-        size_t functions = bat_hierarchical_space_functions(made);
-        bool fits = functions <= budget;
-        *(fits ? &low : &high) = try;
-        *(fits ? &low_functions : &high_functions) = functions;
-        bat_hierarchical_space *dropped = fits && functions > before ? *refined : made;
-        *refined = fits && functions > before ? made : *refined;
-        bat_hierarchical_space_free(dropped);
+        *(functions <= budget ? &low : &high) = try;
+        *(functions <= budget ? &low_functions : &high_functions) = functions;
     }
-    return BAT_OK;
+    return low_functions > before ? refine_first(choice, low, budget, &functions, refined, error) : BAT_OK;
 }
 
 /// Refine the first `wanted` cells, or as many as fit the budget. If the number of functions grows too little, double the
@@ -328,16 +321,16 @@ static bat_status fill_budget(const mark_choice *choice, size_t count, size_t co
 static bat_status refine_wanted(mark_choice *choice, size_t wanted, size_t maximum, size_t budget,
                                 bat_hierarchical_space **refined, bat_error *error)
 {
-    size_t before = bat_hierarchical_space_functions(choice->space);
+    size_t before = bat_hierarchical_space_functions(choice->space), most = budget > 0 ? budget : SIZE_MAX;
     for (;;)
     {
+        size_t functions;
         bat_hierarchical_space *made;
-        bat_status status = refine_first(choice, wanted, &made, error);
+        bat_status status = refine_first(choice, wanted, most, &functions, &made, error);
         if (status != BAT_OK)
             return status;
-        size_t functions = bat_hierarchical_space_functions(made);
         bool few = wanted < maximum && (double)functions < MIN_GROWTH * (double)before;
-        if (!few && functions > before && (budget == 0 || functions <= budget))
+        if (!few && functions > before && made != NULL)
         {
             *refined = made;
             return BAT_OK;

@@ -357,15 +357,16 @@ static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error 
     return made ? BAT_OK : error_memory(error, (space->extraction_count + max_rows * locals) * sizeof *rows.values);
 }
 
-bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)
+bat_status hierarchical_number(bat_hierarchical_space *space, bat_error *error)
 {
     bat_status status = collect_cells(space, error);
     if (status == BAT_OK)
         status = make_levels(space, error);
-    if (status == BAT_OK)
-        status = number_levels(space, error);
-    if (status != BAT_OK)
-        return status;
+    return status == BAT_OK ? number_levels(space, error) : status;
+}
+
+bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error)
+{
     space->cells = memory_array(space->cell_count, sizeof *space->cells);
     space->functions = memory_array(space->function_count, sizeof *space->functions);
     if (space->cells == NULL || space->functions == NULL)

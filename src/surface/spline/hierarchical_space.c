@@ -9,6 +9,7 @@
 #include "base/option.h"
 
 #include <limits.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 enum
@@ -45,11 +46,14 @@ static bool level_fits(const bat_hierarchical_options *options, size_t level)
     return true;
 }
 
-/// Make a space from a box tree. Takes ownership of the tree, also on failure.
-static bat_status make_of_tree(const bat_hierarchical_options *options, box_tree *tree, bat_hierarchical_space **space,
-                               bat_error *error)
+/// Make a space from a box tree, unless it has more than `most` functions. Takes ownership of the tree, also on failure.
+/// @param functions receives the number of functions
+/// @param space     receives the space, or null if it has too many functions
+static bat_status make_of_tree(const bat_hierarchical_options *options, box_tree *tree, size_t most, size_t *functions,
+                               bat_hierarchical_space **space, bat_error *error)
 {
     bat_hierarchical_space *made = calloc(1, sizeof *made);
+    *space = NULL;
     if (made == NULL)
     {
         box_tree_free(tree);
@@ -57,16 +61,28 @@ static bat_status make_of_tree(const bat_hierarchical_options *options, box_tree
     }
     made->options = *options;
     made->tree = *tree;
-    bat_status status = uniform_basis_make(options->degree[0], &made->bases[0], error);
-    if (status == BAT_OK)
+    bat_status status = hierarchical_number(made, error);
+    *functions = made->function_count;
+    bool few = made->function_count <= most;
+    if (status == BAT_OK && few)
+        status = uniform_basis_make(options->degree[0], &made->bases[0], error);
+    if (status == BAT_OK && few)
         status = uniform_basis_make(options->degree[1], &made->bases[1], error);
-    if (status == BAT_OK)
+    if (status == BAT_OK && few)
         status = hierarchical_build(made, error);
-    if (status != BAT_OK)
-        bat_hierarchical_space_free(made);
-    else
+    if (status == BAT_OK && few)
         *space = made;
+    else
+        bat_hierarchical_space_free(made);
     return status;
+}
+
+/// Make a space of any size.
+static bat_status make_whole(const bat_hierarchical_options *options, box_tree *tree, bat_hierarchical_space **space,
+                             bat_error *error)
+{
+    size_t functions;
+    return make_of_tree(options, tree, SIZE_MAX, &functions, space, error);
 }
 
 bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, bat_hierarchical_space **space,
@@ -82,14 +98,14 @@ bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, 
                          options->spans[1]);
     box_tree tree;
     status = box_tree_make((uint64_t)options->spans[0] << FINEST, (uint64_t)options->spans[1] << FINEST, &tree, error);
-    return status == BAT_OK ? make_of_tree(options, &tree, space, error) : status;
+    return status == BAT_OK ? make_whole(options, &tree, space, error) : status;
 }
 
 bat_status bat_hierarchical_space_copy(const bat_hierarchical_space *space, bat_hierarchical_space **copy, bat_error *error)
 {
     box_tree tree;
     bat_status status = box_tree_copy(&space->tree, &tree, error);
-    return status == BAT_OK ? make_of_tree(&space->options, &tree, copy, error) : status;
+    return status == BAT_OK ? make_whole(&space->options, &tree, copy, error) : status;
 }
 
 void bat_hierarchical_space_free(bat_hierarchical_space *space)
@@ -196,10 +212,11 @@ static bat_status refine_box(const bat_hierarchical_options *options, box_tree *
     return status == BAT_OK ? box_tree_raise(tree, &area, (uint8_t)(box->level + 1), error) : status;
 }
 
-bat_status bat_hierarchical_space_refine(bat_hierarchical_space *space, const bat_spline_box *boxes, size_t count,
-                                         bat_error *error)
+bat_status hierarchical_space_refined(const bat_hierarchical_space *space, const bat_spline_box *boxes, size_t count,
+                                      size_t most, size_t *functions, bat_hierarchical_space **refined, bat_error *error)
 {
     bat_status status = BAT_OK;
+    *refined = NULL;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = check_box(&space->options, &boxes[i], i, error);
     if (status != BAT_OK)
@@ -211,9 +228,15 @@ bat_status bat_hierarchical_space_refine(bat_hierarchical_space *space, const ba
     if (status == BAT_OK)
         status = box_tree_copy(&tree, &tidy, error);
     box_tree_free(&tree);
-    bat_hierarchical_space *refined = NULL;
-    if (status == BAT_OK)
-        status = make_of_tree(&space->options, &tidy, &refined, error);
+    return status == BAT_OK ? make_of_tree(&space->options, &tidy, most, functions, refined, error) : status;
+}
+
+bat_status bat_hierarchical_space_refine(bat_hierarchical_space *space, const bat_spline_box *boxes, size_t count,
+                                         bat_error *error)
+{
+    bat_hierarchical_space *refined;
+    size_t functions;
+    bat_status status = hierarchical_space_refined(space, boxes, count, SIZE_MAX, &functions, &refined, error);
     if (status != BAT_OK)
         return status;
     bat_hierarchical_space old = *space;

@@ -80,8 +80,19 @@ static inline size_t hierarchical_local(const bat_hierarchical_space *space, con
 bat_status hierarchical_space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
                                          bat_hierarchical_space **space, bat_error *error);
 
-/// Build all members from options, tree and bases. The space can be freed after a failure.
+/// Build the levels from options and tree, and count cells and functions. The space can be freed after a failure.
+bat_status hierarchical_number(bat_hierarchical_space *space, bat_error *error);
+
+/// Build all other members, from levels and bases. The space can be freed after a failure.
 bat_status hierarchical_build(bat_hierarchical_space *space, bat_error *error);
+
+/// The space that bat_hierarchical_space_refine() would make, unless it has too many functions.
+/// @param most      number of functions that are not too many
+/// @param functions receives the number of functions
+/// @param refined   receives the space, or null if there are too many functions
+/// @return the failures of bat_hierarchical_space_refine()
+bat_status hierarchical_space_refined(const bat_hierarchical_space *space, const bat_spline_box *boxes, size_t count,
+                                      size_t most, size_t *functions, bat_hierarchical_space **refined, bat_error *error);
 
 /// Convert coefficients of a cell's local functions to those of one of its four quarters, a cell of the next level.
 /// @param level   level of the cell
