@@ -92,11 +92,14 @@ bat_status average_solve_multifrontal(const sparse_rows *weights, const double *
         return BAT_OK;
     average_matrix matrix;
     multifrontal *solver = NULL;
+    double pivot = 0;
     bat_status status = average_matrix_make(weights, &matrix, error);
     symmetric_pattern pattern = {weights->row_count, matrix.first, matrix.row};
     if (status == BAT_OK)
         status = multifrontal_make(&pattern, false, &solver, error);
-    if (status == BAT_OK && !(multifrontal_factor(solver, matrix.lower, matrix.upper) > 0))
+    if (status == BAT_OK)
+        status = multifrontal_factor(solver, matrix.lower, matrix.upper, &pivot, error);
+    if (status == BAT_OK && !(pivot > 0))
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the system of averages is singular");
     if (status == BAT_OK)
     {

@@ -23,7 +23,7 @@ struct multifrontal
     front_tree tree;
     size_t sides;          ///< 1 for symmetric matrices, where U^T = L
     double *panels[SIDES]; ///< of each front its columns of L, and of U^T: rows x pivots, by columns, the pivots' rows first
-    double *updates;       ///< a stack of updates, those of fronts whose parents are to come
+    double *updates;       ///< within a factorization: a stack of updates, those of fronts whose parents are to come
     int *waiting;          ///< [fronts] a stack of these fronts
     int *position;         ///< [count] positions of rows in the front at work, by place
     int *relative;         ///< [panel_most] positions of a child's rows in the front at work
@@ -39,13 +39,11 @@ static bat_status allocate_factors(multifrontal *solver, bat_error *error)
         solver->panels[side] = memory_array(entries, sizeof(double));
         whole = whole && solver->panels[side] != NULL;
     }
-    solver->updates = memory_array(tree->update_most, solver->sides * sizeof(double));
     solver->waiting = memory_array(tree->fronts, sizeof(int));
     solver->position = memory_array(tree->count, sizeof(int));
     solver->relative = memory_array(tree->panel_most, sizeof(int));
-    whole =
-        whole && solver->updates != NULL && solver->waiting != NULL && solver->position != NULL && solver->relative != NULL;
-    return whole ? BAT_OK : error_memory(error, (entries + tree->update_most) * solver->sides * sizeof(double));
+    whole = whole && solver->waiting != NULL && solver->position != NULL && solver->relative != NULL;
+    return whole ? BAT_OK : error_memory(error, entries * solver->sides * sizeof(double));
 }
 
 bat_status multifrontal_make(const symmetric_pattern *pattern, bool symmetric, multifrontal **solver, bat_error *error)
@@ -71,7 +69,6 @@ void multifrontal_free(multifrontal *solver)
     front_tree_free(&solver->tree);
     for (size_t side = 0; side < SIDES; side++)
         free(solver->panels[side]);
-    free(solver->updates);
     free(solver->waiting);
     free(solver->position);
     free(solver->relative);
@@ -303,12 +300,13 @@ static double least_pivot(const multifrontal *solver, const double *lower, const
     return least;
 }
 
-double multifrontal_factor(multifrontal *solver, const double *lower, const double *upper)
+/// Factor a matrix with the stack of updates.
+/// @return the least pivot over the diagonal entry that it came from, or 0
+static double factor_fronts(multifrontal *solver, const double *lower, const double *upper)
 {
     const front_tree *tree = &solver->tree;
     size_t waiting = 0, used = 0; // of the stacks
     double least = 1;
-    blas_single_begin();
     for (size_t f = 0; f < tree->fronts && least > 0; f++)
     {
         front at = front_begin(solver, f, used);
@@ -328,8 +326,24 @@ double multifrontal_factor(multifrontal *solver, const double *lower, const doub
         }
         used = begin + size;
     }
-    blas_single_end();
     return least;
+}
+
+bat_status multifrontal_factor(multifrontal *solver, const double *lower, const double *upper, double *pivot,
+                               bat_error *error)
+{
+    *pivot = 0;
+    size_t size = solver->tree.update_most;
+    solver->updates = memory_array(size, solver->sides * sizeof(double));
+    if (solver->updates == NULL)
+        return error_memory(error, size * solver->sides * sizeof(double));
+    blas_single_begin();
+    *pivot = factor_fronts(solver, lower, upper);
+    blas_single_end();
+    // Factors are kept for long, and the stack is a third of them.
+    free(solver->updates);
+    solver->updates = NULL;
+    return BAT_OK;
 }
 
 /// x = L^-1 x for the pivots of a front, subtracted from its other rows.

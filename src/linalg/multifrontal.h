@@ -18,12 +18,13 @@ bat_status multifrontal_make(const symmetric_pattern *pattern, bool symmetric, m
 /// Does nothing to null.
 void multifrontal_free(multifrontal *solver);
 
-/// Factor a matrix on the calling thread.
+/// Factor a matrix on the calling thread. There are no factors where the least pivot is 0.
 /// @param lower the entries of the pattern
 /// @param upper the entries on the other side of the diagonal; null: those of `lower`, for a symmetric matrix
-/// @return the least pivot over the diagonal entry that it came from; 0 where a pivot is not above 0, and there are no
-/// factors
-double multifrontal_factor(multifrontal *solver, const double *lower, const double *upper);
+/// @param pivot receives the least pivot over the diagonal entry that it came from; 0 where a pivot is not above 0
+/// @return BAT_OK, BAT_NO_MEMORY
+bat_status multifrontal_factor(multifrontal *solver, const double *lower, const double *upper, double *pivot,
+                               bat_error *error);
 
 /// Solve A x = b on the calling thread. The factors must exist.
 /// @param x [count x columns] b, receives x

@@ -7,6 +7,14 @@
 
 #include <cblas.h>
 
+/// The least pivot of a factorization.
+static double factor(multifrontal *solver, const double *lower, const double *upper)
+{
+    double pivot = -1;
+    assert_int_equal(multifrontal_factor(solver, lower, upper, &pivot, NULL), BAT_OK);
+    return pivot;
+}
+
 /// A pattern with random values on both sides of the diagonal.
 typedef struct test_system
 {
@@ -149,7 +157,7 @@ static void solutions_solve(void **state)
                 test_system made = make_system((graph)kind, COUNTS[n], symmetric, 5 + (uint64_t)kind);
                 multifrontal *solver = NULL;
                 check_status(multifrontal_make(&made.pattern, symmetric, &solver, NULL), BAT_OK);
-                double pivot = multifrontal_factor(solver, made.lower, symmetric ? NULL : made.upper);
+                double pivot = factor(solver, made.lower, symmetric ? NULL : made.upper);
                 assert_true(pivot > 0 && pivot <= 1);
                 for (size_t columns = 1; columns <= 5; columns += 2)
                     check_near(residual_of(&made, solver, columns), 0, 1e-11);
@@ -167,7 +175,7 @@ static void large_fronts_solve(void **state)
         test_system made = make_system(GRAPH_GRID, 4900, symmetric, 9);
         multifrontal *solver = NULL;
         check_status(multifrontal_make(&made.pattern, symmetric, &solver, NULL), BAT_OK);
-        assert_true(multifrontal_factor(solver, made.lower, symmetric ? NULL : made.upper) > 0);
+        assert_true(factor(solver, made.lower, symmetric ? NULL : made.upper) > 0);
         check_near(residual_of(&made, solver, 3), 0, 1e-10);
         multifrontal_free(solver);
         free_system(&made);
@@ -263,13 +271,13 @@ static void pivots_tell_singular_matrices(void **state)
     const double wrong[] = {4, NAN, 1}, infinite[] = {INFINITY, 0, 1};
     multifrontal *solver = NULL;
     check_status(multifrontal_make(&pattern, true, &solver, NULL), BAT_OK);
-    check_near(multifrontal_factor(solver, regular, NULL), 1 - 1.2 * 1.2 / (4 * 0.4), 1e-15);
-    assert_true(multifrontal_factor(solver, singular, NULL) < 1e-15);
-    assert_true(multifrontal_factor(solver, indefinite, NULL) == 0);
-    assert_true(multifrontal_factor(solver, negative, NULL) == 0);
-    assert_true(multifrontal_factor(solver, wrong, NULL) == 0);
-    assert_true(multifrontal_factor(solver, infinite, NULL) == 0);
-    check_near(multifrontal_factor(solver, regular, NULL), 0.1, 1e-15);
+    check_near(factor(solver, regular, NULL), 1 - 1.2 * 1.2 / (4 * 0.4), 1e-15);
+    assert_true(factor(solver, singular, NULL) < 1e-15);
+    assert_true(factor(solver, indefinite, NULL) == 0);
+    assert_true(factor(solver, negative, NULL) == 0);
+    assert_true(factor(solver, wrong, NULL) == 0);
+    assert_true(factor(solver, infinite, NULL) == 0);
+    check_near(factor(solver, regular, NULL), 0.1, 1e-15);
     multifrontal_free(solver);
 
     // Rows that sum up to 0.
@@ -277,7 +285,7 @@ static void pivots_tell_singular_matrices(void **state)
     for (size_t j = 0; j < 400; j++)
         made.lower[made.first[j]] -= 0.01;
     check_status(multifrontal_make(&made.pattern, true, &solver, NULL), BAT_OK);
-    assert_true(multifrontal_factor(solver, made.lower, NULL) < 1e-13);
+    assert_true(factor(solver, made.lower, NULL) < 1e-13);
     multifrontal_free(solver);
     free_system(&made);
 }
@@ -291,8 +299,8 @@ static void solve_often(const test_system *made, const test_system *other, int t
     check_status(multifrontal_make(&made->pattern, false, &solver, NULL), BAT_OK);
     for (int k = 0; k < threads; k++)
     {
-        assert_true(multifrontal_factor(solver, other->lower, other->upper) > 0);
-        assert_true(multifrontal_factor(solver, made->lower, made->upper) > 0);
+        assert_true(factor(solver, other->lower, other->upper) > 0);
+        assert_true(factor(solver, made->lower, made->upper) > 0);
     }
     for (size_t i = 0; i < count; i++)
         x[i] = 1 + (double)(i % 5);

@@ -92,8 +92,7 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
     if (solver->supernodes != NULL)
         return supernodal_factor(solver->supernodes, values, pivot, error);
 #endif
-    *pivot = multifrontal_factor(solver->fronts, values, NULL);
-    return BAT_OK;
+    return multifrontal_factor(solver->fronts, values, NULL, pivot, error);
 }
 
 bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *right, double *solution, bat_error *error)

@@ -386,7 +386,7 @@ static double take_step(isometric_problem *problem, double energy, double slope)
 
 static bat_status run_rounds(isometric_problem *problem, bat_progress progress, bat_error *error)
 {
-    double energy = energy_of(problem, problem->parameters);
+    double energy = energy_of(problem, problem->parameters), pivot;
     bat_status status = BAT_OK;
     double *gradient = memory_array(problem->unknowns, sizeof *gradient);
     if (gradient == NULL)
@@ -399,7 +399,8 @@ static bat_status run_rounds(isometric_problem *problem, bat_progress progress, 
             break;
         }
         assemble(problem);
-        if (!(multifrontal_factor(problem->solver, problem->values, NULL) > 0))
+        status = multifrontal_factor(problem->solver, problem->values, NULL, &pivot, error);
+        if (status != BAT_OK || !(pivot > 0))
             break;
         memcpy(gradient, problem->direction, problem->unknowns * sizeof *gradient);
         status = multifrontal_solve(problem->solver, 1, problem->direction, error);

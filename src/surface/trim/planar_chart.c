@@ -307,8 +307,11 @@ static bat_status make_solver(unrolling *work, bat_error *error)
     }
     first[count] = (int)made;
     const symmetric_pattern pattern = {count, first, row};
+    double pivot = 0;
     bat_status status = multifrontal_make(&pattern, true, &work->solver, error);
-    if (status == BAT_OK && !(multifrontal_factor(work->solver, values, NULL) > 0))
+    if (status == BAT_OK)
+        status = multifrontal_factor(work->solver, values, NULL, &pivot, error);
+    if (status == BAT_OK && !(pivot > 0))
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the chart of the cloud is singular");
     free(first);
     free(row);
