@@ -75,7 +75,7 @@ enum
     MAX_BOUNDARY = 1000000000,
     MIN_SAMPLE = 22000,      ///< more than BAT_SURFACE_ALL_POINTS, whatever points are drawn
     SAMPLE = 200000,         ///< points by which a chart is found
-    POINTS_PER_FUNCTION = 15 ///< whose memory is that of a function in the matrix and its factors
+    POINTS_PER_FUNCTION = 30 ///< whose memory is that of a function in the matrix and its factors
 };
 
 static const char *const SOLVERS[] = {"cholesky", "direct", "iterative", NULL};
