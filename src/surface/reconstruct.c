@@ -524,7 +524,7 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     return status;
 }
 
-/// The ways to reconstruct again where a surface is wrong or doubtful. The first four have a boundary and charts of
+/// The ways to reconstruct again where a surface is wrong or doubtful. The first five have a boundary and charts of
 /// triangles (advancing_front.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The
 /// first is also for meshes that are given, and for clouds with a known boundary.
 typedef enum other_way
@@ -533,6 +533,7 @@ typedef enum other_way
     NARROW_GAPS,
     SMALL_GAPS,
     CLOSED_GAPS,
+    CUT_TUBE,  ///< for a wrong surface: its edges are so near that triangles join them all around
     FINE_LOOP, ///< with a boundary that a smaller disc finds, which enters narrow gaps
     OTHER_WAYS
 } other_way;
@@ -541,7 +542,7 @@ typedef enum other_way
 // to 0.014 where they are noisy and bend sharply.
 static const double DOUBTFUL_CROSS = 0.015;
 // Scales of triangles. Triangles of random points need the last one; in meshes, 0.5 suffices for most.
-static const double SCALES[FINE_LOOP] = {0.55, 0.65, 0.8, 1};
+static const double SCALES[FINE_LOOP] = {0.55, 0.65, 0.8, 1, 0.65};
 
 /// Prepare a copy of a cloud for another way.
 static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, other_way way, bat_progress progress,
@@ -557,7 +558,7 @@ static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, othe
     bat_cloud disc = {0};
     status = canonical_order_apply(copy, error);
     if (status == BAT_OK)
-        status = advancing_front_triangulate(copy, SCALES[way], progress, &disc, error);
+        status = advancing_front_triangulate(copy, SCALES[way], way == CUT_TUBE, progress, &disc, error);
     bat_cloud_free(copy);
     *copy = disc;
     return status;
@@ -616,7 +617,7 @@ static bool may_help(const bat_cloud *cloud, const bat_surface_options *options,
 {
     if (way == FINE_LOOP)
         return finds_boundary && status == BAT_OK;
-    if (way != OPEN_GAPS && !finds_boundary)
+    if ((way != OPEN_GAPS && !finds_boundary) || (way == CUT_TUBE && status != BAT_OK))
         return false;
     return options->parameters == BAT_SURFACE_PARAMETERS_AUTO && !options->published && !options->trim &&
            cloud->count <= BAT_SURFACE_ALL_POINTS;
@@ -643,7 +644,7 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     {
         bat_status before = status;
         if (!may_help(cloud, options, finds_boundary, (other_way)way, status) ||
-            ((one_sided || doubtful) && way == FINE_LOOP))
+            ((one_sided || doubtful) && way == FINE_LOOP) || (doubtful && way == CUT_TUBE))
             continue;
         status = reconstruct_again(cloud, options, finds_boundary, (other_way)way,
                                    doubtful ? made.verdict.cross_share : INFINITY, &made, &is_better, &failure);

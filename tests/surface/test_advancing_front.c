@@ -4,6 +4,7 @@
 
 #include "surface/cloud/advancing_front.h"
 #include "surface/cloud/canonical_order.h"
+#include "surface/cloud/tube_cut.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,7 +71,7 @@ static void a_finger_is_a_disc(void **state)
         bat_cloud cloud = make_finger(&edge), disc;
         add_noise(&cloud, noises[n]);
         assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
-        assert_int_equal(advancing_front_triangulate(&cloud, 1, (bat_progress){0}, &disc, NULL), BAT_OK);
+        assert_int_equal(advancing_front_triangulate(&cloud, 1, false, (bat_progress){0}, &disc, NULL), BAT_OK);
         assert_int_equal(disc.count, cloud.count);
         assert_in_range(disc.boundary_count, edge - edge / 10, edge + edge / 10);
         // Euler's formula: a disc of V points, B of them on the boundary, has 2 V - B - 2 triangles.
@@ -90,7 +91,8 @@ static void check_refused(bat_cloud *cloud)
     add_noise(cloud, 0.003);
     assert_int_equal(canonical_order_apply(cloud, NULL), BAT_OK);
     for (size_t k = 0; k < sizeof scales / sizeof *scales; k++)
-        assert_int_equal(advancing_front_triangulate(cloud, scales[k], (bat_progress){0}, &disc, NULL), BAT_NO_CONVERGENCE);
+        assert_int_equal(advancing_front_triangulate(cloud, scales[k], false, (bat_progress){0}, &disc, NULL),
+                         BAT_NO_CONVERGENCE);
     assert_null(disc.points);
     bat_cloud_free(cloud);
 }
@@ -118,6 +120,50 @@ static void what_is_no_disc_is_refused(void **state)
     check_refused(&band);
 }
 
+/// A tube is cut along its shortest strip: no point is lost, and the edge has both ends of the tube.
+static void a_tube_is_cut(void **state)
+{
+    (void)state;
+    const double spacing = 0.08, height = 1.5;
+    size_t number = 0, ends = 0;
+    bat_cloud tube = {0}, disc = {0};
+    for (double z = 0; z < height; z += spacing)
+        add_ring(&tube, 0.5, z, spacing, number++);
+    add_noise(&tube, 0.003);
+    assert_int_equal(canonical_order_apply(&tube, NULL), BAT_OK);
+    assert_int_equal(advancing_front_triangulate(&tube, 0.65, true, (bat_progress){0}, &disc, NULL), BAT_OK);
+    assert_int_equal(disc.count, tube.count);
+    assert_int_equal(disc.triangle_count, 2 * disc.count - disc.boundary_count - 2);
+    size_t of_ring = tube.count / number, across = (size_t)(height / (0.75 * spacing));
+    for (size_t i = 0; i < disc.boundary_count; i++)
+        ends += disc.points[3 * i + 2] < 0.02 || disc.points[3 * i + 2] > height - spacing;
+    assert_in_range(ends, 2 * of_ring - 2, 2 * of_ring);
+    assert_in_range(disc.boundary_count, ends, ends + 2 * across);
+    bat_cloud_free(&disc);
+    bat_cloud_free(&tube);
+    // A disc has nothing to cut.
+    bat_cloud cloud = make_finger(&ends);
+    assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
+    assert_int_equal(advancing_front_triangulate(&cloud, 1, true, (bat_progress){0}, &disc, NULL), BAT_NO_CONVERGENCE);
+    bat_cloud_free(&cloud);
+}
+
+/// Two rings of three points: the strip has one triangle of each end, and leaves the other four.
+static void a_strip_ends_at_both_loops(void **state)
+{
+    (void)state;
+    uint32_t faces[18] = {0, 1, 3, 1, 4, 3, 1, 2, 4, 2, 5, 4, 2, 0, 5, 0, 3, 5};
+    const uint32_t kept[12] = {1, 2, 4, 2, 5, 4, 2, 0, 5, 0, 3, 5};
+    size_t count = 6;
+    bat_error error = {0};
+    assert_int_equal(tube_cut(faces, &count, 6, &error), BAT_OK);
+    assert_int_equal(count, 4);
+    assert_memory_equal(faces, kept, sizeof kept);
+    // What is left has one loop.
+    assert_int_equal(tube_cut(faces, &count, 6, &error), BAT_NO_CONVERGENCE);
+    assert_int_equal(count, 4);
+}
+
 static void points_of_a_plane_have_no_tetrahedra(void **state)
 {
     (void)state;
@@ -125,7 +171,7 @@ static void points_of_a_plane_have_no_tetrahedra(void **state)
     bat_error error = {0};
     for (size_t i = 0; i < 100; i++)
         add_point(&plate, (double)(i % 10), (double)(i / 10), 0);
-    assert_int_equal(advancing_front_triangulate(&plate, 1, (bat_progress){0}, &disc, &error), BAT_NO_CONVERGENCE);
+    assert_int_equal(advancing_front_triangulate(&plate, 1, false, (bat_progress){0}, &disc, &error), BAT_NO_CONVERGENCE);
     assert_true(error.text[0] != '\0');
     bat_cloud_free(&plate);
 }
@@ -143,7 +189,7 @@ static void it_can_be_stopped(void **state)
     size_t edge;
     bat_cloud cloud = make_finger(&edge), disc = {0};
     const bat_progress progress = {.report = stop_at_once};
-    assert_int_equal(advancing_front_triangulate(&cloud, 1, progress, &disc, NULL), BAT_CANCELLED);
+    assert_int_equal(advancing_front_triangulate(&cloud, 1, false, progress, &disc, NULL), BAT_CANCELLED);
     bat_cloud_free(&cloud);
 }
 
@@ -152,6 +198,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_finger_is_a_disc),
         cmocka_unit_test(what_is_no_disc_is_refused),
+        cmocka_unit_test(a_tube_is_cut),
+        cmocka_unit_test(a_strip_ends_at_both_loops),
         cmocka_unit_test(points_of_a_plane_have_no_tetrahedra),
         cmocka_unit_test(it_can_be_stopped),
     };

@@ -22,6 +22,7 @@
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/neighbours.h"
 #include "surface/cloud/spatial_order.h"
+#include "surface/cloud/tube_cut.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -107,6 +108,8 @@ typedef struct front
     uint32_t *faces; ///< face_count x 3
     size_t face_count, face_capacity;
     double scale;      ///< factor of MAX_RADIUS[0]
+    bool cuts;         ///< a second long loop stays
+    bool has_two;      ///< there is one
     double max_radius; ///< of the balls of triangles, in mean spacings
     bool only_new;     ///< triangles with a new point alone are taken
 } front;
@@ -776,7 +779,7 @@ static bool is_turned(const front *work, uint32_t outer)
     return turned >= MIN_SEAM;
 }
 
-/// Fill all loops but the longest, which visits each point once at the end.
+/// Fill all loops but the longest, which visits each point once at the end, and but one more of a tube that is to be cut.
 static bat_status close_holes(front *work, bat_error *error)
 {
     uint32_t outer = NONE;
@@ -804,10 +807,13 @@ static bat_status close_holes(front *work, bat_error *error)
                 longest = length;
                 outer = e;
             }
-            if (pass == 1)
-                filled = length <= MAX_HOLE[count <= SMALL_HOLE] * longest;
-            if (pass == 1 && filled)
+            if (pass == 0)
+                continue;
+            filled = length <= MAX_HOLE[count <= SMALL_HOLE] * longest;
+            if (filled)
                 complete = fill_loop(work, e, &filled);
+            else if (work->cuts && !work->has_two)
+                work->has_two = filled = true;
         }
     }
     free(visited);
@@ -913,18 +919,17 @@ static bat_status add_left(front *work, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status front_make(const bat_cloud *cloud, const double *points, double scale, bat_progress progress, front *work,
+static bat_status front_make(const bat_cloud *cloud, const double *points, bat_progress progress, front *work,
                              bat_error *error)
 {
     size_t count = cloud->count;
     neighbour_tree tree = {0};
     spatial_tetrahedra tetrahedra = {0};
-    *work = (front){.points = points,
-                    .scale = scale,
-                    .count = count,
-                    .spacing = memory_array(count, sizeof *work->spacing),
-                    .first_out = memory_array(count, sizeof *work->first_out),
-                    .used = calloc(count + 1, sizeof *work->used)};
+    work->points = points;
+    work->count = count;
+    work->spacing = memory_array(count, sizeof *work->spacing);
+    work->first_out = memory_array(count, sizeof *work->first_out);
+    work->used = calloc(count + 1, sizeof *work->used);
     if (work->spacing == NULL || work->first_out == NULL || work->used == NULL)
         return error_memory(error, count * sizeof *work->spacing);
     bat_status status = neighbour_tree_build(points, count, &tree, error);
@@ -943,14 +948,16 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, doubl
     return status == BAT_OK ? add_left(work, error) : status;
 }
 
-bat_status advancing_front_triangulate(const bat_cloud *cloud, double scale, bat_progress progress, bat_cloud *disc,
-                                       bat_error *error)
+bat_status advancing_front_triangulate(const bat_cloud *cloud, double scale, bool cuts, bat_progress progress,
+                                       bat_cloud *disc, bat_error *error)
 {
-    front work = {0};
+    front work = {.scale = scale, .cuts = cuts};
     bat_cloud made = {0};
     double *points = points_to_unit_size(cloud->points, cloud->count);
     bat_status status = points == NULL ? error_memory(error, cloud->count * 3 * sizeof *points)
-                                       : front_make(cloud, points, scale, progress, &work, error);
+                                       : front_make(cloud, points, progress, &work, error);
+    if (status == BAT_OK && cuts)
+        status = tube_cut(work.faces, &work.face_count, cloud->count, error);
     if (status == BAT_OK)
     {
         const bat_mesh mesh = {
