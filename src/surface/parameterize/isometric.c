@@ -1,20 +1,13 @@
 /// @file
-/// Symmetric Dirichlet energy by reweighted least squares; see isometric.h.
-///
-/// In a round, each triangle with derivative J = U diag(s_1, s_2) V^T has the proxy energy
-///     |W (J' - R)|^2,   R = U V^T,   W = U diag(w_1, w_2) U^T,   w_i^2 = (s_i - s_i^-3) / (s_i - 1),
-/// whose gradient at J is that of the symmetric Dirichlet energy. The minimizer of the sum is a direction of descent. The
-/// step along it ends before the first triangle degenerates.
+/// Triangles of clouds and meshes, and where their minimization begins; see isometric.h.
 
 #include "surface/parameterize/isometric.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/progress.h"
-#include "linalg/multifrontal.h"
-#include "linalg/vector3.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
+#include "surface/parameterize/dirichlet.h"
 #include "surface/parameterize/stretch.h"
 #include "surface/parameterize/weights.h"
 
@@ -24,396 +17,33 @@
 
 enum
 {
-    MAX_ROUNDS = 40,
-    MAX_HALVINGS = 24,
     /// Larger clouds are represented by a part of their points; the others get averages.
     MAX_CORNERS = 8000,
     /// Larger meshes are triangulated anew, as clouds are.
-    MAX_MESH = 20000,
-    CORNER_UNKNOWNS = 6, ///< unknowns of a triangle
-    TRIANGLE_ENTRIES = CORNER_UNKNOWNS * (CORNER_UNKNOWNS + 1) / 2
+    MAX_MESH = 20000
 };
 
-/// Rounds end when the energy decreases by less than this share.
-static const double MIN_DECREASE = 2e-3;
-/// Smallest ratio of a triangle's height to its longest side. Flatter triangles are measured with this height.
-static const double MIN_HEIGHT = 0.05;
-/// Share of the step to the first degenerate triangle.
-static const double STEP_SHARE = 0.8;
-/// Share of the derivative that a step must realize (Armijo, 1966).
-static const double ARMIJO = 1e-4;
-/// Weight of the proximal term, relative to the mean diagonal entry.
-static const double PROXIMAL = 1e-6;
 /// Energy from which a triangulation is taken as spoilt by rounding.
 static const double MAX_START = 1e7;
-/// Limit of the weights of the proxy.
-static const double MAX_WEIGHT = 1e8;
 /// The middle of the square.
 static const double MIDDLE[2] = {0.5, 0.5};
 
-/// Stands for a coordinate that does not move.
-static const int FIXED = -1;
 /// Stands for the index of a point that is not in the whole cloud.
 static const uint32_t NEW_POINT = UINT32_MAX;
-
-/// A triangle: gradients of the hat functions of its corners in its plane, and its area. The sum over corners of
-/// parameter_k gradient_k^T is the derivative of the map to the parameters.
-typedef struct rest_triangle
-{
-    uint32_t corners[3];
-    double gradient[3][2];
-    double area;
-    int entries[TRIANGLE_ENTRIES]; ///< of its unknowns' pairs (a, b), b <= a, in the matrix; FIXED for none
-} rest_triangle;
 
 typedef struct isometric_problem
 {
     bat_cloud part;    ///< the corners of triangles, with the triangles
     uint32_t *members; ///< part.count: their indices in the whole cloud
-    rest_triangle *triangles;
-    size_t triangle_count;
-    size_t point_count;
-    int *unknown; ///< point_count x 2: unknowns of the coordinates, FIXED for coordinates that stay
-    size_t unknowns;
-    int *first; ///< unknowns + 1, of the pattern
-    int *row;
-    multifrontal *solver;
-    double *values;    ///< of the matrix
-    double *direction; ///< unknowns
-    double *parameters, *next;
+    dirichlet_map map;
 } isometric_problem;
 
 static void problem_free(isometric_problem *problem)
 {
     bat_cloud_free(&problem->part);
     free(problem->members);
-    free(problem->triangles);
-    free(problem->unknown);
-    free(problem->first);
-    free(problem->row);
-    free(problem->values);
-    free(problem->direction);
-    free(problem->parameters);
-    free(problem->next);
-    multifrontal_free(problem->solver);
-}
-
-/// Measure a triangle in space.
-static void rest_triangle_make(const double *a, const double *b, const double *c, rest_triangle *made)
-{
-    double along[3], other[3], across[3];
-    vector3_subtract(b, a, along);
-    vector3_subtract(c, a, other);
-    vector3_cross(along, other, across);
-    double length = sqrt(vector3_dot(along, along)), far = sqrt(vector3_dot(other, other));
-    double longest = fmax(fmax(length, far), vector3_distance(b, c));
-    double doubled = fmax(sqrt(vector3_dot(across, across)), MIN_HEIGHT * longest * longest);
-    // Corners (0, 0), (length, 0), (x, y).
-    double base = fmax(length, MIN_HEIGHT * longest), x = vector3_dot(along, other) / base, y = doubled / base;
-    const double planar[3][2] = {{0, 0}, {base, 0}, {x, y}};
-    for (int k = 0; k < 3; k++)
-    {
-        const double *p = planar[(k + 1) % 3], *q = planar[(k + 2) % 3];
-        made->gradient[k][0] = (p[1] - q[1]) / doubled;
-        made->gradient[k][1] = (q[0] - p[0]) / doubled;
-    }
-    made->area = doubled / 2;
-}
-
-/// The map's derivative: rows are coordinates of parameters.
-static void derivative_of(const rest_triangle *triangle, const double *parameters, double derivative[4])
-{
-    memset(derivative, 0, 4 * sizeof *derivative);
-    for (int k = 0; k < 3; k++)
-    {
-        const double *u = parameters + 2 * (size_t)triangle->corners[k];
-        for (int e = 0; e < 4; e++)
-            derivative[e] += u[e / 2] * triangle->gradient[k][e % 2];
-    }
-}
-
-/// |J|^2 (1 + 1 / det^2); infinite where det <= 0.
-static double energy_of(const isometric_problem *problem, const double *parameters)
-{
-    double sum = 0;
-    for (size_t t = 0; t < problem->triangle_count; t++)
-    {
-        double j[4];
-        derivative_of(&problem->triangles[t], parameters, j);
-        double square = j[0] * j[0] + j[1] * j[1] + j[2] * j[2] + j[3] * j[3], det = j[0] * j[3] - j[1] * j[2];
-        if (!(det > 0))
-            return INFINITY;
-        sum += problem->triangles[t].area * square * (1 + 1 / (det * det));
-    }
-    return sum;
-}
-
-/// J = U diag(s) V^T for a positive determinant; W^2 = U diag(w^2) U^T and R = U V^T.
-static void proxy_of(const double j[4], double weight[4], double rotation[4])
-{
-    // Blinn, "Consider the lowly 2 x 2 matrix" (1996).
-    double e = (j[0] + j[3]) / 2, f = (j[0] - j[3]) / 2, g = (j[2] + j[1]) / 2, h = (j[2] - j[1]) / 2;
-    double q = hypot(e, h), r = hypot(f, g), s[2] = {q + r, fmax(q - r, 1e-300)};
-    double beta = (atan2(h, e) + atan2(g, f)) / 2, turn = atan2(h, e), c = cos(beta), d = sin(beta), w[2];
-    for (int k = 0; k < 2; k++)
-    {
-        // (s - s^-3) / (s - 1) = (s + 1) (s^2 + 1) / s^3
-        w[k] = fmin((s[k] + 1) * (s[k] * s[k] + 1) / (s[k] * s[k] * s[k]), MAX_WEIGHT);
-    }
-    weight[0] = w[0] * c * c + w[1] * d * d;
-    weight[1] = weight[2] = (w[0] - w[1]) * c * d;
-    weight[3] = w[0] * d * d + w[1] * c * c;
-    rotation[0] = rotation[3] = cos(turn);
-    rotation[1] = -sin(turn);
-    rotation[2] = sin(turn);
-}
-
-// Pattern
-
-static int compare_ints(const void *a, const void *b)
-{
-    int p = *(const int *)a, q = *(const int *)b;
-    return (p > q) - (p < q);
-}
-
-/// The unknowns of a triangle: coordinate a % 2 of corner a / 2.
-static int unknown_of(const isometric_problem *problem, const rest_triangle *triangle, int a)
-{
-    return problem->unknown[2 * (size_t)triangle->corners[a / 2] + (size_t)(a % 2)];
-}
-
-/// The lower triangle of the pattern by columns. False when out of memory.
-static bool make_pattern(isometric_problem *problem)
-{
-    size_t columns = problem->unknowns;
-    int *fill = calloc(columns + 1, sizeof *fill);
-    problem->first = calloc(columns + 1, sizeof *problem->first);
-    problem->row = memory_array(problem->triangle_count, TRIANGLE_ENTRIES * sizeof *problem->row);
-    if (fill == NULL || problem->first == NULL || problem->row == NULL)
-    {
-        free(fill);
-        return false;
-    }
-    for (int pass = 0; pass < 2; pass++)
-    {
-        for (size_t t = 0; t < problem->triangle_count; t++)
-            for (int a = 0; a < CORNER_UNKNOWNS; a++)
-                for (int b = 0; b <= a; b++)
-                {
-                    int p = unknown_of(problem, &problem->triangles[t], a),
-                        q = unknown_of(problem, &problem->triangles[t], b);
-                    if (p == FIXED || q == FIXED)
-                        continue;
-                    int low = p < q ? p : q, high = p < q ? q : p;
-                    if (pass == 0)
-                        fill[low]++;
-                    else
-                        problem->row[fill[low]++] = high;
-                }
-        int sum = 0;
-        for (size_t c = 0; c < columns && pass == 0; c++)
-        {
-            int entries = fill[c];
-            fill[c] = sum;
-            sum += entries;
-        }
-    }
-    // Sort each column and drop repetitions.
-    int made = 0, begin = 0;
-    for (size_t c = 0; c < columns; c++)
-    {
-        int end = fill[c];
-        qsort(problem->row + begin, (size_t)(end - begin), sizeof *problem->row, compare_ints);
-        problem->first[c] = made;
-        for (int k = begin; k < end; k++)
-            if (k == begin || problem->row[k] != problem->row[k - 1])
-                problem->row[made++] = problem->row[k];
-        begin = end;
-    }
-    problem->first[columns] = made;
-    free(fill);
-    return true;
-}
-
-/// The index of an entry of the pattern.
-static int find_entry(const isometric_problem *problem, int p, int q)
-{
-    int column = p < q ? p : q, wanted = p < q ? q : p;
-    int low = problem->first[column], high = problem->first[column + 1];
-    while (high - low > 1)
-    {
-        int middle = low + (high - low) / 2;
-        if (problem->row[middle] <= wanted)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-static void set_entries(isometric_problem *problem)
-{
-    for (size_t t = 0; t < problem->triangle_count; t++)
-    {
-        rest_triangle *triangle = &problem->triangles[t];
-        int *entry = triangle->entries;
-        for (int a = 0; a < CORNER_UNKNOWNS; a++)
-            for (int b = 0; b <= a; b++)
-            {
-                int p = unknown_of(problem, triangle, a), q = unknown_of(problem, triangle, b);
-                *entry++ = p == FIXED || q == FIXED ? FIXED : find_entry(problem, p, q);
-            }
-    }
-}
-
-/// Number the coordinates that move: a boundary point has none at a corner of the square, and one along a side.
-static void number_unknowns(isometric_problem *problem)
-{
-    for (size_t i = 0; i < problem->point_count; i++)
-    {
-        const double *u = problem->parameters + 2 * i;
-        bool on[2] = {u[0] == 0 || u[0] == 1, u[1] == 0 || u[1] == 1};
-        for (size_t d = 0; d < 2; d++)
-        {
-            bool boundary = i < problem->part.boundary_count, stays = boundary && (on[d] || !on[1 - d]);
-            problem->unknown[2 * i + d] = stays ? FIXED : (int)problem->unknowns++;
-        }
-    }
-}
-
-// Rounds
-
-/// Assemble the proxy's matrix and minus its gradient.
-static void assemble(isometric_problem *problem)
-{
-    memset(problem->values, 0, (size_t)problem->first[problem->unknowns] * sizeof *problem->values);
-    memset(problem->direction, 0, problem->unknowns * sizeof *problem->direction);
-    for (size_t t = 0; t < problem->triangle_count; t++)
-    {
-        const rest_triangle *triangle = &problem->triangles[t];
-        double j[4], weight[4], rotation[4], pull[4];
-        derivative_of(triangle, problem->parameters, j);
-        proxy_of(j, weight, rotation);
-        for (int e = 0; e < 4; e++)
-            pull[e] = weight[e / 2 * 2] * (rotation[e % 2] - j[e % 2]) +
-                      weight[e / 2 * 2 + 1] * (rotation[2 + e % 2] - j[2 + e % 2]);
-        const int *entry = triangle->entries;
-        for (int a = 0; a < CORNER_UNKNOWNS; a++)
-        {
-            const double *at = triangle->gradient[a / 2];
-            int p = unknown_of(problem, triangle, a);
-            if (p != FIXED)
-                problem->direction[p] += triangle->area * (pull[a % 2 * 2] * at[0] + pull[a % 2 * 2 + 1] * at[1]);
-            for (int b = 0; b <= a; b++, entry++)
-            {
-                const double *other = triangle->gradient[b / 2];
-                if (*entry != FIXED)
-                    problem->values[*entry] +=
-                        triangle->area * weight[a % 2 * 2 + b % 2] * (at[0] * other[0] + at[1] * other[1]);
-            }
-        }
-    }
-    double mean = 0;
-    for (size_t c = 0; c < problem->unknowns; c++)
-        mean += problem->values[problem->first[c]] / (double)problem->unknowns;
-    for (size_t c = 0; c < problem->unknowns; c++)
-        problem->values[problem->first[c]] += PROXIMAL * mean;
-}
-
-static double direction_at(const isometric_problem *problem, uint32_t point, size_t d)
-{
-    int unknown = problem->unknown[2 * (size_t)point + d];
-    return unknown == FIXED ? 0 : problem->direction[unknown];
-}
-
-/// The smallest positive root of a + b t + c t^2 with a > 0; infinite for none.
-static double first_root(double a, double b, double c)
-{
-    if (fabs(c) < 1e-300)
-        return b < 0 ? -a / b : INFINITY;
-    double inside = b * b - 4 * a * c;
-    if (inside < 0)
-        return INFINITY;
-    double q = -(b + copysign(sqrt(inside), b)) / 2, roots[2] = {q / c, q != 0 ? a / q : INFINITY}, least = INFINITY;
-    for (int k = 0; k < 2; k++)
-        if (roots[k] > 0 && roots[k] < least)
-            least = roots[k];
-    return least;
-}
-
-/// The step at which the first triangle degenerates.
-static double longest_step(const isometric_problem *problem)
-{
-    double least = INFINITY;
-    for (size_t t = 0; t < problem->triangle_count; t++)
-    {
-        const uint32_t *corners = problem->triangles[t].corners;
-        double p[2][2], v[2][2];
-        for (size_t k = 0; k < 2; k++)
-            for (size_t d = 0; d < 2; d++)
-            {
-                p[k][d] =
-                    problem->parameters[2 * (size_t)corners[k + 1] + d] - problem->parameters[2 * (size_t)corners[0] + d];
-                v[k][d] = direction_at(problem, corners[k + 1], d) - direction_at(problem, corners[0], d);
-            }
-        double a = p[0][0] * p[1][1] - p[0][1] * p[1][0], c = v[0][0] * v[1][1] - v[0][1] * v[1][0];
-        double b = p[0][0] * v[1][1] + v[0][0] * p[1][1] - p[0][1] * v[1][0] - v[0][1] * p[1][0];
-        least = fmin(least, first_root(a, b, c));
-    }
-    return least;
-}
-
-/// Move along the direction; the energy after the step, or that of before where no step decreases it.
-static double take_step(isometric_problem *problem, double energy, double slope)
-{
-    double step = fmin(1, STEP_SHARE * longest_step(problem));
-    for (int k = 0; k < MAX_HALVINGS; k++, step /= 2)
-    {
-        memcpy(problem->next, problem->parameters, 2 * problem->point_count * sizeof *problem->next);
-        for (size_t n = 0; n < 2 * problem->point_count; n++)
-            if (problem->unknown[n] != FIXED)
-                problem->next[n] = fmin(fmax(problem->next[n] + step * problem->direction[problem->unknown[n]], 0), 1);
-        double reached = energy_of(problem, problem->next);
-        if (!(reached <= energy - ARMIJO * step * slope))
-            continue;
-        double *swap = problem->parameters;
-        problem->parameters = problem->next;
-        problem->next = swap;
-        return reached;
-    }
-    return energy;
-}
-
-static bat_status run_rounds(isometric_problem *problem, bat_progress progress, bat_error *error)
-{
-    double energy = energy_of(problem, problem->parameters), pivot;
-    bat_status status = BAT_OK;
-    double *gradient = memory_array(problem->unknowns, sizeof *gradient);
-    if (gradient == NULL)
-        return error_memory(error, problem->unknowns * sizeof *gradient);
-    for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && isfinite(energy); round++)
-    {
-        if (!progress_goes_on(progress, (double)round / MAX_ROUNDS))
-        {
-            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
-            break;
-        }
-        assemble(problem);
-        status = multifrontal_factor(problem->solver, problem->values, NULL, &pivot, error);
-        if (status != BAT_OK || !(pivot > 0))
-            break;
-        memcpy(gradient, problem->direction, problem->unknowns * sizeof *gradient);
-        status = multifrontal_solve(problem->solver, 1, problem->direction, error);
-        double slope = 0;
-        for (size_t c = 0; c < problem->unknowns; c++)
-            slope += 2 * gradient[c] * problem->direction[c];
-        double reached = status == BAT_OK ? take_step(problem, energy, slope) : energy;
-        if (reached > (1 - MIN_DECREASE) * energy)
-            break;
-        energy = reached;
-    }
-    free(gradient);
-    return status;
+    dirichlet_free(&problem->map);
+    *problem = (isometric_problem){0};
 }
 
 /// Which points are corners of triangles: all, or an even choice of a large cloud. Corners of the square always are.
@@ -642,77 +272,57 @@ static bat_status gather_mesh(const bat_cloud *cloud, const double *parameters, 
     return BAT_OK;
 }
 
-/// Measure the triangles, scaled to the area of the square.
-static bat_status measure_triangles(isometric_problem *problem, bat_error *error)
+/// The energy of the parameters.
+static double energy_of(const isometric_problem *problem)
 {
-    const bat_cloud *part = &problem->part;
-    problem->triangle_count = part->triangle_count;
-    problem->triangles = memory_array(part->triangle_count, sizeof *problem->triangles);
-    if (problem->triangles == NULL)
-        return error_memory(error, part->triangle_count * sizeof *problem->triangles);
-    double total = 0;
-    for (size_t t = 0; t < part->triangle_count; t++)
-    {
-        const uint32_t *corners = part->triangles + 3 * t;
-        memcpy(problem->triangles[t].corners, corners, sizeof problem->triangles[t].corners);
-        rest_triangle_make(part->points + 3 * (size_t)corners[0], part->points + 3 * (size_t)corners[1],
-                           part->points + 3 * (size_t)corners[2], &problem->triangles[t]);
-        total += problem->triangles[t].area;
-    }
-    double scale = sqrt(total);
-    for (size_t t = 0; t < part->triangle_count; t++)
-    {
-        problem->triangles[t].area /= total;
-        for (size_t k = 0; k < 6; k++)
-            problem->triangles[t].gradient[k / 2][k % 2] *= scale;
-    }
-    return BAT_OK;
+    return dirichlet_energy(&problem->map, problem->map.parameters);
 }
 
 /// Keep the next parameters where they have less energy.
-static void keep_better(isometric_problem *problem)
+/// @return whether their energy is finite
+static bool keep_better(dirichlet_map *map)
 {
-    if (energy_of(problem, problem->next) < energy_of(problem, problem->parameters))
-        memcpy(problem->parameters, problem->next, 2 * problem->point_count * sizeof *problem->next);
+    double next = dirichlet_energy(map, map->next);
+    if (next < dirichlet_energy(map, map->parameters))
+        memcpy(map->parameters, map->next, 2 * map->point_count * sizeof *map->next);
+    return isfinite(next);
+}
+
+/// Weights that are all the same (Tutte, 1963).
+static void make_uniform(sparse_rows *rows)
+{
+    for (size_t row = 0; row < rows->row_count; row++)
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            rows->values[e] = 1 / (double)(rows->starts[row + 1] - rows->starts[row]);
 }
 
 /// Even out the parameters by averages over the triangles, which turn no triangle over (Floater, 2003), with weights divided
-/// by the stretch (stretch.h). Rounding may prevent this where points crowd; then the given parameters stay.
+/// by the stretch (stretch.h). Rounding may prevent this where points crowd: uniform weights crowd less, and else the given
+/// parameters stay.
 static bat_status even_out(isometric_problem *problem, average_solver solver, bat_error *error)
 {
     sparse_rows rows = {0};
     bat_error failure;
-    memcpy(problem->next, problem->parameters, 2 * problem->point_count * sizeof *problem->next);
+    dirichlet_map *map = &problem->map;
+    memcpy(map->next, map->parameters, 2 * map->point_count * sizeof *map->next);
     bat_status status = weights_of_triangles(&problem->part, &rows, &failure);
     if (status == BAT_OK)
-        status = averages_solve(&problem->part, &rows, NULL, solver, problem->next, &failure);
+        status = averages_solve(&problem->part, &rows, NULL, solver, map->next, &failure);
+    if (status == BAT_OK && !keep_better(map))
+    {
+        make_uniform(&rows);
+        status = averages_solve(&problem->part, &rows, NULL, solver, map->next, &failure);
+        if (status == BAT_OK)
+            (void)keep_better(map);
+    }
     if (status == BAT_OK)
-        keep_better(problem);
-    if (status == BAT_OK)
-        status = stretch_minimize(&problem->part, &rows, solver, problem->next, &failure);
+        status = stretch_minimize(&problem->part, &rows, solver, map->next, &failure);
     sparse_rows_free(&rows);
     if (status == BAT_NO_MEMORY)
         return error_set(error, status, BAT_NO_INDEX, 0, "%s", failure.text);
     if (status == BAT_OK)
-        keep_better(problem);
+        (void)keep_better(map);
     return BAT_OK;
-}
-
-/// Make the matrix and its solver.
-static bat_status make_solver(isometric_problem *problem, bat_error *error)
-{
-    number_unknowns(problem);
-    if (problem->unknowns == 0)
-        return BAT_OK;
-    if (!make_pattern(problem))
-        return error_memory(error, problem->triangle_count * sizeof *problem->triangles);
-    set_entries(problem);
-    problem->values = memory_array((size_t)problem->first[problem->unknowns], sizeof *problem->values);
-    problem->direction = memory_array(problem->unknowns, sizeof *problem->direction);
-    if (problem->values == NULL || problem->direction == NULL)
-        return error_memory(error, problem->unknowns * sizeof *problem->values);
-    const symmetric_pattern pattern = {problem->unknowns, problem->first, problem->row};
-    return multifrontal_make(&pattern, true, &problem->solver, error);
 }
 
 /// @param of_mesh the triangles are those of the cloud; else of a triangulation of the parameters
@@ -725,20 +335,21 @@ static bat_status problem_make(const bat_cloud *cloud, const double *parameters,
     size_t count = problem->part.count;
     if (status != BAT_OK || count == 0)
         return status;
-    problem->point_count = count;
-    problem->unknown = memory_array(count, 2 * sizeof(int));
-    problem->parameters = memory_array(count, 2 * sizeof(double));
-    problem->next = memory_array(count, 2 * sizeof(double));
-    if (problem->unknown == NULL || problem->parameters == NULL || problem->next == NULL)
+    dirichlet_map *map = &problem->map;
+    map->point_count = count;
+    map->boundary_count = problem->part.boundary_count;
+    map->parameters = memory_array(count, 2 * sizeof(double));
+    map->next = memory_array(count, 2 * sizeof(double));
+    if (map->parameters == NULL || map->next == NULL)
         return error_memory(error, count * 2 * sizeof(double));
     for (size_t i = 0; i < count; i++)
-        memcpy(problem->parameters + 2 * i,
+        memcpy(map->parameters + 2 * i,
                problem->members[i] == NEW_POINT ? MIDDLE : parameters + 2 * (size_t)problem->members[i],
                2 * sizeof *parameters);
-    status = measure_triangles(problem, error);
+    status = dirichlet_measure(problem->part.points, problem->part.triangles, problem->part.triangle_count, map, error);
     if (status == BAT_OK)
         status = even_out(problem, solver, error);
-    return status == BAT_OK ? make_solver(problem, error) : status;
+    return status == BAT_OK ? dirichlet_prepare(map, error) : status;
 }
 
 /// Move the boundary points that are no corners of triangles: between the nearest ones along the loop that are, in
@@ -775,9 +386,9 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
     if (before == NULL)
         return error_memory(error, cloud->boundary_count * 2 * sizeof *before);
     memcpy(before, parameters, 2 * cloud->boundary_count * sizeof *before);
-    for (size_t i = 0; i < problem->point_count; i++)
+    for (size_t i = 0; i < problem->map.point_count; i++)
         if (problem->members[i] != NEW_POINT)
-            memcpy(parameters + 2 * (size_t)problem->members[i], problem->parameters + 2 * i, 2 * sizeof *parameters);
+            memcpy(parameters + 2 * (size_t)problem->members[i], problem->map.parameters + 2 * i, 2 * sizeof *parameters);
     move_boundary(cloud, used, before, parameters);
     free(before);
     for (size_t i = 0; i < cloud->count; i++)
@@ -791,7 +402,7 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
 /// Whether points crowd so that rounding spoils their triangles.
 static bool is_crowded(const isometric_problem *problem)
 {
-    return problem->triangle_count == 0 || !(energy_of(problem, problem->parameters) < MAX_START);
+    return problem->map.triangle_count == 0 || !(energy_of(problem) < MAX_START);
 }
 
 bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
@@ -807,10 +418,9 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
         // Where points crowd, an iteration turns triangles over.
         status = problem_make(cloud, parameters, true, (average_solver){.direct = true, .progress = solver.progress}, used,
                               &problem, error);
-    if (status == BAT_OK && of_mesh && !isfinite(energy_of(&problem, problem.parameters)))
+    if (status == BAT_OK && of_mesh && !isfinite(energy_of(&problem)))
     {
         problem_free(&problem);
-        problem = (isometric_problem){0};
         of_mesh = false;
     }
     if (status == BAT_OK && !of_mesh)
@@ -818,14 +428,13 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
     if (status == BAT_OK && !of_mesh && is_crowded(&problem))
     {
         problem_free(&problem);
-        problem = (isometric_problem){0};
         status = stretch_minimize(cloud, rows, solver, parameters, error);
         if (status == BAT_OK)
             status = problem_make(cloud, parameters, false, solver, used, &problem, error);
     }
-    if (status == BAT_OK && problem.solver != NULL)
-        status = run_rounds(&problem, solver.progress, error);
-    if (status == BAT_OK && problem.solver != NULL)
+    if (status == BAT_OK && problem.map.solver != NULL)
+        status = dirichlet_minimize(&problem.map, solver.progress, error);
+    if (status == BAT_OK && problem.map.solver != NULL)
         status = store(cloud, rows, solver, used, &problem, parameters, error);
     problem_free(&problem);
     free(used);
