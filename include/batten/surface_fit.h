@@ -28,6 +28,11 @@ typedef struct bat_surface_fit_data
     bool border;
     /// The border curves of bat_surface_fit_together(), which takes them; null: none.
     bat_surface_border *curves;
+    /// Places near the surface that hold it where there are few points: each counts a tenth of a point. For
+    /// bat_surface_fit().
+    const double *guides;           ///< guide_count x dimension; null: none
+    const double *guide_parameters; ///< guide_count x 2 in [0, 1]^2
+    size_t guide_count;
 } bat_surface_fit_data;
 
 /// The largest number of rings of cells that are refined around a marked one.

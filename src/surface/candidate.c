@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "surface/cloud/neighbours.h"
+#include "surface/guides.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -259,7 +260,16 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
                                      boundary_on_sides(cloud, candidate->parameters) ? cloud->boundary_count : 0,
                                  .slides = slides,
                                  .border = border};
-    bat_status status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
+    surface_guides guides = {0};
+    bat_status status = geometry->is_deep && cloud->triangle_count > 0
+                            ? surface_guides_make(cloud, candidate->parameters, &guides, &failure)
+                            : BAT_OK;
+    data.guides = guides.places;
+    data.guide_parameters = guides.parameters;
+    data.guide_count = guides.count;
+    if (status == BAT_OK)
+        status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
+    surface_guides_free(&guides);
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
     if (status == BAT_OK && candidate->trimming != NULL)

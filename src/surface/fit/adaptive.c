@@ -246,6 +246,11 @@ static void loop_free(fit_loop *loop)
     free(loop->rounds);
 }
 
+static bool can_be_held_out(const fit_points *points, size_t row)
+{
+    return points->freedom[row] == FIT_FREE && points->number[row] < points->guides;
+}
+
 /// Hold out one in some free points along the Morton curve.
 static bat_status hold_out(fit_loop *loop, bat_error *error)
 {
@@ -256,13 +261,13 @@ static bat_status hold_out(fit_loop *loop, bat_error *error)
     if (loop->held == NULL || loop->best.parameter == NULL)
         return error_memory(error, points->count * 2 * sizeof *loop->best.parameter);
     for (size_t row = 0; row < points->count; row++)
-        count += points->freedom[row] == FIT_FREE;
+        count += can_be_held_out(points, row);
     bat_status status = group_sum_before(points->group, count, &passed, error);
     count = 0;
     for (size_t row = 0; row < points->count; row++)
     {
-        passed += points->freedom[row] == FIT_FREE;
-        loop->held[row] = points->freedom[row] == FIT_FREE && passed % step == step / 2;
+        passed += can_be_held_out(points, row);
+        loop->held[row] = can_be_held_out(points, row) && passed % step == step / 2;
         count += loop->held[row];
         if (loop->held[row])
             points->weight[row] = 0;

@@ -24,6 +24,8 @@ enum
 // point.
 static const double SAMPLE_WEIGHT = 1;
 static const double ROUGH_WEIGHT = 0.25;
+// Weight of a guide.
+static const double GUIDE_WEIGHT = 0.1;
 // Mean distance of the edge of randomly scattered points from the curve, in units of the loop's roughness.
 static const double OFFSET = 1.35;
 // Loops with less roughness, in distances between their points, run along the edge.
@@ -203,40 +205,58 @@ bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_f
     return status;
 }
 
-/// Rows of numbers from `own` on are samples.
-static void set_samples(fit_points *points, size_t own)
+/// Rows of numbers from `own` on are samples, those from `guides` on guides.
+static void set_samples(fit_points *points, size_t own, size_t guides)
 {
     points->own = points->total = own;
+    points->guides = guides;
     for (size_t row = 0; row < points->count; row++)
-        if (points->number[row] >= own)
+        if (points->number[row] >= guides)
+            points->weight[row] = GUIDE_WEIGHT;
+        else if (points->number[row] >= own)
         {
             points->freedom[row] = FIT_FIXED;
             points->weight[row] = ROUGH_WEIGHT;
         }
 }
 
+/// Append `count` rows of numbers.
+static double *append(double *to, const double *rows, size_t count, size_t width)
+{
+    if (count > 0)
+        memcpy(to, rows, count * width * sizeof *to);
+    return to + count * width;
+}
+
 bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
                              bat_error *error)
 {
-    if (border->samples == 0)
+    size_t samples = border->samples, guides = data->guide_count, dimension = data->dimension;
+    if (samples + guides == 0)
         return fit_points_make(data, NULL, centred, points, error);
-    size_t count = data->count + border->samples, dimension = data->dimension;
+    size_t count = data->count + samples + guides;
     double *all = memory_array(count, dimension * sizeof *all), *at = memory_array(count, 2 * sizeof *at);
     bat_status status = all == NULL || at == NULL ? error_memory(error, count * (dimension + 2) * sizeof *all) : BAT_OK;
     if (status == BAT_OK)
     {
-        memcpy(all, data->points, data->count * dimension * sizeof *all);
-        memcpy(all + data->count * dimension, border->points, border->samples * dimension * sizeof *all);
-        memcpy(at, data->parameters, 2 * data->count * sizeof *at);
-        memcpy(at + 2 * data->count, border->at, 2 * border->samples * sizeof *at);
-        bat_surface_fit_data joined = {.points = all, .parameters = at, .count = count, .dimension = dimension};
+        double *end = append(all, data->points, data->count, dimension);
+        (void)append(append(end, border->points, samples, dimension), data->guides, guides, dimension);
+        end = append(at, data->parameters, data->count, 2);
+        (void)append(append(end, border->at, samples, 2), data->guide_parameters, guides, 2);
+        // Border curves make boundary points as free as others.
+        bat_surface_fit_data joined = {.points = all,
+                                       .parameters = at,
+                                       .count = count,
+                                       .dimension = dimension,
+                                       .boundary_count = samples > 0 ? 0 : data->boundary_count,
+                                       .slides = data->slides};
         status = fit_points_make(&joined, NULL, centred, points, error);
     }
     free(all);
     free(at);
     if (status != BAT_OK)
         return status;
-    set_samples(points, data->count);
+    set_samples(points, data->count, data->count + samples);
     return BAT_OK;
 }
 
@@ -248,7 +268,7 @@ bat_status fit_border_points_part(const fit_border *border, const bat_group *gro
         joined.boundary_count = 0;
     bat_status status = fit_points_make_part(group, &joined, numbers, centred, points, error);
     if (status == BAT_OK && border->samples > 0)
-        set_samples(points, points->total - border->samples);
+        set_samples(points, points->total - border->samples, points->total);
     return status;
 }
 
@@ -436,7 +456,7 @@ static void move_samples(const fit_border *border, fit_points *points)
 {
     size_t dimension = border->dimension;
     for (size_t row = 0; row < points->count; row++)
-        if (points->number[row] >= points->own)
+        if (points->number[row] >= points->own && points->number[row] < points->guides)
         {
             size_t sample = points->number[row] - points->own;
             memcpy(points->position + row * dimension, border->target + sample * dimension, dimension * sizeof(double));
@@ -469,7 +489,7 @@ bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_point
     if (status == BAT_OK)
         move_samples(border, points);
     for (size_t row = 0; row < points->count && status == BAT_OK; row++)
-        if (points->number[row] >= points->own)
+        if (points->number[row] >= points->own && points->number[row] < points->guides)
             points->distance[row] = update.distances[points->number[row] - points->own];
     free(update.scratch);
     free(update.values);

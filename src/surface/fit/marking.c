@@ -77,7 +77,8 @@ static cell_points gather_places(const fit_points *points, size_t begin, size_t 
     for (size_t place = begin; place < end; place++)
     {
         size_t row = points->order[place];
-        if (points->weight[row] == 0)
+        // Guides are no reason to refine.
+        if (points->weight[row] == 0 || points->number[row] >= points->guides)
             continue;
         gathered.sum += points->weight[row] * points->distance[row] * points->distance[row];
         gathered.largest = fmax(gathered.largest, points->distance[row]);

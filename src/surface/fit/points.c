@@ -65,6 +65,14 @@ bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
     for (size_t i = 0; i < data->count && status == BAT_OK; i++)
         status = check_point(data, i, i, error);
+    for (size_t i = 0; i < 2 * data->guide_count && status == BAT_OK; i++)
+        if (!(data->guide_parameters[i] >= 0 && data->guide_parameters[i] <= 1))
+            status = error_set(error, BAT_INVALID_POINT, i / 2, 0, "the parameter of guide %zu is outside the unit square",
+                               i / 2);
+    for (size_t i = 0; i < data->dimension * data->guide_count && status == BAT_OK; i++)
+        if (!isfinite(data->guides[i]))
+            status = error_set(error, BAT_INVALID_POINT, i / data->dimension, 0,
+                               "guide %zu has a coordinate that is not finite", i / data->dimension);
     return status;
 }
 
@@ -201,7 +209,8 @@ static void copy_rows(const bat_surface_fit_data *data, const double *weights, b
 bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
                            bat_error *error)
 {
-    *points = (fit_points){.total = data->count, .own = data->count, .count = data->count, .dimension = data->dimension};
+    *points = (fit_points){
+        .total = data->count, .own = data->count, .guides = data->count, .count = data->count, .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
         status = set_numbers(data, points->number, error);
@@ -215,8 +224,12 @@ bat_status fit_points_make_part(const bat_group *group, const bat_surface_fit_da
                                 bool centred, fit_points *points, bat_error *error)
 {
     uint64_t total = data->count, before = 0;
-    *points =
-        (fit_points){.group = group, .is_part = true, .own = SIZE_MAX, .count = data->count, .dimension = data->dimension};
+    *points = (fit_points){.group = group,
+                           .is_part = true,
+                           .own = SIZE_MAX,
+                           .guides = SIZE_MAX,
+                           .count = data->count,
+                           .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
         status = group_sum_counts(group, &total, 1, error);

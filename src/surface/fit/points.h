@@ -24,7 +24,8 @@ typedef struct fit_points
     size_t total;           ///< number of points of all processes
     size_t before;          ///< of them in lower ranks
     size_t count, dimension;
-    size_t own;        ///< the caller's points; rows of larger numbers are samples of the border (border.h)
+    size_t own;        ///< the caller's points; rows of larger numbers are samples of the border (border.h), then guides
+    size_t guides;     ///< the number of the first guide
     uint32_t *number;  ///< count: index of a row among the caller's points
     double *position;  ///< count x dimension: coordinates minus `centre`
     double *parameter; ///< count x 2
