@@ -351,6 +351,31 @@ static void noise_is_estimated(void **state)
     }
 }
 
+/// Points of a thin coil: neighbourhoods that are large enough for the noise have points from all sides of it.
+static void noise_of_thin_parts_is_estimated(void **state)
+{
+    (void)state;
+    enum
+    {
+        AROUND = 20,
+        COUNT = 240 * AROUND
+    };
+    const double pi = 3.14159265358979323846, radius = 0.05, coil = 0.2, noise = 0.006;
+    double *points = malloc(3 * COUNT * sizeof *points), found;
+    bat_random random = bat_random_seed(4);
+    for (size_t i = 0; i < COUNT; i++)
+    {
+        double around = 2 * pi * (double)i / AROUND, along = 6 * pi * (double)i / COUNT;
+        points[3 * i] = (coil + radius * cos(around)) * cos(along) + noise * bat_random_normal(&random);
+        points[3 * i + 1] = (coil + radius * cos(around)) * sin(along) + noise * bat_random_normal(&random);
+        points[3 * i + 2] = radius * sin(around) + 0.04 * along + noise * bat_random_normal(&random);
+    }
+    bat_cloud cloud = {.points = points, .count = COUNT};
+    check_status(bat_cloud_noise(&cloud, &found, NULL), BAT_OK);
+    assert_true(found > noise / 2 && found < 2 * noise);
+    free(points);
+}
+
 /// A tolerance below the noise ends with a small surface and says so.
 static void a_tolerance_below_the_noise_is_told(void **state)
 {
@@ -426,6 +451,7 @@ int main(void)
         cmocka_unit_test(scan_lines_are_fitted),
         cmocka_unit_test(stages_are_cancelled),
         cmocka_unit_test(noise_is_estimated),
+        cmocka_unit_test(noise_of_thin_parts_is_estimated),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(what_is_wrong_is_refused),
     };

@@ -19,8 +19,9 @@ enum
 };
 
 /// Neighbourhoods grow until the residual variance is at most this share of the smaller variance along the plane: in smaller
-/// ones the plane follows the noise.
+/// ones the plane follows the noise. Where none is so flat, as in thin parts, the flattest counts.
 static const double MAX_FLATNESS = 0.02;
+
 /// The variance of the neighbours' heights about a quadratic polynomial, by the median of its distribution.
 static double variance_at(const double *points, const neighbour_list *near, const local_plane *plane)
 {
@@ -46,19 +47,25 @@ bat_status noise_estimate(const double *points, const neighbour_tree *tree, doub
     *sigma = 0;
     for (size_t i = stride / 2; i < tree->count && status == BAT_OK && tree->count >= MIN_POINTS; i += stride)
     {
-        double variance = 0;
+        double flattest = INFINITY, least = 0;
         for (size_t wanted = MIN_POINTS; status == BAT_OK; wanted *= 2)
         {
             status = neighbours_nearest(tree, points + 3 * i, wanted, &near, error);
             if (status != BAT_OK)
                 break;
             local_plane plane = local_plane_fit(points, &near);
-            variance = plane.variance[1] > 0 ? variance_at(points, &near, &plane) : 0;
-            if (variance <= MAX_FLATNESS * plane.variance[1] || wanted >= MAX_POINTS || 4 * near.count >= tree->count)
+            double variance = plane.variance[1] > 0 ? variance_at(points, &near, &plane) : 0;
+            double flatness = plane.variance[1] > 0 ? variance / plane.variance[1] : 0;
+            if (flatness < flattest)
+            {
+                flattest = flatness;
+                least = variance;
+            }
+            if (flatness <= MAX_FLATNESS || wanted >= MAX_POINTS || 4 * near.count >= tree->count)
                 break;
         }
         if (status == BAT_OK)
-            variances[made++] = variance;
+            variances[made++] = least;
     }
     if (status == BAT_OK && made > 0)
     {
