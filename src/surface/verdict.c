@@ -42,7 +42,7 @@ static const double MAX_MISSED = 0.02;         ///< distance of points, as a sha
 static const double MAX_TAIL = 0.05;           ///< of one point in 200,
 static const double MISSED_SPACINGS = 0.5;     ///< and in spacings, whichever is more
 static const double MAX_FARTHEST = 0.05;       ///< distance of the surface, as a share of the size,
-static const double FARTHEST_SPACINGS = 2.5;   ///< and in spacings, whichever is more
+static const double FARTHEST_SPACINGS = 2;     ///< and in spacings, there or of all, whichever is most
 static const double FARTHEST_TRIMMED = 4;      ///< the same of a trimmed surface, whose curves span gaps and corners
 
 // Distances in spacings and standard deviations of the noise that are not far.
@@ -447,16 +447,25 @@ static double far_of(const cloud_geometry *geometry, double spacing)
 }
 
 /// Sum the areas; `verdict` is still in units of the scaled cloud, `area` in those of the given one.
-static void sum_samples(const cloud_geometry *geometry, const surface_samples *samples, bat_surface_verdict *verdict)
+/// @param farthest distance of the surface from the points that passes, in spacings
+/// @param strays   receives whether a place is farther
+static void sum_samples(const cloud_geometry *geometry, const surface_samples *samples, double farthest,
+                        bat_surface_verdict *verdict, bool *strays)
 {
-    double front = 0, back = 0, far = 0, worst = 0;
+    double front = 0, back = 0, far = 0, worst = 0, noise = noise_reach(geometry);
+    *strays = false;
     for (size_t s = 0; s < samples->count; s++)
     {
         double area = samples->shares[s], distance = samples->distances[s];
         verdict->area += area;
         front += samples->cosines[s] >= CROSS_COSINE ? area : 0;
         back += samples->cosines[s] <= -CROSS_COSINE ? area : 0;
-        far += distance > far_of(geometry, geometry->spacing[samples->nearest[s]]) ? area : 0;
+        double spacing = geometry->spacing[samples->nearest[s]];
+        far += distance > far_of(geometry, spacing) ? area : 0;
+        // A negation is true for what is not a number.
+        *strays =
+            *strays ||
+            !(distance <= fmax(MAX_FARTHEST * geometry->size, farthest * fmax(spacing, geometry->middle_spacing)) + noise);
         if (distance > worst)
         {
             worst = distance;
@@ -501,18 +510,16 @@ static bat_status triangle_strays(const cloud_geometry *geometry, double area, i
     return status;
 }
 
-/// @param farthest  distance of the surface from the points that passes, in spacings
-/// @param strays    distance from the triangles that 99 % of the surface is within
+/// @param strays    whether a place of the surface is too far, or too much of it is far from the triangles
 /// @param tail      distance that 99.5 % of the points are within
 /// @param tolerance that was asked for; a distance within it is no fault, up to the limit of the tail
-static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, double farthest,
-                                  double strays, double tail, double tolerance)
+static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surface_verdict *verdict, bool strays,
+                                  double tail, double tolerance)
 {
     double size = ldexp(geometry->size, 1 - geometry->frame.exponent);
     double ratio = verdict->area / verdict->cloud_area, noise = ldexp(noise_reach(geometry), 1 - geometry->frame.exponent);
     // A negation is true for what is not a number.
-    if (!(verdict->far_share <= MAX_FAR) || !(strays <= DEEP_STRAY * geometry->size + noise_reach(geometry)) ||
-        !(verdict->farthest <= fmax(MAX_FARTHEST * size, farthest * verdict->spacing) + noise))
+    if (strays || !(verdict->far_share <= MAX_FAR))
         return BAT_SURFACE_FAULT_STRAYS;
     double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
     double missed = fmax(fmax(MAX_MISSED * size, spacings * verdict->spacing), fmin(tolerance, MAX_TAIL * size));
@@ -560,7 +567,8 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
                          bat_surface_verdict *verdict, bat_error *error)
 {
     surface_samples samples = {0};
-    double tail = 0, strays = 0;
+    double tail = 0, from_triangles = 0;
+    bool strays = false;
     *verdict = (bat_surface_verdict){0};
     bat_status status = set_samples(surface, count, &samples, error);
     if (status == BAT_OK)
@@ -574,11 +582,13 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     if (status == BAT_OK)
         status = judge_check(options, error);
     if (status == BAT_OK)
-        sum_samples(geometry, &samples, verdict);
+        sum_samples(geometry, &samples, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, verdict,
+                    &strays);
     if (status == BAT_OK && samples.count > 0)
         status = quantile_of(&samples, verdict->area, 0.99, &verdict->strays, error);
     if (status == BAT_OK)
-        status = triangle_strays(geometry, verdict->area, options->threads, &samples, &strays, error);
+        status = triangle_strays(geometry, verdict->area, options->threads, &samples, &from_triangles, error);
+    strays = strays || !(from_triangles <= DEEP_STRAY * geometry->size + noise_reach(geometry));
     if (status == BAT_OK)
         status = missed_of(distances, count, &verdict->missed, &tail, error);
     int exponent = 1 - geometry->frame.exponent;
@@ -586,8 +596,7 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     verdict->farthest = ldexp(verdict->farthest, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
-    verdict->fault = fault_of(geometry, verdict, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, strays,
-                              tail, options->tolerance);
+    verdict->fault = fault_of(geometry, verdict, strays, tail, options->tolerance);
     samples_free(&samples);
     return status;
 }

@@ -376,6 +376,35 @@ static void noise_of_thin_parts_is_estimated(void **state)
     free(points);
 }
 
+/// Where points are sparse, the surface may be far from them: a grid that is ten times as dense in its middle as at its
+/// edge.
+static void sparse_points_are_no_fault(void **state)
+{
+    (void)state;
+    enum
+    {
+        SIDE = 30
+    };
+    bat_cloud cloud = {0};
+    double parameters[2 * SIDE * SIDE];
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+    {
+        double *at = parameters + 2 * i, place[3];
+        const double across[2] = {2 * (double)(i % SIDE) / (SIDE - 1) - 1, 2 * (double)(i / SIDE) / (SIDE - 1) - 1};
+        for (size_t d = 0; d < 2; d++)
+            at[d] = 0.5 + 0.5 * across[d] * fabs(across[d]) * fabs(across[d]);
+        patch_waves(at[0], at[1], place);
+        add_point(&cloud, place[0], place[1], place[2]);
+    }
+    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 200);
+    options.given = parameters;
+    bat_surface_result result = must_reconstruct(&cloud, &options);
+    assert_true(result.verdict.farthest > 0.06 && result.verdict.spacing < 0.03);
+    assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
 /// A tolerance below the noise ends with a small surface and says so.
 static void a_tolerance_below_the_noise_is_told(void **state)
 {
@@ -452,6 +481,7 @@ int main(void)
         cmocka_unit_test(stages_are_cancelled),
         cmocka_unit_test(noise_is_estimated),
         cmocka_unit_test(noise_of_thin_parts_is_estimated),
+        cmocka_unit_test(sparse_points_are_no_fault),
         cmocka_unit_test(a_tolerance_below_the_noise_is_told),
         cmocka_unit_test(what_is_wrong_is_refused),
     };
