@@ -524,7 +524,7 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *optio
     return status;
 }
 
-/// The ways to reconstruct again where a surface is wrong or doubtful. The first five have a boundary and charts of
+/// The ways to reconstruct again where a surface is wrong or doubtful. All but the last have a boundary and charts of
 /// triangles (advancing_front.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The
 /// first is also for meshes that are given, and for clouds with a known boundary.
 typedef enum other_way
@@ -533,6 +533,7 @@ typedef enum other_way
     NARROW_GAPS,
     SMALL_GAPS,
     CLOSED_GAPS,
+    THIN_PARTS,
     CUT_TUBE,  ///< for a wrong surface: its edges are so near that triangles join them all around
     FINE_LOOP, ///< with a boundary that a smaller disc finds, which enters narrow gaps
     OTHER_WAYS
@@ -541,8 +542,13 @@ typedef enum other_way
 // A right surface of which more than this share is across the tangent planes is doubtful: others have less than 0.004, or up
 // to 0.014 where they are noisy and bend sharply.
 static const double DOUBTFUL_CROSS = 0.015;
-// Scales of triangles. Triangles of random points need the last one; in meshes, 0.5 suffices for most.
-static const double SCALES[FINE_LOOP] = {0.55, 0.65, 0.8, 1, 0.65};
+// Triangles of random points need the scale 1; in meshes, 0.5 suffices for most.
+static const advancing_front_options TRIANGLES[FINE_LOOP] = {[OPEN_GAPS] = {.scale = 0.55},
+                                                             [NARROW_GAPS] = {.scale = 0.65},
+                                                             [SMALL_GAPS] = {.scale = 0.8},
+                                                             [CLOSED_GAPS] = {.scale = 1},
+                                                             [THIN_PARTS] = {.scale = 0.65, .spares_thin = true},
+                                                             [CUT_TUBE] = {.scale = 0.65, .cuts_tube = true}};
 
 /// Prepare a copy of a cloud for another way.
 static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, other_way way, bat_progress progress,
@@ -558,7 +564,7 @@ static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, othe
     bat_cloud disc = {0};
     status = canonical_order_apply(copy, error);
     if (status == BAT_OK)
-        status = advancing_front_triangulate(copy, SCALES[way], way == CUT_TUBE, progress, &disc, error);
+        status = advancing_front_triangulate(copy, TRIANGLES[way], progress, &disc, error);
     bat_cloud_free(copy);
     *copy = disc;
     return status;

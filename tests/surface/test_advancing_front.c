@@ -71,7 +71,9 @@ static void a_finger_is_a_disc(void **state)
         bat_cloud cloud = make_finger(&edge), disc;
         add_noise(&cloud, noises[n]);
         assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
-        assert_int_equal(advancing_front_triangulate(&cloud, 1, false, (bat_progress){0}, &disc, NULL), BAT_OK);
+        assert_int_equal(
+            advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1}, (bat_progress){0}, &disc, NULL),
+            BAT_OK);
         assert_int_equal(disc.count, cloud.count);
         assert_in_range(disc.boundary_count, edge - edge / 10, edge + edge / 10);
         // Euler's formula: a disc of V points, B of them on the boundary, has 2 V - B - 2 triangles.
@@ -91,7 +93,8 @@ static void check_refused(bat_cloud *cloud)
     add_noise(cloud, 0.003);
     assert_int_equal(canonical_order_apply(cloud, NULL), BAT_OK);
     for (size_t k = 0; k < sizeof scales / sizeof *scales; k++)
-        assert_int_equal(advancing_front_triangulate(cloud, scales[k], false, (bat_progress){0}, &disc, NULL),
+        assert_int_equal(advancing_front_triangulate(cloud, (advancing_front_options){.scale = scales[k]}, (bat_progress){0},
+                                                     &disc, NULL),
                          BAT_NO_CONVERGENCE);
     assert_null(disc.points);
     bat_cloud_free(cloud);
@@ -131,7 +134,9 @@ static void a_tube_is_cut(void **state)
         add_ring(&tube, 0.5, z, spacing, number++);
     add_noise(&tube, 0.003);
     assert_int_equal(canonical_order_apply(&tube, NULL), BAT_OK);
-    assert_int_equal(advancing_front_triangulate(&tube, 0.65, true, (bat_progress){0}, &disc, NULL), BAT_OK);
+    assert_int_equal(advancing_front_triangulate(&tube, (advancing_front_options){.scale = 0.65, .cuts_tube = true},
+                                                 (bat_progress){0}, &disc, NULL),
+                     BAT_OK);
     assert_int_equal(disc.count, tube.count);
     assert_int_equal(disc.triangle_count, 2 * disc.count - disc.boundary_count - 2);
     size_t of_ring = tube.count / number, across = (size_t)(height / (0.75 * spacing));
@@ -144,7 +149,9 @@ static void a_tube_is_cut(void **state)
     // A disc has nothing to cut.
     bat_cloud cloud = make_finger(&ends);
     assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
-    assert_int_equal(advancing_front_triangulate(&cloud, 1, true, (bat_progress){0}, &disc, NULL), BAT_NO_CONVERGENCE);
+    assert_int_equal(advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1, .cuts_tube = true},
+                                                 (bat_progress){0}, &disc, NULL),
+                     BAT_NO_CONVERGENCE);
     bat_cloud_free(&cloud);
 }
 
@@ -164,6 +171,35 @@ static void a_strip_ends_at_both_loops(void **state)
     assert_int_equal(count, 4);
 }
 
+/// A leg that is flat at the ankle: the triangles across are smaller than those that continue it.
+static void an_ankle_stays_open(void **state)
+{
+    (void)state;
+    const double spacing = 0.06, radius = 0.15, height = 1.5;
+    for (int spares = 0; spares < 2; spares++)
+    {
+        bat_cloud leg = {0}, disc = {0};
+        size_t number = 0;
+        for (double angle = 0; angle < PI / 2; angle += spacing / radius)
+            add_ring(&leg, radius * sin(angle), height + radius * cos(angle), spacing, number++);
+        for (double z = height; z > spacing; z -= spacing)
+            add_ring(&leg, radius, z, spacing, number++);
+        for (double r = radius + spacing; r < 1; r += spacing)
+            add_ring(&leg, r, 0, spacing, number++);
+        for (size_t i = 0; i < leg.count; i++)
+            leg.points[3 * i] *= 1 - 0.85 * exp(-40 * (leg.points[3 * i + 2] - 0.9) * (leg.points[3 * i + 2] - 0.9));
+        add_noise(&leg, 0.001);
+        assert_int_equal(canonical_order_apply(&leg, NULL), BAT_OK);
+        const advancing_front_options options = {.scale = 0.65, .spares_thin = spares == 1};
+        assert_int_equal(advancing_front_triangulate(&leg, options, (bat_progress){0}, &disc, NULL),
+                         spares == 1 ? BAT_OK : BAT_NO_CONVERGENCE);
+        if (spares == 1)
+            assert_int_equal(disc.triangle_count, 2 * disc.count - disc.boundary_count - 2);
+        bat_cloud_free(&disc);
+        bat_cloud_free(&leg);
+    }
+}
+
 static void points_of_a_plane_have_no_tetrahedra(void **state)
 {
     (void)state;
@@ -171,7 +207,9 @@ static void points_of_a_plane_have_no_tetrahedra(void **state)
     bat_error error = {0};
     for (size_t i = 0; i < 100; i++)
         add_point(&plate, (double)(i % 10), (double)(i / 10), 0);
-    assert_int_equal(advancing_front_triangulate(&plate, 1, false, (bat_progress){0}, &disc, &error), BAT_NO_CONVERGENCE);
+    assert_int_equal(
+        advancing_front_triangulate(&plate, (advancing_front_options){.scale = 1}, (bat_progress){0}, &disc, &error),
+        BAT_NO_CONVERGENCE);
     assert_true(error.text[0] != '\0');
     bat_cloud_free(&plate);
 }
@@ -189,18 +227,17 @@ static void it_can_be_stopped(void **state)
     size_t edge;
     bat_cloud cloud = make_finger(&edge), disc = {0};
     const bat_progress progress = {.report = stop_at_once};
-    assert_int_equal(advancing_front_triangulate(&cloud, 1, false, progress, &disc, NULL), BAT_CANCELLED);
+    assert_int_equal(advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1}, progress, &disc, NULL),
+                     BAT_CANCELLED);
     bat_cloud_free(&cloud);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_finger_is_a_disc),
-        cmocka_unit_test(what_is_no_disc_is_refused),
-        cmocka_unit_test(a_tube_is_cut),
-        cmocka_unit_test(a_strip_ends_at_both_loops),
-        cmocka_unit_test(points_of_a_plane_have_no_tetrahedra),
+        cmocka_unit_test(a_finger_is_a_disc),  cmocka_unit_test(what_is_no_disc_is_refused),
+        cmocka_unit_test(a_tube_is_cut),       cmocka_unit_test(a_strip_ends_at_both_loops),
+        cmocka_unit_test(an_ankle_stays_open), cmocka_unit_test(points_of_a_plane_have_no_tetrahedra),
         cmocka_unit_test(it_can_be_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -35,7 +35,8 @@ static bat_cloud make_finger(double height)
     for (double r = radius + spacing; r < 1.2; r += spacing)
         add_ring(&cloud, r, 0, (size_t)(2 * PI * r / spacing), 0.3 * (double)(number++ % 3));
     assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
-    assert_int_equal(advancing_front_triangulate(&cloud, 1, false, (bat_progress){0}, &disc, NULL), BAT_OK);
+    assert_int_equal(
+        advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1}, (bat_progress){0}, &disc, NULL), BAT_OK);
     bat_cloud_free(&cloud);
     assert_int_equal(bat_cloud_find_corners(&disc, NULL), BAT_OK);
     return disc;

@@ -44,6 +44,9 @@ static const double MAX_RADIUS[2] = {1.3, 2.6};
 static const double SMOOTH_COSINE = 0.8660254037844386;
 /// The same, beyond which a triangle is folded back: 150 degrees.
 static const double FOLD_COSINE = -0.8660254037844386;
+/// Where thin parts are spared, a triangle without a new point counts as larger by this factor times what its cosine lacks
+/// to SMOOTH_COSINE.
+static const double TURN_COST = 1;
 /// Least cosine of the normals of a triangle and of the surface at a point of its boundary that it joins.
 static const double JOIN_COSINE = -0.2;
 /// Longest loop that is filled, as a share of the longest loop: of many edges, and of at most SMALL_HOLE.
@@ -107,9 +110,8 @@ typedef struct front
     size_t queue_count, queue_capacity;
     uint32_t *faces; ///< face_count x 3
     size_t face_count, face_capacity;
-    double scale;      ///< factor of MAX_RADIUS[0]
-    bool cuts;         ///< a second long loop stays
-    bool has_two;      ///< there is one
+    advancing_front_options options;
+    bool has_two;      ///< a second long loop stays
     double max_radius; ///< of the balls of triangles, in mean spacings
     bool only_new;     ///< triangles with a new point alone are taken
 } front;
@@ -439,7 +441,12 @@ static bool find_candidate(front *work, uint32_t number)
         double cosine = vector3_dot(normal, edge.normal);
         if (cosine < FOLD_COSINE || !fits(work, number, corner, normal, &is_new))
             continue;
-        least = triangle->radius;
+        double cost = triangle->radius;
+        if (work->options.spares_thin && !is_new)
+            cost *= 1 + TURN_COST * fmax(SMOOTH_COSINE - cosine, 0);
+        if (!(cost < least))
+            continue;
+        least = cost;
         best.corner = corner;
         best.grade = cosine >= SMOOTH_COSINE ? 1 / triangle->radius : cosine - 1;
     }
@@ -570,7 +577,7 @@ static bool begin_at(front *work, uint32_t triangle)
 static bat_status grow(front *work, uint32_t first, bat_progress progress, bat_error *error)
 {
     bool complete = true, goes_on = true;
-    work->max_radius = work->scale * MAX_RADIUS[0];
+    work->max_radius = work->options.scale * MAX_RADIUS[0];
     work->only_new = false;
     complete = begin_at(work, first) && advance(work, progress, &goes_on);
     for (size_t faces = 0; complete && goes_on && faces < work->face_count;)
@@ -579,7 +586,7 @@ static bat_status grow(front *work, uint32_t first, bat_progress progress, bat_e
         for (int pass = 0; pass < 3 && complete && goes_on; pass++)
         {
             work->only_new = pass == 1;
-            work->max_radius = work->only_new ? MAX_RADIUS[1] : work->scale * MAX_RADIUS[0];
+            work->max_radius = work->only_new ? MAX_RADIUS[1] : work->options.scale * MAX_RADIUS[0];
             size_t edges = work->edge_count;
             for (size_t e = 0; e < edges && complete; e++)
                 if (work->edges[e].alive)
@@ -812,7 +819,7 @@ static bat_status close_holes(front *work, bat_error *error)
             filled = length <= MAX_HOLE[count <= SMALL_HOLE] * longest;
             if (filled)
                 complete = fill_loop(work, e, &filled);
-            else if (work->cuts && !work->has_two)
+            else if (work->options.cuts_tube && !work->has_two)
                 work->has_two = filled = true;
         }
     }
@@ -948,15 +955,15 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
     return status == BAT_OK ? add_left(work, error) : status;
 }
 
-bat_status advancing_front_triangulate(const bat_cloud *cloud, double scale, bool cuts, bat_progress progress,
+bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,
                                        bat_cloud *disc, bat_error *error)
 {
-    front work = {.scale = scale, .cuts = cuts};
+    front work = {.options = options};
     bat_cloud made = {0};
     double *points = points_to_unit_size(cloud->points, cloud->count);
     bat_status status = points == NULL ? error_memory(error, cloud->count * 3 * sizeof *points)
                                        : front_make(cloud, points, progress, &work, error);
-    if (status == BAT_OK && cuts)
+    if (status == BAT_OK && options.cuts_tube)
         status = tube_cut(work.faces, &work.face_count, cloud->count, error);
     if (status == BAT_OK)
     {

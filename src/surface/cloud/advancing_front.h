@@ -13,15 +13,21 @@
 /// remains, and the others are filled. Points that are left over are put into the nearest triangles. A tube, with two long
 /// loops, can be cut along a strip of triangles between them: the edges of such a disc are as near as its points.
 
+/// How triangles are chosen.
+typedef struct advancing_front_options
+{
+    double scale;     ///< factor of the size of triangles that join points that are on the surface: with a smaller one gaps
+                      ///< of the boundary stay open
+    bool spares_thin; ///< thin parts, such as ankles, are not closed by small triangles across them
+    bool cuts_tube;   ///< a tube is cut
+} advancing_front_options;
+
 /// Triangulate a cloud.
-/// @param cloud made in canonical order (canonical_order.h); its boundary and its triangles are not used
-/// @param scale factor of the size of triangles that join points that are on the surface: with a smaller one gaps of the
-///              boundary stay open
-/// @param cuts  whether a tube is cut
-/// @param disc  receives a cloud with the same points, a boundary, and triangles
+/// @param cloud   made in canonical order (canonical_order.h); its boundary and its triangles are not used
+/// @param disc    receives a cloud with the same points, a boundary, and triangles
 /// @return BAT_OK; BAT_NO_CONVERGENCE where the points have no such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` is
 ///         untouched on failure
-bat_status advancing_front_triangulate(const bat_cloud *cloud, double scale, bool cuts, bat_progress progress,
+bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,
                                        bat_cloud *disc, bat_error *error);
 
 #endif
