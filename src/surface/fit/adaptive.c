@@ -7,17 +7,16 @@
 ///             mark and refine cells  (marking.h)
 /// The default criterion for lambda is restricted likelihood. With `robust`, points are re-weighted after every measurement.
 
-#include "base/ascending.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
 #include "batten/surface_fit.h"
-#include "surface/fit/border.h"
-#include "surface/fit/foot_points.h"
+#include "surface/fit/loop.h"
 #include "surface/fit/marking.h"
+#include "surface/fit/robust.h"
 #include "surface/fit/smoothing.h"
-#include "surface/spline/hierarchical_space.h"
+#include "surface/fit/state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,25 +113,6 @@ bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options,
     return bat_hierarchical_options_check(&options->space, error);
 }
 
-enum
-{
-    NEIGHBOURS = 48 ///< consecutive points in Morton order that share a scale
-};
-
-// Ratio of the standard deviation to the median absolute value of a normal distribution.
-static const double NORMAL_SCALE = 1.4826;
-// Tuning constant of Tukey's biweight: 95 per cent efficiency for normally distributed noise.
-static const double TUKEY_REACH = 4.685;
-// Lower bound of the scale, as a fraction of the size of the point set: residuals of rounding size are no outliers.
-static const double MIN_SCALE = 1e-12;
-
-/// The upper median. Sorts the values.
-static double median(double *values, size_t count)
-{
-    qsort(values, count, sizeof *values, ascending);
-    return values[count / 2];
-}
-
 /// The largest absolute coordinate.
 static bat_status size_of(const fit_points *points, double *size, bat_error *error)
 {
@@ -141,88 +121,6 @@ static bat_status size_of(const fit_points *points, double *size, bat_error *err
         *size = fmax(*size, fabs(points->position[k]));
     return group_largest(points->group, size, 1, error);
 }
-
-static double biweight(double distance, double scale)
-{
-    double share = distance / (TUKEY_REACH * scale), left = 1 - share * share;
-    return share < 1 ? left * left : 0;
-}
-
-/// One step of iteratively re-weighted least squares with Tukey's biweight (Beaton and Tukey, 1974):
-///     w_i = (1 - t^2)^2 for t < 1, else 0,   t = d_i / (4.685 s_i),   s_i = 1.4826 max(median of all d, median of the
-///     neighbours' d).
-/// The second median is that of the neighbours in Morton order. It prevents that a feature which the surface is still too
-/// stiff to follow is taken for outliers.
-/// @param outliers receives the number of points of weight 0
-static bat_status update_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error)
-{
-    double sorted[NEIGHBOURS], middle;
-    bat_status status = fit_select(points->group, points->distance, points->count, points->total / 2, &middle, error);
-    if (status != BAT_OK)
-        return status;
-    double global = fmax(NORMAL_SCALE * middle, MIN_SCALE * size);
-    uint64_t found = 0;
-    for (size_t begin = 0; begin < points->count; begin += NEIGHBOURS)
-    {
-        size_t end = begin + NEIGHBOURS < points->count ? begin + NEIGHBOURS : points->count;
-        memcpy(sorted, points->distance + begin, (end - begin) * sizeof *sorted);
-        double scale = fmax(NORMAL_SCALE * median(sorted, end - begin), global);
-        for (size_t row = begin; row < end; row++)
-        {
-            if (points->number[row] >= points->own)
-                continue;
-            points->weight[row] = scale > 0 ? biweight(points->distance[row], scale) : 1;
-            found += points->weight[row] == 0;
-        }
-    }
-    status = group_sum_counts(points->group, &found, 1, error);
-    *outliers = (size_t)found;
-    return status;
-}
-
-_Static_assert(BAT_SURFACE_FIT_BLOCK % NEIGHBOURS == 0, "neighbours are of one block");
-
-/// The round with the least expected distance of new points.
-typedef struct fit_best
-{
-    bat_hierarchical_space *space; ///< null for none
-    double *parameter;             ///< points.count x 2, before the corrections of later rounds
-    double expected;               ///< root of the expected squared distance
-    double held_rms, held_largest; ///< distances of held-out points
-    size_t round;
-    double lambda;
-} fit_best;
-
-/// State of the adaptive loop.
-typedef struct fit_loop
-{
-    const bat_surface_fit_options *options;
-    const bat_group *group; ///< null for one process
-    bat_surface_fit_backend backend;
-    fit_points points;
-    fit_border border; ///< empty without
-    bat_hierarchical_space *space;
-    fit_system system;
-    fit_solver *solver;
-    double *control; ///< functions x dimension
-    fit_nets nets;
-    double lambda; ///< smoothing weight of the last fit; 0 before the first
-    double trace;  ///< of the influence matrix, at the last search for a weight
-    size_t budget; ///< maximum number of functions; 0: none
-    double size;   ///< the largest absolute coordinate of a point
-    bool full;     ///< no further refinement fits the budget
-    size_t outliers;
-    size_t held_count;
-    bool *held;    ///< points.count: rows that are held out; null without
-    bool corrects; ///< parameters have been corrected, which leaves residuals across the surface only
-    bool stalled;
-    double held_rms, held_largest; ///< distances of the held-out points at the last measurement
-    double expected;               ///< root of the expected squared distance of new points, at the last measurement
-    fit_best best;
-    bat_surface_fit_round *rounds; ///< iterations + 1
-    size_t count;
-    double begin, reported; ///< start time in seconds, and the progress last reported
-} fit_loop;
 
 static void loop_free_fit(fit_loop *loop)
 {
@@ -512,7 +410,7 @@ static bat_status measure_distances(fit_loop *loop, double reach, bat_error *err
     if (status == BAT_OK && correct && !loop->options->no_restarts)
         status = fit_correct_wrong_feet(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
-        status = update_robust_weights(&loop->points, loop->size, &loop->outliers, error);
+        status = fit_robust_weights(&loop->points, loop->size, &loop->outliers, error);
     if (status == BAT_OK && loop->held != NULL)
         status = measure_held_out(loop, error);
     loop->corrects = loop->corrects || correct;
@@ -727,7 +625,7 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
     free(loop->held);
     loop->held = NULL;
     bat_status status =
-        loop->options->robust ? update_robust_weights(&loop->points, loop->size, &loop->outliers, error) : BAT_OK;
+        loop->options->robust ? fit_robust_weights(&loop->points, loop->size, &loop->outliers, error) : BAT_OK;
     if (status == BAT_OK)
         status = begin_round(loop, error);
     if (status == BAT_OK)
@@ -735,132 +633,9 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
     return status == BAT_OK ? measure_distances(loop, loop->options->corrections > 0 ? CORRECTION_REACH : 0, error) : status;
 }
 
-/// What begins the bytes of a state; rounds and boxes follow.
-typedef struct state_head
-{
-    uint64_t rounds, boxes, best_boxes, best_round, outliers;
-    double lambda, best_expected, best_held_rms, best_held_largest, best_lambda, seconds;
-    uint64_t full, corrects, has_best;
-} state_head;
-
-/// The columns of a state.
-static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns[3])
-{
-    columns[0] = (bat_surface_fit_column){loop->points.parameter, 2};
-    columns[1] = (bat_surface_fit_column){loop->points.weight, 1};
-    columns[2] = (bat_surface_fit_column){loop->best.parameter, 2};
-    return loop->held != NULL ? 3 : 2;
-}
-
-/// Keep the state between two rounds.
-static bat_status save_state(const fit_loop *loop, bat_error *error)
-{
-    const bat_surface_fit_backend *backend = &loop->backend;
-    bat_surface_fit_column columns[3];
-    bat_spline_box *boxes = NULL, *best_boxes = NULL;
-    size_t count = 0, best_count = 0;
-    if (backend->save == NULL)
-        return BAT_OK;
-    bat_status status = bat_hierarchical_space_regions(loop->space, &boxes, &count, error);
-    if (status == BAT_OK && loop->best.space != NULL)
-        status = bat_hierarchical_space_regions(loop->best.space, &best_boxes, &best_count, error);
-    size_t rounds = loop->count * sizeof *loop->rounds, size = sizeof(state_head) + rounds;
-    size += (count + best_count) * sizeof *boxes + fit_border_state_size(&loop->border);
-    char *bytes = status == BAT_OK ? memory_array(size, 1) : NULL;
-    if (status == BAT_OK && bytes == NULL)
-        status = error_memory(error, size);
-    if (status == BAT_OK)
-    {
-        state_head head = {.rounds = loop->count,
-                           .boxes = count,
-                           .best_boxes = best_count,
-                           .best_round = loop->best.round,
-                           .outliers = loop->outliers,
-                           .lambda = loop->lambda,
-                           .best_expected = loop->best.expected,
-                           .best_held_rms = loop->best.held_rms,
-                           .best_held_largest = loop->best.held_largest,
-                           .best_lambda = loop->best.lambda,
-                           .seconds = clock_seconds() - loop->begin,
-                           .full = loop->full,
-                           .corrects = loop->corrects,
-                           .has_best = loop->best.space != NULL};
-        memcpy(bytes, &head, sizeof head);
-        memcpy(bytes + sizeof head, loop->rounds, rounds);
-        if (count > 0)
-            memcpy(bytes + sizeof head + rounds, boxes, count * sizeof *boxes);
-        if (best_count > 0)
-            memcpy(bytes + sizeof head + rounds + count * sizeof *boxes, best_boxes, best_count * sizeof *boxes);
-        fit_border_save(&loop->border, bytes + size - fit_border_state_size(&loop->border));
-        status = backend->save(backend->context, bytes, size, columns, state_columns(loop, columns), error);
-    }
-    free(bytes);
-    free(boxes);
-    free(best_boxes);
-    return status;
-}
-
-static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat_error *error)
-{
-    state_head head = {0};
-    if (size >= sizeof head)
-        memcpy(&head, bytes, sizeof head);
-    size_t rounds = head.rounds * sizeof *loop->rounds, boxes = (head.boxes + head.best_boxes) * sizeof(bat_spline_box);
-    if (head.rounds > (size_t)loop->options->iterations || (head.has_best != 0 && loop->held == NULL) ||
-        size != sizeof head + rounds + boxes + fit_border_state_size(&loop->border))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the state is not one of this fit");
-    bat_spline_box *copy = memory_array(boxes, 1);
-    if (copy == NULL)
-        return error_memory(error, boxes);
-    memcpy(loop->rounds, bytes + sizeof head, rounds);
-    memcpy(copy, bytes + sizeof head + rounds, boxes);
-    bat_hierarchical_space *space = NULL;
-    bat_status status = hierarchical_space_of_regions(&loop->options->space, copy, head.boxes, &space, error);
-    if (status == BAT_OK && head.has_best != 0)
-        status = hierarchical_space_of_regions(&loop->options->space, copy + head.boxes, head.best_boxes, &loop->best.space,
-                                               error);
-    free(copy);
-    if (status != BAT_OK)
-    {
-        bat_hierarchical_space_free(space);
-        return status;
-    }
-    bat_hierarchical_space_free(loop->space);
-    loop->space = space;
-    loop->count = head.rounds;
-    loop->outliers = head.outliers;
-    loop->lambda = head.lambda;
-    loop->full = head.full != 0;
-    loop->corrects = head.corrects != 0;
-    loop->best.round = head.best_round;
-    loop->best.expected = head.best_expected;
-    loop->best.held_rms = head.best_held_rms;
-    loop->best.held_largest = head.best_held_largest;
-    loop->best.lambda = head.best_lambda;
-    loop->begin = clock_seconds() - head.seconds;
-    fit_border_load(&loop->border, bytes + sizeof head + rounds + boxes, &loop->points);
-    return BAT_OK;
-}
-
-/// Take up the state of an earlier call, where there is one.
-static bat_status load_state(fit_loop *loop, bat_error *error)
-{
-    const bat_surface_fit_backend *backend = &loop->backend;
-    bat_surface_fit_column columns[3];
-    void *bytes = NULL;
-    size_t size = 0;
-    if (backend->load == NULL)
-        return BAT_OK;
-    bat_status status = backend->load(backend->context, &bytes, &size, columns, state_columns(loop, columns), error);
-    if (status == BAT_OK && bytes != NULL)
-        status = read_state(loop, bytes, size, error);
-    free(bytes);
-    return status;
-}
-
 static bat_status run_rounds(fit_loop *loop, bat_error *error)
 {
-    bat_status loaded = load_state(loop, error);
+    bat_status loaded = fit_state_load(loop, error);
     if (loaded != BAT_OK)
         return loaded;
     for (bool refined = true; refined;)
@@ -876,7 +651,7 @@ static bat_status run_rounds(fit_loop *loop, bat_error *error)
             return status;
         status = refine_marked(loop, &refined, error);
         if (status == BAT_OK && refined)
-            status = save_state(loop, error);
+            status = fit_state_save(loop, error);
         if (status != BAT_OK)
             return status;
     }
