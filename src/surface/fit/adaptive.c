@@ -550,10 +550,14 @@ static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
     fit_marking marking = {options->tolerance, loop->budget, has_size ? 0 : POINTS_IN_CELL, options->neighbours};
     bat_hierarchical_space *finer = NULL;
     bat_status status = fit_points_sort(&loop->points, loop->space, error);
+    // Each process has two spaces for a while, and no room for the nets too.
+    fit_nets_free(&loop->nets);
     if (status == BAT_OK)
         status = fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
     *refined = finer != NULL;
     loop->full = loop->budget > 0 && finer == NULL;
+    if (status == BAT_OK && finer == NULL)
+        status = fit_nets_make(loop->space, loop->control, loop->points.dimension, options->threads, &loop->nets, error);
     if (finer != NULL)
     {
         loop_free_fit(loop);
