@@ -51,6 +51,7 @@ static const double MIN_NEAR_DECREASE = 1e-4;
 static const double MAX_WEIGHT = 1e8;
 /// Stands for a coordinate that does not move.
 static const int FIXED = -1;
+
 void dirichlet_free(dirichlet_map *map)
 {
     free(map->triangles);
