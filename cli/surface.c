@@ -297,10 +297,11 @@ static int reconstruct(const surface_job *job, bat_cloud *cloud, bat_surface_res
 static int draw(const surface_job *job, const bat_cloud *cloud, const bat_surface_result *result)
 {
     bat_error error;
-    char title[160];
+    char title[240];
     const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
-    (void)snprintf(title, sizeof title, "%s parameters, %zu functions: mean squared distance %.3g",
-                   bat_surface_parameters_name(result->chosen), last->functions, last->mean_squared);
+    (void)snprintf(title, sizeof title, "%s parameters, %zu functions: mean squared distance %.3g; verdict: %s",
+                   bat_surface_parameters_name(result->chosen), last->functions, last->mean_squared,
+                   surface_report_verdict(&result->verdict));
     bat_surface_picture_row panel = {.title = title,
                                      .cloud = cloud,
                                      .surface = &result->surface,

@@ -129,13 +129,18 @@ static void print_trim(const bat_surface_result *result)
                      trim->loops[trim->loop_count], result->filled_holes);
 }
 
+const char *surface_report_verdict(const bat_surface_verdict *verdict)
+{
+    static const char *const TEXTS[] = {
+        "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
+        "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
+    return TEXTS[verdict->fault];
+}
+
 static void print_verdict(const surface_findings *findings)
 {
     const bat_surface_result *result = findings->result;
     const bat_surface_verdict *verdict = &result->verdict;
-    static const char *const TEXTS[] = {
-        "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
-        "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
     if (result->report.held_out_count > 0)
         (void)printf("%zu points held out: root mean square distance %.4g, largest %.4g\n", result->report.held_out_count,
                      result->report.held_out_rms, result->report.held_out_largest);
@@ -143,8 +148,8 @@ static void print_verdict(const surface_findings *findings)
     (void)printf(
         "verdict: %s\n  99 %% of the points within %.3g, 99 %% of the surface within the spacing of points and %.3g, "
         "largest %.3g\n  area %.4g, of the points %.4g; %.2g %% across, %.2g %% far\n",
-        TEXTS[verdict->fault], verdict->missed, verdict->strays, verdict->farthest, verdict->area, verdict->cloud_area,
-        100 * verdict->cross_share, 100 * verdict->far_share);
+        surface_report_verdict(verdict), verdict->missed, verdict->strays, verdict->farthest, verdict->area,
+        verdict->cloud_area, 100 * verdict->cross_share, 100 * verdict->far_share);
     (void)printf("seconds: boundary %.2f, measures of the cloud %.2f, parameters and fits %.2f\n", result->seconds[0],
                  result->seconds[1], result->seconds[2]);
 }

@@ -20,6 +20,9 @@ typedef struct surface_findings
 /// Why these parameters were chosen, in a few words.
 void surface_report_reason(const surface_findings *findings, char *text, size_t size);
 
+/// Whether a surface is right, or what is wrong, in a few words.
+const char *surface_report_verdict(const bat_surface_verdict *verdict);
+
 void surface_report_print(const surface_findings *findings);
 json_t *surface_report_json(const surface_findings *findings);
 
