@@ -533,9 +533,9 @@ typedef enum other_way
     NARROW_GAPS,
     SMALL_GAPS,
     CLOSED_GAPS,
-    THIN_PARTS,
-    CUT_TUBE,  ///< for a wrong surface: its edges are so near that triangles join them all around
-    FINE_LOOP, ///< with a boundary that a smaller disc finds, which enters narrow gaps
+    THIN_PARTS, ///< thin parts are not closed by small triangles across them
+    CUT_TUBE,   ///< for a wrong surface: its edges are so near that triangles join them all around
+    FINE_LOOP,  ///< with a boundary that a smaller disc finds, which enters narrow gaps
     OTHER_WAYS
 } other_way;
 
@@ -649,8 +649,8 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     for (int way = 0; way < OTHER_WAYS && goes_on && !is_better; way++)
     {
         bat_status before = status;
-        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) ||
-            ((one_sided || doubtful) && way == FINE_LOOP) || (doubtful && way == CUT_TUBE))
+        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) || (doubtful && way >= CUT_TUBE) ||
+            (one_sided && way == FINE_LOOP))
             continue;
         status = reconstruct_again(cloud, options, finds_boundary, (other_way)way,
                                    doubtful ? made.verdict.cross_share : INFINITY, &made, &is_better, &failure);

@@ -71,6 +71,17 @@ static inline void add_point(bat_cloud *cloud, double x, double y, double z)
     point[2] = z;
 }
 
+/// Append a ring of points about the z axis.
+/// @param turn the angle of the first, in steps
+static inline void add_ring(bat_cloud *cloud, double radius, double height, size_t count, double turn)
+{
+    for (size_t k = 0; k < count; k++)
+    {
+        double angle = 2 * 3.14159265358979323846 * ((double)k + turn) / (double)count;
+        add_point(cloud, radius * cos(angle), radius * sin(angle), height);
+    }
+}
+
 /// Where a side of the square is at a share of the way around it, counter-clockwise from (0, 0).
 static inline void around_square(double share, double *u, double *v)
 {

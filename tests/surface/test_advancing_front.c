@@ -11,32 +11,28 @@
 
 static const double PI = 3.14159265358979323846;
 
-/// Append a ring of points about the z axis, every other one turned by half a step.
-static void add_ring(bat_cloud *cloud, double radius, double height, double spacing, size_t number)
+/// Append a ring of points at a distance, every other one turned by half a step.
+static void add_even_ring(bat_cloud *cloud, double radius, double height, double spacing, size_t number)
 {
     size_t count = radius > 0 ? (size_t)ceil(2 * PI * radius / spacing) : 1;
-    for (size_t k = 0; k < count; k++)
-    {
-        double angle = 2 * PI * ((double)k + 0.5 * (double)(number % 2)) / (double)count;
-        add_point(cloud, radius * cos(angle), radius * sin(angle), height);
-    }
+    add_ring(cloud, radius, height, count, 0.5 * (double)(number % 2));
 }
 
 /// A plate with a finger: a cylinder with a round end. The last ring is the edge of the plate.
 /// @param edge receives the number of points of the last ring
-static bat_cloud make_finger(size_t *edge)
+static bat_cloud make_finger(double radius, size_t *edge)
 {
     bat_cloud cloud = {0};
-    const double spacing = 0.06, radius = 0.2, height = 1.5;
+    const double spacing = 0.06, height = 1.5;
     size_t number = 0;
     for (double angle = 0; angle < PI / 2; angle += spacing / radius)
-        add_ring(&cloud, radius * sin(angle), height + radius * cos(angle), spacing, number++);
+        add_even_ring(&cloud, radius * sin(angle), height + radius * cos(angle), spacing, number++);
     for (double z = height; z > spacing; z -= spacing)
-        add_ring(&cloud, radius, z, spacing, number++);
+        add_even_ring(&cloud, radius, z, spacing, number++);
     for (double r = radius + spacing; r < 1; r += spacing)
-        add_ring(&cloud, r, 0, spacing, number++);
+        add_even_ring(&cloud, r, 0, spacing, number++);
     size_t before = cloud.count;
-    add_ring(&cloud, 1, 0, spacing, number);
+    add_even_ring(&cloud, 1, 0, spacing, number);
     *edge = cloud.count - before;
     return cloud;
 }
@@ -68,7 +64,7 @@ static void a_finger_is_a_disc(void **state)
     for (size_t n = 0; n < 2; n++)
     {
         size_t edge;
-        bat_cloud cloud = make_finger(&edge), disc;
+        bat_cloud cloud = make_finger(0.2, &edge), disc;
         add_noise(&cloud, noises[n]);
         assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
         assert_int_equal(
@@ -107,11 +103,11 @@ static void what_is_no_disc_is_refused(void **state)
     size_t number = 0;
     bat_cloud ball = {0}, tube = {0}, band = {0};
     for (double angle = 0; angle < PI; angle += spacing)
-        add_ring(&ball, sin(angle), cos(angle), spacing, number++);
-    add_ring(&ball, 0, -1.001, spacing, 0);
+        add_even_ring(&ball, sin(angle), cos(angle), spacing, number++);
+    add_even_ring(&ball, 0, -1.001, spacing, 0);
     check_refused(&ball);
     for (double z = 0; z < 1.5; z += spacing)
-        add_ring(&tube, 0.5, z, spacing, number++);
+        add_even_ring(&tube, 0.5, z, spacing, number++);
     check_refused(&tube);
     // A Moebius band.
     for (double angle = 0; angle < 2 * PI - 0.01; angle += 2 * PI / 80)
@@ -131,7 +127,7 @@ static void a_tube_is_cut(void **state)
     size_t number = 0, ends = 0;
     bat_cloud tube = {0}, disc = {0};
     for (double z = 0; z < height; z += spacing)
-        add_ring(&tube, 0.5, z, spacing, number++);
+        add_even_ring(&tube, 0.5, z, spacing, number++);
     add_noise(&tube, 0.003);
     assert_int_equal(canonical_order_apply(&tube, NULL), BAT_OK);
     assert_int_equal(advancing_front_triangulate(&tube, (advancing_front_options){.scale = 0.65, .cuts_tube = true},
@@ -147,7 +143,7 @@ static void a_tube_is_cut(void **state)
     bat_cloud_free(&disc);
     bat_cloud_free(&tube);
     // A disc has nothing to cut.
-    bat_cloud cloud = make_finger(&ends);
+    bat_cloud cloud = make_finger(0.2, &ends);
     assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
     assert_int_equal(advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1, .cuts_tube = true},
                                                  (bat_progress){0}, &disc, NULL),
@@ -175,17 +171,10 @@ static void a_strip_ends_at_both_loops(void **state)
 static void an_ankle_stays_open(void **state)
 {
     (void)state;
-    const double spacing = 0.06, radius = 0.15, height = 1.5;
     for (int spares = 0; spares < 2; spares++)
     {
-        bat_cloud leg = {0}, disc = {0};
-        size_t number = 0;
-        for (double angle = 0; angle < PI / 2; angle += spacing / radius)
-            add_ring(&leg, radius * sin(angle), height + radius * cos(angle), spacing, number++);
-        for (double z = height; z > spacing; z -= spacing)
-            add_ring(&leg, radius, z, spacing, number++);
-        for (double r = radius + spacing; r < 1; r += spacing)
-            add_ring(&leg, r, 0, spacing, number++);
+        size_t edge;
+        bat_cloud leg = make_finger(0.15, &edge), disc = {0};
         for (size_t i = 0; i < leg.count; i++)
             leg.points[3 * i] *= 1 - 0.85 * exp(-40 * (leg.points[3 * i + 2] - 0.9) * (leg.points[3 * i + 2] - 0.9));
         add_noise(&leg, 0.001);
@@ -225,7 +214,7 @@ static void it_can_be_stopped(void **state)
 {
     (void)state;
     size_t edge;
-    bat_cloud cloud = make_finger(&edge), disc = {0};
+    bat_cloud cloud = make_finger(0.2, &edge), disc = {0};
     const bat_progress progress = {.report = stop_at_once};
     assert_int_equal(advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1}, progress, &disc, NULL),
                      BAT_CANCELLED);

@@ -9,15 +9,6 @@
 
 static const double PI = 3.14159265358979323846;
 
-static void add_ring(bat_cloud *cloud, double radius, double height, size_t count, double turn)
-{
-    for (size_t k = 0; k < count; k++)
-    {
-        double angle = 2 * PI * ((double)k + turn) / (double)count;
-        add_point(cloud, radius * cos(angle), radius * sin(angle), height);
-    }
-}
-
 /// A plate of 12 rings with a finger of a height, closed by a point, triangulated.
 static bat_cloud make_finger(double height)
 {

@@ -142,13 +142,25 @@ double dirichlet_energy(const dirichlet_map *map, const double *parameters)
     return sum;
 }
 
-/// J = U diag(s) V^T for a positive determinant; W^2 = U diag(w^2) U^T and R = U V^T.
+/// J = U diag(s) V^T for a positive determinant: Blinn, "Consider the lowly 2 x 2 matrix" (1996).
+/// @param moduli their sum and their difference are the singular values
+/// @param angles their half sum is the angle of U; half of the second minus the first is that of V
+static void split_derivative(const double j[4], double moduli[2], double angles[2])
+{
+    double e = (j[0] + j[3]) / 2, f = (j[0] - j[3]) / 2, g = (j[2] + j[1]) / 2, h = (j[2] - j[1]) / 2;
+    moduli[0] = hypot(e, h);
+    moduli[1] = hypot(f, g);
+    angles[0] = atan2(h, e);
+    angles[1] = atan2(g, f);
+}
+
+/// W^2 = U diag(w^2) U^T and R = U V^T.
 static void proxy_of(const double j[4], double weight[4], double rotation[4])
 {
-    // Blinn, "Consider the lowly 2 x 2 matrix" (1996).
-    double e = (j[0] + j[3]) / 2, f = (j[0] - j[3]) / 2, g = (j[2] + j[1]) / 2, h = (j[2] - j[1]) / 2;
-    double q = hypot(e, h), r = hypot(f, g), s[2] = {q + r, fmax(q - r, 1e-300)};
-    double beta = (atan2(h, e) + atan2(g, f)) / 2, turn = atan2(h, e), c = cos(beta), d = sin(beta), w[2];
+    double moduli[2], angles[2], w[2];
+    split_derivative(j, moduli, angles);
+    double s[2] = {moduli[0] + moduli[1], fmax(moduli[0] - moduli[1], 1e-300)};
+    double beta = (angles[0] + angles[1]) / 2, turn = angles[0], c = cos(beta), d = sin(beta);
     for (int k = 0; k < 2; k++)
     {
         // (s - s^-3) / (s - 1) = (s + 1) (s^2 + 1) / s^3
@@ -443,11 +455,12 @@ static bat_status run_rounds(dirichlet_map *map, bat_progress progress, double *
 /// The singular values of a derivative with a positive determinant, and the angle of the rotation V in J = U diag(s) V^T.
 static double singular_values(const double j[4], double s[2])
 {
-    double e = (j[0] + j[3]) / 2, f = (j[0] - j[3]) / 2, g = (j[2] + j[1]) / 2, h = (j[2] - j[1]) / 2;
-    s[0] = hypot(e, h) + hypot(f, g);
+    double moduli[2], angles[2];
+    split_derivative(j, moduli, angles);
+    s[0] = moduli[0] + moduli[1];
     // The difference of both moduli loses all digits where the second value is small.
     s[1] = (j[0] * j[3] - j[1] * j[2]) / s[0];
-    return (atan2(g, f) - atan2(h, e)) / 2;
+    return (angles[1] - angles[0]) / 2;
 }
 
 /// The energy of a triangle of unit area with a power of the singular values.
