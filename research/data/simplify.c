@@ -3,6 +3,7 @@
 
 #include "research/data/simplify.h"
 
+#include "linalg/vector2.h"
 #include "research/data/wave.h"
 
 #include <assert.h>
@@ -146,7 +147,7 @@ typedef struct remaining
 static double triangle_area(const double *points, size_t before, size_t point, size_t after)
 {
     const double *p = points + 2 * before, *q = points + 2 * point, *r = points + 2 * after;
-    return fabs((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]));
+    return fabs(vector2_turn(p, q, r));
 }
 
 /// A heap of points by area, the smallest first; an entry whose area has changed since is stale.

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector2.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,12 +12,6 @@ void surface_guides_free(surface_guides *guides)
     free(guides->places);
     free(guides->parameters);
     *guides = (surface_guides){0};
-}
-
-/// Twice the signed area of a triangle.
-static double area_of(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
 /// The first node of a side that is not before a parameter.
@@ -48,7 +43,7 @@ static void add_triangle(const bat_cloud *cloud, const double *parameters, const
         place[k] = cloud->points + 3 * (size_t)corners[k];
     }
     static const double CENTRE[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    double area = area_of(at[0], at[1], at[2]), low[2], high[2];
+    double area = vector2_turn(at[0], at[1], at[2]), low[2], high[2];
     add_place(place, at, CENTRE, guides);
     if (area == 0)
         return;
@@ -61,7 +56,7 @@ static void add_triangle(const bat_cloud *cloud, const double *parameters, const
         for (size_t i = node_from(low[0], side); i < side && ((double)i + 0.5) / (double)side <= high[0]; i++)
         {
             double node[2] = {((double)i + 0.5) / (double)side, ((double)j + 0.5) / (double)side};
-            double share[3] = {area_of(node, at[1], at[2]) / area, area_of(at[0], node, at[2]) / area, 0};
+            double share[3] = {vector2_turn(node, at[1], at[2]) / area, vector2_turn(at[0], node, at[2]) / area, 0};
             share[2] = 1 - share[0] - share[1];
             if (taken[j * side + i] || share[0] < 0 || share[1] < 0 || share[2] < 0)
                 continue;

@@ -76,7 +76,7 @@ static void test_overlays_cover(void **state)
                 {
                     const double *corners[3];
                     map_corners(map, collapse, k, after != 0, corners);
-                    double area = map_area(corners[0], corners[1], corners[2]);
+                    double area = vector2_turn(corners[0], corners[1], corners[2]);
                     assert_true(area > 0);
                     areas[after] += area;
                 }

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
+#include "linalg/vector2.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,7 +58,7 @@ static void draw_face(mesh_raster *raster, const uint32_t *corners, uint32_t fac
     if (!sample_range(smallest(a[1], b[1], c[1]), greatest(a[1], b[1], c[1]), from, to, &top, &bottom) ||
         !sample_range(smallest(a[0], b[0], c[0]), greatest(a[0], b[0], c[0]), 0, raster->columns, &left, &right))
         return;
-    double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    double area = vector2_turn(a, b, c);
     if (area == 0)
         return;
     double inverse = 1 / area;
@@ -143,7 +144,7 @@ void mesh_raster_locate(const mesh_raster *raster, const uint32_t corners[3], do
 {
     const double *a = raster->places + 3 * (size_t)corners[0], *b = raster->places + 3 * (size_t)corners[1];
     const double *c = raster->places + 3 * (size_t)corners[2];
-    double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    double area = vector2_turn(a, b, c);
     double across = x - a[0], down = y - a[1];
     barycentric[1] = (across * (c[1] - a[1]) - down * (c[0] - a[0])) / area;
     barycentric[2] = (down * (b[0] - a[0]) - across * (b[1] - a[1])) / area;

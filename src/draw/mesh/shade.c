@@ -7,6 +7,7 @@
 #include "draw/common/colour_scale.h"
 #include "draw/mesh/normals.h"
 #include "draw/mesh/raster.h"
+#include "linalg/vector2.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -185,7 +186,7 @@ static visible_point visible_at(const shading *s, size_t x, size_t y)
     const double *a = s->raster.places + 3 * (size_t)corners[0], *b = s->raster.places + 3 * (size_t)corners[1];
     const double *c = s->raster.places + 3 * (size_t)corners[2];
     // y points downwards, so counter-clockwise faces appear clockwise here.
-    visible.behind = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) > 0;
+    visible.behind = vector2_turn(a, b, c) > 0;
     double mean[3] = {0, 0, 0};
     for (size_t corner = 0; corner < 3; corner++)
     {

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector2.h"
 #include "linalg/vector3.h"
 #include "mesh/channels.h"
 #include "mesh/decimate/collapse_error.h"
@@ -127,7 +128,7 @@ static void measure_areas(const bat_mesh *mesh, double *space, double *texture)
         vector3_subtract(mesh->positions + 3 * (size_t)corner[2], p, ac);
         vector3_cross(ab, ac, normal);
         *space += sqrt(vector3_dot(normal, normal)) / 2;
-        *texture += fabs((v[0] - u[0]) * (w[1] - u[1]) - (v[1] - u[1]) * (w[0] - u[0])) / 2;
+        *texture += fabs(vector2_turn(u, v, w)) / 2;
     }
 }
 
@@ -339,11 +340,6 @@ static int kept_end(const collapse_ring *ring, uint32_t kept)
     return kept == BAT_MESH_NONE ? 0 : kept == ring->i ? 1 : 2;
 }
 
-static double texture_area(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 bool attributes_stay_valid(const attributes *all, const collapse_mesh *mesh, const error_vertex *vertices,
                            const collapse_ring *ring, const double *position, uint32_t kept)
 {
@@ -363,11 +359,11 @@ bool attributes_stay_valid(const attributes *all, const collapse_mesh *mesh, con
         uint32_t h = ring->half_edge[n], owner = field->owner[h];
         const double *from = values_of(field, field->owner[bat_mesh_next(h)]),
                      *to = values_of(field, field->owner[bat_mesh_previous(h)]), *apex = values_of(field, owner);
-        double before = texture_area(apex, from, to);
+        double before = vector2_turn(apex, from, to);
         for (int p = pairs.count; p-- > 0;)
             if (owner == pairs.a[p] || owner == pairs.b[p])
                 apex = merged[p];
-        double after = texture_area(apex, from, to);
+        double after = vector2_turn(apex, from, to);
         if (before != 0 && !(before > 0 ? after > 0 : after < 0))
             return false;
     }

@@ -224,9 +224,9 @@ static uint32_t find_face(const double *points, const map_collapse *collapse, bo
         uint32_t opposite = left ? end : begin;
         const double *a = left ? i : j, *b = left ? j : i,
                      *c = ring + 2 * (size_t)(closed && opposite == count ? 0 : opposite);
-        barycentric[0] = map_area(point, b, c);
-        barycentric[1] = map_area(point, c, a);
-        barycentric[2] = map_area(point, a, b);
+        barycentric[0] = vector2_turn(point, b, c);
+        barycentric[1] = vector2_turn(point, c, a);
+        barycentric[2] = vector2_turn(point, a, b);
         if (barycentric[0] >= 0 && barycentric[1] >= 0 && barycentric[2] >= 0)
             return k;
         found = k + 1;
@@ -245,9 +245,9 @@ static uint32_t find_nearest_face(const bat_mesh_map *map, const map_collapse *c
     {
         const double *corners[3];
         map_corners(map, collapse, k, after, corners);
-        double a = map_area(point, corners[1], corners[2]), b = map_area(point, corners[2], corners[0]),
-               c = map_area(point, corners[0], corners[1]);
-        double smallest = fmin(a, fmin(b, c)) / map_area(corners[0], corners[1], corners[2]);
+        double a = vector2_turn(point, corners[1], corners[2]), b = vector2_turn(point, corners[2], corners[0]),
+               c = vector2_turn(point, corners[0], corners[1]);
+        double smallest = fmin(a, fmin(b, c)) / vector2_turn(corners[0], corners[1], corners[2]);
         if (smallest > best_min)
         {
             best = k;
@@ -440,7 +440,7 @@ static bool faces_are_upright(const bat_mesh_map *map, const map_collapse *colla
         {
             const double *corners[3];
             map_corners(map, collapse, k, after != 0, corners);
-            double area = map_area(corners[0], corners[1], corners[2]);
+            double area = vector2_turn(corners[0], corners[1], corners[2]);
             if (!(area > 0 && isfinite(area)))
                 return false;
         }

@@ -2,6 +2,7 @@
 #define MESH_DECIMATE_MAP_H
 
 #include "batten/mesh_decimate.h"
+#include "linalg/vector2.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/flatten.h"
 
@@ -71,12 +72,6 @@ static inline void map_corners(const bat_mesh_map *map, const map_collapse *coll
     corners[0] = points + (size_t)2 * (after ? (uint32_t)FLAT_NEW : apex);
     corners[1] = points + (size_t)2 * from;
     corners[2] = points + (size_t)2 * (FLAT_RING + to);
-}
-
-/// Twice the signed area of a triangle in the plane, positive when counter-clockwise.
-static inline double map_area(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
 /// Make the identity map of a mesh with `fine_faces` faces.

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector2.h"
 
 #include <libqhull_r/libqhull_r.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@ void planar_triangles_free(planar_triangles *triangles)
 static double doubled_area(const double (*planar)[2], const uint32_t corners[3])
 {
     const double *a = planar[corners[0]], *b = planar[corners[1]], *c = planar[corners[2]];
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    return vector2_turn(a, b, c);
 }
 
 /// Copy the facets of the lower hull. Null when out of memory, or where a facet is no simplex.

@@ -11,6 +11,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
+#include "linalg/vector2.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -146,7 +147,7 @@ static void find_by_triangles(const bat_cloud *cloud, const double *parameters, 
         const uint32_t *corner = cloud->triangles + 3 * t;
         const double *a = parameters + 2 * (size_t)corner[0], *b = parameters + 2 * (size_t)corner[1],
                      *c = parameters + 2 * (size_t)corner[2];
-        double area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        double area = vector2_turn(a, b, c);
         bool flipped = !(orientation > 0 ? area > 0 : area < 0);
         for (size_t k = 0; k < 3; k++)
             folded[corner[k]] = folded[corner[k]] || (flipped && corner[k] >= cloud->boundary_count);

@@ -12,6 +12,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector2.h"
 #include "surface/trim/region.h"
 
 #include <math.h>
@@ -590,15 +591,10 @@ static bat_status fit_points(const fair_loop *loop, bat_spline_trim *trim, bat_e
     return status;
 }
 
-static double side_of(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 /// Whether two edges of polygons cross.
 static bool edges_cross(const double *a, const double *b, const double *c, const double *d)
 {
-    return side_of(a, b, c) * side_of(a, b, d) < 0 && side_of(c, d, a) * side_of(c, d, b) < 0;
+    return vector2_turn(a, b, c) * vector2_turn(a, b, d) < 0 && vector2_turn(c, d, a) * vector2_turn(c, d, b) < 0;
 }
 
 /// Whether the polygons of curves cross themselves or each other.

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector2.h"
 #include "linalg/vector3.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
@@ -65,16 +66,11 @@ static double distance_of(const double *a, const double *b)
     return hypot(a[0] - b[0], a[1] - b[1]);
 }
 
-static double doubled_area(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 static void measure_triangle(outline_work *work, size_t triangle)
 {
     const uint32_t *corners = work->triangles.corners + 3 * triangle;
     const double *a = place_of(work, corners[0]), *b = place_of(work, corners[1]), *c = place_of(work, corners[2]);
-    double area = doubled_area(a, b, c), spacing = 0;
+    double area = vector2_turn(a, b, c), spacing = 0;
     for (int k = 0; k < 3; k++)
         spacing += work->geometry->spacing[corners[k]] / 3;
     work->radius[triangle] = distance_of(a, b) * distance_of(b, c) * distance_of(c, a) / (2 * area) / spacing;
@@ -148,7 +144,7 @@ static outline_part flood(outline_work *work, uint32_t start, uint32_t name)
     {
         uint32_t triangle = work->stack[head];
         const uint32_t *corners = work->triangles.corners + 3 * (size_t)triangle;
-        part.area += doubled_area(place_of(work, corners[0]), place_of(work, corners[1]), place_of(work, corners[2])) / 2;
+        part.area += vector2_turn(place_of(work, corners[0]), place_of(work, corners[1]), place_of(work, corners[2])) / 2;
         part.largest = fmax(part.largest, work->radius[triangle]);
         for (uint32_t k = 0; k < 3; k++)
         {
@@ -276,7 +272,7 @@ static double loop_area(const outline_work *work, const uint32_t *corners, size_
     double sum = 0;
     const double *origin = place_of(work, corners[0]);
     for (size_t i = 1; i + 1 < count; i++)
-        sum += doubled_area(origin, place_of(work, corners[i]), place_of(work, corners[i + 1])) / 2;
+        sum += vector2_turn(origin, place_of(work, corners[i]), place_of(work, corners[i + 1])) / 2;
     return sum;
 }
 
@@ -379,7 +375,7 @@ static double solid_area(const outline_work *work)
     for (size_t t = 0; t < work->triangles.count; t++)
     {
         const uint32_t *corners = work->triangles.corners + 3 * t;
-        double area = doubled_area(place_of(work, corners[0]), place_of(work, corners[1]), place_of(work, corners[2])) / 2;
+        double area = vector2_turn(place_of(work, corners[0]), place_of(work, corners[1]), place_of(work, corners[2])) / 2;
         double cosine = 0;
         for (size_t k = 0; k < 3; k++)
             cosine += fabs(vector3_dot(direction, work->geometry->oriented.planes[corners[k]].axes[2])) / 3;

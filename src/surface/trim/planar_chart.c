@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/multifrontal.h"
+#include "linalg/vector2.h"
 #include "linalg/vector3.h"
 
 #include <math.h>
@@ -446,11 +447,6 @@ static int compare_places(const void *a, const void *b)
     return (p[1] > q[1]) - (p[1] < q[1]);
 }
 
-static double turn_of(const double *a, const double *b, const double *c)
-{
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-}
-
 /// The convex hull of sorted places, counter-clockwise (Andrew, 1979). `hull` has room for 2 count. Returns its size.
 static size_t find_hull(const double (*sorted)[2], size_t count, double (*hull)[2])
 {
@@ -461,7 +457,7 @@ static size_t find_hull(const double (*sorted)[2], size_t count, double (*hull)[
         for (size_t i = 0; i < count; i++)
         {
             const double *place = sorted[side == 0 ? i : count - 1 - i];
-            while (made >= begin + 2 && turn_of(hull[made - 2], hull[made - 1], place) <= 0)
+            while (made >= begin + 2 && vector2_turn(hull[made - 2], hull[made - 1], place) <= 0)
                 made--;
             memcpy(hull[made++], place, sizeof *hull);
         }
