@@ -10,8 +10,8 @@
 /// corners.
 ///
 /// The surface stays a sphere with holes: it never grows together where that would make a handle. Of its loops, the longest
-/// remains, and the others are filled. Points that are left over are put into the nearest triangles. A tube, with two long
-/// loops, can be cut along a strip of triangles between them: the edges of such a disc are as near as its points.
+/// remains, and the others are filled. Points that are left over are put into the nearest triangles. A tube has two long
+/// loops. It can be cut along a strip of triangles between them. The edges of such a disc are as near as its points.
 
 /// How triangles are chosen.
 typedef struct advancing_front_options

@@ -4,10 +4,10 @@
 #include "linalg/multifrontal.h"
 
 /// @file
-/// The symmetric Dirichlet energy of a piecewise linear map from triangles in space to the unit square,
-///     E = sum over triangles of area (s_1^2 + s_2^2 + s_1^-2 + s_2^-2),
-/// and its minimization. s_1 and s_2 are the singular values of the map on a triangle, scaled so that the total area is that
-/// of the square. The energy is infinite where a triangle degenerates, so that no triangle turns over. Points of the
+/// The symmetric Dirichlet energy of a map from triangles in space to the unit square, and its minimization.
+///     E = sum over triangles of area (s_1^2 + s_2^2 + s_1^-2 + s_2^-2).
+/// s_1 and s_2 are the singular values of the map on a triangle. Triangles are scaled so that their total area is that of
+/// the square. The energy is infinite where a triangle degenerates, so that no triangle turns over. Points of the
 /// boundary slide along their side of the square; those at its corners stay.
 
 enum
