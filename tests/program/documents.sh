@@ -4,7 +4,8 @@
 #   - every page of docs/ can be reached from docs/index.md;
 #   - every relative link, image and anchor of every Markdown file exists;
 #   - the commands of the README, the first steps and the guides run, page by page and in their order;
-#   - every other command names a verb and long options that exist, and runs if it is quick.
+#   - every other command names a verb and long options that exist, and runs if it is quick;
+#   - the tables that the program prints are those that it prints today (scripts/docs-tables).
 # Commands are the lines that begin with `batten` or `printf` in blocks marked ```sh. Blocks with other marks are not run.
 # Usage: documents.sh BATTEN SOURCE
 set -u
@@ -134,6 +135,9 @@ commands()
 # Size of the README.
 bytes=$(($(wc -c < README.md)))
 test "$bytes" -le 5000 || fail "README.md has $bytes bytes, more than 5000"
+
+# Tables.
+scripts/docs-tables --check "$batten" || fail "the tables of the documents"
 
 # Links.
 tr '\n' ' ' < "$scratch/pages" > "$scratch/list"
