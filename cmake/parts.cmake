@@ -7,9 +7,6 @@ include(CMakeDependentOption)
 option(BATTEN_FILES "Read and write files (src/io; needs jansson and expat)" ON)
 option(BATTEN_PICTURES "Draw pictures (src/draw; needs cairo)" ON)
 option(BATTEN_SURFACES "Clouds and spline surfaces (src/surface; needs OpenBLAS, SuiteSparse and Qhull)" ON)
-cmake_dependent_option(BATTEN_GPL
-                       "Solve sparse systems by UMFPACK and the supernodal part of CHOLMOD, which are published under the GPL" OFF
-                       "BATTEN_SURFACES" OFF)
 cmake_dependent_option(BATTEN_RESEARCH "Build the library batten-research (needs all other parts)" ON
                        "BATTEN_FILES;BATTEN_PICTURES;BATTEN_SURFACES" OFF)
 cmake_dependent_option(BATTEN_PROGRAM "Build the program (needs all parts)" ON "BATTEN_RESEARCH" OFF)
@@ -53,9 +50,6 @@ if(BATTEN_SURFACES)
   batten_module(QHULL qhull_r 8.0)
   # SuiteSparse has no pkg-config files before its version 6.
   set(BATTEN_SUITESPARSE amd suitesparseconfig)
-  if(BATTEN_GPL)
-    list(PREPEND BATTEN_SUITESPARSE umfpack cholmod)
-  endif()
   find_path(SUITESPARSE_INCLUDE amd.h PATH_SUFFIXES suitesparse REQUIRED)
   foreach(name ${BATTEN_SUITESPARSE})
     find_library(SUITESPARSE_${name} ${name} REQUIRED)
@@ -126,9 +120,6 @@ endif()
 
 # The sources of the product: every .c file below src/ but for those of parts that are left out.
 file(GLOB_RECURSE BATTEN_SOURCES CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/*.c)
-if(NOT BATTEN_GPL)
-  list(FILTER BATTEN_SOURCES EXCLUDE REGEX "_gpl\\.c$")
-endif()
 file(GLOB BATTEN_HEADERS CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/batten/*.h)
 set(BATTEN_WEIGHT_FILES learned:batten published:tension-published mesh:mesh)
 if(BATTEN_SURFACES)
@@ -136,7 +127,7 @@ if(BATTEN_SURFACES)
 else()
   list(FILTER BATTEN_SOURCES EXCLUDE REGEX "/src/(surface|io/surface|draw/surface)/")
   # Sparse systems come from parameterizations and fits alone.
-  list(FILTER BATTEN_SOURCES EXCLUDE REGEX "/src/linalg/(average_|sparse_|multifrontal|front_tree|supernodal)")
+  list(FILTER BATTEN_SOURCES EXCLUDE REGEX "/src/linalg/(average_|sparse_|multifrontal|front_tree)")
   list(FILTER BATTEN_HEADERS EXCLUDE REGEX "/(cloud|spline|surface)(_[a-z_]*)?\\.h$")
 endif()
 if(BATTEN_HAS_BLAS)

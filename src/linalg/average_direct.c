@@ -86,7 +86,7 @@ static bat_status average_matrix_make(const sparse_rows *weights, average_matrix
     return status;
 }
 
-bat_status average_solve_multifrontal(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
+bat_status average_solve_direct(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
 {
     if (weights->row_count == 0)
         return BAT_OK;
@@ -109,13 +109,4 @@ bat_status average_solve_multifrontal(const sparse_rows *weights, const double *
     multifrontal_free(solver);
     average_matrix_free(&matrix);
     return status;
-}
-
-bat_status average_solve_direct(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
-{
-#if defined(BATTEN_GPL)
-    return average_solve_umfpack(weights, constant, x, error);
-#else
-    return average_solve_multifrontal(weights, constant, x, error);
-#endif
 }

@@ -9,21 +9,12 @@
 /// then an M-matrix: there is one solution, and where the c_i are the missing shares of given values, it lies within their
 /// range.
 
-/// Solve for two columns at once by an LU decomposition: average_solve_multifrontal(), in builds with BATTEN_GPL
-/// average_solve_umfpack().
+/// Solve for two columns at once by an LU decomposition, without pivoting, which M-matrices do not need.
 /// @param weights  count x count
 /// @param constant count x 2
 /// @param x        receives count x 2
 /// @return BAT_OK, BAT_NO_CONVERGENCE for a singular system, BAT_NO_MEMORY, BAT_TOO_LARGE
 bat_status average_solve_direct(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
-
-/// The same by linalg/multifrontal.h, without pivoting, which M-matrices do not need.
-bat_status average_solve_multifrontal(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
-
-#if defined(BATTEN_GPL)
-/// The same by UMFPACK (Davis, 2004).
-bat_status average_solve_umfpack(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
-#endif
 
 /// The same by BiCGSTAB (van der Vorst 1992) over a multilevel cycle, in time and memory in proportion to the entries. Where
 /// it does not settle, as on large clouds with noise as wide as their spacing, average_solve_direct() takes over, up to

@@ -9,14 +9,10 @@ static bat_status solve_iteratively(const sparse_rows *weights, const double *co
     return average_solve_iterative(weights, constant, 0, x, error);
 }
 
-/// The ways to solve: the iterative one, then the direct ones.
+/// The ways to solve: the iterative one and the direct one.
 static bat_status (*const ways[])(const sparse_rows *, const double *, double *, bat_error *) = {
     solve_iteratively,
     average_solve_direct,
-    average_solve_multifrontal,
-#if defined(BATTEN_GPL)
-    average_solve_umfpack,
-#endif
 };
 static const size_t way_count = sizeof ways / sizeof *ways;
 

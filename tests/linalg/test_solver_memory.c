@@ -89,7 +89,6 @@ typedef struct fit_job
 {
     fit_pattern pattern;
     double *values;
-    fit_factorization factorization;
 } fit_job;
 
 static bat_status factor_and_solve(const void *context, bat_error *error)
@@ -105,7 +104,7 @@ static bat_status factor_and_solve(const void *context, bat_error *error)
     }
     for (size_t k = 0; k < numbers; k++)
         x[k] = 1;
-    bat_status status = fit_solver_make_by(&job->pattern, job->factorization, &solver, error);
+    bat_status status = fit_solver_make(&job->pattern, &solver, error);
     // Twice, as the search for a weight does.
     for (int round = 0; round < 2 && status == BAT_OK; round++)
     {
@@ -146,12 +145,8 @@ static void fit_solvers_survive(void **state)
         }
     }
     first[COUNT] = at;
-    fit_job job = {{COUNT, first, row}, values, FIT_MULTIFRONTAL};
+    fit_job job = {{COUNT, first, row}, values};
     fail_each(factor_and_solve, &job, 20);
-#if defined(BATTEN_GPL)
-    job.factorization = FIT_SUPERNODAL;
-    fail_each(factor_and_solve, &job, 20);
-#endif
 }
 
 typedef bat_status average_solver(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
@@ -177,7 +172,7 @@ static bat_status solve_averages(const void *context, bat_error *error)
 static void average_solvers_survive(void **state)
 {
     (void)state;
-    average_job job = {.solve = average_solve_multifrontal};
+    average_job job = {.solve = average_solve_direct};
     check_status(sparse_rows_make(300, 300, 598, &job.weights, NULL), BAT_OK);
     size_t at = 0;
     for (uint32_t i = 0; i < 300; i++)
@@ -191,10 +186,6 @@ static void average_solvers_survive(void **state)
     }
     assert_int_equal(at, 598);
     fail_each(solve_averages, &job, 20);
-#if defined(BATTEN_GPL)
-    job.solve = average_solve_umfpack;
-    fail_each(solve_averages, &job, 10);
-#endif
     sparse_rows_free(&job.weights);
 }
 

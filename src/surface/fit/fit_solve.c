@@ -4,51 +4,30 @@
 #include "base/memory.h"
 #include "linalg/multifrontal.h"
 
-#if defined(BATTEN_GPL)
-#include "linalg/supernodal_gpl.h"
-#endif
-
 #include <stdlib.h>
 #include <string.h>
 
 struct fit_solver
 {
     size_t functions;
-    multifrontal *fronts;                   ///< null with supernodes
+    multifrontal *fronts;                   ///< null with a backend
     const bat_surface_fit_backend *backend; ///< whose solver this is; null for the library's
     const fit_pattern *pattern;             ///< of a backend's solver
-#if defined(BATTEN_GPL)
-    supernodal *supernodes; ///< null with fronts
-#endif
 };
 
-bat_status fit_solver_make_by(const fit_pattern *pattern, fit_factorization factorization, fit_solver **solver,
-                              bat_error *error)
+bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error)
 {
     fit_solver *made = calloc(1, sizeof *made);
     if (made == NULL)
         return error_memory(error, sizeof *made);
     made->functions = pattern->functions;
     const symmetric_pattern symmetric = {pattern->functions, pattern->first, pattern->row};
-    bat_status status;
-    if (factorization == FIT_MULTIFRONTAL)
-        status = multifrontal_make(&symmetric, true, &made->fronts, error);
-    else
-#if defined(BATTEN_GPL)
-        status = supernodal_make(&symmetric, &made->supernodes, error);
-#else
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "this build has no supernodal factorization");
-#endif
+    bat_status status = multifrontal_make(&symmetric, true, &made->fronts, error);
     if (status == BAT_OK)
         *solver = made;
     else
         fit_solver_free(made);
     return status;
-}
-
-bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error)
-{
-    return fit_solver_make_by(pattern, FIT_FACTORIZATION, solver, error);
 }
 
 bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
@@ -71,9 +50,6 @@ void fit_solver_free(fit_solver *solver)
     if (solver == NULL)
         return;
     multifrontal_free(solver->fronts);
-#if defined(BATTEN_GPL)
-    supernodal_free(solver->supernodes);
-#endif
     free(solver);
 }
 
@@ -88,10 +64,6 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
         *pivot = regular ? 1 : 0;
         return status;
     }
-#if defined(BATTEN_GPL)
-    if (solver->supernodes != NULL)
-        return supernodal_factor(solver->supernodes, values, pivot, error);
-#endif
     return multifrontal_factor(solver->fronts, values, NULL, pivot, error);
 }
 
@@ -111,9 +83,5 @@ bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *ri
         return status;
     }
     memmove(solution, right, bytes);
-#if defined(BATTEN_GPL)
-    if (solver->supernodes != NULL)
-        return supernodal_solve(solver->supernodes, columns, solution, error);
-#endif
     return multifrontal_solve(solver->fronts, columns, solution, error);
 }

@@ -7,18 +7,6 @@
 /// @file
 /// Sparse symmetric positive definite systems of one pattern.
 
-/// How a system is factored.
-typedef enum fit_factorization
-{
-    FIT_MULTIFRONTAL, ///< linalg/multifrontal.h
-    FIT_SUPERNODAL,   ///< linalg/supernodal_gpl.h, in builds with BATTEN_GPL
-#if defined(BATTEN_GPL)
-    FIT_FACTORIZATION = FIT_SUPERNODAL ///< what fit_solver_make() takes
-#else
-    FIT_FACTORIZATION = FIT_MULTIFRONTAL
-#endif
-} fit_factorization;
-
 typedef struct fit_solver fit_solver;
 
 /// Order and analyse a pattern, which must outlive the solver.
@@ -27,10 +15,6 @@ bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_
 /// first alone has a solver; the others attend.
 bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
                                fit_solver **solver, bat_error *error);
-/// The same by a factorization of the caller's choice.
-/// @return BAT_OK, BAT_NO_MEMORY, BAT_TOO_LARGE; BAT_UNSUPPORTED for a factorization that this build has not
-bat_status fit_solver_make_by(const fit_pattern *pattern, fit_factorization factorization, fit_solver **solver,
-                              bat_error *error);
 /// Does nothing to null.
 void fit_solver_free(fit_solver *solver);
 
