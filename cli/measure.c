@@ -56,25 +56,6 @@ typedef enum measured
     MEASURED
 } measured;
 
-/// The rows of the report, and where their numbers are.
-static const struct
-{
-    const char *key, *name;
-    measured in;
-    size_t offset;
-} ROWS[] = {
-    {"mean_nn", "mean nearest neighbour, A to B", DISTANCE, offsetof(bat_curve_distance, mean_nn)},
-    {"mean_nn_back", "mean nearest neighbour, B to A", DISTANCE, offsetof(bat_curve_distance, mean_nn_back)},
-    {"mean_symmetric", "mean nearest neighbour, both ways", DISTANCE, offsetof(bat_curve_distance, mean_symmetric)},
-    {"hausdorff_there", "greatest nearest neighbour, A to B", DISTANCE, offsetof(bat_curve_distance, hausdorff_there)},
-    {"hausdorff_back", "greatest nearest neighbour, B to A", DISTANCE, offsetof(bat_curve_distance, hausdorff_back)},
-    {"hausdorff", "Hausdorff distance", DISTANCE, offsetof(bat_curve_distance, hausdorff)},
-    {"bending", "bending energy of A", FAIRNESS_OF_A, offsetof(bat_curve_fairness_values, bending)},
-    {"g1", "largest exterior angle of A", FAIRNESS_OF_A, offsetof(bat_curve_fairness_values, g1)},
-    {"bending_b", "bending energy of B", FAIRNESS_OF_B, offsetof(bat_curve_fairness_values, bending)},
-    {"g1_b", "largest exterior angle of B", FAIRNESS_OF_B, offsetof(bat_curve_fairness_values, g1)},
-};
-
 /// The command line.
 typedef struct measure_job
 {
@@ -94,45 +75,49 @@ typedef struct results
     bool *simple; ///< of A; null in spaces where curves do not cross
 } results;
 
-static double result_of(const results *all, size_t row, size_t curve)
+/// Print the mean and the median of one measure of all curves, or put them into `object` where it is not null.
+static bat_status report_measure(const results *all, measured in, const bat_measure *measure, double *values, json_t *object,
+                                 bat_error *error)
 {
-    const char *const base[MEASURED] = {(const char *)&all->fairness[0][curve], (const char *)&all->fairness[1][curve],
-                                        (const char *)&all->distances[curve]};
-    double value;
-    memcpy(&value, base[ROWS[row].in] + ROWS[row].offset, sizeof value);
-    return value;
-}
-
-static void print_row(size_t row, const bat_curve_summary *summary)
-{
-    (void)printf("%-36s %14.8g", ROWS[row].name, summary->mean);
-    if (summary->count > 1)
-        (void)printf(" %14.8g", summary->median);
+    static const char *const OF[MEASURED] = {" of A", " of B", ""}, *const KEY_OF[MEASURED] = {"", "_b", ""};
+    const char *bases[MEASURED] = {(const char *)all->fairness[0], (const char *)all->fairness[1],
+                                   (const char *)all->distances};
+    size_t size = in == DISTANCE ? sizeof *all->distances : sizeof *all->fairness[0];
+    for (size_t i = 0; i < all->count; i++)
+        memcpy(&values[i], bases[in] + i * size + measure->offset, sizeof *values);
+    bat_curve_summary summary;
+    bat_status status = bat_curve_summarize(values, all->count, &summary, error);
+    char name[64];
+    if (status == BAT_OK && object != NULL)
+    {
+        (void)snprintf(name, sizeof name, "%s%s", measure->name, KEY_OF[in]);
+        json_t *value =
+            json_pack("{s:o, s:o}", "mean", report_number(summary.mean), "median", report_number(summary.median));
+        return json_object_set_new(object, name, value) == 0 ? BAT_OK : BAT_NO_MEMORY;
+    }
+    if (status != BAT_OK)
+        return status;
+    (void)snprintf(name, sizeof name, "%s%s", measure->title, OF[in]);
+    (void)printf("%-36s %14.8g", name, summary.mean);
+    if (summary.count > 1)
+        (void)printf(" %14.8g", summary.median);
     (void)printf("\n");
+    return BAT_OK;
 }
 
-/// Print the rows that were measured, or put them into `object` where it is not null.
+/// Report what was measured: distances first, then the fairness of each side.
 static bat_status summarize(const results *all, bool compared, json_t *object, bat_error *error)
 {
+    static const measured ORDER[MEASURED] = {DISTANCE, FAIRNESS_OF_A, FAIRNESS_OF_B};
     double *values = calloc(all->count, sizeof *values);
     bat_status status = values != NULL ? BAT_OK : BAT_NO_MEMORY;
-    for (size_t row = 0; row < sizeof ROWS / sizeof ROWS[0] && status == BAT_OK; row++)
-    {
-        if (!compared && ROWS[row].in != FAIRNESS_OF_A)
-            continue;
-        for (size_t i = 0; i < all->count; i++)
-            values[i] = result_of(all, row, i);
-        bat_curve_summary summary;
-        status = bat_curve_summarize(values, all->count, &summary, error);
-        if (status != BAT_OK)
-            break;
-        if (object == NULL)
-            print_row(row, &summary);
-        else if (json_object_set_new(object, ROWS[row].key,
-                                     json_pack("{s:o, s:o}", "mean", report_number(summary.mean), "median",
-                                               report_number(summary.median))) != 0)
-            status = BAT_NO_MEMORY;
-    }
+    bat_measure measure;
+    for (size_t k = 0; k < MEASURED; k++)
+        for (size_t i = 0; (compared || ORDER[k] == FAIRNESS_OF_A) && status == BAT_OK &&
+                           bat_curve_measures(ORDER[k] == DISTANCE ? 2 : 1, i, &measure);
+             i++)
+            if (measure.form == BAT_MEASURE_NUMBER)
+                status = report_measure(all, ORDER[k], &measure, values, object, error);
     free(values);
     return status;
 }

@@ -83,153 +83,82 @@ bool measure_means_meshes(const arguments *given)
     return found == KIND_MESH;
 }
 
-/// How a value is printed.
-typedef enum form
-{
-    FORM_LENGTH, ///< also as a share of the diagonal
-    FORM_NUMBER,
-    FORM_COUNT,
-    FORM_SIGNED, ///< a whole number that may be negative
-    FORM_GENUS,  ///< a whole number, negative for none
-    FORM_FLAG,
-    FORM_POINT
-} form;
-
-/// A row of a report: where its figure is in the struct.
-typedef struct row
-{
-    const char *key, *name;
-    form form;
-    size_t offset;
-} row;
-
-static const row DISTANCES[] = {
-    {"hausdorff_there", "greatest distance, A to B", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff_there)},
-    {"hausdorff_back", "greatest distance, B to A", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff_back)},
-    {"hausdorff", "Hausdorff distance", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff)},
-    {"hausdorff_most", "  proven to be at most", FORM_LENGTH, offsetof(bat_mesh_distance, hausdorff_most)},
-    {"mean_there", "mean distance, A to B", FORM_LENGTH, offsetof(bat_mesh_distance, mean_there)},
-    {"mean_back", "mean distance, B to A", FORM_LENGTH, offsetof(bat_mesh_distance, mean_back)},
-    {"mean", "mean distance, both ways", FORM_LENGTH, offsetof(bat_mesh_distance, mean)},
-    {"mean_greater", "greater of the two means", FORM_LENGTH, offsetof(bat_mesh_distance, mean_greater)},
-    {"rms_there", "root mean square, A to B", FORM_LENGTH, offsetof(bat_mesh_distance, rms_there)},
-    {"rms_back", "root mean square, B to A", FORM_LENGTH, offsetof(bat_mesh_distance, rms_back)},
-    {"diagonal", "diagonal of B's bounding box", FORM_LENGTH, offsetof(bat_mesh_distance, diagonal)},
-    {"farthest_there", "farthest point of A", FORM_POINT, offsetof(bat_mesh_distance, farthest_there)},
-    {"farthest_back", "farthest point of B", FORM_POINT, offsetof(bat_mesh_distance, farthest_back)},
-};
-
-static const row FIGURES[] = {
-    {"vertices", "vertices", FORM_COUNT, offsetof(bat_mesh_summary, vertices)},
-    {"isolated_vertices", "  without a face", FORM_COUNT, offsetof(bat_mesh_summary, isolated_vertices)},
-    {"edges", "edges", FORM_COUNT, offsetof(bat_mesh_summary, edges)},
-    {"boundary_edges", "  at a boundary", FORM_COUNT, offsetof(bat_mesh_summary, boundary_edges)},
-    {"crowded_edges", "  of more than two faces", FORM_COUNT, offsetof(bat_mesh_summary, crowded_edges)},
-    {"reversed_edges", "  of faces that run against each other", FORM_COUNT, offsetof(bat_mesh_summary, reversed_edges)},
-    {"faces", "faces", FORM_COUNT, offsetof(bat_mesh_summary, faces)},
-    {"degenerate_faces", "  degenerate", FORM_COUNT, offsetof(bat_mesh_summary, degenerate_faces)},
-    {"components", "components", FORM_COUNT, offsetof(bat_mesh_summary, components)},
-    {"boundary_loops", "boundary loops", FORM_COUNT, offsetof(bat_mesh_summary, boundary_loops)},
-    {"pinched_vertices", "vertices of several fans of faces", FORM_COUNT, offsetof(bat_mesh_summary, pinched_vertices)},
-    {"manifold", "manifold", FORM_FLAG, offsetof(bat_mesh_summary, manifold)},
-    {"oriented", "oriented", FORM_FLAG, offsetof(bat_mesh_summary, oriented)},
-    {"closed", "closed", FORM_FLAG, offsetof(bat_mesh_summary, closed)},
-    {"euler", "Euler characteristic", FORM_SIGNED, offsetof(bat_mesh_summary, euler)},
-    {"genus", "genus", FORM_GENUS, offsetof(bat_mesh_summary, genus)},
-    {"area", "area", FORM_NUMBER, offsetof(bat_mesh_summary, area)},
-    {"volume", "volume", FORM_NUMBER, offsetof(bat_mesh_summary, volume)},
-    {"low", "lowest coordinates", FORM_POINT, offsetof(bat_mesh_summary, low)},
-    {"high", "highest coordinates", FORM_POINT, offsetof(bat_mesh_summary, high)},
-    {"diagonal", "diagonal of the bounding box", FORM_NUMBER, offsetof(bat_mesh_summary, diagonal)},
-    {"least_edge", "shortest edge", FORM_NUMBER, offsetof(bat_mesh_summary, least_edge)},
-    {"mean_edge", "mean edge", FORM_NUMBER, offsetof(bat_mesh_summary, mean_edge)},
-    {"greatest_edge", "longest edge", FORM_NUMBER, offsetof(bat_mesh_summary, greatest_edge)},
-    {"least_quality", "least triangle quality", FORM_NUMBER, offsetof(bat_mesh_summary, least_quality)},
-    {"least_quality_face", "  of face", FORM_COUNT, offsetof(bat_mesh_summary, least_quality_face)},
-    {"mean_quality", "mean triangle quality", FORM_NUMBER, offsetof(bat_mesh_summary, mean_quality)},
-    {"least_angle", "least angle, radians", FORM_NUMBER, offsetof(bat_mesh_summary, least_angle)},
-    {"least_valence", "least valence", FORM_COUNT, offsetof(bat_mesh_summary, least_valence)},
-    {"greatest_valence", "greatest valence", FORM_COUNT, offsetof(bat_mesh_summary, greatest_valence)},
-};
-
-static json_t *row_json(const row *at, const char *base)
+static json_t *row_json(const bat_measure *at, const char *base)
 {
     const void *value = base + at->offset;
     switch (at->form)
     {
-    case FORM_COUNT:
+    case BAT_MEASURE_COUNT:
         return json_integer((json_int_t) * (const size_t *)value);
-    case FORM_SIGNED:
+    case BAT_MEASURE_SIGNED:
         return json_integer((json_int_t) * (const int64_t *)value);
-    case FORM_GENUS:
+    case BAT_MEASURE_GENUS:
         return *(const int64_t *)value < 0 ? json_null() : json_integer((json_int_t) * (const int64_t *)value);
-    case FORM_FLAG:
+    case BAT_MEASURE_FLAG:
         return json_boolean(*(const bool *)value);
-    case FORM_POINT:
+    case BAT_MEASURE_POINT:
     {
         const double *point = value;
         return json_pack("[o, o, o]", report_number(point[0]), report_number(point[1]), report_number(point[2]));
     }
-    case FORM_LENGTH:
-    case FORM_NUMBER:
+    case BAT_MEASURE_LENGTH:
+    case BAT_MEASURE_NUMBER:
         break;
     }
     return report_number(*(const double *)value);
 }
 
-static void print_row(const row *at, const char *base, double diagonal)
+static void print_row(const bat_measure *at, const char *base, double diagonal)
 {
     const void *value = base + at->offset;
     const double *numbers = value;
-    (void)printf("%-38s ", at->name);
+    (void)printf("%-38s ", at->title);
     switch (at->form)
     {
-    case FORM_COUNT:
+    case BAT_MEASURE_COUNT:
         (void)printf("%14zu\n", *(const size_t *)value);
         break;
-    case FORM_SIGNED:
+    case BAT_MEASURE_SIGNED:
         (void)printf("%14lld\n", (long long)*(const int64_t *)value);
         break;
-    case FORM_GENUS:
+    case BAT_MEASURE_GENUS:
         if (*(const int64_t *)value < 0)
             (void)printf("%14s\n", "none");
         else
             (void)printf("%14lld\n", (long long)*(const int64_t *)value);
         break;
-    case FORM_FLAG:
+    case BAT_MEASURE_FLAG:
         (void)printf("%14s\n", *(const bool *)value ? "yes" : "no");
         break;
-    case FORM_POINT:
+    case BAT_MEASURE_POINT:
         (void)printf("%14.8g %14.8g %14.8g\n", numbers[0], numbers[1], numbers[2]);
         break;
-    case FORM_NUMBER:
+    case BAT_MEASURE_NUMBER:
         if (isnan(*numbers))
             (void)printf("%14s\n", "none");
         else
             (void)printf("%14.8g\n", *numbers);
         break;
-    case FORM_LENGTH:
+    case BAT_MEASURE_LENGTH:
         (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
         break;
     }
 }
 
-static int report_rows(const row *rows, size_t count, const void *base, double diagonal, bool as_json)
+/// Report the measures of one mesh or of two.
+static int report_measures(size_t meshes, const void *base, double diagonal, bool as_json)
 {
-    if (!as_json)
-    {
-        for (size_t i = 0; i < count; i++)
-            print_row(&rows[i], base, diagonal);
-        return EXIT_DONE;
-    }
-    json_t *object = json_object();
-    for (size_t i = 0; i < count && object != NULL; i++)
-        if (json_object_set_new(object, rows[i].key, row_json(&rows[i], base)) != 0)
+    bat_measure measure;
+    json_t *object = as_json ? json_object() : NULL;
+    for (size_t i = 0; bat_mesh_measures(meshes, i, &measure); i++)
+        if (!as_json)
+            print_row(&measure, base, diagonal);
+        else if (object != NULL && json_object_set_new(object, measure.name, row_json(&measure, base)) != 0)
         {
             json_decref(object);
             object = NULL;
         }
-    return report_json(object);
+    return as_json ? report_json(object) : EXIT_DONE;
 }
 
 /// The command line.
@@ -250,7 +179,7 @@ static int report_summary(const mesh_job *job, const bat_mesh *mesh)
     bat_error error;
     if (bat_mesh_summarize(mesh, &summary, &error) != BAT_OK)
         return report_failure(job->paths[0], &error);
-    return report_rows(FIGURES, sizeof FIGURES / sizeof FIGURES[0], &summary, summary.diagonal, job->json);
+    return report_measures(1, &summary, summary.diagonal, job->json);
 }
 
 /// What stands behind a path's last slash; null for no path.
@@ -310,7 +239,7 @@ static int report_distance(const mesh_job *job, const bat_mesh_distance *distanc
 {
     if (!job->json)
         (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
-    return report_rows(DISTANCES, sizeof DISTANCES / sizeof DISTANCES[0], distance, distance->diagonal, job->json);
+    return report_measures(2, distance, distance->diagonal, job->json);
 }
 
 static int read_and_measure(mesh_job *job)

@@ -121,6 +121,29 @@ typedef struct bat_choice
     bool reads, writes;   ///< formats: what the library can do
     int value;            ///< the enumerator, where the family has an enumeration; else 0
 } bat_choice;
+
+/// How a measure is stored, and printed.
+typedef enum bat_measure_form
+{
+    BAT_MEASURE_NUMBER, ///< double; NaN: the thing measured has none
+    BAT_MEASURE_LENGTH, ///< double, of interest as a share of the size of what is measured
+    BAT_MEASURE_POINT,  ///< double[3]
+    BAT_MEASURE_COUNT,  ///< size_t
+    BAT_MEASURE_SIGNED, ///< int64_t
+    BAT_MEASURE_GENUS,  ///< int64_t; negative: the thing measured has none
+    BAT_MEASURE_FLAG    ///< bool
+} bat_measure_form;
+
+/// A measure: a field of the struct that a measuring function fills in. Each such struct has one table of them, which
+/// bat_..._measures() walks; the program and the page print that table.
+typedef struct bat_measure
+{
+    const char *name;  ///< the field's, which the struct's comment defines
+    const char *title; ///< for people; two blanks first where it belongs to the measure before
+    bat_measure_form form;
+    size_t offset; ///< of the field in its struct
+} bat_measure;
+
 /// Several files that appear together or not at all. Each is written to a temporary file beside its target by any writer of
 /// the library or of your own; then all are renamed at once. Until then nothing is changed.
 ///

@@ -93,6 +93,12 @@ BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_me
 BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
                                        bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error);
 
+/// The measures of a curve, in the order of a report.
+/// @param curves  1: the fields of bat_curve_fairness_values; 2: those of bat_curve_distance
+/// @param measure receives row `index` of the table
+/// @return false past the last row
+BAT_API bool bat_curve_measures(size_t curves, size_t index, bat_measure *measure);
+
 /// Whether a curve is simple: its edges are geodesics that meet nowhere but at the vertices that neighbours share. Edges
 /// that touch, and neighbours that fold back onto each other, make it not simple. Points that repeat their neighbour do not.
 /// An open curve whose last point equals its first is a ring. The answer is exact for the coordinates as they are stored,

@@ -128,6 +128,12 @@ typedef struct bat_mesh_summary
     size_t least_quality_face; ///< the first face of least quality
 } bat_mesh_summary;
 
+/// The measures of a mesh, in the order of a report.
+/// @param meshes  1: the fields of bat_mesh_summary; 2: those of bat_mesh_distance
+/// @param measure receives row `index` of the table
+/// @return false past the last row
+BAT_API bool bat_mesh_measures(size_t meshes, size_t index, bat_measure *measure);
+
 /// Summarize a mesh in linear time.
 /// @return BAT_OK, what bat_mesh_check() returns, or BAT_NO_MEMORY; `summary` is untouched on failure
 BAT_API bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error);

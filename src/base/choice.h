@@ -19,6 +19,14 @@ typedef struct choice_table
         what, rows, sizeof *(rows), sizeof(rows) / sizeof *(rows)                                                           \
     }
 
+/// The bat_measure of a struct's field.
+// NOLINTBEGIN(bugprone-macro-parentheses): `type` is a type
+#define MEASURE(type, field, title, form)                                                                                   \
+    {                                                                                                                       \
+#field, title, BAT_MEASURE_##form, offsetof(type, field)                                                            \
+    }
+// NOLINTEND(bugprone-macro-parentheses)
+
 /// The row of a number; null past the last.
 const bat_choice *choice_at(const choice_table *table, size_t index);
 /// The row of a name of `length` characters; null for none.

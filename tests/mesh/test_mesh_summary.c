@@ -260,6 +260,30 @@ static void test_magnitudes(void **state)
     bat_mesh_free(&mesh);
 }
 
+/// Every byte of the two structs belongs to one row, but for padding after a flag.
+static void test_tables(void **state)
+{
+    (void)state;
+    static const size_t SIZES[] = {sizeof(double),  sizeof(double),  sizeof(double[3]), sizeof(size_t),
+                                   sizeof(int64_t), sizeof(int64_t), sizeof(bool)};
+    const size_t structs[] = {sizeof(bat_mesh_summary), sizeof(bat_mesh_distance)};
+    for (size_t meshes = 1; meshes <= 2; meshes++)
+    {
+        unsigned char taken[sizeof(bat_mesh_summary)] = {0};
+        size_t bytes = 0;
+        bat_measure row;
+        for (size_t i = 0; bat_mesh_measures(meshes, i, &row); i++)
+        {
+            assert_true(row.name[0] != '\0' && row.title[0] != '\0');
+            for (size_t k = 0; k < SIZES[row.form]; k++, bytes++)
+                assert_int_equal(taken[row.offset + k]++, 0);
+        }
+        assert_in_range(bytes, structs[meshes - 1] - sizeof(double) + 1, structs[meshes - 1]);
+    }
+    bat_measure none;
+    assert_false(bat_mesh_measures(0, 0, &none) || bat_mesh_measures(3, 0, &none));
+}
+
 static void test_refusals(void **state)
 {
     (void)state;
@@ -280,6 +304,7 @@ int main(void)
         cmocka_unit_test(test_moebius),
         cmocka_unit_test(test_degenerate_faces),
         cmocka_unit_test(test_magnitudes),
+        cmocka_unit_test(test_tables),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

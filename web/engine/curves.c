@@ -201,9 +201,11 @@ static bat_status measure_curves(const engine_call *call, engine_object *result,
     {
         bat_curve_fairness_values values;
         status = bat_curve_fairness(&set->curves[i], &options, &values, error);
-        if (status == BAT_OK)
-            (void)json_array_append_new(rows, json_pack("{s:o,s:o,s:o}", "bending", engine_number(values.bending), "g1",
-                                                        engine_number(values.g1), "length", engine_number(values.length)));
+        json_t *row = json_object();
+        bat_measure measure;
+        for (size_t k = 0; status == BAT_OK && bat_curve_measures(1, k, &measure); k++)
+            engine_measure(row, &measure, &values);
+        (void)json_array_append_new(rows, row);
     }
     engine_set(result->report, "fairness", rows);
     return status;
@@ -268,14 +270,9 @@ static bat_status compare_curves(const engine_call *call, engine_object *result,
             bat_curve_compare(&call->inputs[0]->set.curves[0], &call->inputs[1]->set.curves[0], &options, &distance, error);
     if (status != BAT_OK)
         return status;
-    engine_set(result->report, "mean_nn", engine_number(distance.mean_nn));
-    engine_set(result->report, "mean_nn_back", engine_number(distance.mean_nn_back));
-    engine_set(result->report, "mean_symmetric", engine_number(distance.mean_symmetric));
-    engine_set(result->report, "hausdorff_there", engine_number(distance.hausdorff_there));
-    engine_set(result->report, "hausdorff_back", engine_number(distance.hausdorff_back));
-    engine_set(result->report, "hausdorff", engine_number(distance.hausdorff));
-    engine_set(result->report, "farthest_there", engine_size(distance.farthest_there));
-    engine_set(result->report, "farthest_back", engine_size(distance.farthest_back));
+    bat_measure measure;
+    for (size_t i = 0; bat_curve_measures(2, i, &measure); i++)
+        engine_measure(result->report, &measure, &distance);
     return BAT_OK;
 }
 

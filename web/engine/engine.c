@@ -67,6 +67,31 @@ void engine_set(json_t *object, const char *name, json_t *value)
     (void)json_object_set_new_nocheck(object, name, value);
 }
 
+static json_t *measure_value(bat_measure_form form, const void *value)
+{
+    switch (form)
+    {
+    case BAT_MEASURE_COUNT:
+        return engine_size(*(const size_t *)value);
+    case BAT_MEASURE_SIGNED:
+    case BAT_MEASURE_GENUS:
+        return json_integer(*(const int64_t *)value);
+    case BAT_MEASURE_FLAG:
+        return json_boolean(*(const bool *)value);
+    case BAT_MEASURE_POINT:
+        return engine_numbers(value, 3);
+    case BAT_MEASURE_NUMBER:
+    case BAT_MEASURE_LENGTH:
+        break;
+    }
+    return engine_number(*(const double *)value);
+}
+
+void engine_measure(json_t *object, const bat_measure *measure, const void *base)
+{
+    engine_set(object, measure->name, measure_value(measure->form, (const char *)base + measure->offset));
+}
+
 void *engine_own(engine_object *object, void *memory)
 {
     if (object->array_count == ENGINE_ARRAYS)

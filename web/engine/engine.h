@@ -120,6 +120,8 @@ json_t *engine_size(size_t value);
 json_t *engine_array(const char *type, const void *data, size_t count);
 json_t *engine_numbers(const double *values, size_t count);
 void engine_set(json_t *object, const char *name, json_t *value);
+/// Set a measure by its name; `base` is the struct that it is a field of.
+void engine_measure(json_t *object, const bat_measure *measure, const void *base);
 /// Memory that lives as long as the object.
 void *engine_own(engine_object *object, void *memory);
 /// @}

@@ -299,34 +299,9 @@ static bat_status summarize(const engine_call *call, engine_object *result, bat_
         status = bat_mesh_summarize(&call->inputs[0]->mesh, &summary, error);
     if (status != BAT_OK)
         return status;
-    json_t *report = result->report;
-    engine_set(report, "vertices", engine_size(summary.vertices));
-    engine_set(report, "isolated_vertices", engine_size(summary.isolated_vertices));
-    engine_set(report, "edges", engine_size(summary.edges));
-    engine_set(report, "faces", engine_size(summary.faces));
-    engine_set(report, "components", engine_size(summary.components));
-    engine_set(report, "boundary_edges", engine_size(summary.boundary_edges));
-    engine_set(report, "boundary_loops", engine_size(summary.boundary_loops));
-    engine_set(report, "crowded_edges", engine_size(summary.crowded_edges));
-    engine_set(report, "reversed_edges", engine_size(summary.reversed_edges));
-    engine_set(report, "pinched_vertices", engine_size(summary.pinched_vertices));
-    engine_set(report, "degenerate_faces", engine_size(summary.degenerate_faces));
-    engine_set(report, "euler", json_integer(summary.euler));
-    engine_set(report, "manifold", json_boolean(summary.manifold));
-    engine_set(report, "oriented", json_boolean(summary.oriented));
-    engine_set(report, "closed", json_boolean(summary.closed));
-    engine_set(report, "genus", json_integer(summary.genus));
-    engine_set(report, "area", engine_number(summary.area));
-    engine_set(report, "volume", engine_number(summary.volume));
-    engine_set(report, "low", engine_numbers(summary.low, 3));
-    engine_set(report, "high", engine_numbers(summary.high, 3));
-    engine_set(report, "diagonal", engine_number(summary.diagonal));
-    engine_set(report, "least_edge", engine_number(summary.least_edge));
-    engine_set(report, "mean_edge", engine_number(summary.mean_edge));
-    engine_set(report, "greatest_edge", engine_number(summary.greatest_edge));
-    engine_set(report, "least_quality", engine_number(summary.least_quality));
-    engine_set(report, "mean_quality", engine_number(summary.mean_quality));
-    engine_set(report, "least_angle", engine_number(summary.least_angle));
+    bat_measure measure;
+    for (size_t i = 0; bat_mesh_measures(1, i, &measure); i++)
+        engine_measure(result->report, &measure, &summary);
     return BAT_OK;
 }
 
@@ -345,17 +320,9 @@ static bat_status compare(const engine_call *call, engine_object *result, bat_er
         status = bat_mesh_compare(&call->inputs[0]->mesh, &call->inputs[1]->mesh, &options, &distance, error);
     if (status != BAT_OK)
         return status;
-    json_t *report = result->report;
-    engine_set(report, "hausdorff_there", engine_number(distance.hausdorff_there));
-    engine_set(report, "hausdorff_back", engine_number(distance.hausdorff_back));
-    engine_set(report, "hausdorff", engine_number(distance.hausdorff));
-    engine_set(report, "hausdorff_most", engine_number(distance.hausdorff_most));
-    engine_set(report, "mean_there", engine_number(distance.mean_there));
-    engine_set(report, "mean_back", engine_number(distance.mean_back));
-    engine_set(report, "mean", engine_number(distance.mean));
-    engine_set(report, "rms_there", engine_number(distance.rms_there));
-    engine_set(report, "rms_back", engine_number(distance.rms_back));
-    engine_set(report, "diagonal", engine_number(distance.diagonal));
+    bat_measure measure;
+    for (size_t i = 0; bat_mesh_measures(2, i, &measure); i++)
+        engine_measure(result->report, &measure, &distance);
     return BAT_OK;
 }
 

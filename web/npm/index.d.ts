@@ -118,22 +118,11 @@ export interface CurveWriteOptions {
   crs?: string;
 }
 
-export interface Fairness {
-  bending: number;
-  g1: number;
-  length: number;
-}
+/** A value by each name of bat_curve_measures(1, …), the fields of bat_curve_fairness_values. */
+export type Fairness = Record<string, number>;
 
-export interface CurveDistance {
-  mean_nn: number;
-  mean_nn_back: number;
-  mean_symmetric: number;
-  hausdorff_there: number;
-  hausdorff_back: number;
-  hausdorff: number;
-  farthest_there: number;
-  farthest_back: number;
-}
+/** A value by each name of bat_curve_measures(2, …), the fields of bat_curve_distance. */
+export type CurveDistance = Record<string, number>;
 
 export interface Weights {
   weights: number[];
@@ -301,44 +290,11 @@ export interface MeshWriteOptions {
   normals?: "none" | "angle" | "area";
 }
 
-export interface MeshSummary {
-  vertices: number;
-  edges: number;
-  faces: number;
-  components: number;
-  boundary_edges: number;
-  boundary_loops: number;
-  euler: number;
-  manifold: boolean;
-  oriented: boolean;
-  closed: boolean;
-  genus: number;
-  area: number;
-  volume: number;
-  low: number[];
-  high: number[];
-  diagonal: number;
-  least_edge: number;
-  mean_edge: number;
-  greatest_edge: number;
-  least_quality: number;
-  mean_quality: number;
-  least_angle: number;
-  [name: string]: unknown;
-}
+/** A value by each name of bat_mesh_measures(1, …), the fields of bat_mesh_summary: numbers, flags and points. */
+export type MeshSummary = Record<string, any>;
 
-export interface MeshDistance {
-  hausdorff_there: number;
-  hausdorff_back: number;
-  hausdorff: number;
-  hausdorff_most: number;
-  mean_there: number;
-  mean_back: number;
-  mean: number;
-  rms_there: number;
-  rms_back: number;
-  diagonal: number;
-}
+/** A value by each name of bat_mesh_measures(2, …), the fields of bat_mesh_distance: numbers and points. */
+export type MeshDistance = Record<string, any>;
 
 /** A row of a table of the library. */
 export interface Choice {

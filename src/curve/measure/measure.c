@@ -1,5 +1,6 @@
 #include "batten/curve_measure.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/memory.h"
@@ -34,6 +35,32 @@ bat_status bat_curve_measure_options_check(const bat_curve_measure_options *opti
         OPTION_THREADS(bat_curve_measure_options),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+}
+
+static const bat_measure FAIRNESS[] = {
+    MEASURE(bat_curve_fairness_values, bending, "bending energy", NUMBER),
+    MEASURE(bat_curve_fairness_values, g1, "largest exterior angle", NUMBER),
+    MEASURE(bat_curve_fairness_values, length, "length", NUMBER),
+};
+
+static const bat_measure DISTANCES[] = {
+    MEASURE(bat_curve_distance, mean_nn, "mean nearest neighbour, A to B", NUMBER),
+    MEASURE(bat_curve_distance, mean_nn_back, "mean nearest neighbour, B to A", NUMBER),
+    MEASURE(bat_curve_distance, mean_symmetric, "mean nearest neighbour, both ways", NUMBER),
+    MEASURE(bat_curve_distance, hausdorff_there, "greatest nearest neighbour, A to B", NUMBER),
+    MEASURE(bat_curve_distance, hausdorff_back, "greatest nearest neighbour, B to A", NUMBER),
+    MEASURE(bat_curve_distance, hausdorff, "Hausdorff distance", NUMBER),
+    MEASURE(bat_curve_distance, farthest_there, "farthest point of A", COUNT),
+    MEASURE(bat_curve_distance, farthest_back, "farthest point of B", COUNT),
+};
+
+bool bat_curve_measures(size_t curves, size_t index, bat_measure *measure)
+{
+    bool of_one = curves == 1 && index < sizeof FAIRNESS / sizeof *FAIRNESS;
+    bool of_two = curves == 2 && index < sizeof DISTANCES / sizeof *DISTANCES;
+    if (of_one || of_two)
+        *measure = of_one ? FAIRNESS[index] : DISTANCES[index];
+    return of_one || of_two;
 }
 
 /// What answers for a curve when asked for the nearest of its vertices or edges.

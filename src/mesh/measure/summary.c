@@ -1,5 +1,6 @@
 #include "batten/mesh_measure.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/memory.h"
@@ -16,7 +17,7 @@
 ///
 /// The Euler characteristic is V - E + F without isolated vertices; a closed oriented manifold of c components has the genus
 /// c - (V - E + F) / 2. The quality of a triangle is 4 sqrt(3) area / (a^2 + b^2 + c^2). The volume is the sum of (p_1 .
-/// (p_2 x p_3)) / 6.
+/// (p_2 x p_3)) / 6. A measure is a field of bat_mesh_summary and a row of MEASURES.
 
 /// Half-edges grouped by edge: edge e has order[begin[e]], …, order[begin[e + 1] - 1], in increasing order.
 typedef struct edge_groups
@@ -260,51 +261,196 @@ static double length_of(const double a[3])
     return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/// Sums over the faces.
-typedef struct face_sums
+/// A face of the scaled mesh.
+typedef struct face_shape
 {
-    exact_sum area, volume, quality;
-} face_sums;
+    double corners[3][3], edges[3][3]; ///< edge c runs from corner c to the next
+    double normal[3], twice_area;      ///< the normal's length is twice the area
+    double squares, longest;           ///< of the edges' lengths: the sum, and the greatest
+    double angles[3];                  ///< at the corners
+} face_shape;
 
-static double min_angle_of(double edges[3][3], double twice_area)
+static void face_shape_of(const scaled_mesh *scaled, size_t face, face_shape *shape)
 {
-    double smallest = INFINITY;
+    shape->squares = shape->longest = 0;
+    for (size_t c = 0; c < 3; c++)
+        corner_of(scaled, 3 * face + c, shape->corners[c]);
     for (int c = 0; c < 3; c++)
-        smallest = fmin(smallest, atan2(twice_area, -vector3_dot(edges[c], edges[(c + 2) % 3])));
-    return smallest;
+    {
+        vector3_subtract(shape->corners[(c + 1) % 3], shape->corners[c], shape->edges[c]);
+        double square = vector3_dot(shape->edges[c], shape->edges[c]);
+        shape->squares += square;
+        shape->longest = fmax(shape->longest, square);
+    }
+    vector3_cross(shape->edges[0], shape->edges[1], shape->normal);
+    shape->twice_area = length_of(shape->normal);
+    for (int c = 0; c < 3; c++)
+        shape->angles[c] = atan2(shape->twice_area, -vector3_dot(shape->edges[c], shape->edges[(c + 2) % 3]));
 }
 
-static void measure_face(const scaled_mesh *scaled, size_t face, face_sums *sums, bat_mesh_summary *summary)
+static double area_of(const face_shape *face)
+{
+    return face->twice_area / 2;
+}
+
+static double volume_of(const face_shape *face)
+{
+    return vector3_dot(face->corners[0], face->normal) / 6;
+}
+
+static double quality_of(const face_shape *face)
+{
+    return face->squares > 0 ? 2 * sqrt(3) * face->twice_area / face->squares : 0;
+}
+
+static double min_angle_of(const face_shape *face)
+{
+    return fmin(fmin(face->angles[0], face->angles[1]), face->angles[2]);
+}
+
+/// How the values of all faces, or the lengths of all edges, become one number.
+typedef enum reduction
+{
+    NONE, ///< the number is none of these
+    SUM,
+    MEAN,
+    MIN,
+    MAX
+} reduction;
+
+/// A row of the table of measures.
+typedef struct mesh_measure
+{
+    bat_measure row;
+    reduction of_edges, of_faces;
+    double (*value)(const face_shape *face); ///< of a face
+    int power;                               ///< of the unit of length in the number
+} mesh_measure;
+
+#define GIVEN(field, title, form)                                                                                           \
+    {                                                                                                                       \
+        MEASURE(bat_mesh_summary, field, title, form), NONE, NONE, NULL, 0                                                  \
+    }
+#define OF_EDGES(field, title, how)                                                                                         \
+    {                                                                                                                       \
+        MEASURE(bat_mesh_summary, field, title, NUMBER), how, NONE, NULL, 1                                                 \
+    }
+#define OF_FACES(field, title, how, value, power)                                                                           \
+    {                                                                                                                       \
+        MEASURE(bat_mesh_summary, field, title, NUMBER), NONE, how, value, power                                            \
+    }
+
+static const mesh_measure MEASURES[] = {
+    GIVEN(vertices, "vertices", COUNT),
+    GIVEN(isolated_vertices, "  without a face", COUNT),
+    GIVEN(edges, "edges", COUNT),
+    GIVEN(boundary_edges, "  at a boundary", COUNT),
+    GIVEN(crowded_edges, "  of more than two faces", COUNT),
+    GIVEN(reversed_edges, "  of faces that run against each other", COUNT),
+    GIVEN(faces, "faces", COUNT),
+    GIVEN(degenerate_faces, "  degenerate", COUNT),
+    GIVEN(components, "components", COUNT),
+    GIVEN(boundary_loops, "boundary loops", COUNT),
+    GIVEN(pinched_vertices, "vertices of several fans of faces", COUNT),
+    GIVEN(manifold, "manifold", FLAG),
+    GIVEN(oriented, "oriented", FLAG),
+    GIVEN(closed, "closed", FLAG),
+    GIVEN(euler, "Euler characteristic", SIGNED),
+    GIVEN(genus, "genus", GENUS),
+    OF_FACES(area, "area", SUM, area_of, 2),
+    OF_FACES(volume, "volume", SUM, volume_of, 3),
+    GIVEN(low, "lowest coordinates", POINT),
+    GIVEN(high, "highest coordinates", POINT),
+    GIVEN(diagonal, "diagonal of the bounding box", NUMBER),
+    OF_EDGES(least_edge, "shortest edge", MIN),
+    OF_EDGES(mean_edge, "mean edge", MEAN),
+    OF_EDGES(greatest_edge, "longest edge", MAX),
+    OF_FACES(least_quality, "least triangle quality", MIN, quality_of, 0),
+    GIVEN(least_quality_face, "  of face", COUNT),
+    OF_FACES(mean_quality, "mean triangle quality", MEAN, quality_of, 0),
+    OF_FACES(least_angle, "least angle, radians", MIN, min_angle_of, 0),
+    GIVEN(least_valence, "least valence", COUNT),
+    GIVEN(greatest_valence, "greatest valence", COUNT),
+};
+
+enum
+{
+    MEASURE_COUNT = sizeof MEASURES / sizeof *MEASURES
+};
+
+/// A measure that faces or edges are added to.
+typedef struct reduced
+{
+    const mesh_measure *measure;
+    reduction how;
+    exact_sum sum;
+    double extreme;
+    size_t count, where; ///< the values so far, and the first that is the extreme
+} reduced;
+
+static void reduced_add(reduced *into, double value)
+{
+    bool better = into->how == MIN ? value < into->extreme : into->how == MAX && value > into->extreme;
+    if (into->how == SUM || into->how == MEAN)
+        sum_add(&into->sum, value);
+    if (better)
+    {
+        into->extreme = value;
+        into->where = into->count;
+    }
+    into->count++;
+}
+
+/// Begin the measures of faces, or of edges. Returns how many there are.
+static size_t reduced_begin(bool of_edges, reduced into[MEASURE_COUNT])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < MEASURE_COUNT; i++)
+    {
+        reduction how = of_edges ? MEASURES[i].of_edges : MEASURES[i].of_faces;
+        if (how != NONE)
+            into[count++] = (reduced){.measure = &MEASURES[i], .how = how, .extreme = how == MIN ? INFINITY : 0};
+    }
+    return count;
+}
+
+/// Store the measures in the unit of the mesh.
+static void reduced_end(const reduced *from, size_t count, double scale, bat_mesh_summary *summary)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        double value = from[i].how == SUM || from[i].how == MEAN ? sum_total(&from[i].sum) : from[i].extreme;
+        if (from[i].how == MEAN)
+            value /= (double)from[i].count;
+        for (int k = 0; k < from[i].measure->power; k++)
+            value /= scale;
+        size_t offset = from[i].measure->row.offset;
+        memcpy((char *)summary + offset, &value, sizeof value);
+        if (offset == offsetof(bat_mesh_summary, least_quality))
+            summary->least_quality_face = from[i].where;
+    }
+}
+
+static void measure_faces(const scaled_mesh *scaled, bat_mesh_summary *summary)
 {
     static const double MIN_HEIGHT = 1e-14;
-    double corners[3][3], edges[3][3], normal[3], squares = 0, longest = 0;
-    for (size_t c = 0; c < 3; c++)
-        corner_of(scaled, 3 * face + c, corners[c]);
-    for (int c = 0; c < 3; c++)
+    reduced measures[MEASURE_COUNT];
+    size_t count = reduced_begin(false, measures);
+    for (size_t f = 0; f < scaled->mesh->face_count; f++)
     {
-        vector3_subtract(corners[(c + 1) % 3], corners[c], edges[c]);
-        squares += vector3_dot(edges[c], edges[c]);
-        longest = fmax(longest, vector3_dot(edges[c], edges[c]));
+        face_shape shape;
+        face_shape_of(scaled, f, &shape);
+        summary->degenerate_faces += shape.twice_area <= MIN_HEIGHT * shape.longest;
+        for (size_t i = 0; i < count; i++)
+            reduced_add(&measures[i], measures[i].measure->value(&shape));
     }
-    vector3_cross(edges[0], edges[1], normal);
-    double twice_area = length_of(normal);
-    double quality = squares > 0 ? 2 * sqrt(3) * twice_area / squares : 0;
-    summary->degenerate_faces += twice_area <= MIN_HEIGHT * longest;
-    if (quality < summary->least_quality)
-    {
-        summary->least_quality = quality;
-        summary->least_quality_face = face;
-    }
-    summary->least_angle = fmin(summary->least_angle, min_angle_of(edges, twice_area));
-    sum_add(&sums->area, twice_area / 2);
-    sum_add(&sums->volume, vector3_dot(corners[0], normal) / 6);
-    sum_add(&sums->quality, quality);
+    reduced_end(measures, count, scaled->scale, summary);
 }
 
 static void measure_edges(const scaled_mesh *scaled, const edge_groups *edges, bat_mesh_summary *summary)
 {
-    exact_sum lengths = {0};
-    summary->least_edge = INFINITY;
+    reduced measures[MEASURE_COUNT];
+    size_t count = reduced_begin(true, measures);
     for (size_t e = 0; e < edges->count; e++)
     {
         uint32_t h = edges->order[edges->begin[e]];
@@ -312,12 +458,10 @@ static void measure_edges(const scaled_mesh *scaled, const edge_groups *edges, b
         corner_of(scaled, h, a);
         corner_of(scaled, bat_mesh_next(h), b);
         vector3_subtract(b, a, edge);
-        double length = length_of(edge) / scaled->scale;
-        summary->least_edge = fmin(summary->least_edge, length);
-        summary->greatest_edge = fmax(summary->greatest_edge, length);
-        sum_add(&lengths, length * scaled->scale);
+        for (size_t i = 0; i < count; i++)
+            reduced_add(&measures[i], length_of(edge));
     }
-    summary->mean_edge = sum_total(&lengths) / (double)edges->count / scaled->scale;
+    reduced_end(measures, count, scaled->scale, summary);
 }
 
 static void find_box(const bat_mesh *mesh, bat_mesh_summary *summary)
@@ -344,15 +488,34 @@ static void sum_up_geometry(const bat_mesh *mesh, const edge_groups *edges, bat_
     scaled_mesh scaled = {.mesh = mesh, .scale = closest_scale(closest_largest(mesh->positions, 3 * mesh->vertex_count, 0))};
     for (int k = 0; k < 3; k++)
         scaled.middle[k] = summary->low[k] * scaled.scale / 2 + summary->high[k] * scaled.scale / 2;
-    face_sums sums = {0};
-    summary->least_quality = summary->least_angle = INFINITY;
-    for (size_t f = 0; f < mesh->face_count; f++)
-        measure_face(&scaled, f, &sums, summary);
-    summary->area = sum_total(&sums.area) / scaled.scale / scaled.scale;
-    summary->mean_quality = sum_total(&sums.quality) / (double)mesh->face_count;
-    bool has_volume = summary->closed && summary->oriented;
-    summary->volume = has_volume ? sum_total(&sums.volume) / scaled.scale / scaled.scale / scaled.scale : NAN;
+    measure_faces(&scaled, summary);
     measure_edges(&scaled, edges, summary);
+    if (!summary->closed || !summary->oriented)
+        summary->volume = NAN;
+}
+
+static const bat_measure DISTANCES[] = {
+    MEASURE(bat_mesh_distance, hausdorff_there, "greatest distance, A to B", LENGTH),
+    MEASURE(bat_mesh_distance, hausdorff_back, "greatest distance, B to A", LENGTH),
+    MEASURE(bat_mesh_distance, hausdorff, "Hausdorff distance", LENGTH),
+    MEASURE(bat_mesh_distance, hausdorff_most, "  proven to be at most", LENGTH),
+    MEASURE(bat_mesh_distance, mean_there, "mean distance, A to B", LENGTH),
+    MEASURE(bat_mesh_distance, mean_back, "mean distance, B to A", LENGTH),
+    MEASURE(bat_mesh_distance, mean, "mean distance, both ways", LENGTH),
+    MEASURE(bat_mesh_distance, mean_greater, "greater of the two means", LENGTH),
+    MEASURE(bat_mesh_distance, rms_there, "root mean square, A to B", LENGTH),
+    MEASURE(bat_mesh_distance, rms_back, "root mean square, B to A", LENGTH),
+    MEASURE(bat_mesh_distance, diagonal, "diagonal of B's bounding box", LENGTH),
+    MEASURE(bat_mesh_distance, farthest_there, "farthest point of A", POINT),
+    MEASURE(bat_mesh_distance, farthest_back, "farthest point of B", POINT),
+};
+
+bool bat_mesh_measures(size_t meshes, size_t index, bat_measure *measure)
+{
+    bool of_one = meshes == 1 && index < MEASURE_COUNT, of_two = meshes == 2 && index < sizeof DISTANCES / sizeof *DISTANCES;
+    if (of_one || of_two)
+        *measure = of_one ? MEASURES[index].row : DISTANCES[index];
+    return of_one || of_two;
 }
 
 bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error)
