@@ -123,6 +123,7 @@ typedef struct bat_mesh_summary
     double least_quality;      ///< 4 sqrt(3) area / (a^2 + b^2 + c^2): 1 of an equilateral face, 0 of a degenerate one
     double mean_quality;       ///< over the faces
     double least_angle;        ///< at a face's corner, radians
+    double max_angle;          ///< at a face's corner, radians
     size_t least_valence;      ///< edges at a vertex that has a face
     size_t greatest_valence;   ///< edges at a vertex
     size_t least_quality_face; ///< the first face of least quality

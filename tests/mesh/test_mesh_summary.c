@@ -42,6 +42,7 @@ static void test_cube(void **state)
     check_relative(summary.least_quality, sqrt(3) / 2, 1e-15);
     check_relative(summary.mean_quality, sqrt(3) / 2, 1e-15);
     check_relative(summary.least_angle, PI / 4, 1e-15);
+    check_relative(summary.max_angle, PI / 2, 1e-15);
     assert_int_equal(summary.least_valence, 3);
     assert_int_equal(summary.greatest_valence, 5);
     // With reversed faces.
@@ -240,6 +241,7 @@ static void test_degenerate_faces(void **state)
     check_near(summary.least_quality, 0, 0);
     assert_int_equal(summary.least_quality_face, 0);
     check_near(summary.least_angle, 0, 0);
+    check_near(summary.max_angle, PI, 0);
     check_relative(summary.area, 5e-8, 1e-12);
     check_near(summary.least_edge, 0, 0);
 }

@@ -308,6 +308,11 @@ static double min_angle_of(const face_shape *face)
     return fmin(fmin(face->angles[0], face->angles[1]), face->angles[2]);
 }
 
+static double max_angle_of(const face_shape *face)
+{
+    return fmax(fmax(face->angles[0], face->angles[1]), face->angles[2]);
+}
+
 /// How the values of all faces, or the lengths of all edges, become one number.
 typedef enum reduction
 {
@@ -369,6 +374,7 @@ static const mesh_measure MEASURES[] = {
     GIVEN(least_quality_face, "  of face", COUNT),
     OF_FACES(mean_quality, "mean triangle quality", MEAN, quality_of, 0),
     OF_FACES(least_angle, "least angle, radians", MIN, min_angle_of, 0),
+    OF_FACES(max_angle, "largest angle, radians", MAX, max_angle_of, 0),
     GIVEN(least_valence, "least valence", COUNT),
     GIVEN(greatest_valence, "greatest valence", COUNT),
 };
