@@ -24,7 +24,7 @@ static const option_spec OPTIONS[] = {
     {"depth", 0, "N", "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12"},
     {"sweep", 0, "NAME=A:B", "find where the limit is C^k as the scheme's setting NAME goes from A to B"},
     {"smoothness", 0, "K", "the k of C^k for --sweep; default: 1"},
-    {"tolerance", 0, "T", "the shortest interval of --sweep that is divided; default: (B - A) / 32768"},
+    {"resolution", 0, "T", "the shortest interval of --sweep that is divided; default: (B - A) / 32768"},
     {"picture", 0, "FILE", "draw the basic limit function to FILE: .svg, .png or .pdf"},
     {"json", 0, NULL, "print one JSON object"},
     {NULL, 0, NULL, NULL},
@@ -106,7 +106,7 @@ static int read_sweep_options(const arguments *given, const bat_analysis_options
     if (!read_sweep(argument(given, "sweep"), family, options))
         return usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
     if (!argument_whole(given, "smoothness", 0, 30, (long)options->smoothness, &smoothness) ||
-        !argument_number(given, "tolerance", options->tolerance, &options->tolerance))
+        !argument_number(given, "resolution", options->tolerance, &options->tolerance))
         return EXIT_BAD_USAGE;
     options->smoothness = (size_t)smoothness;
     bat_error wrong;
@@ -220,7 +220,7 @@ int verb_analyze(int argc, char **argv)
         return usage_error(&given, "--picture does not go with --sweep");
     if (argument(&given, "sweep") != NULL)
         return run_sweep(&given, &options);
-    if (argument(&given, "smoothness") != NULL || argument(&given, "tolerance") != NULL)
-        return usage_error(&given, "--smoothness and --tolerance go with --sweep");
+    if (argument(&given, "smoothness") != NULL || argument(&given, "resolution") != NULL)
+        return usage_error(&given, "--smoothness and --resolution go with --sweep");
     return run_analysis(&given, &options);
 }

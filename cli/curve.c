@@ -30,7 +30,7 @@ static const option_spec OPTIONS[] = {
     {"model", 0, "FILE", "learned: a trained network of your own, a safetensors file"},
     {"levels", 0, "K",
      "how often; every level doubles the number of edges; default 5. With a stop: the most levels of an edge; default 20"},
-    {"max-segment", 0, "L",
+    {"max-edge", 0, "L",
      "a stop, edge by edge: the fewest levels for which no piece is longer than L (metres on the sphere, the Earth's)"},
     {"tolerance", 0, "E",
      "a stop, edge by edge: the fewest levels for which the limit curve is within E of the pieces (metres on the sphere)"},
@@ -55,12 +55,11 @@ static const option_spec OPTIONS[] = {
     {"closed", 0, NULL, "take every curve as closed"},
     {"open", 0, NULL, "take every curve as open"},
     {"ends", 0, "RULE", "how open curves end: reflect (default), extrapolate, free"},
-    {"simple", 0, NULL, "keep open curves from crossing themselves too; default: only closed ones (plane, sphere, disk)"},
-    {"no-simple", 0, NULL, "let refined curves cross themselves"},
-    {"separate", 0, NULL,
-     "refine every curve by itself: borders that features share may tear; GeoJSON sequences of any size then go through "
-     "memory part by part"},
-    {"map", 0, NULL, "refine the curves of a CSV or OBJ file as a map: shared borders stay shared, and nothing crosses"},
+    {"simple", 0, "WHICH",
+     "which curves may not cross themselves: rings (default), always (open curves, too) or never (plane, sphere, disk)"},
+    {"topology", 0, "HOW",
+     "shared: borders that curves share stay shared, and nothing crosses; separate: every curve by itself, and GeoJSON "
+     "sequences of any size go through memory part by part; default: features, which is shared where IN has features"},
     {"snap-tolerance", 0, "D", "join points of a map nearer than D to each other (metres on the sphere)"},
     {"keep-area", 0, NULL, "keep the areas of rings"},
     {"snap", 0, NULL, "move the points of a linear scheme onto its limit curve"},
@@ -141,10 +140,13 @@ static bool read_format(const arguments *given, const char *option, bat_curve_fo
 static bool read_choices(const arguments *given, curve_job *job)
 {
     bat_error error;
-    const char *ends = argument(given, "ends"), *projection = argument(given, "projection");
+    const char *ends = argument(given, "ends"), *projection = argument(given, "projection"),
+               *simple = argument(given, "simple"), *topology = argument(given, "topology");
     bool of_motion = job->is_motion; // whose ends motion_read() reads
     if ((ends != NULL && !of_motion && bat_curve_end_rule_by_name(ends, &job->refine.ends, &error) != BAT_OK) ||
-        (projection != NULL && bat_curve_projection_by_name(projection, &job->draw.projection, &error) != BAT_OK))
+        (projection != NULL && bat_curve_projection_by_name(projection, &job->draw.projection, &error) != BAT_OK) ||
+        (simple != NULL && bat_curve_simple_by_name(simple, &job->refine.simple, &error) != BAT_OK) ||
+        (topology != NULL && bat_curve_map_topology_by_name(topology, &job->map.topology, &error) != BAT_OK))
     {
         (void)usage_error(given, "%s", error.text);
         return false;
@@ -200,12 +202,8 @@ static bool check_exclusions(const arguments *given, const curve_job *job)
 {
     if (argument_flag(given, "closed") && argument_flag(given, "open"))
         (void)usage_error(given, "--closed and --open exclude each other");
-    else if (argument_flag(given, "simple") && argument_flag(given, "no-simple"))
-        (void)usage_error(given, "--simple and --no-simple exclude each other");
-    else if (argument_flag(given, "map") && argument_flag(given, "separate"))
-        (void)usage_error(given, "--map and --separate exclude each other");
     else if (job->map.topology == BAT_CURVE_MAP_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
-        (void)usage_error(given, "--separate does not go with --keep-area and --snap-tolerance");
+        (void)usage_error(given, "--topology separate does not go with --keep-area and --snap-tolerance");
     else if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
         (void)usage_error(given, "--on takes sphere, not '%s'", argument(given, "on"));
     else if (job->json && argument_flag(given, "quiet"))
@@ -283,7 +281,7 @@ static bool read_stops(const arguments *given, curve_job *job)
     static const double DEGREE = 3.14159265358979323846 / 180, HALF_TURN = 180;
     bat_curve_refine_options *refine = &job->refine;
     double degrees;
-    if (!read_length(given, "max-segment", &refine->max_segment) || !read_length(given, "tolerance", &refine->tolerance) ||
+    if (!read_length(given, "max-edge", &refine->max_segment) || !read_length(given, "tolerance", &refine->tolerance) ||
         !read_length(given, "corner-angle", &degrees) || !read_length(given, "snap-tolerance", &job->map.snap_tolerance))
         return false;
     refine->corner_angle = degrees * DEGREE;
@@ -296,9 +294,9 @@ static bool read_stops(const arguments *given, curve_job *job)
     else if (bat_curve_refine_options_check(refine, &error) != BAT_OK)
         (void)usage_error(given, "%s", error.text);
     else if (stops && job->panel_count > 0)
-        (void)usage_error(given, "--panel draws levels, and does not go with --max-segment and --tolerance");
+        (void)usage_error(given, "--panel draws levels, and does not go with --max-edge and --tolerance");
     else if ((stops || degrees > 0) && job->best_tension)
-        (void)usage_error(given, "--best-tension does not go with --max-segment, --tolerance and --corner-angle");
+        (void)usage_error(given, "--best-tension does not go with --max-edge, --tolerance and --corner-angle");
     else
         return true;
     return false;
@@ -330,14 +328,6 @@ static bool read_job(const arguments *given, curve_job *job)
     };
     job->refine.snap = argument_flag(given, "snap");
     job->map.keep_area = argument_flag(given, "keep-area");
-    if (argument_flag(given, "map"))
-        job->map.topology = BAT_CURVE_MAP_ALWAYS;
-    if (argument_flag(given, "separate"))
-        job->map.topology = BAT_CURVE_MAP_SEPARATE;
-    if (argument_flag(given, "simple"))
-        job->refine.simple = BAT_CURVE_SIMPLE_ALWAYS;
-    else if (argument_flag(given, "no-simple"))
-        job->refine.simple = BAT_CURVE_SIMPLE_NEVER;
     job->read.space = argument(given, "space");
     job->read.strict = argument_flag(given, "strict");
     job->write.crs = argument(given, "crs");

@@ -166,7 +166,7 @@ static bool has_corners(const curve_job *job, const curve_findings *findings)
 /// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit".
 static void print_stops(const curve_job *job, const bat_curve_refine_report *done)
 {
-    const char *length = argument(job->given, "max-segment"), *distance = argument(job->given, "tolerance");
+    const char *length = argument(job->given, "max-edge"), *distance = argument(job->given, "tolerance");
     (void)printf("%zu to %zu levels", done->min_levels, done->max_levels);
     if (length != NULL)
         (void)printf(", pieces up to %s%s", length, job->unit);

@@ -17,7 +17,7 @@ static const option_spec OPTIONS[] = {
     {"vertices", 0, "N", "how many vertices to keep; more stay where no further collapse passes the checks"},
     {"faces", 0, "N", "instead: how many faces to keep"},
     {"ratio", 0, "R", "instead: the share of the faces to keep, above 0 to 1"},
-    {"error", 0, "E",
+    {"tolerance", 0, "E",
      "instead: as few as keep both surfaces within the distance E of each other, in the units of IN; with % of the\n"
      "diagonal of its box (0.1%)"},
     {"method", 0, "NAME",
@@ -38,7 +38,8 @@ static const option_spec OPTIONS[] = {
     {"normals", 0, NULL, "write vertex normals (OBJ, PLY, glTF)"},
     {"from", 0, "FORMAT", "obj, ply, off, stl, gltf or glb; default: by content and ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
-    {"threads", 0, "N", "of the first errors, of --error and of writing; default: all; the result does not depend on it"},
+    {"threads", 0, "N",
+     "of the first errors, of --tolerance and of writing; default: all; the result does not depend on it"},
     MANY_JOBS_OPTION,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
@@ -48,7 +49,7 @@ static const option_spec OPTIONS[] = {
 static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"map", FILE_WRITTEN}, {NULL, 0}};
 
 static const verb_spec SPEC = {
-    .usage = "batten decimate IN... -o OUT --vertices N | --faces N | --ratio R | --error E [--map FILE] [options]",
+    .usage = "batten decimate IN... -o OUT --vertices N | --faces N | --ratio R | --tolerance E [--map FILE] [options]",
     .summary =
         "Make a coarse triangle mesh of a fine one by collapsing its edges, those first that change the surface least\n"
         "(OBJ, PLY, OFF, STL, glTF; - for standard input). Topology, boundaries, creases and seams of the\n"
@@ -79,11 +80,11 @@ typedef struct decimate_result
     bat_mesh_map *map; ///< null when none was needed
     bat_mesh_repair_report repairs;
     bat_mesh_notes notes;
-    double distance; ///< with --error: the proven bound on the distance of the two surfaces
+    double distance; ///< with --tolerance: the proven bound on the distance of the two surfaces
 } decimate_result;
 
 /// The options that say where to stop.
-static const char *const TARGETS[] = {"vertices", "faces", "ratio", "error"};
+static const char *const TARGETS[] = {"vertices", "faces", "ratio", "tolerance"};
 
 enum
 {
@@ -106,14 +107,14 @@ static const char *find_target(const arguments *given)
         found = TARGETS[i];
     }
     if (found == NULL)
-        (void)usage_error(given, "--vertices N, --faces N, --ratio R or --error E is missing");
+        (void)usage_error(given, "--vertices N, --faces N, --ratio R or --tolerance E is missing");
     return found;
 }
 
-/// --error: a length, or a share of the diagonal with %. False after a message.
-static bool read_error(const arguments *given, bat_mesh_decimate_options *options)
+/// --tolerance: a length, or a share of the diagonal with %. False after a message.
+static bool read_tolerance(const arguments *given, bat_mesh_decimate_options *options)
 {
-    const char *text = argument(given, "error");
+    const char *text = argument(given, "tolerance");
     if (text == NULL)
         return true;
     char *end;
@@ -123,7 +124,7 @@ static bool read_error(const arguments *given, bat_mesh_decimate_options *option
         options->error /= 100;
     if (end != text && (*end == '\0' || options->relative_error) && isfinite(options->error) && options->error > 0)
         return true;
-    (void)usage_error(given, "--error takes a length or a share of the diagonal as 0.1%%, above 0, not '%s'", text);
+    (void)usage_error(given, "--tolerance takes a length or a share of the diagonal as 0.1%%, above 0, not '%s'", text);
     return false;
 }
 
@@ -133,7 +134,7 @@ static bool read_target(const arguments *given, bat_mesh_decimate_options *optio
     const char *target = find_target(given);
     if (target == NULL || !argument_whole(given, "vertices", 1, BAT_MESH_NONE, 0, &vertices) ||
         !argument_whole(given, "faces", 1, BAT_MESH_MAX_FACES, 0, &faces) ||
-        !argument_number(given, "ratio", 0, &options->ratio) || !read_error(given, options))
+        !argument_number(given, "ratio", 0, &options->ratio) || !read_tolerance(given, options))
         return false;
     options->vertices = (size_t)vertices;
     options->faces = (size_t)faces;

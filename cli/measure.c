@@ -21,9 +21,9 @@ static const option_spec OPTIONS[] = {
     {"open", 0, NULL, "take every curve as open"},
     {"project", 0, NULL, "move points that are off their space onto it"},
     {"mesh", 0, NULL, "take the files as meshes; default: by their endings or contents"},
-    {"vertices", 0, NULL, "distances of meshes from their vertices alone; default: from the whole surface"},
+    {"at-vertices", 0, NULL, "distances of meshes from their vertices alone; default: from the whole surface"},
     {"samples", 0, "N", "points on the surface of each mesh; default: 200000"},
-    {"tolerance", 0, "SHARE", "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4"},
+    {"accuracy", 0, "SHARE", "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4"},
     {"picture", 0, "FILE", "draw two meshes in the colours of their distances (.png, .svg or .pdf)"},
     {"triangulate", 0, NULL, "cut faces of meshes of more than three corners into triangles"},
     {"threads", 0, "N", "default: all"},
@@ -291,10 +291,10 @@ static bool read_job(const arguments *given, measure_job *job)
         fault = "--closed and --open exclude each other";
     else if (job->measure.geodesic && job->measure.to_segments)
         fault = "--geodesic and --to-segments exclude each other";
-    else if (argument_flag(given, "vertices") || argument(given, "samples") != NULL ||
-             argument(given, "tolerance") != NULL || argument(given, "picture") != NULL ||
+    else if (argument_flag(given, "at-vertices") || argument(given, "samples") != NULL ||
+             argument(given, "accuracy") != NULL || argument(given, "picture") != NULL ||
              argument_flag(given, "triangulate"))
-        fault = "--vertices, --samples, --tolerance, --picture and --triangulate are for meshes";
+        fault = "--at-vertices, --samples, --accuracy, --picture and --triangulate are for meshes";
     else if (job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments))
         fault = "--geodesic and --to-segments need a second file to measure the distance from";
     if (fault != NULL)

@@ -266,7 +266,7 @@ static int read_and_measure(mesh_job *job)
 static bool check_options(const arguments *given)
 {
     static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project"};
-    static const char *const FOR_TWO[] = {"vertices", "samples", "tolerance", "picture"};
+    static const char *const FOR_TWO[] = {"at-vertices", "samples", "accuracy", "picture"};
     for (size_t i = 0; i < sizeof FOR_CURVES / sizeof FOR_CURVES[0]; i++)
         if (argument(given, FOR_CURVES[i]) != NULL)
         {
@@ -294,11 +294,11 @@ static bool read_job(const arguments *given, mesh_job *job)
         job->paths[i] = given->positional[i];
     if (!check_options(given) || !argument_threads(given, &job->compare.threads) ||
         !argument_whole(given, "samples", 1, MAX_SAMPLES, (long)job->compare.samples, &samples) ||
-        !argument_number(given, "tolerance", job->compare.tolerance, &job->compare.tolerance))
+        !argument_number(given, "accuracy", job->compare.tolerance, &job->compare.tolerance))
         return false;
     job->compare.samples = (size_t)samples;
     job->picture = argument(given, "picture");
-    job->compare.vertices = argument_flag(given, "vertices");
+    job->compare.vertices = argument_flag(given, "at-vertices");
     job->read.triangulate = argument_flag(given, "triangulate");
     if (!argument_mesh_format(given, "from", &job->read.format))
         return false;

@@ -78,8 +78,8 @@ static const verb_spec SPEC = {
 
 /// Options of `batten curve` that only motions take, and those that they do not take.
 static const char *const MOTION_OPTIONS[] = {"rate", "times", "velocities", "tangents"};
-static const char *const CURVE_OPTIONS[] = {"fairness",  "model",       "snap",        "best-tension",
-                                            "tolerance", "max-segment", "corner-angle"};
+static const char *const CURVE_OPTIONS[] = {"fairness",  "model",    "snap",        "best-tension",
+                                            "tolerance", "max-edge", "corner-angle"};
 
 /// The first of `count` options that was given, or null.
 static const char *first_given(const arguments *given, const char *const *options, size_t count)

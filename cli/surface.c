@@ -42,7 +42,7 @@ static const option_spec OPTIONS[] = {
     {"trim", 0, NULL,
      "fit over a rectangle around the points, and cut along their outline, which may be concave, and their holes"},
     {"fill-holes", 0, "D", "with --trim: close holes of at most this diameter"},
-    {"no-repair", 0, NULL, "report folds of the parameters, but leave them"},
+    {"keep-folds", 0, NULL, "report folds of the parameters, but do not remove them"},
     {"boundary", 0, "N|FILE", "the first N points are the boundary loop, or FILE's are; default: found, or told in IN"},
     {"corners", 0, "A,B,C,D", "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found"},
     {"sides", 0, "NAME", "parameters along the sides: chord-length (default), centripetal or uniform"},
@@ -231,7 +231,7 @@ static bool read_job(const arguments *given, surface_job *job)
     job->options.published = argument_flag(given, "published");
     job->options.force = argument_flag(given, "force");
     job->options.trim = argument_flag(given, "trim");
-    job->options.no_repair = argument_flag(given, "no-repair");
+    job->options.no_repair = argument_flag(given, "keep-folds");
     job->options.slide_boundary = argument_flag(given, "slide-boundary");
     job->write.samples = (size_t)samples;
     const char *fault = find_fault(given, job), *unit = argument(given, "unit");

@@ -44,7 +44,7 @@ static bool read_run(const arguments *given, const char *folder, bat_train_optio
     run->slots = (size_t)slots;
     run->group = group;
     run->resume = argument_flag(given, "resume");
-    run->folder = argument(given, "out") != NULL ? argument(given, "out") : folder;
+    run->folder = argument(given, "output") != NULL ? argument(given, "output") : folder;
     return true;
 }
 
@@ -113,7 +113,7 @@ static const option_spec CURVE_OPTIONS[] = {
      "the library; default published"},
     {"seed", 0, "N", "of the initial weights and of all other randomness; default 1"},
     {"epochs", 0, "E", "at most; the learning rate decays to 0 over as many; default 300"},
-    {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/tension, for batten out/fairing"},
+    {"output", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/tension, for batten out/fairing"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
     {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
@@ -260,7 +260,7 @@ static const option_spec MESH_OPTIONS[] = {
     {"rate", 0, "R", "the learning rate; default 0.002"},
     {"begin", 0, "FILE", "batten: begin with these weights, and count the worst meshes and the largest distances more"},
     {"vertices", 0, "A-B", "of the coarse meshes, drawn from A to B; default 150-300; batten: 100-500"},
-    {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/mesh"},
+    {"output", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/mesh"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
     {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
@@ -413,7 +413,7 @@ static const option_spec SURFACE_OPTIONS[] = {
     {"adam", 0, NULL,
      "AdamW and cosine decay of the rate; else gradient descent, with the rate halved where the validation error no longer "
      "falls"},
-    {"out", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/surface"},
+    {"output", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/surface"},
     {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
     {"threads", 0, "N", "default: all processors; the result does not depend on it"},
     {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
@@ -490,14 +490,13 @@ static int train_surface(const arguments *given, bat_recipe recipe, const char *
 /// What can be trained.
 static const struct
 {
-    const char *name, *alias;
+    const char *name;
     verb_spec spec;
     const char *folders[PATHS];
     int (*train)(const arguments *given, bat_recipe recipe, const char *folder);
 } KINDS[] = {
     {"curve",
-     "tension",
-     {.usage = "batten train curve [--recipe published|batten] [--seed N] [--epochs E] [--out FOLDER] [--resume] [options]",
+     {.usage = "batten train curve [--recipe published|batten] [--seed N] [--epochs E] [-o FOLDER] [--resume] [options]",
       .summary = "Train the learned curve scheme." SUMMARY_END
                  " `batten train mesh --help` is about meshes, `batten train surface --help` about scattered points.",
       .options = CURVE_OPTIONS,
@@ -506,8 +505,7 @@ static const struct
      {"out/tension", "out/fairing"},
      train_curve},
     {"mesh",
-     NULL,
-     {.usage = "batten train mesh SHAPE... [--recipe published|batten] [--pairs N] [--epochs E] [--out FOLDER] [--resume] "
+     {.usage = "batten train mesh SHAPE... [--recipe published|batten] [--pairs N] [--epochs E] [-o FOLDER] [--resume] "
                "[options]",
       .summary = "Train a learned subdivision of meshes on shapes (OBJ, PLY, OFF, STL)." SUMMARY_END,
       .options = MESH_OPTIONS,
@@ -516,8 +514,7 @@ static const struct
      {"out/mesh", "out/mesh"},
      train_mesh},
     {"surface",
-     NULL,
-     {.usage = "batten train surface [--recipe published|batten] [--epochs E] [--out FOLDER] [--resume] [options]",
+     {.usage = "batten train surface [--recipe published|batten] [--epochs E] [-o FOLDER] [--resume] [options]",
       .summary = "Train learned parameters of scattered points on random Bézier clouds, made on the fly." SUMMARY_END,
       .options = SURFACE_OPTIONS,
       .min_positional = 1,
@@ -529,21 +526,6 @@ enum
 {
     KIND_COUNT = sizeof KINDS / sizeof *KINDS
 };
-
-/// Earlier names of options.
-static const struct
-{
-    const char *name;
-    char *now;
-} ALIASES[] = {{"--falling-rate", "--cosine"}, {"--fresh", "--resampled"}};
-
-static void replace_aliases(int argc, char **argv)
-{
-    for (int i = 1; i < argc; i++)
-        for (size_t k = 0; k < sizeof ALIASES / sizeof *ALIASES; k++)
-            if (strcmp(argv[i], ALIASES[k].name) == 0)
-                argv[i] = ALIASES[k].now;
-}
 
 /// The kind of a name; the first where there is none.
 static size_t find_kind(const char *name)
@@ -561,11 +543,10 @@ int train_in_group(int argc, char **argv, const bat_group *processes, int thread
     default_threads = threads;
     int code, recipe;
     size_t kind = argc > 1 ? find_kind(argv[1]) : 0;
-    replace_aliases(argc, argv);
     if (!arguments_read(&KINDS[kind].spec, argc, argv, &given, &code))
         return code;
-    const char *name = given.positional[0], *alias = KINDS[kind].alias;
-    if (strcmp(name, KINDS[kind].name) != 0 && (alias == NULL || strcmp(name, alias) != 0))
+    const char *name = given.positional[0];
+    if (strcmp(name, KINDS[kind].name) != 0)
         return usage_error(&given, "there is no model '%s' to train; there are curve, mesh and surface", name);
     if (!argument_word(&given, "recipe", RECIPES, BAT_RECIPE_PUBLISHED, &recipe))
         return EXIT_BAD_USAGE;

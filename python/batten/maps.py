@@ -31,7 +31,7 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
         Receives what was found and done: shared arcs, nodes, crossings.
     **settings
         Fields of ``bat_curve_map_options`` and its ``bat_curve_refine_options``: `levels`, `scheme`, `fairness`,
-        `tolerance`, `topology` (``"always"``, ``"separate"``), `snap_tolerance`, `keep_area`, `decimals`, `threads`, …
+        `tolerance`, `topology` (``"shared"``, ``"separate"``), `snap_tolerance`, `keep_area`, `decimals`, `threads`, …
 
     Returns
     -------

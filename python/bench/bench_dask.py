@@ -68,7 +68,7 @@ def main():
                 for _ in range(rounds):
                     begin = time.perf_counter()
                     command = [program, "curve", folder / "map.geojson", "-o", folder / "out.geojson", "--levels", str(levels), "--threads", "2", "--quiet"]
-                    subprocess.run([*command, *(["--separate"] if topology == "separate" else [])], check=True)
+                    subprocess.run([*command, *(["--topology", "separate"] if topology == "separate" else [])], check=True)
                     middle = time.perf_counter()
                     lazy = batten.dask.smooth(dask_geopandas.read_parquet(folder / "map"), levels=levels, topology=topology, rings=RINGS)
                     lazy.to_parquet(folder / "out")

@@ -29,7 +29,7 @@ enum
     MAX_LEVELS = 12
 };
 
-static const char POLYGON[] = "polygon", AKIMA[] = "akima", DEFAULT[] = "default", NOT_SIMPLE[] = "default, --no-simple";
+static const char POLYGON[] = "polygon", AKIMA[] = "akima", DEFAULT[] = "default", NOT_SIMPLE[] = "default, --simple never";
 static const char *const METHODS[] = {POLYGON,
                                       DEFAULT,
                                       NOT_SIMPLE,

@@ -2,7 +2,7 @@
 
     kills.py BATTEN BATTEN_MPI MPIRUN [--kills 20] [--ranks 3] [--seed 1] -- TRAINING...
 
-TRAINING are the words after `batten train`, without --out. The training runs once in one process without a kill. Then one of
+TRAINING are the words after `batten train`, without --output. The training runs once in one process without a kill. Then one of
 the ranks is killed with SIGKILL at a random moment of a run, and the next run resumes. Where a run is complete its weights and
 its checkpoint are compared, and a new training begins. The last training is completed. Prints the kills and the result.
 """
@@ -50,8 +50,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         whole, parts = Path(name, "whole"), Path(name, "parts")
         quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        subprocess.run([given.batten, "train", *training, "--out", whole], check=True, **quiet)
-        command = [given.mpirun, "-n", str(given.ranks), given.batten_mpi, "train", *training, "--out", parts, "--resume"]
+        subprocess.run([given.batten, "train", *training, "--output", whole], check=True, **quiet)
+        command = [given.mpirun, "-n", str(given.ranks), given.batten_mpi, "train", *training, "--output", parts, "--resume"]
         begin = time.monotonic()
         subprocess.run(command, check=True, **quiet)
         seconds = time.monotonic() - begin

@@ -18,22 +18,22 @@ same()
 all()
 {
     rm -rf one ranks* killed
-    "$batten" train "$@" --threads 1 --out one > one.out 2> stderr || exit 1
+    "$batten" train "$@" --threads 1 --output one > one.out 2> stderr || exit 1
     for count in 1 2 3 4; do
         threads=1
         [ $count -ne 2 ] || threads=2
-        ranks $count 0 "$@" --threads $threads --out ranks$count
+        ranks $count 0 "$@" --threads $threads --output ranks$count
         same ranks$count
         check "$count ranks report the same" test "$(sed '$d' stdout)" = "$(sed '$d' one.out)"
         check "they count what they send" grep -q "^$count ranks: [0-9]* bytes sent in [0-9]* messages" stderr
     done
-    "$mpirun" -n 3 "$mpi" train "$@" --out killed > stdout 2> stderr < /dev/null &
+    "$mpirun" -n 3 "$mpi" train "$@" --output killed > stdout 2> stderr < /dev/null &
     started=$!
     while kill -0 $started 2> /dev/null && [ ! -e killed/checkpoint.safetensors ]; do sleep 0.1; done
     rank=$(pgrep -P $started | tail -n 1)
     [ -z "$rank" ] || kill -KILL "$rank"
     wait $started
-    ranks 2 0 "$@" --resume --out killed
+    ranks 2 0 "$@" --resume --output killed
     same killed
 }
 
@@ -51,7 +51,7 @@ bad)
     check "no other message of batten" test "$(grep -c '^batten: ' stderr)" -eq 1
     ranks 2 2 mesh --batch none missing.obj
     check "one message names the option" test "$(grep -c '^batten: .*batch' stderr)" -eq 1
-    ranks 2 1 surface --steps 50 --points 20-30 --epochs 1 --batch 2 --rate 1e300 --out bad
+    ranks 2 1 surface --steps 50 --points 20-30 --epochs 1 --batch 2 --rate 1e300 --output bad
     check "one message says what is not finite" test "$(grep -c '^batten: .*not finite at step' stderr)" -eq 1
     ;;
 esac

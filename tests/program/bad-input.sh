@@ -98,7 +98,7 @@ curve 'comments\.in\.csv:2: ' comments.in.csv
 curve 'none\.in\.geojson: ' none.in.geojson
 printf '{"type":"LineString","coordinates":[[0,0],[1,1]]}\n\n{"type":"LineString","coord' > cut.in.geojsonl
 curve 'cut\.in\.geojsonl:3: ' cut.in.geojsonl
-refused 1 'cut\.in\.geojsonl:3: ' curve cut.in.geojsonl --separate -o out.geojsonl
+refused 1 'cut\.in\.geojsonl:3: ' curve cut.in.geojsonl --topology separate -o out.geojsonl
 curve 'cut\.in\.geojson:1: ' cut.in.geojson
 curve 'text\.in\.geojson.*position 1' text.in.geojson
 curve 'latitude\.in\.geojson.*position 1.*--space plane' latitude.in.geojson
@@ -200,7 +200,7 @@ refused 2 'no option' curve good.in.csv --level 3
 refused 2 'needs a value' curve good.in.csv --levels
 refused 2 'whole number' curve good.in.csv --levels 2.5
 refused 2 'whole number' curve good.in.csv --levels -1
-refused 2 'max-segment takes a positive number' curve good.in.csv --max-segment -1 -o out.csv
+refused 2 'max-edge takes a positive number' curve good.in.csv --max-edge -1 -o out.csv
 refused 2 'tolerance takes a positive number' curve good.in.csv --tolerance 0 -o out.csv
 refused 2 'tolerance takes a number' curve good.in.csv --tolerance nan -o out.csv
 refused 2 'corner-angle takes a positive number' curve good.in.csv --corner-angle 0 -o out.csv
@@ -208,9 +208,9 @@ refused 2 'degrees up to 180' curve good.in.csv --corner-angle 181 -o out.csv
 refused 2 'max_levels is 41, but must be from 0 to 40' curve good.in.csv --tolerance 1 --levels 41 -o out.csv
 refused 2 'panel' curve good.in.csv --tolerance 1 --panel 1,2 --picture out.png
 refused 2 'best-tension' curve good.in.csv --corner-angle 30 --best-tension --truth good.in.csv -o out.csv
-refused 2 'max-segment does not go with' curve keygood.in.csv --scheme hermite --max-segment 1 -o out.csv
-refused 1 'good\.in\.csv:1: the edge after point 0 needs more than the 2 levels .*; --levels' curve good.in.csv --max-segment 0.2 --levels 2 -o out.csv
-refused 1 'good\.in\.csv:1: the edge after point 0 needs more than the 20 levels' curve good.in.csv --max-segment 1e-9 -o out.csv
+refused 2 'max-edge does not go with' curve keygood.in.csv --scheme hermite --max-edge 1 -o out.csv
+refused 1 'good\.in\.csv:1: the edge after point 0 needs more than the 2 levels .*; --levels' curve good.in.csv --max-edge 0.2 --levels 2 -o out.csv
+refused 1 'good\.in\.csv:1: the edge after point 0 needs more than the 20 levels' curve good.in.csv --max-edge 1e-9 -o out.csv
 refused 1 'order=3' curve good.in.csv --scheme chaikin --tolerance 0.1 -o out.csv
 refused 1 'free ends' curve good.in.csv --closed --scheme four-point --ends free --corner-angle 30 -o out.csv
 printf 'x,y,corner\n0,0,1\n1,0,yes\n' > corner.in.csv
@@ -266,12 +266,12 @@ refused 1 'good.in.csv' measure face.in.obj good.in.csv
 refused 1 'second mesh has no area' measure face.in.obj flat.in.obj
 refused 2 'geodesic is for curves' measure face.in.obj face.in.obj --geodesic
 refused 2 'are for meshes' measure good.in.csv good.in.csv --samples 5
-refused 2 'needs a second file' measure face.in.obj --vertices
+refused 2 'needs a second file' measure face.in.obj --at-vertices
 refused 2 'picture needs a second file' measure face.in.obj --picture out.png
 refused 2 'are for meshes' measure good.in.csv good.in.csv --picture out.png
 refused 1 'no/such' measure face.in.obj face.in.obj --picture no/such/out.png
 refused 1 'picture|ending|png' measure face.in.obj face.in.obj --picture out.gif
-refused 2 'tolerance' measure face.in.obj face.in.obj --tolerance -1
+refused 2 'tolerance' measure face.in.obj face.in.obj --accuracy -1
 refused 2 'no result' reproduce table99
 refused 2 'no pictures' reproduce tension-table2 -o folder
 refused 2 'no pictures' reproduce hermite-order -o folder
@@ -315,13 +315,13 @@ refused 1 'cannot be opened' reproduce mesh-table2 --data no/folder
 refused 1 'folder' reproduce mesh-ablations -o good.in.csv/folder
 refused 2 'no list' list things
 refused 2 'no model' train curves
-refused 2 'one of published' train tension --recipe unpublished
-refused 2 'one of consistency' train tension --without chamfer
-refused 2 'only the published recipe' train tension --recipe batten --embedding none
-refused 2 'only the published recipe' train tension --recipe batten --without bending
-refused 2 'epochs' train tension --recipe batten --epochs 0
-refused 1 'folder' train tension --out good.in.csv/folder
-refused 1 'folder' train tension --recipe batten --out good.in.csv/folder
+refused 2 'one of published' train curve --recipe unpublished
+refused 2 'one of consistency' train curve --without chamfer
+refused 2 'only the published recipe' train curve --recipe batten --embedding none
+refused 2 'only the published recipe' train curve --recipe batten --without bending
+refused 2 'epochs' train curve --recipe batten --epochs 0
+refused 1 'folder' train curve --output good.in.csv/folder
+refused 1 'folder' train curve --recipe batten --output good.in.csv/folder
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n' > folded.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > triangle.in.obj
 refused 2 'needs a SHAPE' train mesh
@@ -331,14 +331,14 @@ refused 2 'two numbers' train mesh triangle.in.obj --vertices 3-9
 refused 1 'batch' train mesh triangle.in.obj --pairs 2 --batch 3
 refused 1 'none.in.obj: cannot open' train mesh none.in.obj
 refused 1 'folded.in.obj: faces 0 and 1' train mesh triangle.in.obj folded.in.obj
-refused 1 'folder' train mesh triangle.in.obj --out good.in.csv/folder
+refused 1 'folder' train mesh triangle.in.obj --output good.in.csv/folder
 refused 2 'one of published' train surface --recipe unpublished
 refused 2 'two like 2-5' train surface --degree 5-2
 refused 2 'two like 2-5' train surface --points 50-
 refused 2 'only the published recipe' train surface --recipe batten --uninformed
 refused 1 'it must be 4' train surface --points 3
 refused 1 'noise' train surface --noise -1
-refused 1 'folder' train surface --out good.in.csv/folder
+refused 1 'folder' train surface --output good.in.csv/folder
 refused 2 'no scheme' analyze spline
 refused 2 'linear|mask' analyze angle-4
 refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
@@ -347,10 +347,10 @@ full --help
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.in.obj
 refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
-refused 2 '--error E is missing' decimate mesh.in.obj -o out.csv
-refused 2 '--vertices and --error exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --error 1
+refused 2 '--tolerance E is missing' decimate mesh.in.obj -o out.csv
+refused 2 '--vertices and --tolerance exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --tolerance 1
 refused 2 'vertices' decimate mesh.in.obj -o out.csv --to obj --vertices 0
-refused 2 "above 0, not 'nan'" decimate mesh.in.obj -o out.csv --to obj --error nan
+refused 2 "above 0, not 'nan'" decimate mesh.in.obj -o out.csv --to obj --tolerance nan
 refused 2 'ratio is 2, but must be above 0' decimate mesh.in.obj -o out.csv --to obj --ratio 2
 refused 1 'fewer than the 999 wanted' decimate mesh.in.obj -o out.csv --to obj --faces 999
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2

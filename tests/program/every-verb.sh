@@ -127,10 +127,10 @@ for mesh in cage.obj mask.ply sheet.obj; do
     works mesh $mesh --levels 1 --picture out.png --beside loop
     works measure $mesh
     works measure $mesh fine.obj --samples 2000 --json
-    works measure $mesh out.off --vertices --picture out.png
+    works measure $mesh out.off --at-vertices --picture out.png
     works decimate $mesh -o coarse.obj --vertices 7 --map map.safetensors --json
     works decimate $mesh -o coarse.stl --vertices 7 --random 5 --seed 3
-    works decimate $mesh -o coarse.ply --error 5% --method quadric --json
+    works decimate $mesh -o coarse.ply --tolerance 5% --method quadric --json
 done
 
 # Surfaces.
@@ -159,18 +159,18 @@ for list in schemes spaces models shapes parameterizations results; do
 done
 
 # One epoch of every training, and results that come fast.
-works train surface --epochs 1 --steps 1 --points 50 --out surface
-works train surface --uninformed --epochs 1 --steps 1 --points 50 --adam --out uninformed
-works train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 --out surface-batten
-works train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 --out surface-batten --resume --json
-works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --out mesh
-works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --relative --surface --without differences --out mesh-parts
-works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --learn-loop --without correspondence --out mesh-loop
+works train surface --epochs 1 --steps 1 --points 50 --output surface
+works train surface --uninformed --epochs 1 --steps 1 --points 50 --adam --output uninformed
+works train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 --output surface-batten
+works train surface --recipe batten --epochs 1 --steps 1 --batch 1 --points 50-60 --degree 2 --output surface-batten --resume --json
+works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --output mesh
+works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --relative --surface --without differences --output mesh-parts
+works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --learn-loop --without correspondence --output mesh-loop
 works mesh sheet.obj --model mesh/model.safetensors --levels 1 -o out.obj
 works surface hull.xyz --parameterization learned --model uninformed/model.safetensors --functions 20 -o out.obj
-begins 10 train mesh cage.obj --recipe batten --pairs 1 --fresh 1 --epochs 1 --vertices 20-40 --out mesh-batten
-begins 10 train tension --epochs 1 --out tension
-begins 20 train tension --recipe batten --epochs 1 --out tension-batten
+begins 10 train mesh cage.obj --recipe batten --pairs 1 --resampled 1 --epochs 1 --vertices 20-40 --output mesh-batten
+begins 10 train curve --epochs 1 --output tension
+begins 20 train curve --recipe batten --epochs 1 --output tension-batten
 for result in tension-iss tension-mechanism hermite-figures; do
     works reproduce $result --json
 done

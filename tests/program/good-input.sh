@@ -42,7 +42,7 @@ printf 'x,y,corner\n# closed\n0,0,1\n4,0,1\n4,3,1\n2,3.7,0\n0,3,1\n' > house.csv
 check "corners survive, with new points between them" sh -c "grep -c ',1$' walls.csv | grep -q '^4$'"
 check "an edge between corners stays straight" grep -q '^2,0,0$' walls.csv
 check "the report counts corners" json walls.json '"corners": 4'
-"$batten" curve "$examples/iss-track.geojson" --max-segment 200000 --tolerance 1000 -o dense.geojson > dense.txt
+"$batten" curve "$examples/iss-track.geojson" --max-edge 200000 --tolerance 1000 -o dense.geojson > dense.txt
 check "stops are metres on the sphere" grep -q 'levels, pieces up to 200000 m, within 1000 m of the limit' dense.txt
 "$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 1 -o one.csv --quiet
 "$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 4 -o four.csv --quiet
@@ -52,11 +52,11 @@ for i in 1 2 3 4 5; do
     tr -d '\n' < "$examples/coast.geojson" | sed 's/^.*"features": *\[//; s/\] *} *$//'
     echo
 done > coasts.geojsonl
-"$batten" curve - --levels 2 --separate -o whole.geojsonl < coasts.geojsonl > whole.txt
-"$batten" curve coasts.geojsonl --levels 2 -o parts.geojsonl --separate > parts.txt
+"$batten" curve - --levels 2 --topology separate -o whole.geojsonl < coasts.geojsonl > whole.txt
+"$batten" curve coasts.geojsonl --levels 2 -o parts.geojsonl --topology separate > parts.txt
 check "a sequence goes through memory part by part with the same result" same parts.geojsonl whole.geojsonl
 check "and with the same report" same parts.txt whole.txt
-"$batten" curve - --from geojsonl --levels 2 --separate < coasts.geojsonl > parts.geojsonl
+"$batten" curve - --from geojsonl --levels 2 --topology separate < coasts.geojsonl > parts.geojsonl
 check "a sequence is piped" same parts.geojsonl whole.geojsonl
 check "a sequence has a feature a line" test "$(wc -l < whole.geojsonl)" -eq 5
 "$batten" curve "$examples/iss-track.geojson" --levels 3 -o track.geojson --quiet
@@ -94,13 +94,13 @@ printf '0,0\n8,0\n8,6\n5,6\n5,1\n4.5,1\n4.5,6\n0,6\n' > strait.csv
 "$batten" curve strait.csv --closed --scheme six-point -o apart.csv > strait.txt
 check "rings stay simple" grep -q '^kept simple: 1 of 1 curves .* 2 edges were drawn back$' strait.txt
 check "a kept ring is simple" sh -c "'$batten' measure apart.csv | grep -q '^A is simple  *yes$'"
-"$batten" curve strait.csv --closed --scheme six-point --no-simple -o across.csv --json > strait.json
+"$batten" curve strait.csv --closed --scheme six-point --simple never -o across.csv --json > strait.json
 check "without the test nothing is checked" json strait.json '"checked": 0'
 "$batten" measure across.csv --json > across.json
 check "a ring may cross itself" json across.json '"simple": 0'
 "$batten" curve strait.csv --open --scheme six-point -o open.csv --json > open.json
 check "open curves are not tested" json open.json '"checked": 0'
-"$batten" curve strait.csv --open --scheme six-point --simple -o open.csv --json > open.json
+"$batten" curve strait.csv --open --scheme six-point --simple always -o open.csv --json > open.json
 check "open curves are tested when it is asked for" json open.json '"checked": 1'
 
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n' > pyramid.obj
@@ -112,7 +112,7 @@ check "a mesh has its figures" sh -c '"$1" measure square.off | grep -q "boundar
 check "the distance of two meshes" json distance.json '"hausdorff_there": 3.0'
 "$batten" measure --mesh - square.off --json < pyramid.obj > again.json
 check "a mesh from standard input gives the same" same distance.json again.json
-"$batten" measure square.off square.off --vertices --json > vertices.json
+"$batten" measure square.off square.off --at-vertices --json > vertices.json
 check "vertices alone prove nothing" json vertices.json '"hausdorff_most": null'
 "$batten" analyze chaikin --json > analyze.json
 check "analyze prints JSON" json analyze.json '"mask"'

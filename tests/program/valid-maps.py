@@ -51,7 +51,7 @@ def random_map(seed):
 
 
 def rewrite(batten, source, target):
-    command = [batten, "curve", source, "-o", target, "--levels", "0", "--scheme", "log-exp-4", "--no-simple", "--quiet",
+    command = [batten, "curve", source, "-o", target, "--levels", "0", "--scheme", "log-exp-4", "--simple", "never", "--quiet",
                "--precision", "12"]
     subprocess.run(command, check=True)
     with open(target) as file:

@@ -109,7 +109,7 @@ export function map(batten, { bytes, options, write }, progress) {
     const { topology, ...rest } = options;
     const fine = batten.bat_curve_map_refine(set, {
       ...rest,
-      topology: topology ? "always" : "separate",
+      topology: topology ? "shared" : "separate",
       progress: (fraction) => progress(fraction * 0.8),
     });
     owned.push(fine);

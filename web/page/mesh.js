@@ -329,7 +329,7 @@ export function meshTab(app, section) {
       const quads = made === "catmull-clark"; // the fine mesh has polygons
       const cuts = triangulated ? " --triangulate" : "";
       const repairs = state.repair ? " --repair" : "";
-      const target = less && (less.error ? `--error ${Number(less.error.toFixed(4))}%` : `--ratio ${less.ratio}`);
+      const target = less && (less.error ? `--tolerance ${Number(less.error.toFixed(4))}%` : `--ratio ${less.ratio}`);
       const shell = [
         ...(less ? [`batten decimate ${input} ${target}${cuts}${repairs} -o coarse.ply`] : []),
         `batten mesh ${less ? "coarse.ply" : input} --scheme ${state.scheme}${fair ? ` --fairness ${state.fairness}` : ""} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${limits ? " --limit" : ""}${less ? "" : cuts + repairs}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,

@@ -50,7 +50,7 @@ describe("equal to the native program", () => {
     for (const scheme of schemes)
       test(`${file} by ${scheme}`, () => {
         const out = join(folder, `curve.${format}`);
-        native("curve", data(file), "--scheme", scheme, "--levels", "4", "--precision", "12", "--separate", "-o", out);
+        native("curve", data(file), "--scheme", scheme, "--levels", "4", "--precision", "12", "--topology", "separate", "-o", out);
         const coarse = batten.bat_curve_read_memory(readFileSync(data(file)));
         const fine = batten.bat_curve_refine(coarse, { scheme, levels: 4 });
         compare(decode(batten.bat_curve_write_memory(fine, { format, precision: 12 })), out, tolerance(scheme));

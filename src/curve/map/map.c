@@ -20,7 +20,7 @@
 
 static const bat_choice TOPOLOGIES[] = {
     {.name = "features", .summary = "files with features, such as GeoJSON, are maps", .value = BAT_CURVE_MAP_FEATURES},
-    {.name = "always", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_ALWAYS},
+    {.name = "shared", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_ALWAYS},
     {.name = "separate", .summary = "every curve is refined by itself", .value = BAT_CURVE_MAP_SEPARATE},
 };
 static const choice_table TABLE = CHOICE_TABLE("map topology", TOPOLOGIES);
