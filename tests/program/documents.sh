@@ -5,7 +5,8 @@
 #   - every relative link, image and anchor of every Markdown file exists;
 #   - the commands of the README, the first steps and the guides run, page by page and in their order;
 #   - every other command names a verb and long options that exist, and runs if it is quick;
-#   - the tables that the program prints are those that it prints today (scripts/docs-tables).
+#   - the lists of names are those that the program prints (scripts/docs-tables);
+#   - docs/measures.md defines every measure that the program prints.
 # Commands are the lines that begin with `batten` or `printf` in blocks marked ```sh. Blocks with other marks are not run.
 # Usage: documents.sh BATTEN SOURCE
 set -u
@@ -136,8 +137,19 @@ commands()
 bytes=$(($(wc -c < README.md)))
 test "$bytes" -le 5000 || fail "README.md has $bytes bytes, more than 5000"
 
-# Tables.
-scripts/docs-tables --check "$batten" || fail "the tables of the documents"
+# Lists of names.
+scripts/docs-tables --check "$batten" || fail "the lists of names"
+
+# Measures: the members of the JSON objects, at the depth of one.
+"$batten" shape cage -o "$scratch/cage.obj" --quiet || fail "no mesh to measure"
+for operands in "$scratch/cage.obj" "$scratch/cage.obj $scratch/cage.obj" "examples/data/outline.csv examples/data/outline.csv"; do
+    # shellcheck disable=SC2086
+    "$batten" measure $operands --json | sed -n 's/^ "\([a-z0-9_]*\)":.*/\1/p' > "$scratch/measures"
+    test -s "$scratch/measures" || fail "no measures of $operands"
+    while read -r measure; do
+        grep -q "^|.*\`$measure\`" docs/measures.md || fail "docs/measures.md does not define $measure"
+    done < "$scratch/measures"
+done
 
 # Links.
 tr '\n' ' ' < "$scratch/pages" > "$scratch/list"
