@@ -6,7 +6,7 @@
 #   - the commands of the README, the first steps and the guides run, page by page and in their order;
 #   - every other command names a verb and long options that exist, and runs if it is quick;
 #   - the lists of names are those that the program prints (scripts/docs-tables);
-#   - docs/measures.md defines every measure that the program prints.
+#   - docs/measures.md defines the measures that the program prints, and no others.
 # Commands are the lines that begin with `batten` or `printf` in blocks marked ```sh. Blocks with other marks are not run.
 # Usage: documents.sh BATTEN SOURCE
 set -u
@@ -140,15 +140,19 @@ test "$bytes" -le 5000 || fail "README.md has $bytes bytes, more than 5000"
 # Lists of names.
 scripts/docs-tables --check "$batten" || fail "the lists of names"
 
-# Measures: the members of the JSON objects, at the depth of one.
+# Measures: the members of the JSON objects, at the depth of one, are the names in the first column of the page's tables.
 "$batten" shape cage -o "$scratch/cage.obj" --quiet || fail "no mesh to measure"
 for operands in "$scratch/cage.obj" "$scratch/cage.obj $scratch/cage.obj" "examples/data/outline.csv examples/data/outline.csv"; do
     # shellcheck disable=SC2086
-    "$batten" measure $operands --json | sed -n 's/^ "\([a-z0-9_]*\)":.*/\1/p' > "$scratch/measures"
-    test -s "$scratch/measures" || fail "no measures of $operands"
-    while read -r measure; do
-        grep -q "^|.*\`$measure\`" docs/measures.md || fail "docs/measures.md does not define $measure"
-    done < "$scratch/measures"
+    "$batten" measure $operands --json | sed -n 's/^ "\([a-z0-9_]*\)":.*/\1/p'
+done | sort -u > "$scratch/printed"
+sed -n 's/^|\([^|]*`[^|]*\)|.*/\1/p' docs/measures.md | grep -o '`[a-z0-9_]*`' | tr -d '`' | sort -u > "$scratch/defined"
+test -s "$scratch/printed" || fail "no measures"
+for measure in $(comm -23 "$scratch/printed" "$scratch/defined"); do
+    fail "docs/measures.md does not define $measure"
+done
+for measure in $(comm -13 "$scratch/printed" "$scratch/defined"); do
+    fail "docs/measures.md defines $measure, which batten measure does not print"
 done
 
 # Links.

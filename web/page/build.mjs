@@ -17,7 +17,7 @@ const samples = {
     onLoad({ filter: /.*/, namespace: "samples" }, () => {
       const files = ["outline.csv", "quarter-arc.csv", "coast.geojson", "iss-track.geojson", "hyperbolic.csv", "camera-keyframes.csv"];
       const all = Object.fromEntries(files.map((name) => [name, read(`examples/data/${name}`)]));
-      all["scan.png"] = `data:image/png;base64,${readFileSync(join(root, "docs/images/scan.png")).toString("base64")}`;
+      all["scan.png"] = `data:image/png;base64,${readFileSync(join(here, "scan.png")).toString("base64")}`;
       return { contents: JSON.stringify(all), loader: "json" };
     });
   },
