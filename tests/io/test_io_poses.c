@@ -153,6 +153,39 @@ static void stamps_keep_their_digits(void **state)
     bat_curve_set_free(&again);
 }
 
+/// Seconds since 1970 come back digit by digit, whether the format is named or recognized.
+static void seconds_keep_their_digits(void **state)
+{
+    (void)state;
+    static const char text[] = "1311868171.131477 0 0 0 0 0 0 1\n1311868172.331406 1 0 0 0 0 0 1\n";
+    static const bat_curve_format formats[] = {BAT_CURVE_FORMAT_TUM, BAT_CURVE_FORMAT_AUTO};
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_curve_set set = must_read(text, formats[i], NULL);
+        assert_true(bat_curve_set_time_origin(&set) == 1311868171);
+        char *trajectory = must_write(&set, BAT_CURVE_FORMAT_TUM), *table = must_write(&set, BAT_CURVE_FORMAT_CSV);
+        assert_non_null(strstr(trajectory, "\n1311868171.131477000 0 "));
+        assert_non_null(strstr(trajectory, "\n1311868172.331406000 1 "));
+        assert_non_null(strstr(table, "\n1311868171.131477000,"));
+        free(trajectory);
+        free(table);
+        bat_curve_set_free(&set);
+    }
+    // With an exponent, as numpy writes it, in tables that are translated and in trajectories.
+    static const char *const exponents[] = {
+        "1.311868171131477118e+09 0 0 0 0 0 0 1\n1.311868172331406116e+09 1 0 0 0 0 0 1\n",
+        "time,x,y,z,qw,qx,qy,qz\n1.311868171131477118e+09,0,0,0,1,0,0,0\n1.311868172331406116e+09,1,0,0,1,0,0,0\n",
+    };
+    for (size_t i = 0; i < sizeof exponents / sizeof *exponents; i++)
+    {
+        bat_curve_set set = must_read(exponents[i], AUTO, NULL);
+        double origin = (double)bat_curve_set_time_origin(&set), *channels = set.curves[0].channels;
+        assert_true(fabs(origin + channels[0] - 1311868171.131477) < 1e-6);
+        assert_true(fabs(origin + channels[1] - 1311868172.331406) < 1e-6);
+        bat_curve_set_free(&set);
+    }
+}
+
 /// Dates are times where they are wanted, and are written as they were.
 static void dates_are_times(void **state)
 {
@@ -212,13 +245,10 @@ static void trajectories_come_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(poses_are_recognized),
-        cmocka_unit_test(turns_follow_the_order),
-        cmocka_unit_test(doubtful_poses_are_refused),
-        cmocka_unit_test(other_tables_stay_as_they_are),
-        cmocka_unit_test(trajectories_come_back),
-        cmocka_unit_test(stamps_keep_their_digits),
-        cmocka_unit_test(dates_are_times),
+        cmocka_unit_test(poses_are_recognized),       cmocka_unit_test(turns_follow_the_order),
+        cmocka_unit_test(doubtful_poses_are_refused), cmocka_unit_test(other_tables_stay_as_they_are),
+        cmocka_unit_test(trajectories_come_back),     cmocka_unit_test(stamps_keep_their_digits),
+        cmocka_unit_test(seconds_keep_their_digits),  cmocka_unit_test(dates_are_times),
         cmocka_unit_test(times_count_from_an_origin),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

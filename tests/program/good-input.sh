@@ -72,6 +72,12 @@ check "a keyframe is a frame" grep -q '^4 -0.7814 4.4316 2.4 ' frames.tum
 cp frames.tum frames.txt
 "$batten" curve frames.txt --space rigid --rate 25 -o again.txt --quiet
 check "a trajectory may be a .txt file, and stays one" same again.txt frames.tum
+printf '1311868171.131477 0 0 0 0 0 0 1\n1311868172.331406 1 0 0 0 0 0 1\n' > stamps.txt
+cp stamps.txt stamps.tum
+for name in stamps.txt stamps.tum -; do
+    "$batten" motion "$name" --levels 0 --quiet --to tum < stamps.txt > whole.tum 2> stderr
+    check "$name keeps whole seconds" grep -q '^1311868171.131477000 ' whole.tum
+done
 "$batten" curve "$examples/camera-keyframes.csv" --levels 2 -o levels.csv --quiet
 check "keyframes are refined with their times" grep -q '^4,-0.7814,4.4316,2.4,' levels.csv
 for scheme in hermite:order=3 log-exp-4 geodesic:order=2; do

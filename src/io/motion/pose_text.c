@@ -220,8 +220,10 @@ static bat_status read_translated(pose_translation *work, bat_curve_set *set, ba
     if (status != BAT_OK)
         return status;
     set->attributes->format = work->format;
-    set->attributes->time_origin = work->clock.origin;
-    memcpy(set->attributes->time_text, work->clock.first, sizeof work->clock.first);
+    // The reader sets an origin of its own for times that the translation has left whole.
+    set->attributes->time_origin += work->clock.origin;
+    if (work->clock.first[0] != '\0')
+        memcpy(set->attributes->time_text, work->clock.first, sizeof work->clock.first);
     for (size_t i = 0; i < work->note_count; i++)
         if (!attributes_note(set->attributes, "%s", work->notes[i]))
         {
