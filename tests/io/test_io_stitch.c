@@ -120,6 +120,41 @@ static void closures_over_a_pole_are_removed(void **state)
     }
 }
 
+/// A closure that ends short of the antimeridian is taken off, too, whichever side is short.
+static void closures_that_end_short_are_removed(void **state)
+{
+    (void)state;
+    static const double gaps[] = {1e-9, 1.5e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 0.00010291105414, 1e-3, 1e-2};
+    for (size_t i = 0; i < sizeof gaps / sizeof *gaps; i++)
+        for (int side = 0; side < 4; side++)
+        {
+            char text[400];
+            double east = side == 1 ? 180 : 180 - gaps[i], west = side == 0 ? -180 : gaps[i] - 180,
+                   middle = side == 3 ? 75 : 70;
+            (void)snprintf(
+                text, sizeof text,
+                POLYGON("[[[%.14f,70],[-120,75],[-60,70],[0,72],[60,70],[120,75],[%.14f,70],[%.14f,%g],[%.14f,90],"
+                        "[%.14f,90],[%.14f,70]]]"),
+                west, east, east, middle, east, west, west);
+            bat_curve_set set = must_read(text, GEOJSON, NULL);
+            assert_int_equal(set.count, 1);
+            assert_int_equal(set.curves[0].count, 6);
+            bat_curve_set_free(&set);
+            assert_note(text, "removed the closure of 1 polygon over a pole");
+        }
+    // A wide gap is a part of the shape, and so is a narrow wedge.
+    static const char *const others[] = {
+        POLYGON("[[[-180,70],[-60,70],[60,70],[179,70],[179,90],[-180,90],[-180,70]]]"),
+        POLYGON("[[[179.999,70],[-179.999,70],[-179.999,90],[179.999,90],[179.999,70]]]"),
+    };
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+    {
+        bat_curve_set set = must_read(others[i], GEOJSON, NULL);
+        assert_null(bat_curve_set_note(&set, 0));
+        bat_curve_set_free(&set);
+    }
+}
+
 static void the_pole_of_the_file_stays_inside(void **state)
 {
     (void)state;
@@ -501,6 +536,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(polygons_that_share_the_antimeridian_are_joined),
                                        cmocka_unit_test(only_what_is_covered_twice_is_removed),
                                        cmocka_unit_test(closures_over_a_pole_are_removed),
+                                       cmocka_unit_test(closures_that_end_short_are_removed),
                                        cmocka_unit_test(the_pole_of_the_file_stays_inside),
                                        cmocka_unit_test(a_belt_has_two_rings),
                                        cmocka_unit_test(the_whole_map_passes_unchanged),

@@ -9,7 +9,8 @@
 ///
 /// The *seam* is the meridian of 180 degrees, or that of 0 degrees for longitudes beyond 180. An edge lies on the seam when
 /// both ends have its longitude or are a pole. Where such edges of one geometry run in opposite directions, they cancel; the
-/// other edges form rings again. An edge that none cancels is a real border and stays.
+/// other edges form rings again. An edge that none cancels is a real border and stays. A closure over a pole that ends up to
+/// 1e-2 degrees short of the seam lies on it.
 
 /// The place of a curve in its geometry, as the file counts.
 typedef struct stitch_origin

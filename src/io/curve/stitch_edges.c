@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double QUARTER_TURN = 90.0, HALF_TURN = 180.0;
+static const double QUARTER_TURN = 90.0, HALF_TURN = 180.0, TURN = 360.0;
 
 /// Twice the signed area of a ring in the plane of longitude and latitude. False when an edge crosses the border of the map,
 /// except along a pole.
@@ -330,6 +330,50 @@ static bool allocate(stitch_edges *edges)
            edges->south != NULL;
 }
 
+/// Degrees by which a closure over a pole may end short of the seam: a kilometre on the equator, nothing at the pole.
+static const double MAX_GAP = 1e-2;
+
+/// The turn of a ring around the axis, but for its edges at poles.
+static double turn_off_poles(const stitch_seam *seam, const double *degrees, size_t count)
+{
+    double turn = 0;
+    for (size_t i = 0, j = count - 1; i < count; j = i++)
+        if (stitch_pole(seam, degrees[2 * j + 1]) == 0 && stitch_pole(seam, degrees[2 * i + 1]) == 0)
+            turn += remainder(degrees[2 * i] - degrees[2 * j], TURN);
+    return turn;
+}
+
+/// Move the points that follow one at a pole, by `step` points each, onto the seam: as long as they are on one meridian near
+/// it.
+static void snap_meridian(const stitch_seam *seam, const stitch_ring *ring, size_t pole, size_t step, double *snapped)
+{
+    const double *degrees = ring->degrees;
+    size_t count = ring->curve->count, at = (pole + step) % count;
+    double longitude = degrees[2 * at], gap = remainder(longitude - seam->longitude, TURN);
+    while (fabs(gap) <= MAX_GAP + seam->near && snapped[2 * at] != longitude - gap &&
+           stitch_pole(seam, degrees[2 * at + 1]) == 0 && fabs(degrees[2 * at] - longitude) <= seam->near)
+    {
+        snapped[2 * at] = longitude - gap;
+        at = (at + step) % count;
+    }
+}
+
+/// Move a closure over a pole that ends short of the seam onto it. The ring then has its degrees in `snapped`.
+static void snap_closure(const stitch_seam *seam, stitch_ring *ring, double *snapped)
+{
+    size_t count = ring->curve->count;
+    memcpy(snapped, ring->degrees, 2 * count * sizeof *snapped);
+    // A wedge with its tip at a pole does not go around the axis.
+    bool around = fabs(turn_off_poles(seam, ring->degrees, count)) > HALF_TURN;
+    for (size_t i = 0; i < count && around; i++)
+        if (stitch_pole(seam, ring->degrees[2 * i + 1]) != 0)
+        {
+            snap_meridian(seam, ring, i, 1, snapped);
+            snap_meridian(seam, ring, i, count - 1, snapped);
+        }
+    ring->degrees = snapped;
+}
+
 bool stitch_edges_make(const stitch_geometry *geometry, const double *degrees, const stitch_tolerance *tolerance,
                        stitch_edges *edges)
 {
@@ -348,10 +392,16 @@ bool stitch_edges_make(const stitch_geometry *geometry, const double *degrees, c
         }
     }
     edges->seam = stitch_seam_of(degrees, point);
+    edges->snapped = memory_array(point, 2 * sizeof *edges->snapped);
+    if (edges->snapped == NULL)
+        return false;
     ring = 0;
     for (size_t i = 0; i < geometry->polygon_count; i++)
         for (size_t k = 0; k < geometry->ring_counts[i]; k++, ring++)
+        {
+            snap_closure(&edges->seam, &edges->rings[ring], edges->snapped + (edges->rings[ring].degrees - degrees));
             orient(edges, &edges->rings[ring], k > 0);
+        }
     seam_nodes nodes = {.tolerance = tolerance->latitude};
     seam_pieces pieces = {0};
     bool tangled = false;
@@ -366,6 +416,7 @@ bool stitch_edges_make(const stitch_geometry *geometry, const double *degrees, c
 void stitch_edges_free(stitch_edges *edges)
 {
     free(edges->rings);
+    free(edges->snapped);
     free(edges->edges);
     free(edges->groups);
     free(edges->changed);

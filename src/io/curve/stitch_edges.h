@@ -10,7 +10,7 @@
 typedef struct stitch_ring
 {
     const bat_curve *curve;
-    const double *degrees; ///< count x 2
+    const double *degrees; ///< count x 2, of a closure over a pole on the seam
     size_t polygon;
     bool on_seam;  ///< has an edge on the seam, and therefore half-edges
     bool oriented; ///< the planar orientation is known: no edge crosses the map's border
@@ -36,6 +36,7 @@ typedef struct stitch_edges
     const stitch_tolerance *tolerance;
     stitch_seam seam;
     stitch_ring *rings; ///< geometry->count
+    double *snapped;    ///< the degrees of the rings
     stitch_half_edge *edges;
     size_t count, capacity;
     size_t *groups;      ///< for each polygon, another one that it is joined to, or itself at the root
