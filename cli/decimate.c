@@ -40,7 +40,7 @@ static const option_spec OPTIONS[] = {
     {"to", 0, "FORMAT", "the same for OUT"},
     {"threads", 0, "N",
      "of the first errors, of --tolerance and of writing; default: all; the result does not depend on it"},
-    MANY_JOBS_OPTION,
+    MANY_OPTIONS,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},

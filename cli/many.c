@@ -165,6 +165,49 @@ static int check_names(const many *all)
     return code;
 }
 
+/// A file by its number, whatever its path.
+typedef struct file_number
+{
+    dev_t device;
+    ino_t inode;
+} file_number;
+
+static bool number_of(const char *path, file_number *number)
+{
+    struct stat about;
+    if (stat(path, &about) != 0)
+        return false;
+    *number = (file_number){about.st_dev, about.st_ino};
+    return true;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const file_number *p = a, *q = b;
+    return p->device != q->device ? (p->device > q->device) - (p->device < q->device)
+                                  : (p->inode > q->inode) - (p->inode < q->inode);
+}
+
+/// Refuse outputs that would replace inputs.
+static int check_inputs(const many *all)
+{
+    file_number *inputs = calloc(all->count, sizeof *inputs), output;
+    if (inputs == NULL)
+        return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    size_t count = 0;
+    for (size_t i = 0; i < all->count; i++)
+        count += number_of(all->tasks[i].input, &inputs[count]);
+    qsort(inputs, count, sizeof *inputs, compare_numbers);
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < all->count && code == EXIT_DONE; i++)
+        if (number_of(all->tasks[i].output, &output) &&
+            bsearch(&output, inputs, count, sizeof output, compare_numbers) != NULL)
+            code = report_failure(all->tasks[i].output,
+                                  &(bat_error){.text = "the output would replace an input; --in-place allows it"});
+    free(inputs);
+    return code;
+}
+
 /// Find the paths of the outputs.
 static int name_outputs(many *all, bool (*formats)(size_t index, bat_choice *choice))
 {
@@ -183,7 +226,8 @@ static int name_outputs(many *all, bool (*formats)(size_t index, bat_choice *cho
         if (all->tasks[i].output == NULL)
             return report_failure(NULL, &(bat_error){.text = "out of memory"});
     }
-    return check_names(all);
+    int code = check_names(all);
+    return code == EXIT_DONE && !argument_flag(all->given, "in-place") ? check_inputs(all) : code;
 }
 
 static int make_folder(const char *folder)

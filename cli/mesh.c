@@ -43,7 +43,7 @@ static const option_spec OPTIONS[] = {
     {"from", 0, "FORMAT", "obj, ply, off, stl, gltf or glb; default: by content and ending"},
     {"to", 0, "FORMAT", "the same for OUT"},
     {"threads", 0, "N", "default: all"},
-    MANY_JOBS_OPTION,
+    MANY_OPTIONS,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},

@@ -52,7 +52,7 @@ static const option_spec OPTIONS[] = {
     {"to", 0, "FORMAT", "the same for OUT"},
     {"precision", 0, "N", "decimals of degrees in GeoJSON; default 10"},
     {"threads", 0, "N", "default: all"},
-    MANY_JOBS_OPTION,
+    MANY_OPTIONS,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},

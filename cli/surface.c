@@ -54,7 +54,7 @@ static const option_spec OPTIONS[] = {
     {"from", 0, "FORMAT", "xyz, csv, ply, obj, pcd or las; default: by the file's ending, failing that by its content"},
     {"to", 0, "FORMAT", "step, iges, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
     {"threads", 0, "N", "default: all; the result does not depend on it"},
-    MANY_JOBS_OPTION,
+    MANY_OPTIONS,
     {"json", 0, NULL, "print the report as one JSON object"},
     {"quiet", 0, NULL, "print no report"},
     {NULL, 0, NULL, NULL},

@@ -50,8 +50,8 @@ check "--quiet" test ! -s stdout
 many 0 curve in/*1.csv -o single/
 check "one input into a folder" cmp 1-alone.csv single/1.csv
 cp -r in place
-many 0 curve place/[1-6].csv -o place --jobs 2
-check "results may replace their inputs" cmp 3-alone.csv place/3.csv
+many 0 curve place/[1-6].csv -o place --jobs 2 --in-place
+check "with --in-place results may replace their inputs" cmp 3-alone.csv place/3.csv
 
 # Endings.
 many 0 curve in/1.csv in/2.csv -o to --to obj
@@ -103,6 +103,22 @@ refused 'not .nonsense' curve in/1.csv in/2.csv -o new --to nonsense
 refused 'from 1 to' curve in/1.csv in/2.csv -o new --jobs 0
 many 1 curve in/1.csv in/2.csv -o no/such
 check "a folder that cannot be made" grep -q 'no/such: cannot make' stderr
+
+# Outputs replace no input, by whatever path, unless that is asked for.
+mkdir kept
+cp in/1.csv in/2.csv kept
+ln kept/2.csv kept/linked.csv
+(cd kept && "$batten" curve 1.csv 2.csv -o . > ../stdout 2> ../stderr)
+check "exit code $? of an output that is an input" test $? -eq 1
+for path in kept kept/ kept/../kept; do
+    many 1 curve kept/1.csv in/2.csv -o $path
+    check "one line for $path" test "$(wc -l < stderr)" -eq 1
+    check "the output is named" grep -q '^batten: kept.*/1.csv: the output would replace an input; --in-place' stderr
+done
+many 1 curve kept/1.csv -o kept/
+many 1 curve in/1.csv kept/linked.csv -o kept
+check "the inputs are as before" cmp in/1.csv kept/1.csv
+check "the other input is as before" cmp in/2.csv kept/2.csv
 
 # A signal keeps what is done, ends what is under way, and leaves no temporary file. The inputs that take long are last.
 "$batten" mesh cage.obj -o fine.obj --levels 5 --scheme loop --quiet
