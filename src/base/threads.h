@@ -16,6 +16,10 @@ enum
     THREADS_WORTH = 5000000
 };
 
+/// The number of threads that this thread can share work with, when it asks for `threads`: 1 in a process made by fork(), if
+/// the thread had shared work before. Any parallel region must take its number from here, by threads_for().
+int threads_of_team(int threads);
+
 /// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0 or below, and no more
 /// than pieces.
 static inline int threads_for(int wanted, size_t work)
@@ -24,7 +28,7 @@ static inline int threads_for(int wanted, size_t work)
     int threads = wanted > 0 ? wanted : omp_get_max_threads();
     int limit = omp_get_num_procs() > THREADS_LIMIT ? omp_get_num_procs() : THREADS_LIMIT;
     threads = threads > limit ? limit : threads;
-    return (size_t)threads > work ? (int)(work > 0 ? work : 1) : threads;
+    return threads_of_team((size_t)threads > work ? (int)(work > 0 ? work : 1) : threads);
 #else
     (void)wanted;
     (void)work;

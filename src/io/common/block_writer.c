@@ -1,24 +1,12 @@
 #include "io/common/block_writer.h"
 
 #include "base/error.h"
+#include "base/threads.h"
 
 #include <errno.h>
 
 /// @file
 /// Parallel formatting with ordered output: threads format blocks in any order and write them in the order of their numbers.
-
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
-int thread_count(int option)
-{
-#ifdef _OPENMP
-    return option > 0 ? option : omp_get_max_threads();
-#else
-    return option > 0 ? option : 1;
-#endif
-}
 
 bat_status sink_write(text_sink *sink, const text_buffer *text, bat_error *error)
 {
@@ -39,7 +27,7 @@ bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format
 {
     bat_status outcome = BAT_OK;
     (void)threads; // unused without OpenMP
-#pragma omp parallel num_threads(thread_count(threads)) if (count > 1)
+#pragma omp parallel num_threads(threads_for(threads, count))
     {
         text_buffer text = {0};
 #pragma omp for ordered schedule(dynamic, 1)

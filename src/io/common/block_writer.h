@@ -38,7 +38,4 @@ typedef struct block_cut
 bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,
                       block_cut *cut, bat_error *error);
 
-/// The number of threads for an option: the option itself, or the default of OpenMP when it is 0.
-int thread_count(int option);
-
 #endif

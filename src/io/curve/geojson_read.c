@@ -1,6 +1,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/text_buffer.h"
+#include "base/threads.h"
 #include "io/common/file_text.h"
 #include "io/common/json.h"
 #include "io/curve/crs_name.h"
@@ -230,7 +231,7 @@ static bat_status read_batches(geojson_reader *reader, const feature_split *spli
                                int threads)
 {
     (void)threads; // unused without OpenMP
-#pragma omp parallel for schedule(dynamic, 1) num_threads(thread_count(threads))
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads_for(threads, count))
     for (size_t i = 0; i < count; i++)
         read_batch(&batches[i], split);
     for (size_t i = 0; i < count; i++)

@@ -80,7 +80,7 @@ static bat_status write_rows(cloud_writer writer, text_sink *sink, bat_error *er
 {
     size_t count = writer.triangles ? writer.cloud->triangle_count : writer.cloud->count;
     size_t blocks = count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0);
-    return blocks_write(sink, blocks, thread_count(0), format_block, &writer, error);
+    return blocks_write(sink, blocks, 0, format_block, &writer, error);
 }
 
 static void append_count(text_buffer *text, size_t count, const char *after)

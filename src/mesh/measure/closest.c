@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/lanes.h"
 #include "base/memory.h"
+#include "base/threads.h"
 #include "linalg/vector3.h"
 
 #include <float.h>
@@ -252,7 +253,8 @@ static void fill_nodes(const bat_mesh *mesh, closest_tree *tree, size_t packets,
                 tree->nodes[n].low[k][i] = INFINITY;
                 tree->nodes[n].high[k][i] = -INFINITY;
             }
-#pragma omp parallel for schedule(static) if (packets > FACES_FOR_A_TASK / WIDTH)
+    int threads = threads_for(0, packets > FACES_FOR_A_TASK / WIDTH ? packets : 1);
+#pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t group = 0; group < (packets + WIDTH - 1) / WIDTH; group++)
         for (size_t p = group * WIDTH; p < (group + 1) * WIDTH && p < packets; p++)
             fill_packet(mesh, tree, p);
@@ -274,7 +276,8 @@ static bool choose_places(const bat_mesh *mesh, closest_tree *tree, size_t place
     size_t part = WIDTH;
     while (part < places)
         part *= WIDTH;
-#pragma omp parallel if (mesh->face_count >= 2 * FACES_FOR_A_TASK)
+    int threads = threads_for(0, mesh->face_count / FACES_FOR_A_TASK);
+#pragma omp parallel num_threads(threads)
 #pragma omp single
     put_in_order(entries, 0, mesh->face_count, part);
     for (size_t i = 0; i < places; i++)

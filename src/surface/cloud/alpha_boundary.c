@@ -471,7 +471,7 @@ void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud)
 static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t end)
 {
     bool failed = false;
-#pragma omp parallel reduction(|| : failed)
+#pragma omp parallel num_threads(threads_for(0, (end - begin) / 256 + 1)) reduction(|| : failed)
     {
         alpha_boundary_search search = {
             .points = cloud->points, .tree = cloud->tree, .planes = cloud->planes, .plane_points = cloud->plane_points};
