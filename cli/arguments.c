@@ -1,5 +1,7 @@
 #include "arguments.h"
 
+#include "terminal.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -12,7 +14,7 @@ int usage_error(const arguments *given, const char *format, ...)
     va_list list;
     va_start(list, format);
     (void)fputs("batten: ", stderr);
-    (void)vfprintf(stderr, format, list);
+    terminal_print_list(stderr, format, list);
     (void)fprintf(stderr, "\nusage: %s\n", given->spec->usage);
     va_end(list);
     return EXIT_BAD_USAGE;

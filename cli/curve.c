@@ -2,6 +2,7 @@
 
 #include "many.h"
 #include "report.h"
+#include "terminal.h"
 #include "verbs.h"
 
 #include "batten/research/curve_study.h"
@@ -626,7 +627,7 @@ int curve_run(const arguments *given, curve_job *job)
         return run_parts(given, job);
     code = outputs_close(&job->files, make(job, &sets, &findings));
     if (code == EXIT_DONE && job->hint != NULL && !argument_flag(given, "quiet"))
-        (void)fprintf(stderr, "batten: %s %s, see `batten motion --help`\n", job->input, job->hint);
+        terminal_print(stderr, "batten: %s %s, see `batten motion --help`\n", job->input, job->hint);
     if (code == EXIT_DONE && is_standard_output(job->output))
         code = write_curves(job, &sets.fine, "-", &findings);
     if (code == EXIT_DONE && !argument_flag(given, "quiet"))

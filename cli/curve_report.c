@@ -2,6 +2,7 @@
 
 #include "arguments.h"
 #include "report.h"
+#include "terminal.h"
 
 #include "batten/curve_measure.h"
 
@@ -180,7 +181,7 @@ static void print_notes(FILE *stream, const bat_curve_set *set)
 {
     const char *note;
     for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
-        (void)fprintf(stream, "note: %s\n", note);
+        terminal_print(stream, "note: %s\n", note);
 }
 
 /// The rings that have no area at the precision of the file.
@@ -192,9 +193,9 @@ static void print_left_out(FILE *stream, const curve_job *job, const bat_curve_s
         return;
     if (written->first_left_out < fine->count && fine->curves != NULL)
         bat_curve_set_place(fine, written->first_left_out, BAT_NO_INDEX, place, sizeof place);
-    (void)fprintf(stream, "note: left out %zu ring%s without area at %d decimals%s%s; --precision writes more\n",
-                  written->left_out, written->left_out == 1 ? "" : "s", job->write.precision,
-                  place[0] != '\0' ? ", the first in " : "", place);
+    terminal_print(stream, "note: left out %zu ring%s without area at %d decimals%s%s; --precision writes more\n",
+                   written->left_out, written->left_out == 1 ? "" : "s", job->write.precision,
+                   place[0] != '\0' ? ", the first in " : "", place);
 }
 
 /// ", the first at time 1403715524.907": to the microsecond where the origin is kept apart.

@@ -3,6 +3,7 @@
 #include "arguments.h"
 #include "interrupt.h"
 #include "report.h"
+#include "terminal.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -44,7 +45,7 @@ static int find_verb(const char *name)
     for (int i = 0; i < VERB_COUNT; i++)
         if (strcmp(name, VERBS[i].name) == 0)
             return i;
-    (void)fprintf(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", name);
+    terminal_print(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", name);
     return -1;
 }
 

@@ -3,6 +3,7 @@
 #include "interrupt.h"
 #include "outputs.h"
 #include "report.h"
+#include "terminal.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -353,9 +354,11 @@ static void gather(many *all, task *one, int s)
     if (WIFSIGNALED(status) && !all->stopped)
     {
         char text[PIECE];
-        int length = snprintf(text, sizeof text, "batten: %.2000s: the process was ended by signal %d (%s)\n", one->input,
+        int length = snprintf(text, sizeof text, "batten: %.2000s: the process was ended by signal %d (%s)", one->input,
                               WTERMSIG(status), strsignal(WTERMSIG(status)));
+        terminal_clean(text);
         append(&one->streams[1], text, (size_t)length);
+        append(&one->streams[1], "\n", 1);
     }
     one->state = all->stopped && one->code != EXIT_DONE ? TASK_STOPPED : TASK_DONE;
     all->running--;
@@ -395,7 +398,7 @@ static void print_report(const task *one)
 {
     static const char NOTE[] = "note: ";
     const char *text = one->streams[0].text, *summary = text;
-    (void)printf("%s -> %s", one->input, one->output);
+    terminal_print(stdout, "%s -> %s", one->input, one->output);
     while (summary != NULL && strncmp(summary, NOTE, sizeof NOTE - 1) == 0)
     {
         const char *end = strchr(summary, '\n');

@@ -4,6 +4,7 @@
 #include "many.h"
 #include "outputs.h"
 #include "report.h"
+#include "terminal.h"
 
 #include "batten/batten.h"
 
@@ -414,20 +415,20 @@ static void warn(const mesh_job *job, const mesh_result *result)
     bool sharp = polygons ? result->polygons.crease_count + result->polygons.corner_count > 0
                           : result->coarse.crease_count + result->coarse.corner_count > 0;
     if (result->fallback > 0)
-        (void)fprintf(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->input,
-                      result->fallback);
+        terminal_print(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->input,
+                       result->fallback);
     bat_mesh_scheme last = result->scheme == BAT_MESH_SCHEME_LEARNED ? job->refine.then : result->scheme;
     if ((rules.boundary != BAT_MESH_BOUNDARY_AUTO || rules.creasing != BAT_MESH_CREASING_AUTO ||
          rules.linear != BAT_MESH_LINEAR_AUTO) &&
         !has_rules(last))
-        (void)fprintf(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
-                      job->input, bat_mesh_scheme_name(last));
+        terminal_print(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
+                       job->input, bat_mesh_scheme_name(last));
     if ((textured || sharp) && is_adaptive(job))
-        (void)fprintf(stderr, "batten: %s: adaptive refinement leaves out texture coordinates, creases and corners\n",
-                      job->input);
+        terminal_print(stderr, "batten: %s: adaptive refinement leaves out texture coordinates, creases and corners\n",
+                       job->input);
     if ((textured || sharp) && result->scheme == BAT_MESH_SCHEME_SQRT3)
-        (void)fprintf(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
-                      job->input);
+        terminal_print(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
+                       job->input);
 }
 
 static int report(const mesh_job *job, const mesh_result *result)

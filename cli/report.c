@@ -1,9 +1,11 @@
 #include "report.h"
 
 #include "interrupt.h"
+#include "terminal.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -19,10 +21,10 @@ int(report_failure)(const char *file, const bat_error *error)
 {
     (void)fputs("batten: ", stderr);
     if (file != NULL)
-        (void)fprintf(stderr, "%s:", file);
+        terminal_print(stderr, "%s:", file);
     if (error->line > 0)
         (void)fprintf(stderr, "%zu:", error->line);
-    (void)fprintf(stderr, "%s%s\n", file != NULL || error->line > 0 ? " " : "", error->text);
+    terminal_print(stderr, "%s%s\n", file != NULL || error->line > 0 ? " " : "", error->text);
     return EXIT_BAD_INPUT;
 }
 
@@ -64,7 +66,7 @@ int report_bad_input(const arguments *given, const char *file, const bat_error *
 void report_notes(const bat_mesh_notes *notes, FILE *stream)
 {
     for (size_t i = 0; i < notes->count; i++)
-        (void)fprintf(stream, "note: %s\n", notes->texts[i]);
+        terminal_print(stream, "note: %s\n", notes->texts[i]);
 }
 
 json_t *report_notes_json(const bat_mesh_notes *notes)
@@ -109,14 +111,27 @@ json_t *report_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+/// Print JSON with the control characters beyond those of ASCII escaped as well.
+static void print_json(const char *text)
+{
+    for (const unsigned char *at = (const unsigned char *)text; *at != '\0'; at++)
+        if (*at == 0x7f)
+            (void)printf("\\u007f");
+        else if (at[0] == 0xc2 && at[1] < 0xa0)
+            (void)printf("\\u%04x", *++at);
+        else
+            (void)putchar(*at);
+    (void)printf("\n");
+}
+
 int report_json(json_t *object)
 {
-    bool printed = object != NULL && json_dumpf(object, stdout, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) == 0;
+    char *text = object != NULL ? json_dumps(object, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(object);
-    if (printed)
-        (void)printf("\n");
-    else if (!ferror(stdout))
+    if (text == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    print_json(text);
+    free(text);
     return EXIT_DONE;
 }
 

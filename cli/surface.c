@@ -5,6 +5,7 @@
 #include "report.h"
 #include "surface_options.h"
 #include "surface_report.h"
+#include "terminal.h"
 
 #include "batten/batten.h"
 
@@ -365,9 +366,9 @@ static int fit(surface_job *job)
         surface_report_print(&findings);
     if (written && result.below_noise)
     {
-        (void)fprintf(stderr,
-                      "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
-                      job->input, result.noise);
+        terminal_print(stderr,
+                       "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
+                       job->input, result.noise);
         code = EXIT_BAD_INPUT;
     }
     bat_surface_result_free(&result);
@@ -411,8 +412,8 @@ static int report_converted(const surface_job *job, const bat_spline_surface *su
                                      (json_int_t)functions, "levels", (json_int_t)levels, "dimension",
                                      (json_int_t)surface->dimension));
     if (!job->quiet)
-        (void)printf("%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->input, space.degree[0], space.degree[1],
-                     functions, levels);
+        terminal_print(stdout, "%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->input, space.degree[0],
+                       space.degree[1], functions, levels);
     return EXIT_DONE;
 }
 

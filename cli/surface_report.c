@@ -1,6 +1,7 @@
 #include "surface_report.h"
 
 #include "report.h"
+#include "terminal.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,7 +69,7 @@ void surface_report_reason(const surface_findings *findings, char *text, size_t 
 static void print_cloud(const surface_findings *findings)
 {
     const bat_cloud *cloud = findings->cloud;
-    (void)printf("%s: %zu points", findings->input, cloud->count);
+    terminal_print(stdout, "%s: %zu points", findings->input, cloud->count);
     if (cloud->duplicates > 0)
         (void)printf(", without %zu that repeat others", cloud->duplicates);
     if (cloud->boundary_count > 0)
@@ -92,7 +93,7 @@ static void print_candidates(const surface_findings *findings)
         const bat_surface_candidate *candidate = &result->candidates[i];
         (void)printf("%-18s", bat_surface_parameters_name(candidate->parameters));
         if (candidate->failure.status != BAT_OK)
-            (void)printf(" failed: %s\n", candidate->failure.text);
+            terminal_print(stdout, " failed: %s\n", candidate->failure.text);
         else
             (void)printf(" %8.3f %7zu %8zu %10zu %13.4g %9.3g %8.2f%s\n", candidate->seconds, candidate->folds.folded,
                          candidate->folds.folded - candidate->repaired.folded, candidate->functions, candidate->mean_squared,

@@ -2,6 +2,7 @@
 
 #include "arguments.h"
 #include "report.h"
+#include "terminal.h"
 #include "verbs.h"
 
 #include "batten/batten.h"
@@ -232,7 +233,7 @@ static int train_curve(const arguments *given, bat_recipe recipe, const char *fo
         return report_json(object);
     }
     (published ? print_published : print_batten)(&report);
-    (void)printf("%s/model.safetensors\n", options.run.folder);
+    terminal_print(stdout, "%s/model.safetensors\n", options.run.folder);
     return EXIT_DONE;
 }
 
@@ -349,16 +350,18 @@ static int report_mesh(const arguments *given, const bat_mesh_train_options *opt
     {
         (void)printf(
             "%llu epochs, the last weights. Mean distance of validation meshes over the best classical scheme's: %.3f\n"
-            "at best.\n\n%s/model.safetensors\n",
-            (unsigned long long)report->run.epochs, report->run.best, options->run.folder);
+            "at best.\n\n",
+            (unsigned long long)report->run.epochs, report->run.best);
+        terminal_print(stdout, "%s/model.safetensors\n", options->run.folder);
         return EXIT_DONE;
     }
     print_epochs(&report->run);
-    (void)printf(". %s\nat levels 0, 1, 2: %.5f, %.5f, %.5f\n\n%s/model.safetensors\n",
+    (void)printf(". %s\nat levels 0, 1, 2: %.5f, %.5f, %.5f\n\n",
                  options->surface || options->chamfer
                      ? "Roots of the losses of validation meshes,"
                      : "Errors of validation meshes, root mean squares in units of the longest side,",
-                 report->errors[0], report->errors[1], report->errors[2], options->run.folder);
+                 report->errors[0], report->errors[1], report->errors[2]);
+    terminal_print(stdout, "%s/model.safetensors\n", options->run.folder);
     return EXIT_DONE;
 }
 

@@ -3,6 +3,7 @@
 #include "counts.h"
 #include "ranks.h"
 #include "solver.h"
+#include "terminal.h"
 
 #include "batten/base.h"
 
@@ -55,7 +56,7 @@ static int run(int argc, char **argv, bool speaks)
         if (strcmp(argv[1], VERBS[i].name) == 0)
             return VERBS[i].run(argc - 1, argv + 1);
     if (speaks)
-        (void)fprintf(stderr, "batten: there is no verb '%s'; `batten-mpi --help` names them\n", argv[1]);
+        terminal_print(stderr, "batten: there is no verb '%s'; `batten-mpi --help` names them\n", argv[1]);
     return EXIT_BAD_USAGE;
 }
 

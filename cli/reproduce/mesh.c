@@ -2,6 +2,7 @@
 
 #include "arguments.h"
 #include "report.h"
+#include "terminal.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
@@ -258,8 +259,8 @@ static int read_and_measure(table *t, const char *path)
     int code = reproduce_read_shape(path, &shape);
     if (code == EXIT_DONE && shape.vertex_count < MIN_VERTICES)
     {
-        (void)fprintf(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
-                      MIN_VERTICES);
+        terminal_print(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
+                       MIN_VERTICES);
         if (t->job->json && json_array_append_new(t->left_out, json_string(name)) != 0)
             code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     }

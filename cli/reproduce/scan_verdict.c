@@ -2,6 +2,7 @@
 
 #include "arguments.h"
 #include "report.h"
+#include "terminal.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
@@ -67,7 +68,7 @@ static void print_rows(const bat_scan_verdict_row *rows, size_t count)
         const bat_scan_verdict_row *row = &rows[i];
         (void)printf("%-20s %7zu %7g %-16s ", row->shape, row->points, row->noise, outcome_of(row));
         if (row->failure[0] != '\0')
-            (void)printf("%s\n", row->failure);
+            terminal_print(stdout, "%s\n", row->failure);
         else
             (void)printf("%8.4f %8.4f %6.3f\n", row->missed, row->strays, row->area);
     }
