@@ -24,10 +24,9 @@ const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "al
 typedef struct mesh_format
 {
     bat_choice choice;
-    bat_status (*read)(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
-    bat_status (*write)(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                        text_sink *sink, bat_error *error);
-    bool (*resembles)(const file_text *text);
+    mesh_reader *read;
+    mesh_writer *write;
+    mesh_recognizer *resembles;
     unsigned holds; ///< what a file of the format can hold
 } mesh_format;
 
@@ -109,6 +108,12 @@ static const mesh_format FORMATS[] = {
      mesh_glb_resembles,
      HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_MATERIALS | HOLDS_NORMALS},
 };
+
+enum
+{
+    LAST_FORMAT = sizeof FORMATS / sizeof *FORMATS - 1 ///< a row for each enumerator
+};
+
 static const choice_table TABLE = CHOICE_TABLE("mesh format", FORMATS);
 
 CHOICE_FUNCTIONS(bat_mesh_format, TABLE, 1)
@@ -201,7 +206,7 @@ bat_mesh_write_options bat_mesh_write_defaults(void)
 bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_read_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_GLB),
+        OPTION_FIELD(bat_mesh_read_options, format, OPTION_CHOICE, 0, LAST_FORMAT),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
@@ -209,7 +214,7 @@ bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat
 bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_write_options, format, OPTION_CHOICE, 0, BAT_MESH_FORMAT_GLB),
+        OPTION_FIELD(bat_mesh_write_options, format, OPTION_CHOICE, 0, LAST_FORMAT),
         OPTION_FIELD(bat_mesh_write_options, encoding, OPTION_CHOICE, 0, BAT_MESH_ENCODING_TEXT),
         OPTION_THREADS(bat_mesh_write_options),
         OPTION_FIELD(bat_mesh_write_options, normals, OPTION_CHOICE, 0, BAT_MESH_NORMALS_AREA),

@@ -10,37 +10,18 @@
 /// polygons in the form of polygon_mesh_view(), with their offsets, which are null for triangles. STL and glTF hold
 /// triangles alone: their writers get no offsets.
 
-bat_status mesh_obj_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
-bat_status mesh_ply_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
-bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
-bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
-bat_status mesh_gltf_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
+typedef bat_status mesh_reader(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
+                               bat_error *error);
+typedef bat_status mesh_writer(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
+                               text_sink *sink, bat_error *error);
+/// Whether a text begins as a format does.
+typedef bool mesh_recognizer(const file_text *text);
 
-bat_status mesh_obj_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error);
-bat_status mesh_ply_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error);
-bat_status mesh_off_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error);
-bat_status mesh_stl_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error);
-bat_status mesh_gltf_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                           text_sink *sink, bat_error *error);
-bat_status mesh_glb_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error);
-
+mesh_reader mesh_obj_read, mesh_ply_read, mesh_off_read, mesh_stl_read, mesh_gltf_read;
 /// Read a file that may have only vertices; the mesh then has no faces.
-bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
-                                bat_error *error);
-bat_status mesh_ply_read_points(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
-                                bat_error *error);
-
-/// Whether a text begins like PLY, OFF, STL, glTF or GLB. OBJ has no signature.
-bool mesh_ply_resembles(const file_text *text);
-bool mesh_off_resembles(const file_text *text);
-bool mesh_stl_resembles(const file_text *text);
-bool mesh_gltf_resembles(const file_text *text);
-bool mesh_glb_resembles(const file_text *text);
+mesh_reader mesh_obj_read_points, mesh_ply_read_points;
+mesh_writer mesh_obj_write, mesh_ply_write, mesh_off_write, mesh_stl_write, mesh_gltf_write, mesh_glb_write;
+mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh_gltf_resembles, mesh_glb_resembles;
 
 /// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
 enum
