@@ -16,7 +16,7 @@
             abort();                                                                                                        \
     } while (0)
 
-/// Whether a format rounds and renumbers: STL and glTF.
+/// Whether a format rounds or renumbers: STL, glTF and 3MF.
 static inline bool renumbers(bat_mesh_format format)
 {
     return format >= BAT_MESH_FORMAT_STL;
@@ -37,7 +37,7 @@ static inline void compare_meshes(const bat_mesh *before, const bat_mesh *after,
 /// A mesh that was read can be written in any format or is refused with a reason; what is written can be read again.
 static inline void write_and_read(const bat_mesh *mesh)
 {
-    for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_GLB; i++)
+    for (int i = BAT_MESH_FORMAT_OBJ; i <= BAT_MESH_FORMAT_3MF; i++)
         for (int encoding = BAT_MESH_ENCODING_BINARY; encoding <= BAT_MESH_ENCODING_TEXT; encoding += 2)
         {
             bat_mesh_write_options writing = bat_mesh_write_defaults();

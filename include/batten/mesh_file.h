@@ -18,7 +18,8 @@ typedef enum bat_mesh_format
     BAT_MESH_FORMAT_OFF,
     BAT_MESH_FORMAT_STL,
     BAT_MESH_FORMAT_GLTF, ///< glTF 2.0 as JSON; its buffers are written as data URIs. The reader takes GLB, too
-    BAT_MESH_FORMAT_GLB   ///< glTF 2.0 as a binary file. The reader takes JSON, too
+    BAT_MESH_FORMAT_GLB,  ///< glTF 2.0 as a binary file. The reader takes JSON, too
+    BAT_MESH_FORMAT_3MF   ///< 3MF, for 3D printing
 } bat_mesh_format;
 
 /// A format, or "auto", by name.

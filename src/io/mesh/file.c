@@ -107,6 +107,18 @@ static const mesh_format FORMATS[] = {
      mesh_glb_write,
      mesh_glb_resembles,
      HOLDS_TEXTURE | HOLDS_COLOURS | HOLDS_LABELS | HOLDS_SMOOTHING | HOLDS_MATERIALS | HOLDS_NORMALS},
+#ifdef BATTEN_HAS_3MF
+    {{.name = "3mf",
+      .summary = "meshes: 3MF for 3D printing, with objects and base materials",
+      .endings = ".3mf",
+      .reads = true,
+      .writes = true,
+      .value = BAT_MESH_FORMAT_3MF},
+     mesh_3mf_read,
+     mesh_3mf_write,
+     mesh_3mf_resembles,
+     HOLDS_LABELS | HOLDS_MATERIALS},
+#endif
 };
 
 enum

@@ -17,11 +17,12 @@ typedef bat_status mesh_writer(const bat_mesh *mesh, const uint32_t *offsets, co
 /// Whether a text begins as a format does.
 typedef bool mesh_recognizer(const file_text *text);
 
-mesh_reader mesh_obj_read, mesh_ply_read, mesh_off_read, mesh_stl_read, mesh_gltf_read;
+mesh_reader mesh_obj_read, mesh_ply_read, mesh_off_read, mesh_stl_read, mesh_gltf_read, mesh_3mf_read;
 /// Read a file that may have only vertices; the mesh then has no faces.
 mesh_reader mesh_obj_read_points, mesh_ply_read_points;
-mesh_writer mesh_obj_write, mesh_ply_write, mesh_off_write, mesh_stl_write, mesh_gltf_write, mesh_glb_write;
-mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh_gltf_resembles, mesh_glb_resembles;
+mesh_writer mesh_obj_write, mesh_ply_write, mesh_off_write, mesh_stl_write, mesh_gltf_write, mesh_glb_write, mesh_3mf_write;
+mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh_gltf_resembles, mesh_glb_resembles,
+    mesh_3mf_resembles;
 
 /// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
 enum
