@@ -52,7 +52,7 @@ static const verb_spec SPEC = {
     .usage = "batten decimate IN... -o OUT --vertices N | --faces N | --ratio R | --tolerance E [--map FILE] [options]",
     .summary =
         "Make a coarse triangle mesh of a fine one by collapsing its edges, those first that change the surface least\n"
-        "(OBJ, PLY, OFF, STL, glTF; - for standard input). Topology, boundaries, creases and seams of the\n"
+        "(`batten list formats`; - for standard input). Topology, boundaries, creases and seams of the\n"
         "texture stay; texture coordinates and values at the vertices count in the error and go along.",
     .options = OPTIONS,
     .min_positional = 1,

@@ -54,7 +54,7 @@ static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_D
 
 static const verb_spec SPEC = {
     .usage = "batten mesh IN... [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
-    .summary = "Refine a mesh by subdivision (OBJ, PLY, OFF, STL, glTF; - for standard input). Quads and other polygons are "
+    .summary = "Refine a mesh by subdivision (`batten list formats`; - for standard input). Quads and other polygons are "
                "refined\n"
                "into quads by catmull-clark. Texture coordinates, values at the vertices, creases, corners, groups and "
                "materials go along as far as\n"

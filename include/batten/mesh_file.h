@@ -6,7 +6,7 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of meshes: OBJ, PLY, OFF, STL and glTF. docs/formats.md tells what each format holds.
+/// Readers and writers of meshes. docs/formats.md tells what each format holds.
 
 /// The formats of meshes.
 typedef enum bat_mesh_format
@@ -30,8 +30,7 @@ BAT_API const char *bat_mesh_format_name(bat_mesh_format value);
 /// The table, row by row; `index` from 0 on.
 /// @return false past the last
 BAT_API bool bat_mesh_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case: .obj, .ply, .off, .stl, .gltf, .glb; else
-/// BAT_MESH_FORMAT_AUTO.
+/// The format that a path's ending stands for, in either case; else BAT_MESH_FORMAT_AUTO.
 BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
 
 /// Remarks on what a file holds and a mesh cannot, or a mesh holds and a format cannot, and on guesses. All zero: none.
@@ -128,7 +127,7 @@ BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const 
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
 
-/// Write a mesh of polygons, as bat_mesh_write(). For STL and glTF polygons are cut into triangles, which a note says.
+/// Write a mesh of polygons, as bat_mesh_write(). Formats of triangles get polygons cut, which a note says.
 /// @return as bat_mesh_write(), and the failures of bat_polygon_mesh_triangulate()
 BAT_API bat_status bat_polygon_mesh_write(const char *path, const bat_polygon_mesh *mesh,
                                           const bat_mesh_write_options *options, bat_error *error);

@@ -91,7 +91,7 @@ class _Faces:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], **settings: Any) -> Self:
-        """Read a file: OBJ, PLY, OFF, STL or glTF. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
+        """Read a file. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
         What the file holds and a mesh cannot is told by warnings."""
         made, notes = ffi.new(f"{cls._kind} *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
         how = options("bat_mesh_read_options", settings)
@@ -101,7 +101,7 @@ class _Faces:
         return cls._from(made)
 
     def write(self, path: str | os.PathLike[str], *, vertex_normals: ArrayLike | None = None, **settings: Any) -> None:
-        """Write a file, whose ending chooses the format: .obj, .ply, .off, .stl, .gltf or .glb. `settings` are `format`,
+        """Write a file, whose ending chooses the format of ``batten list formats``. `settings` are `format`,
         `encoding` (a constant of the C library), `normals` and `threads`."""
         notes = ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
         how = options("bat_mesh_write_options", settings)
