@@ -74,8 +74,8 @@ int main(void)
         double many = median_seconds(MANY_POINTS, 1, chosen, false);
         (void)printf("%s: %d points in %.2f ms, %.1f times as fast as published (%.1f ms); %d points take %.2f times as "
                      "long for each\n",
-                     bat_cloud_parameterization_name(chosen), POINTS, 1e3 * ours, published / ours, 1e3 * published,
-                     MANY_POINTS, many / MANY_POINTS / (ours / POINTS));
+                     bat_choice_name(&bat_cloud_parameterization_family, chosen), POINTS, 1e3 * ours, published / ours,
+                     1e3 * published, MANY_POINTS, many / MANY_POINTS / (ours / POINTS));
     }
     return 0;
 }

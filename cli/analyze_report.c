@@ -391,6 +391,11 @@ void analyze_report(FILE *out, const char *scheme, const bat_analysis *analysis)
     report_smoothness(out, analysis);
 }
 
+static const char *verdict_name(bat_analysis_verdict verdict)
+{
+    return bat_choice_name(&bat_analysis_verdict_family, (int)verdict);
+}
+
 void analyze_report_sweep(FILE *out, const char *scheme, const analyze_sweep *sweep)
 {
     (void)fprintf(out, "%s: where the limit is C^%zu, by %s\n\n", scheme, sweep->smoothness, sweep->parameter);
@@ -399,11 +404,9 @@ void analyze_report_sweep(FILE *out, const char *scheme, const analyze_sweep *sw
     {
         const bat_mask_interval *interval = &sweep->intervals[i];
         if (interval->begin == interval->end)
-            (void)fprintf(out, "  %15.9g %-18s %s\n", interval->begin, "alone",
-                          bat_analysis_verdict_name(interval->verdict));
+            (void)fprintf(out, "  %15.9g %-18s %s\n", interval->begin, "alone", verdict_name(interval->verdict));
         else
-            (void)fprintf(out, "  %15.9g to %-15.9g %s\n", interval->begin, interval->end,
-                          bat_analysis_verdict_name(interval->verdict));
+            (void)fprintf(out, "  %15.9g to %-15.9g %s\n", interval->begin, interval->end, verdict_name(interval->verdict));
         bool is_wider = widest == NULL || interval->end - interval->begin > widest->end - widest->begin;
         if (interval->verdict == BAT_ANALYSIS_PROVEN && is_wider)
             widest = interval;
@@ -539,7 +542,7 @@ json_t *analyze_json(const char *scheme, const bat_analysis *analysis)
     put(&b, "matrix_first", json_integer(analysis->matrix_first));
     put(&b, "matrix", matrix(&b, analysis));
     put(&b, "eigenvalues", eigenvalues(&b, analysis));
-    put(&b, "converges", json_string(bat_analysis_verdict_name(analysis->converges)));
+    put(&b, "converges", json_string(verdict_name(analysis->converges)));
     put(&b, "limit_stencil", stencil(&b, &analysis->limit));
     put(&b, "tangent_stencil", stencil(&b, &analysis->tangent));
     put(&b, "vertex_stencil", stencil(&b, &analysis->vertex));
@@ -553,7 +556,7 @@ json_t *analyze_json(const char *scheme, const bat_analysis *analysis)
     put(&b, "derivatives", derivatives(&b, analysis));
     put(&b, "smooth_proven", smoothness(analysis->smooth_proven));
     put(&b, "smooth_disproven", smoothness(analysis->smooth_disproven));
-    put(&b, "lipschitz", json_string(bat_analysis_verdict_name(analysis->lipschitz)));
+    put(&b, "lipschitz", json_string(verdict_name(analysis->lipschitz)));
     return finish(&b);
 }
 
@@ -569,7 +572,7 @@ json_t *analyze_sweep_json(const char *scheme, const analyze_sweep *sweep)
         builder inner = {.object = json_object()};
         put(&inner, "begin", report_number(sweep->intervals[i].begin));
         put(&inner, "end", report_number(sweep->intervals[i].end));
-        put(&inner, "verdict", json_string(bat_analysis_verdict_name(sweep->intervals[i].verdict)));
+        put(&inner, "verdict", json_string(verdict_name(sweep->intervals[i].verdict)));
         b.failed = json_array_append_new(array, inner.object) != 0 || inner.failed || b.failed;
     }
     put(&b, "intervals", array);

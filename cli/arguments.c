@@ -234,21 +234,36 @@ bool argument_threads(const arguments *given, int *threads)
     return good;
 }
 
-bool argument_mesh_format(const arguments *given, const char *name, bat_mesh_format *format)
+bool argument_choice(const arguments *given, const char *name, const bat_family *family, void *value)
 {
     bat_error error;
+    const bat_choice *choice;
     const char *text = argument(given, name);
-    if (text == NULL || bat_mesh_format_by_name(text, format, &error) == BAT_OK)
+    if (text == NULL)
         return true;
+    if (bat_choice_find(family, text, &choice, &error) == BAT_OK)
+    {
+        *(int *)value = choice->value;
+        return true;
+    }
     (void)usage_error(given, "%s", error.text);
     return false;
 }
 
-bool argument_mesh_ending(const arguments *given, bat_mesh_format to)
+bool argument_ending(const arguments *given, const bat_family *formats, int to)
 {
     const char *path = argument(given, "output");
-    if (path == NULL || to != BAT_MESH_FORMAT_AUTO || bat_mesh_format_of_path(path) != BAT_MESH_FORMAT_AUTO)
+    const bat_choice *row;
+    if (path == NULL || to != 0 || (bat_choice_of_path(formats, path, true, &row, NULL) == BAT_OK && row != NULL))
         return true;
-    (void)usage_error(given, "the ending of '%s' names no format (.obj, .ply, .off, .stl, .gltf, .glb); --to does", path);
+    char known[256] = "";
+    for (size_t i = 0, used = 0; (row = bat_choices(formats, i)) != NULL; i++)
+        for (const char *at = row->writes && row->endings != NULL ? row->endings : ""; *at != '\0' && used < sizeof known;)
+        {
+            int length = (int)strcspn(at, " ");
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s%.*s", used > 0 ? ", " : "", length, at);
+            at += length + (at[length] == ' ');
+        }
+    (void)usage_error(given, "the ending of '%s' names no format (%s); --to does", path, known);
     return false;
 }

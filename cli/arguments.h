@@ -1,7 +1,7 @@
 #ifndef CLI_ARGUMENTS_H
 #define CLI_ARGUMENTS_H
 
-#include "batten/mesh_file.h"
+#include "batten/base.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -104,10 +104,11 @@ bool argument_list(const arguments *given, const char *name, double low, double 
 /// --threads, or 0 for the default; false after a message.
 bool argument_threads(const arguments *given, int *threads);
 
-/// The mesh format that an option names; unchanged when the option is not given. False after a message.
-bool argument_mesh_format(const arguments *given, const char *name, bat_mesh_format *format);
-/// Whether the format of -o is known for a mesh: as `to`, or by its ending. False after a message.
-bool argument_mesh_ending(const arguments *given, bat_mesh_format to);
+/// The enumerator, of the family's enumeration, that an option names; unchanged when the option is not given. False after a
+/// message.
+bool argument_choice(const arguments *given, const char *name, const bat_family *family, void *value);
+/// Whether the format of -o is known: as `to`, or by its ending. False after a message.
+bool argument_ending(const arguments *given, const bat_family *formats, int to);
 
 /// Print "batten: message" and the usage line of the verb to standard error, and return EXIT_BAD_USAGE.
 int usage_error(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));

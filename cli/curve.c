@@ -128,36 +128,22 @@ static bool read_panels(const arguments *given, curve_job *job)
     return true;
 }
 
-static bool read_format(const arguments *given, const char *option, bat_curve_format *format)
-{
-    bat_error error;
-    const char *name = argument(given, option);
-    if (name == NULL || bat_curve_format_by_name(name, format, &error) == BAT_OK)
-        return true;
-    (void)usage_error(given, "%s", error.text);
-    return false;
-}
-
 static bool read_choices(const arguments *given, curve_job *job)
 {
     bat_error error;
-    const char *ends = argument(given, "ends"), *projection = argument(given, "projection"),
-               *simple = argument(given, "simple"), *topology = argument(given, "topology");
     bool of_motion = job->is_motion; // whose ends motion_read() reads
-    if ((ends != NULL && !of_motion && bat_curve_end_rule_by_name(ends, &job->refine.ends, &error) != BAT_OK) ||
-        (projection != NULL && bat_curve_projection_by_name(projection, &job->draw.projection, &error) != BAT_OK) ||
-        (simple != NULL && bat_curve_simple_by_name(simple, &job->refine.simple, &error) != BAT_OK) ||
-        (topology != NULL && bat_curve_map_topology_by_name(topology, &job->map.topology, &error) != BAT_OK))
-    {
-        (void)usage_error(given, "%s", error.text);
+    if ((!of_motion && !argument_choice(given, "ends", &bat_curve_end_rule_family, &job->refine.ends)) ||
+        !argument_choice(given, "projection", &bat_curve_projection_family, &job->draw.projection) ||
+        !argument_choice(given, "simple", &bat_curve_simple_family, &job->refine.simple) ||
+        !argument_choice(given, "topology", &bat_curve_map_topology_family, &job->map.topology))
         return false;
-    }
     job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
-    bat_curve_format format;
-    if (!read_format(given, "from", &job->read.format) || !read_format(given, "to", &job->write.format))
+    const bat_choice *format;
+    if (!argument_choice(given, "from", &bat_curve_format_family, &job->read.format) ||
+        !argument_choice(given, "to", &bat_curve_format_family, &job->write.format))
         return false;
     if (job->output == NULL || job->write.format != BAT_CURVE_FORMAT_AUTO ||
-        bat_curve_format_of_output(job->output, &format, &error) == BAT_OK)
+        bat_choice_of_path(&bat_curve_format_family, job->output, true, &format, &error) == BAT_OK)
         return true;
     (void)usage_error(given, "%s", error.text);
     return false;
@@ -543,9 +529,11 @@ static int make(curve_job *job, curve_sets *sets, curve_findings *findings)
 /// Whether the file is a sequence that can go through memory part by part: nothing else needs it as a whole.
 static bool is_streamed(const curve_job *job)
 {
+    const bat_choice *row = NULL;
+    (void)bat_choice_of_path(&bat_curve_format_family, job->input, false, &row, NULL);
     bat_curve_format from = job->read.format;
-    if (from == BAT_CURVE_FORMAT_AUTO)
-        from = bat_curve_format_of_path(job->input);
+    if (from == BAT_CURVE_FORMAT_AUTO && row != NULL)
+        from = (bat_curve_format)row->value;
     return job->map.topology == BAT_CURVE_MAP_SEPARATE && !job->is_motion && job->output != NULL && job->picture == NULL &&
            job->truth == NULL && (from == BAT_CURVE_FORMAT_GEOJSON_LINES || from == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
 }
@@ -648,5 +636,5 @@ static int run(const arguments *given)
 
 int verb_curve(int argc, char **argv)
 {
-    return many_run(&SPEC, bat_curve_format_list, run, argc, argv);
+    return many_run(&SPEC, &bat_curve_format_family, run, argc, argv);
 }

@@ -247,7 +247,7 @@ static void print_report(const curve_job *job, const bat_curve_set *fine, const 
     print_row("refined", &findings->after);
     print_crossings(job, &findings->done);
     if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
-        (void)printf("picture: projection %s\n", bat_curve_projection_name(findings->projection));
+        (void)printf("picture: projection %s\n", bat_choice_name(&bat_curve_projection_family, (int)findings->projection));
     print_notes(stdout, fine);
     print_left_out(stdout, job, fine, &findings->written);
     if (findings->compared)
@@ -300,8 +300,9 @@ static json_t *outliers_json(const curve_job *job, const bat_curve_set *fine)
 {
     const bat_motion_report *moved = job->moved;
     return json_pack(
-        "{s:s, s:f, s:I, s:I, s:o}", "rule", bat_motion_outliers_name(job->motion.spline.outliers), "threshold",
-        moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers, "first_time",
+        "{s:s, s:f, s:I, s:I, s:o}", "rule", bat_choice_name(&bat_motion_outliers_family, (int)job->motion.spline.outliers),
+        "threshold", moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers,
+        "first_time",
         moved->outliers > 0 ? json_real((double)bat_curve_set_time_origin(fine) + moved->outlier_time) : json_null());
 }
 
@@ -336,7 +337,8 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     if (has_corners(job, findings))
         object = with_member(object, "corners", json_integer((json_int_t)findings->done.curves.corners));
     if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
-        object = with_member(object, "projection", json_string(bat_curve_projection_name(findings->projection)));
+        object = with_member(object, "projection",
+                             json_string(bat_choice_name(&bat_curve_projection_family, (int)findings->projection)));
     if (findings->compared)
         object = with_member(object, "distance",
                              json_pack("{s:o, s:o}", "mean_nn", report_number(findings->mean_nn), "hausdorff",

@@ -148,13 +148,8 @@ static bool read_numbers(const arguments *given, bat_mesh_decimate_options *opti
 {
     bat_error error;
     long candidates, seed;
-    const char *method = argument(given, "method");
-    if (method != NULL && bat_mesh_decimate_method_by_name(method, &options->method, &error) != BAT_OK)
-    {
-        (void)usage_error(given, "%s", error.text);
-        return false;
-    }
-    if (!argument_whole(given, "random", 1, 1000000, (long)options->candidates, &candidates) ||
+    if (!argument_choice(given, "method", &bat_mesh_decimate_method_family, &options->method) ||
+        !argument_whole(given, "random", 1, 1000000, (long)options->candidates, &candidates) ||
         !argument_whole(given, "seed", 0, 1000000000, (long)options->seed, &seed) ||
         !argument_number(given, "min-normal", options->least_normal, &options->least_normal) ||
         !argument_number(given, "min-quality", options->least_quality, &options->least_quality) ||
@@ -185,7 +180,8 @@ static bool read_job(const arguments *given, decimate_job *job)
     job->read.triangulate = argument_flag(given, "triangulate");
     job->read.repair = argument_flag(given, "repair");
     if ((job->output != NULL && !read_target(given, &job->decimate)) || !read_numbers(given, &job->decimate) ||
-        !argument_mesh_format(given, "from", &job->read.format) || !argument_mesh_format(given, "to", &job->write.format))
+        !argument_choice(given, "from", &bat_mesh_format_family, &job->read.format) ||
+        !argument_choice(given, "to", &bat_mesh_format_family, &job->write.format))
         return false;
     job->write.threads = job->decimate.threads;
     bool piped = is_standard_output(job->output);
@@ -199,7 +195,7 @@ static bool read_job(const arguments *given, decimate_job *job)
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || piped;
-    return fault == NULL && argument_mesh_ending(given, job->write.format);
+    return fault == NULL && argument_ending(given, &bat_mesh_format_family, (int)job->write.format);
 }
 
 static int read_fine(const decimate_job *job, decimate_result *result)
@@ -266,11 +262,12 @@ static int report(const decimate_job *job, const decimate_result *result)
         return report_json(json_pack("{s:{s:I, s:I}, s:{s:I, s:I}, s:s, s:s, s:o, s:b, s:o, s:I, s:s?, s:o}", "fine",
                                      "vertices", (json_int_t)fine->vertex_count, "faces", (json_int_t)fine->face_count,
                                      "coarse", "vertices", (json_int_t)coarse->vertex_count, "faces",
-                                     (json_int_t)coarse->face_count, "method", bat_mesh_decimate_method_name(how->method),
-                                     "target", find_target(job->given), "wanted", report_number(wanted), "reached",
-                                     (int)reached, "distance", report_number(how->error > 0 ? result->distance : NAN),
-                                     "repaired", (json_int_t)bat_mesh_repair_places(&result->repairs), "map", job->map,
-                                     "notes", report_notes_json(&result->notes)));
+                                     (json_int_t)coarse->face_count, "method",
+                                     bat_choice_name(&bat_mesh_decimate_method_family, (int)how->method), "target",
+                                     find_target(job->given), "wanted", report_number(wanted), "reached", (int)reached,
+                                     "distance", report_number(how->error > 0 ? result->distance : NAN), "repaired",
+                                     (json_int_t)bat_mesh_repair_places(&result->repairs), "map", job->map, "notes",
+                                     report_notes_json(&result->notes)));
     if (!argument_flag(job->given, "quiet"))
         report_notes(&result->notes, is_standard_output(job->output) ? stderr : stdout);
     if (job->quiet)
@@ -321,5 +318,5 @@ static int run(const arguments *given)
 
 int verb_decimate(int argc, char **argv)
 {
-    return many_run(&SPEC, bat_mesh_format_list, run, argc, argv);
+    return many_run(&SPEC, &bat_mesh_format_family, run, argc, argv);
 }

@@ -26,20 +26,10 @@ static const verb_spec SPEC = {
 /// A table that `index` walks from 0 on; false past its last row.
 typedef bool (*choice_list)(size_t index, bat_choice *choice);
 
-static bool mesh_scheme_row(size_t index, bat_choice *choice)
-{
-    static char summary[160];
-    if (!bat_mesh_scheme_list(index, choice))
-        return false;
-    (void)snprintf(summary, sizeof summary, "meshes: %s", choice->summary);
-    choice->summary = summary;
-    return true;
-}
-
 static bool mesh_shape_row(size_t index, bat_choice *choice)
 {
     const bat_mesh_shape_kind *kind = bat_mesh_shape_at(index);
-    *choice = (bat_choice){.settings = "", .endings = ""};
+    *choice = (bat_choice){0};
     if (kind == NULL)
         return false;
     choice->name = kind->name;
@@ -59,43 +49,45 @@ static bool cloud_shape_row(size_t index, bat_choice *choice)
     if (index >= sizeof SHAPES / sizeof *SHAPES)
         return false;
     *choice = SHAPES[index];
-    choice->settings = choice->endings = "";
     return true;
 }
 
 static bool map_shape_row(size_t index, bat_choice *choice)
 {
-    *choice = (bat_choice){.name = "map",
-                           .settings = "",
-                           .summary = "a map of invented countries with lakes, islands and enclaves, as GeoJSON",
-                           .endings = ""};
+    *choice =
+        (bat_choice){.name = "map", .summary = "a map of invented countries with lakes, islands and enclaves, as GeoJSON"};
     return index == 0;
 }
 
 static bool result_row(size_t index, bat_choice *choice)
 {
-    *choice = (bat_choice){.settings = "", .endings = ""};
+    *choice = (bat_choice){0};
     return reproduce_row(index, &choice->name, &choice->summary);
 }
 
 enum
 {
-    MOST_LISTS = 4
+    MAX_LISTS = 4
 };
 
-/// What can be listed, one table after the other.
-static const struct
+/// What can be listed: families of the library, then tables of the program.
+typedef struct listing
 {
     const char *what;
-    choice_list lists[MOST_LISTS];
-} FAMILIES[] = {
-    {"schemes", {bat_curve_scheme_list, bat_motion_list, mesh_scheme_row}},
-    {"spaces", {bat_space_list}},
-    {"formats", {bat_curve_format_list, bat_mesh_format_list, bat_cloud_format_list, bat_surface_format_list}},
-    {"models", {bat_curve_model_list}},
-    {"parameterizations", {bat_surface_parameters_list}},
-    {"shapes", {mesh_shape_row, cloud_shape_row, map_shape_row}},
-    {"results", {result_row}},
+    const bat_family *families[MAX_LISTS];
+    choice_list lists[MAX_LISTS];
+} listing;
+
+static const listing LISTINGS[] = {
+    {"schemes", {&bat_curve_scheme_family, &bat_motion_scheme_family, &bat_mesh_scheme_family}, {NULL}},
+    {"spaces", {&bat_space_family}, {NULL}},
+    {"formats",
+     {&bat_curve_format_family, &bat_mesh_format_family, &bat_cloud_format_family, &bat_surface_format_family},
+     {NULL}},
+    {"models", {&bat_curve_model_family}, {NULL}},
+    {"parameterizations", {&bat_surface_parameters_family}, {NULL}},
+    {"shapes", {NULL}, {mesh_shape_row, cloud_shape_row, map_shape_row}},
+    {"results", {NULL}, {result_row}},
 };
 
 static const char *ability_of(const bat_choice *choice)
@@ -106,18 +98,18 @@ static const char *ability_of(const bat_choice *choice)
 static void print_row(const bat_choice *choice)
 {
     (void)printf("%-18s %s\n", choice->name, choice->summary);
-    if (choice->settings[0] != '\0')
+    if (choice->settings != NULL)
         (void)printf("%-18s settings: %s\n", "", choice->settings);
-    if (choice->endings[0] != '\0')
+    if (choice->endings != NULL)
         (void)printf("%-18s %s; %s\n", "", choice->endings, ability_of(choice));
 }
 
 static json_t *row_json(const bat_choice *choice)
 {
     json_t *object = json_pack("{s:s, s:s}", "name", choice->name, "summary", choice->summary);
-    if (choice->settings[0] != '\0')
+    if (choice->settings != NULL)
         (void)json_object_set_new(object, "settings", json_string(choice->settings));
-    if (choice->endings[0] == '\0')
+    if (choice->endings == NULL)
         return object;
     (void)json_object_set_new(object, "endings", json_string(choice->endings));
     (void)json_object_set_new(object, "reads", json_boolean(choice->reads));
@@ -125,22 +117,33 @@ static json_t *row_json(const bat_choice *choice)
     return object;
 }
 
-static int print_lists(const char *what, const choice_list lists[MOST_LISTS], bool as_json)
+static void add_row(const bat_choice *choice, json_t *array)
 {
-    json_t *array = json_array();
-    for (size_t l = 0; l < MOST_LISTS && lists[l] != NULL; l++)
-    {
-        bat_choice choice;
-        for (size_t i = 0; lists[l](i, &choice); i++)
-            if (as_json)
-                (void)json_array_append_new(array, row_json(&choice));
-            else
-                print_row(&choice);
-    }
-    if (as_json)
-        return report_json(json_pack("{s:o}", what, array));
-    json_decref(array);
-    return EXIT_DONE;
+    if (array != NULL)
+        (void)json_array_append_new(array, row_json(choice));
+    else
+        print_row(choice);
+}
+
+static int print_listing(const listing *all, bool as_json)
+{
+    json_t *array = as_json ? json_array() : NULL;
+    const bat_choice *row;
+    bat_choice choice;
+    char summary[160];
+    for (size_t l = 0; l < MAX_LISTS && all->families[l] != NULL; l++)
+        for (size_t i = 0; (row = bat_choices(all->families[l], i)) != NULL; i++)
+        {
+            choice = *row;
+            bool mesh = all->families[l] == &bat_mesh_scheme_family; // whose names are also names of curve schemes
+            (void)snprintf(summary, sizeof summary, "meshes: %s", choice.summary);
+            choice.summary = mesh ? summary : choice.summary;
+            add_row(&choice, array);
+        }
+    for (size_t l = 0; l < MAX_LISTS && all->lists[l] != NULL; l++)
+        for (size_t i = 0; all->lists[l](i, &choice); i++)
+            add_row(&choice, array);
+    return as_json ? report_json(json_pack("{s:o}", all->what, array)) : EXIT_DONE;
 }
 
 int verb_list(int argc, char **argv)
@@ -150,8 +153,8 @@ int verb_list(int argc, char **argv)
     if (!arguments_read(&SPEC, argc, argv, &given, &code))
         return code;
     const char *what = given.positional[0];
-    for (size_t i = 0; i < sizeof FAMILIES / sizeof *FAMILIES; i++)
-        if (strcmp(what, FAMILIES[i].what) == 0)
-            return print_lists(what, FAMILIES[i].lists, argument_flag(&given, "json"));
+    for (size_t i = 0; i < sizeof LISTINGS / sizeof *LISTINGS; i++)
+        if (strcmp(what, LISTINGS[i].what) == 0)
+            return print_listing(&LISTINGS[i], argument_flag(&given, "json"));
     return usage_error(&given, "there is no list of '%s'", what);
 }

@@ -97,25 +97,22 @@ static size_t unpacked_length(const char *name)
 }
 
 /// Whether a file of that name can be written.
-static bool is_written(const char *name, bool (*formats)(size_t index, bat_choice *choice))
+static bool is_written(const char *name, const bat_family *formats)
 {
-    bat_choice choice;
+    const bat_choice *choice;
     char *plain = strndup(name, unpacked_length(name));
     bool found = false;
-    for (size_t i = 0; plain != NULL && !found && formats(i, &choice); i++)
-        found = choice.writes && has_ending(plain, choice.endings);
+    for (size_t i = 0; plain != NULL && !found && (choice = bat_choices(formats, i)) != NULL; i++)
+        found = choice->writes && choice->endings != NULL && has_ending(plain, choice->endings);
     free(plain);
     return found;
 }
 
 /// The endings of a format; null when there is no such format to write.
-static const char *endings_of(const char *format, bool (*formats)(size_t index, bat_choice *choice))
+static const char *endings_of(const char *format, const bat_family *formats)
 {
-    bat_choice choice;
-    for (size_t i = 0; formats(i, &choice); i++)
-        if (choice.writes && strcmp(choice.name, format) == 0 && choice.endings[0] != '\0')
-            return choice.endings;
-    return NULL;
+    const bat_choice *choice;
+    return bat_choice_find(formats, format, &choice, NULL) == BAT_OK && choice->writes ? choice->endings : NULL;
 }
 
 /// "FOLDER/NAME", where `ending` takes the place of NAME's when it is not null; null when out of memory.
@@ -210,7 +207,7 @@ static int check_inputs(const many *all)
 }
 
 /// Find the paths of the outputs.
-static int name_outputs(many *all, bool (*formats)(size_t index, bat_choice *choice))
+static int name_outputs(many *all, const bat_family *formats)
 {
     const char *folder = argument(all->given, "output"), *format = argument(all->given, "to");
     const char *ending = format != NULL ? endings_of(format, formats) : NULL;
@@ -534,7 +531,7 @@ static int threads_each(long jobs)
     return all > jobs ? all / (int)jobs : 1;
 }
 
-static int run_all(const arguments *given, bool (*formats)(size_t index, bat_choice *choice), many_verb verb)
+static int run_all(const arguments *given, const bat_family *formats, many_verb verb)
 {
     many all = {.given = given, .verb = verb, .count = given->positional_count};
     if (!argument_whole(given, "jobs", 1, MAX_JOBS, 1, &all.jobs))
@@ -566,7 +563,7 @@ static int run_all(const arguments *given, bool (*formats)(size_t index, bat_cho
     return code;
 }
 
-int many_run(const verb_spec *spec, bool (*formats)(size_t index, bat_choice *choice), many_verb verb, int argc, char **argv)
+int many_run(const verb_spec *spec, const bat_family *formats, many_verb verb, int argc, char **argv)
 {
     arguments given;
     int code;

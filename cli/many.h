@@ -23,7 +23,6 @@ typedef int (*many_verb)(const arguments *given);
 ///
 /// @param formats the table of formats of OUT
 /// @return the program's exit code: EXIT_BAD_INPUT when an input failed
-int many_run(const verb_spec *spec, bool (*formats)(size_t index, bat_choice *choice), many_verb verb, int argc,
-             char **argv);
+int many_run(const verb_spec *spec, const bat_family *formats, many_verb verb, int argc, char **argv);
 
 #endif

@@ -265,7 +265,6 @@ static int read_and_measure(const measure_job *job)
 
 static bool read_job(const arguments *given, measure_job *job)
 {
-    bat_error error;
     int threads;
     *job = (measure_job){.given = given,
                          .read = bat_curve_read_defaults(),
@@ -283,11 +282,10 @@ static bool read_job(const arguments *given, measure_job *job)
     if (!argument_threads(given, &threads))
         return false;
     job->read.threads = job->measure.threads = threads;
-    const char *format = argument(given, "from");
+    if (!argument_choice(given, "from", &bat_curve_format_family, &job->read.format))
+        return false;
     const char *fault = NULL;
-    if (format != NULL && bat_curve_format_by_name(format, &job->read.format, &error) != BAT_OK)
-        fault = error.text;
-    else if (argument_flag(given, "closed") && argument_flag(given, "open"))
+    if (argument_flag(given, "closed") && argument_flag(given, "open"))
         fault = "--closed and --open exclude each other";
     else if (job->measure.geodesic && job->measure.to_segments)
         fault = "--geodesic and --to-segments exclude each other";

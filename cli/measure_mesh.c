@@ -58,24 +58,24 @@ static kind kind_by_content(const char *path)
 
 static kind kind_of_file(const char *path)
 {
-    bat_mesh_format mesh = bat_mesh_format_of_path(path);
-    bat_curve_format curves = bat_curve_format_of_path(path);
+    const bat_choice *mesh, *curves;
+    (void)bat_choice_of_path(&bat_mesh_format_family, path, false, &mesh, NULL);
+    (void)bat_choice_of_path(&bat_curve_format_family, path, false, &curves, NULL);
     if (strcmp(path, "-") == 0)
         return KIND_UNCLEAR;
-    if (mesh != BAT_MESH_FORMAT_AUTO && curves == BAT_CURVE_FORMAT_AUTO)
+    if (mesh != NULL && curves == NULL)
         return KIND_MESH;
-    return mesh == BAT_MESH_FORMAT_AUTO && curves != BAT_CURVE_FORMAT_AUTO ? KIND_CURVES : kind_by_content(path);
+    return mesh == NULL && curves != NULL ? KIND_CURVES : kind_by_content(path);
 }
 
 bool measure_means_meshes(const arguments *given)
 {
-    bat_mesh_format mesh;
-    bat_curve_format curves;
+    const bat_choice *row;
     const char *from = argument(given, "from");
     if (argument_flag(given, "mesh"))
         return true;
-    if (from != NULL && bat_mesh_format_by_name(from, &mesh, NULL) == BAT_OK &&
-        bat_curve_format_by_name(from, &curves, NULL) != BAT_OK)
+    if (from != NULL && bat_choice_find(&bat_mesh_format_family, from, &row, NULL) == BAT_OK &&
+        bat_choice_find(&bat_curve_format_family, from, &row, NULL) != BAT_OK)
         return true;
     kind found = KIND_UNCLEAR;
     for (size_t i = 0; i < given->positional_count && found == KIND_UNCLEAR; i++)
@@ -300,7 +300,7 @@ static bool read_job(const arguments *given, mesh_job *job)
     job->picture = argument(given, "picture");
     job->compare.vertices = argument_flag(given, "at-vertices");
     job->read.triangulate = argument_flag(given, "triangulate");
-    if (!argument_mesh_format(given, "from", &job->read.format))
+    if (!argument_choice(given, "from", &bat_mesh_format_family, &job->read.format))
         return false;
     if (bat_mesh_compare_options_check(&job->compare, &error) != BAT_OK)
     {

@@ -94,33 +94,17 @@ typedef struct mesh_result
     const char *reason;     ///< for the scheme, where it was not given; else null
 } mesh_result;
 
-/// Read the name of a scheme, which stays as it is where the option was not given.
-static bool read_scheme(const arguments *given, const char *option, bat_mesh_scheme *scheme)
-{
-    bat_error error;
-    const char *name = argument(given, option);
-    if (name == NULL || bat_mesh_scheme_by_name(name, scheme, &error) == BAT_OK)
-        return true;
-    (void)usage_error(given, "%s", error.text);
-    return false;
-}
-
 static bool read_refinement(const arguments *given, bat_mesh_refine_options *options)
 {
     bat_error error;
     long levels;
     double degrees, gigabytes, fairness;
     bat_mesh_rules *rules = &options->rules;
-    const char *boundary = argument(given, "boundary"), *creasing = argument(given, "creasing"),
-               *texture = argument(given, "texture");
-    if ((boundary != NULL && bat_mesh_boundary_by_name(boundary, &rules->boundary, &error) != BAT_OK) ||
-        (creasing != NULL && bat_mesh_creasing_by_name(creasing, &rules->creasing, &error) != BAT_OK) ||
-        (texture != NULL && bat_mesh_linear_by_name(texture, &rules->linear, &error) != BAT_OK))
-    {
-        (void)usage_error(given, "%s", error.text);
-        return false;
-    }
-    if (!read_scheme(given, "scheme", &options->scheme) || !read_scheme(given, "then", &options->then) ||
+    if (!argument_choice(given, "boundary", &bat_mesh_boundary_family, &rules->boundary) ||
+        !argument_choice(given, "creasing", &bat_mesh_creasing_family, &rules->creasing) ||
+        !argument_choice(given, "texture", &bat_mesh_linear_family, &rules->linear) ||
+        !argument_choice(given, "scheme", &bat_mesh_scheme_family, &options->scheme) ||
+        !argument_choice(given, "then", &bat_mesh_scheme_family, &options->then) ||
         !argument_whole(given, "levels", 0, MAX_LEVELS, (long)options->levels, &levels) ||
         !argument_threads(given, &options->threads) || !argument_number(given, "tolerance", 0, &options->tolerance) ||
         !argument_number(given, "max-edge", 0, &options->max_edge) ||
@@ -203,12 +187,13 @@ static bool read_job(const arguments *given, mesh_job *job)
                       .json = argument_flag(given, "json"),
                       .quiet = argument_flag(given, "quiet")};
     job->has_beside = argument(given, "beside") != NULL;
-    if (!read_scheme(given, "beside", &job->beside))
+    if (!argument_choice(given, "beside", &bat_mesh_scheme_family, &job->beside))
         return false;
     job->read.triangulate = argument_flag(given, "triangulate");
     job->read.repair = argument_flag(given, "repair");
-    if (!read_refinement(given, &job->refine) || !argument_mesh_format(given, "from", &job->read.format) ||
-        !argument_mesh_format(given, "to", &job->write.format))
+    if (!read_refinement(given, &job->refine) ||
+        !argument_choice(given, "from", &bat_mesh_format_family, &job->read.format) ||
+        !argument_choice(given, "to", &bat_mesh_format_family, &job->write.format))
         return false;
     job->write.threads = job->refine.threads;
     job->write.normals = argument_flag(given, "normals") ? BAT_MESH_NORMALS_ANGLE : BAT_MESH_NORMALS_NONE;
@@ -216,7 +201,7 @@ static bool read_job(const arguments *given, mesh_job *job)
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || is_standard_output(job->output);
-    return fault == NULL && argument_mesh_ending(given, job->write.format);
+    return fault == NULL && argument_ending(given, &bat_mesh_format_family, (int)job->write.format);
 }
 
 /// Whether the input is read as a mesh of polygons.
@@ -306,7 +291,8 @@ static const char *levels_text(const mesh_job *job, bat_mesh_scheme scheme, char
 static void make_title(const mesh_job *job, bat_mesh_scheme scheme, char title[80])
 {
     char levels[32];
-    (void)snprintf(title, 80, "%s, %s", bat_mesh_scheme_name(scheme), levels_text(job, scheme, levels));
+    (void)snprintf(title, 80, "%s, %s", bat_choice_name(&bat_mesh_scheme_family, (int)scheme),
+                   levels_text(job, scheme, levels));
 }
 
 /// Refine by the scheme of --beside, which has no limit, creases by angles and rules unless it is Loop's or Catmull and
@@ -422,7 +408,7 @@ static void warn(const mesh_job *job, const mesh_result *result)
          rules.linear != BAT_MESH_LINEAR_AUTO) &&
         !has_rules(last))
         terminal_print(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
-                       job->input, bat_mesh_scheme_name(last));
+                       job->input, bat_choice_name(&bat_mesh_scheme_family, (int)last));
     if ((textured || sharp) && is_adaptive(job))
         terminal_print(stderr, "batten: %s: adaptive refinement leaves out texture coordinates, creases and corners\n",
                        job->input);
@@ -435,11 +421,12 @@ static int report(const mesh_job *job, const mesh_result *result)
 {
     mesh_size coarse = size_of(&result->coarse, &result->polygons), fine = size_of(&result->fine, &result->fine_polygons);
     if (job->json)
-        return report_json(json_pack(
-            "{s:s, s:s?, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme", bat_mesh_scheme_name(result->scheme), "reason",
-            result->reason, "levels", (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine),
-            "boundary_edges", (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
-            (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
+        return report_json(
+            json_pack("{s:s, s:s?, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme",
+                      bat_choice_name(&bat_mesh_scheme_family, (int)result->scheme), "reason", result->reason, "levels",
+                      (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
+                      (json_int_t)result->boundary_edges, "fallback", (json_int_t)result->fallback, "repaired",
+                      (json_int_t)bat_mesh_repair_places(&result->repairs), "notes", report_notes_json(&result->notes)));
     if (!argument_flag(job->given, "quiet"))
         report_notes(&result->notes, is_standard_output(job->output) ? stderr : stdout);
     if (job->quiet)
@@ -449,9 +436,9 @@ static int report(const mesh_job *job, const mesh_result *result)
     char levels[32];
     bool told = result->reason != NULL && result->scheme != BAT_MESH_SCHEME_LEARNED;
     (void)printf("%s%s%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
-                 bat_mesh_scheme_name(result->scheme), told ? " (" : "", told ? result->reason : "", told ? ")" : "",
-                 levels_text(job, result->scheme, levels), coarse.vertices, coarse.faces, fine.vertices, fine.faces,
-                 result->boundary_edges > 0 ? "with boundary" : "closed");
+                 bat_choice_name(&bat_mesh_scheme_family, (int)result->scheme), told ? " (" : "", told ? result->reason : "",
+                 told ? ")" : "", levels_text(job, result->scheme, levels), coarse.vertices, coarse.faces, fine.vertices,
+                 fine.faces, result->boundary_edges > 0 ? "with boundary" : "closed");
     return EXIT_DONE;
 }
 
@@ -495,5 +482,5 @@ static int run(const arguments *given)
 
 int verb_mesh(int argc, char **argv)
 {
-    return many_run(&SPEC, bat_mesh_format_list, run, argc, argv);
+    return many_run(&SPEC, &bat_mesh_format_family, run, argc, argv);
 }

@@ -107,8 +107,14 @@ static bool read_tangents(const arguments *given, curve_job *job)
 {
     const char *how = argument(given, "tangents");
     bat_motion_options *motion = &job->motion;
-    if (how == NULL || bat_motion_shape_by_name(how, &motion->spline.shape, NULL) == BAT_OK)
+    const bat_choice *shape;
+    if (how == NULL)
         return true;
+    if (bat_choice_find(&bat_motion_shape_family, how, &shape, NULL) == BAT_OK)
+    {
+        motion->spline.shape = (bat_motion_shape)shape->value;
+        return true;
+    }
     if (strcmp(how, "2") != 0 && strcmp(how, "4") != 0)
     {
         (void)usage_error(given, "--tangents takes resting, smooth, limited, 2 or 4, not '%s'", how);
@@ -121,9 +127,8 @@ static bool read_tangents(const arguments *given, curve_job *job)
 /// --sigma and --outliers.
 static bool read_sigma(const arguments *given, curve_job *job)
 {
-    const char *text = argument(given, "sigma"), *rule = argument(given, "outliers");
+    const char *text = argument(given, "sigma");
     bat_motion_spline_options *spline = &job->motion.spline;
-    bat_error error;
     if (text != NULL)
     {
         char *end;
@@ -141,10 +146,7 @@ static bool read_sigma(const arguments *given, curve_job *job)
             return false;
         }
     }
-    if (rule == NULL || bat_motion_outliers_by_name(rule, &spline->outliers, &error) == BAT_OK)
-        return true;
-    (void)usage_error(given, "%s", error.text);
-    return false;
+    return argument_choice(given, "outliers", &bat_motion_outliers_family, &spline->outliers);
 }
 
 /// --poses and --units.
@@ -169,7 +171,6 @@ static bool read_drawing(const arguments *given, curve_job *job)
 static bool read_numbers(const arguments *given, curve_job *job)
 {
     bat_motion_options *motion = &job->motion;
-    const char *ends = argument(given, "ends");
     bat_error error;
     if (!argument_number(given, "rate", motion->rate, &motion->rate) || !read_tangents(given, job) ||
         (job->is_verb && (!read_sigma(given, job) || !read_drawing(given, job))) ||
@@ -178,10 +179,11 @@ static bool read_numbers(const arguments *given, curve_job *job)
     motion->velocities = argument_flag(given, "velocities");
     motion->spline.extrapolate = job->is_verb && argument_flag(given, "extrapolate");
     job->times_file = argument(given, "times");
+    if (job->is_verb && !argument_choice(given, "ends", &bat_motion_ends_family, &motion->spline.ends))
+        return false;
     if (argument(given, "rate") != NULL && !(motion->rate > 0))
         (void)usage_error(given, "--rate takes a positive number");
-    else if ((job->is_verb && ends != NULL && bat_motion_ends_by_name(ends, &motion->spline.ends, &error) != BAT_OK) ||
-             bat_motion_options_check(motion, &error) != BAT_OK)
+    else if (bat_motion_options_check(motion, &error) != BAT_OK)
         (void)usage_error(given, "%s", error.text);
     else if (argument(given, "translation-weight") != NULL && !(job->read.translation_weight > 0))
         (void)usage_error(given, "--translation-weight takes a positive number");
@@ -244,7 +246,7 @@ bool motion_read(const arguments *given, curve_job *job)
                           job->scheme);
         return false;
     }
-    if (job->is_motion && job->scheme != NULL && bat_motion_by_name(job->scheme, &job->motion, &error) != BAT_OK)
+    if (job->is_motion && job->scheme != NULL && bat_motion_scheme_by_name(job->scheme, &job->motion, &error) != BAT_OK)
     {
         (void)usage_error(given, "%s", error.text);
         return false;
@@ -332,5 +334,5 @@ static int run(const arguments *given)
 
 int verb_motion(int argc, char **argv)
 {
-    return many_run(&SPEC, bat_curve_format_list, run, argc, argv);
+    return many_run(&SPEC, &bat_curve_format_family, run, argc, argv);
 }

@@ -3,7 +3,7 @@
 
 #include "arguments.h"
 
-#include "batten/base.h"
+#include "batten/mesh_file.h"
 
 #include <jansson.h>
 #include <stdio.h>

@@ -116,7 +116,6 @@ static bool read_numbers(const arguments *given, shape_job *job)
 static bool read_job(const arguments *given, shape_job *job)
 {
     long seed;
-    bat_error error;
     const char *to = argument(given, "to");
     *job = (shape_job){.kind = given->positional[0],
                        .output = argument(given, "output"),
@@ -135,11 +134,11 @@ static bool read_job(const arguments *given, shape_job *job)
     const char *fault = find_fault(job);
     if (fault == NULL && to != NULL && (job->is_cloud || job->is_map))
         fault = "--to is for meshes; the file's ending says how a cloud or a map is written";
-    if (fault == NULL && to != NULL && bat_mesh_format_by_name(to, &job->write.format, &error) != BAT_OK)
-        fault = error.text;
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
-    else if (!job->is_cloud && !job->is_map && !argument_mesh_ending(given, job->write.format))
+    else if (!argument_choice(given, "to", &bat_mesh_format_family, &job->write.format))
+        return false;
+    else if (!job->is_cloud && !job->is_map && !argument_ending(given, &bat_mesh_format_family, (int)job->write.format))
         return false;
     job->quiet = job->quiet || is_standard_output(job->output);
     return fault == NULL;

@@ -133,16 +133,11 @@ static void read_boundary(const char *text, bat_cloud_read_options *read)
 /// What the command line says about the cloud. False after a message.
 static bool read_input(const arguments *given, surface_job *job)
 {
-    bat_error error;
-    const char *from = argument(given, "from"), *boundary = argument(given, "boundary"),
-               *corners = argument(given, "corners");
+    const char *boundary = argument(given, "boundary"), *corners = argument(given, "corners");
     job->has_corners = corners != NULL;
     job->read.strict = argument_flag(given, "strict");
-    if (from != NULL && bat_cloud_format_by_name(from, &job->read.format, &error) != BAT_OK)
-    {
-        (void)usage_error(given, "%s", error.text);
+    if (!argument_choice(given, "from", &bat_cloud_format_family, &job->read.format))
         return false;
-    }
     if (corners != NULL && !read_corners(corners, job->corners))
     {
         (void)usage_error(given, "--corners takes four numbers of points like 0,33,66,99, not '%s'", corners);
@@ -165,24 +160,17 @@ static bool read_parameterization(const arguments *given, surface_job *job)
     if (text == NULL)
         return true;
     bat_error error;
-    if (bat_surface_parameters_by_name(text, &job->options.parameters, &error) == BAT_OK)
+    const bat_choice *choice;
+    if (bat_choice_find(&bat_surface_parameters_family, text, &choice, &error) == BAT_OK)
+    {
+        job->options.parameters = (bat_surface_parameters)choice->value;
         return true;
+    }
     job->options.parameters = BAT_SURFACE_PARAMETERS_GIVEN;
     job->parameter_file = text;
     if (strpbrk(text, "./") != NULL)
         return true;
     (void)usage_error(given, "%s, or a file such as ./%s", error.text, text);
-    return false;
-}
-
-/// False after a message.
-static bool read_sides(const arguments *given, bat_cloud_sides *sides)
-{
-    bat_error error;
-    const char *name = argument(given, "sides");
-    if (name == NULL || bat_cloud_sides_by_name(name, sides, &error) == BAT_OK)
-        return true;
-    (void)usage_error(given, "%s", error.text);
     return false;
 }
 
@@ -214,8 +202,6 @@ static const char *find_fault(const arguments *given, const surface_job *job)
 static bool read_job(const arguments *given, surface_job *job)
 {
     long samples;
-    bat_error error;
-    const char *to = argument(given, "to");
     *job = (surface_job){.given = given,
                          .input = given->positional[0],
                          .output = argument(given, "output"),
@@ -226,7 +212,8 @@ static bool read_job(const arguments *given, surface_job *job)
                          .json = argument_flag(given, "json"),
                          .quiet = argument_flag(given, "quiet")};
     if (!read_input(given, job) || !surface_read_fit(given, &job->options.fit) || !read_parameterization(given, job) ||
-        !read_sides(given, &job->options.sides) || !argument_number(given, "fill-holes", 0, &job->options.fill_holes) ||
+        !argument_choice(given, "sides", &bat_cloud_sides_family, &job->options.sides) ||
+        !argument_number(given, "fill-holes", 0, &job->options.fill_holes) ||
         !argument_whole(given, "samples", 1, MAX_SAMPLES, 0, &samples))
         return false;
     job->options.published = argument_flag(given, "published");
@@ -235,18 +222,13 @@ static bool read_job(const arguments *given, surface_job *job)
     job->options.no_repair = argument_flag(given, "keep-folds");
     job->options.slide_boundary = argument_flag(given, "slide-boundary");
     job->write.samples = (size_t)samples;
-    const char *fault = find_fault(given, job), *unit = argument(given, "unit");
-    if (fault == NULL && unit != NULL && bat_surface_unit_by_name(unit, &job->write.unit, &error) != BAT_OK)
-        fault = error.text;
-    if (fault == NULL && to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)
-        fault = error.text;
-    if (fault == NULL && to == NULL && job->output != NULL &&
-        bat_surface_format_of_path(job->output) == BAT_SURFACE_FORMAT_AUTO)
-        fault = "the ending of OUT names no format (.step, .iges, .xml, .vtk, .obj, .json); --to does";
+    const char *fault = find_fault(given, job);
     if (fault != NULL)
         (void)usage_error(given, "%s", fault);
     job->quiet = job->quiet || is_standard_output(job->output);
-    return fault == NULL;
+    return fault == NULL && argument_choice(given, "unit", &bat_surface_unit_family, &job->write.unit) &&
+           argument_choice(given, "to", &bat_surface_format_family, &job->write.format) &&
+           argument_ending(given, &bat_surface_format_family, (int)job->write.format);
 }
 
 // A fit
@@ -301,7 +283,7 @@ static int draw(const surface_job *job, const bat_cloud *cloud, const bat_surfac
     char title[240];
     const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
     (void)snprintf(title, sizeof title, "%s parameters, %zu functions: mean squared distance %.3g; verdict: %s",
-                   bat_surface_parameters_name(result->chosen), last->functions, last->mean_squared,
+                   bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), last->functions, last->mean_squared,
                    surface_report_verdict(&result->verdict));
     bat_surface_picture_row panel = {.title = title,
                                      .cloud = cloud,
@@ -440,7 +422,9 @@ static int convert(surface_job *job)
 /// Whether a file holds a spline surface, by its name: there is nothing to fit then.
 static bool is_surface(const char *path)
 {
-    bat_surface_format format = bat_surface_format_of_path(path);
+    const bat_choice *row;
+    (void)bat_choice_of_path(&bat_surface_format_family, path, true, &row, NULL);
+    bat_surface_format format = row != NULL ? (bat_surface_format)row->value : BAT_SURFACE_FORMAT_AUTO;
     return format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON || format == BAT_SURFACE_FORMAT_STEP ||
            format == BAT_SURFACE_FORMAT_IGES;
 }
@@ -463,5 +447,5 @@ static int run(const arguments *given)
 
 int verb_surface(int argc, char **argv)
 {
-    return many_run(&SPEC, bat_surface_format_list, run, argc, argv);
+    return many_run(&SPEC, &bat_surface_format_family, run, argc, argv);
 }

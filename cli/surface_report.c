@@ -91,7 +91,7 @@ static void print_candidates(const surface_findings *findings)
     for (size_t i = 0; i < result->candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result->candidates[i];
-        (void)printf("%-18s", bat_surface_parameters_name(candidate->parameters));
+        (void)printf("%-18s", bat_choice_name(&bat_surface_parameters_family, (int)candidate->parameters));
         if (candidate->failure.status != BAT_OK)
             terminal_print(stdout, " failed: %s\n", candidate->failure.text);
         else
@@ -99,7 +99,7 @@ static void print_candidates(const surface_findings *findings)
                          candidate->folds.folded - candidate->repaired.folded, candidate->functions, candidate->mean_squared,
                          candidate->stray, candidate->fit_seconds, candidate->strays ? "  out: strays" : "");
     }
-    (void)printf("%s: %s", bat_surface_parameters_name(result->chosen), reason);
+    (void)printf("%s: %s", bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason);
     if (result->trial_points < findings->cloud->count)
         (void)printf(", on trial with %zu of the points", result->trial_points);
     (void)printf("\n");
@@ -193,7 +193,7 @@ static json_t *folds_json(const bat_cloud *cloud, const bat_cloud_parameters_rep
 
 static json_t *candidate_json(const surface_findings *findings, const bat_surface_candidate *candidate)
 {
-    const char *name = bat_surface_parameters_name(candidate->parameters);
+    const char *name = bat_choice_name(&bat_surface_parameters_family, (int)candidate->parameters);
     if (candidate->failure.status != BAT_OK)
         return json_pack("{s:s, s:s}", "parameters", name, "failure", candidate->failure.text);
     return json_pack("{s:s, s:o, s:o, s:o, s:I, s:o, s:o, s:b, s:b, s:o}", "parameters", name, "seconds",
@@ -264,14 +264,14 @@ json_t *surface_report_json(const surface_findings *findings)
         (void)json_array_append_new(candidates, candidate_json(findings, &result->candidates[i]));
     for (size_t i = 0; i < result->report.count; i++)
         (void)json_array_append_new(rounds, round_json(findings, &result->report.rounds[i]));
-    return json_pack("{s:o, s:s, s:s, s:I, s:o, s:[ii], s:o, s:o, s:b, s:I, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[fff]}",
-                     "cloud", cloud_json(findings), "chosen", bat_surface_parameters_name(result->chosen), "reason", reason,
-                     "trial_points", (json_int_t)result->trial_points, "candidates", candidates, "degree",
-                     findings->options->fit.space.degree[0], findings->options->fit.space.degree[1], "rounds", rounds,
-                     "result", round_json(findings, &result->report.rounds[result->report.count - 1]), "reached",
-                     (int)result->report.reached, "moved", (json_int_t)result->report.moved, "outliers",
-                     (json_int_t)result->report.outliers, "folds", folds_json(findings->cloud, &result->folds), "held_out",
-                     held_out_json(&result->report), "noise", report_number(result->noise), "verdict",
-                     verdict_json(&result->verdict), "below_noise", (int)result->below_noise, "trim", trim_json(result),
-                     "seconds", result->seconds[0], result->seconds[1], result->seconds[2]);
+    return json_pack(
+        "{s:o, s:s, s:s, s:I, s:o, s:[ii], s:o, s:o, s:b, s:I, s:I, s:o, s:o, s:o, s:o, s:b, s:o, s:[fff]}", "cloud",
+        cloud_json(findings), "chosen", bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), "reason",
+        reason, "trial_points", (json_int_t)result->trial_points, "candidates", candidates, "degree",
+        findings->options->fit.space.degree[0], findings->options->fit.space.degree[1], "rounds", rounds, "result",
+        round_json(findings, &result->report.rounds[result->report.count - 1]), "reached", (int)result->report.reached,
+        "moved", (json_int_t)result->report.moved, "outliers", (json_int_t)result->report.outliers, "folds",
+        folds_json(findings->cloud, &result->folds), "held_out", held_out_json(&result->report), "noise",
+        report_number(result->noise), "verdict", verdict_json(&result->verdict), "below_noise", (int)result->below_noise,
+        "trim", trim_json(result), "seconds", result->seconds[0], result->seconds[1], result->seconds[2]);
 }

@@ -29,7 +29,7 @@ static void print_analysis(const bat_analysis *analysis)
             printf(" %.6g", analysis->eigenvalues[k].real);
         else
             printf(" %.6g%+.6gi", analysis->eigenvalues[k].real, analysis->eigenvalues[k].imaginary);
-    printf("\n%-18s %s\n", "converges", bat_analysis_verdict_name(analysis->converges));
+    printf("\n%-18s %s\n", "converges", bat_choice_name(&bat_analysis_verdict_family, analysis->converges));
     printf("%-18s %zu\n", "reproduces degree", analysis->reproduction_degree);
     if (analysis->smooth_proven >= 0)
         printf("%-18s C%d, Hölder exponent from %.9g to %.9g\n", "limits", analysis->smooth_proven, analysis->exponent_lower,

@@ -39,7 +39,7 @@ static void print_report(const bat_cloud *cloud, const bat_surface_result *resul
     for (size_t i = 0; i < result->candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result->candidates[i];
-        const char *name = bat_surface_parameters_name(candidate->parameters);
+        const char *name = bat_choice_name(&bat_surface_parameters_family, candidate->parameters);
         if (candidate->failure.status == BAT_OK)
             printf("%s parameters: %zu functions, mean squared distance %.3g\n", name, candidate->functions,
                    candidate->mean_squared);
@@ -47,7 +47,8 @@ static void print_report(const bat_cloud *cloud, const bat_surface_result *resul
             printf("%s parameters: %s\n", name, candidate->failure.text);
     }
     printf("%s parameters, %zu functions: %.1f %% within the tolerance, largest distance %.3g\n",
-           bat_surface_parameters_name(result->chosen), last->functions, 100 * last->within, last->largest);
+           bat_choice_name(&bat_surface_parameters_family, result->chosen), last->functions, 100 * last->within,
+           last->largest);
 }
 
 static bat_status draw(const char *path, const bat_cloud *cloud, const bat_surface_result *result, bat_error *error)

@@ -521,8 +521,9 @@ static bool read_rows(const char *path, bat_cloud_format format, size_t needed, 
 {
     rows_text text = {.columns = 5, .needed = needed};
     *part = (file_part){0};
-    if (format == BAT_CLOUD_FORMAT_AUTO)
-        format = bat_cloud_format_of_path(path);
+    const bat_choice *row = NULL;
+    if (format == BAT_CLOUD_FORMAT_AUTO && bat_choice_of_path(&bat_cloud_format_family, path, false, &row, NULL) == BAT_OK)
+        format = row != NULL ? (bat_cloud_format)row->value : format;
     if (!(format == BAT_CLOUD_FORMAT_PLY ? rows_read_ply(path, &text) : rows_read_text(path, &text)))
         return false;
     part->count = text.count;

@@ -384,8 +384,11 @@ bool rows_have_parameters(const char *path, bat_cloud_format format)
         if (file != NULL)
             (void)fclose(file);
         ply_layout layout = {0};
+        const bat_choice *row = NULL;
         if (format == BAT_CLOUD_FORMAT_AUTO)
-            format = bat_cloud_format_of_path(path);
+            (void)bat_choice_of_path(&bat_cloud_format_family, path, false, &row, NULL);
+        if (row != NULL)
+            format = (bat_cloud_format)row->value;
         found = format == BAT_CLOUD_FORMAT_PLY ? read_header(text, FIELDS, &layout) == NULL : count_numbers(text) == FIELDS;
         free(text);
     }

@@ -97,22 +97,19 @@ typedef struct fit_job
 /// False after a message.
 static bool read_formats(const arguments *given, fit_job *job)
 {
-    bat_error error;
-    const char *from = argument(given, "from"), *to = argument(given, "to"), *unit = argument(given, "unit"), *fault = NULL;
-    if (from != NULL && bat_cloud_format_by_name(from, &job->from, &error) != BAT_OK)
-        fault = error.text;
-    else if (from != NULL && job->from != BAT_CLOUD_FORMAT_XYZ && job->from != BAT_CLOUD_FORMAT_PLY)
+    const char *from = argument(given, "from"), *fault = NULL;
+    if (!argument_choice(given, "from", &bat_cloud_format_family, &job->from) ||
+        !argument_choice(given, "to", &bat_surface_format_family, &job->write.format) ||
+        !argument_choice(given, "unit", &bat_surface_unit_family, &job->write.unit))
+        return false;
+    if (from != NULL && job->from != BAT_CLOUD_FORMAT_XYZ && job->from != BAT_CLOUD_FORMAT_PLY)
         fault = "--from takes xyz or ply";
-    else if (to != NULL && bat_surface_format_by_name(to, &job->write.format, &error) != BAT_OK)
-        fault = error.text;
-    else if (unit != NULL && bat_surface_unit_by_name(unit, &job->write.unit, &error) != BAT_OK)
-        fault = error.text;
     else if (job->output == NULL)
         fault = "-o OUT is missing";
     else if (strcmp(job->output, "-") == 0)
         fault = "-o takes a file";
-    else if (to == NULL && bat_surface_format_of_path(job->output) == BAT_SURFACE_FORMAT_AUTO)
-        fault = "the ending of OUT names no format (.step, .iges, .xml, .vtk, .obj, .json); --to does";
+    else if (!argument_ending(given, &bat_surface_format_family, (int)job->write.format))
+        return false;
     else if (job->json && job->quiet)
         fault = "--json and --quiet exclude each other";
     else if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)

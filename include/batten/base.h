@@ -110,16 +110,25 @@ typedef struct bat_group
 /// @return BAT_OK where all processes succeeded
 BAT_API bat_status bat_group_agree(const bat_group *group, bat_status status, bat_error *error);
 
-/// One choice of a family: a scheme, a space, a format. Each family is one table; bat_..._list() walks its rows,
-/// bat_..._by_name() finds one.
+/// Who may use a choice.
+typedef enum bat_choice_use
+{
+    BAT_CHOICE_LISTED,   ///< everybody: bat_choices() lists it, bat_choice_find() finds it
+    BAT_CHOICE_UNLISTED, ///< bat_choice_find() finds it, but no list has it: "auto" of formats
+    BAT_CHOICE_UNNAMED,  ///< a value for options that no name gives
+    BAT_CHOICE_RESULT    ///< a value of results alone, which options refuse
+} bat_choice_use;
+
+/// A choice of a family: a scheme, a space, a format.
 typedef struct bat_choice
 {
-    const char *name;     ///< as bat_..._by_name() takes it
-    const char *settings; ///< what may follow the name after a colon, with the default values; "" for none
+    const char *name;     ///< as bat_choice_find() takes it
+    const char *settings; ///< what may follow the name after a colon, with the default values; null for none
     const char *summary;  ///< one line
-    const char *endings;  ///< formats: endings of file names, separated by blanks; "" for other families
+    const char *endings;  ///< formats: endings of file names, separated by blanks; null for none
     bool reads, writes;   ///< formats: what the library can do
     int value;            ///< the enumerator, where the family has an enumeration; else 0
+    bat_choice_use use;
 } bat_choice;
 
 /// How a measure is stored, and printed.
@@ -143,6 +152,33 @@ typedef struct bat_measure
     bat_measure_form form;
     size_t offset; ///< of the field in its struct
 } bat_measure;
+
+/// A family of choices: a table whose rows begin with a bat_choice. The family of an enumeration bat_x is bat_x_family, in
+/// the header of the enumeration.
+typedef struct bat_family
+{
+    const char *what;                               ///< what a row is, for messages: "mesh scheme"
+    const void *rows;                               ///< `count` rows of `size` bytes
+    size_t size, count;                             ///< bytes of a row; number of rows
+    const bat_choice *(*of_path)(const char *path); ///< formats: the row of a path whose ending does not tell; may be null
+} bat_family;
+
+/// The choices of a family that users may name, one by one; `index` from 0 on.
+/// @return null past the last
+BAT_API const bat_choice *bat_choices(const bat_family *family, size_t index);
+/// The choice of a name.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
+BAT_API bat_status bat_choice_find(const bat_family *family, const char *name, const bat_choice **choice, bat_error *error);
+/// The name of an enumerator; "unknown" for none. Never null.
+BAT_API const char *bat_choice_name(const bat_family *family, int value);
+/// The format of a path by its ending, in either case: letters and digits, a letter among them, after the last dot of the
+/// name.
+///
+/// @param writes whether the file is to be written, else read
+/// @param choice receives null on failure and for a name without an ending
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT for an ending that no such format has, with a text that lists the known ones
+BAT_API bat_status bat_choice_of_path(const bat_family *family, const char *path, bool writes, const bat_choice **choice,
+                                      bat_error *error);
 
 /// Several files that appear together or not at all. Each is written to a temporary file beside its target by any writer of
 /// the library or of your own; then all are renamed at once. Until then nothing is changed.

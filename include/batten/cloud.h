@@ -76,14 +76,8 @@ typedef enum bat_cloud_sides
     BAT_CLOUD_SIDES_UNIFORM       ///< in proportion to the index
 } bat_cloud_sides;
 
-/// A choice by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_cloud_sides_by_name(const char *name, bat_cloud_sides *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_cloud_sides_name(bat_cloud_sides value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_cloud_sides_list(size_t index, bat_choice *choice);
+/// The choices by name.
+extern BAT_API const bat_family bat_cloud_sides_family;
 
 /// Compute parameters of the boundary points: sides of the cloud go to the sides of [0, 1]^2. Missing corners are found
 /// first.

@@ -21,16 +21,8 @@ typedef enum bat_cloud_format
     BAT_CLOUD_FORMAT_LAS  ///< 1.0 to 1.4, not compressed; reading only
 } bat_cloud_format;
 
-/// A format, or "auto", by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_cloud_format_by_name(const char *name, bat_cloud_format *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_cloud_format_name(bat_cloud_format value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_cloud_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case; else BAT_CLOUD_FORMAT_AUTO.
-BAT_API bat_cloud_format bat_cloud_format_of_path(const char *path);
+/// The formats by name.
+extern BAT_API const bat_family bat_cloud_format_family;
 
 /// Options of reading. Begin with bat_cloud_read_defaults().
 typedef struct bat_cloud_read_options

@@ -22,14 +22,8 @@ typedef enum bat_cloud_parameterization
     BAT_CLOUD_PARAMETERIZE_COUNT               ///< how many there are
 } bat_cloud_parameterization;
 
-/// A parameterization by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_cloud_parameterization_by_name(const char *name, bat_cloud_parameterization *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_cloud_parameterization_name(bat_cloud_parameterization value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_cloud_parameterization_list(size_t index, bat_choice *choice);
+/// The parameterizations by name.
+extern BAT_API const bat_family bat_cloud_parameterization_family;
 
 /// Options of bat_cloud_parameterize(). Begin with bat_cloud_parameterize_defaults().
 typedef struct bat_cloud_parameterize_options

@@ -49,14 +49,8 @@ typedef enum bat_curve_end_rule
     BAT_CURVE_END_FREE
 } bat_curve_end_rule;
 
-/// An end rule by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_curve_end_rule_by_name(const char *name, bat_curve_end_rule *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_curve_end_rule_name(bat_curve_end_rule value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_end_rule_list(size_t index, bat_choice *choice);
+/// The end rules by name.
+extern BAT_API const bat_family bat_curve_end_rule_family;
 
 /// Which curves stay simple: where the refined curve crosses or touches itself and the given polygon does not, new points
 /// are drawn back towards their edges until nothing meets. docs/algorithms/simple-curves.md describes it. Only curves in the
@@ -72,14 +66,8 @@ typedef enum bat_curve_simple
     BAT_CURVE_SIMPLE_NEVER ///< No test.
 } bat_curve_simple;
 
-/// A choice of bat_curve_simple by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_curve_simple_by_name(const char *name, bat_curve_simple *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_curve_simple_name(bat_curve_simple value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_simple_list(size_t index, bat_choice *choice);
+/// The choices of bat_curve_simple by name.
+extern BAT_API const bat_family bat_curve_simple_family;
 
 /// What refinement found and did; sums over the curves of a call.
 typedef struct bat_curve_refine_report

@@ -29,8 +29,8 @@ typedef enum bat_analysis_verdict
     BAT_ANALYSIS_DISPROVEN
 } bat_analysis_verdict;
 
-/// "undecided", "proven" or "disproven". Never null.
-BAT_API const char *bat_analysis_verdict_name(bat_analysis_verdict verdict);
+/// The names of the verdicts.
+extern BAT_API const bat_family bat_analysis_verdict_family;
 
 /// Options of an analysis: the effort. Begin with bat_analysis_defaults().
 typedef struct bat_analysis_options

@@ -10,21 +10,9 @@ BAT_C_BEGIN
 /// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements, trajectories of TUM, EuRoC and KITTI
 /// and, by GDAL, formats of geographic information systems. docs/formats.md describes the formats.
 
-/// A format, or "auto", by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_curve_format_by_name(const char *name, bat_curve_format *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_curve_format_name(bat_curve_format value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case, as bat_curve_format_list() gives them; with .gz behind it the
-/// same. BAT_CURVE_FORMAT_GDAL for other .gz and other paths that begin with /vsi; else BAT_CURVE_FORMAT_AUTO.
-BAT_API bat_curve_format bat_curve_format_of_path(const char *path);
-/// The format in which bat_curve_write() writes a path by its ending; BAT_CURVE_FORMAT_AUTO for a name without one, which
-/// gets the format of the input. An ending is letters and digits, a letter among them, after the last dot of the name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT for an ending that no format has, with a text that lists the known ones
-BAT_API bat_status bat_curve_format_of_output(const char *path, bat_curve_format *format, bat_error *error);
+/// The formats by name. bat_choice_of_path() takes the ending before ".gz", and BAT_CURVE_FORMAT_GDAL for other paths that
+/// end so or begin with "/vsi".
+extern BAT_API const bat_family bat_curve_format_family;
 
 /// Options of reading. Begin with bat_curve_read_defaults().
 typedef struct bat_curve_read_options

@@ -18,13 +18,7 @@ typedef enum bat_curve_map_topology
 } bat_curve_map_topology;
 
 /// Which sets are maps, by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_curve_map_topology_by_name(const char *name, bat_curve_map_topology *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_curve_map_topology_name(bat_curve_map_topology value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_map_topology_list(size_t index, bat_choice *choice);
+extern BAT_API const bat_family bat_curve_map_topology_family;
 
 /// What refinement of a map found and did.
 typedef struct bat_curve_map_report

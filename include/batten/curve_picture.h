@@ -34,14 +34,8 @@ typedef enum bat_curve_projection
     BAT_CURVE_PROJECTION_BOTH   ///< the globe, and the map to its right
 } bat_curve_projection;
 
-/// A projection by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_curve_projection_by_name(const char *name, bat_curve_projection *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_curve_projection_name(bat_curve_projection value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_projection_list(size_t index, bat_choice *choice);
+/// The projections by name.
+extern BAT_API const bat_family bat_curve_projection_family;
 
 /// The role of a curve in its panel, which decides its style.
 typedef enum bat_curve_layer_role

@@ -69,14 +69,8 @@ typedef enum bat_curve_parameters
     BAT_CURVE_PARAMETERS_CHORDAL      ///< alpha = 1: increments are lengths
 } bat_curve_parameters;
 
-/// Parameters by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_curve_parameters_by_name(const char *name, bat_curve_parameters *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_curve_parameters_name(bat_curve_parameters value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_parameters_list(size_t index, bat_choice *choice);
+/// The kinds of parameters by name.
+extern BAT_API const bat_family bat_curve_parameters_family;
 
 /// On which side of the edge an angle-based scheme inserts.
 typedef enum bat_curve_angle_sign
@@ -206,9 +200,8 @@ BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_er
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, bat_error *error);
 
-/// The table of schemes, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_scheme_list(size_t index, bat_choice *choice);
+/// The schemes by name, with their settings.
+extern BAT_API const bat_family bat_curve_scheme_family;
 
 /// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
 BAT_API bool bat_mask_is_interpolatory(const bat_mask *mask);
@@ -244,9 +237,8 @@ BAT_API bat_status bat_curve_model_builtin(bat_curve_model **model, bat_error *e
 /// The network of the published recipe that the library's project trained (weights/tension-published.md), to compare with.
 /// @return BAT_OK or BAT_NO_MEMORY
 BAT_API bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error);
-/// The models that come with the library, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_curve_model_list(size_t index, bat_choice *choice);
+/// The models that come with the library.
+extern BAT_API const bat_family bat_curve_model_family;
 /// Whether a model uses bat_curve_scheme's fairness.
 BAT_API bool bat_curve_model_has_fairness(const bat_curve_model *model);
 /// Does nothing to null.

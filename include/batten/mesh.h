@@ -81,20 +81,8 @@ typedef struct bat_mesh_rules
     bat_mesh_linear linear;
 } bat_mesh_rules;
 
-/// Boundary rules, ways of creasing and texture rules by name: "auto", "edges", …
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_mesh_boundary_by_name(const char *name, bat_mesh_boundary *value, bat_error *error);
-BAT_API bat_status bat_mesh_creasing_by_name(const char *name, bat_mesh_creasing *value, bat_error *error);
-BAT_API bat_status bat_mesh_linear_by_name(const char *name, bat_mesh_linear *value, bat_error *error);
-/// The names. Never null.
-BAT_API const char *bat_mesh_boundary_name(bat_mesh_boundary value);
-BAT_API const char *bat_mesh_creasing_name(bat_mesh_creasing value);
-BAT_API const char *bat_mesh_linear_name(bat_mesh_linear value);
-/// The tables, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_mesh_boundary_list(size_t index, bat_choice *choice);
-BAT_API bool bat_mesh_creasing_list(size_t index, bat_choice *choice);
-BAT_API bool bat_mesh_linear_list(size_t index, bat_choice *choice);
+/// Boundary rules, creasing rules and texture rules by name.
+extern BAT_API const bat_family bat_mesh_boundary_family, bat_mesh_creasing_family, bat_mesh_linear_family;
 
 /// A triangle mesh. All zero: empty. Everything in it is owned and comes from malloc(); release it with bat_mesh_free().
 typedef struct bat_mesh
@@ -212,6 +200,9 @@ typedef enum bat_mesh_normals
     BAT_MESH_NORMALS_ANGLE, ///< by the face's angle at the vertex (Thürmer and Wüthrich, 1998); independent of the triangles
     BAT_MESH_NORMALS_AREA   ///< by the face's area
 } bat_mesh_normals;
+
+/// The kinds of normals by name.
+extern BAT_API const bat_family bat_mesh_normals_family;
 
 /// The unit normals of the vertices; zero for a vertex without a face of positive area.
 ///

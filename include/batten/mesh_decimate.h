@@ -26,13 +26,8 @@ typedef enum bat_mesh_decimate_method
     BAT_MESH_DECIMATE_FAST
 } bat_mesh_decimate_method;
 
-/// The methods, by their numbers. @return false past the last one
-BAT_API bool bat_mesh_decimate_method_list(size_t index, bat_choice *choice);
-/// The name of a method; "unknown" for none.
-BAT_API const char *bat_mesh_decimate_method_name(bat_mesh_decimate_method method);
-/// The method of a name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that lists the names
-BAT_API bat_status bat_mesh_decimate_method_by_name(const char *name, bat_mesh_decimate_method *method, bat_error *error);
+/// The methods by name.
+extern BAT_API const bat_family bat_mesh_decimate_method_family;
 
 /// Options of decimation. Begin with bat_mesh_decimate_defaults().
 typedef struct bat_mesh_decimate_options

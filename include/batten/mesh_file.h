@@ -22,16 +22,8 @@ typedef enum bat_mesh_format
     BAT_MESH_FORMAT_3MF   ///< 3MF, for 3D printing
 } bat_mesh_format;
 
-/// A format, or "auto", by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_mesh_format_by_name(const char *name, bat_mesh_format *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_mesh_format_name(bat_mesh_format value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_mesh_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case; else BAT_MESH_FORMAT_AUTO.
-BAT_API bat_mesh_format bat_mesh_format_of_path(const char *path);
+/// The formats by name.
+extern BAT_API const bat_family bat_mesh_format_family;
 
 /// Remarks on what a file holds and a mesh cannot, or a mesh holds and a format cannot, and on guesses. All zero: none.
 typedef struct bat_mesh_notes
@@ -94,6 +86,9 @@ typedef enum bat_mesh_encoding
     BAT_MESH_ENCODING_BIG_ENDIAN, ///< the same with the greater bytes first; PLY only
     BAT_MESH_ENCODING_TEXT        ///< decimal numbers that bring back the same doubles
 } bat_mesh_encoding;
+
+/// The encodings by name.
+extern BAT_API const bat_family bat_mesh_encoding_family;
 
 /// Options of writing. Begin with bat_mesh_write_defaults().
 typedef struct bat_mesh_write_options

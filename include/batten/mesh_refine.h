@@ -42,14 +42,8 @@ BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
 /// faces have four or more corners, as quads that a modeller drew have; else that of bat_mesh_scheme_for().
 BAT_API bat_mesh_scheme bat_polygon_mesh_scheme_for(const bat_polygon_mesh *mesh);
 
-/// A scheme by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_mesh_scheme_by_name(const char *name, bat_mesh_scheme *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_mesh_scheme_name(bat_mesh_scheme value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_mesh_scheme_list(size_t index, bat_choice *choice);
+/// The schemes by name.
+extern BAT_API const bat_family bat_mesh_scheme_family;
 
 typedef struct bat_mesh_rule bat_mesh_rule;
 typedef struct bat_mesh_refine_options bat_mesh_refine_options;

@@ -55,13 +55,18 @@ typedef struct bat_motion_options
 
 /// The method that a set of keyframes gets: that of the options, or what BAT_MOTION_AUTO chooses. Null options are defaults.
 BAT_API bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_options *options);
-/// Options by a scheme's name, as the program's `--scheme` takes it: "spline", or a name of bat_hermite_by_name().
+/// Options by a scheme's name with settings, as the program's `--scheme` takes it:
+///
+///     spline              (BAT_MOTION_SPLINE)
+///     hermite             hermite:order=3           (BAT_HERMITE_LANE_RIESENFELD)
+///     hermite-merrien     hermite-merrien:lambda=-0.125,mu=-0.5,base=midpoint
+///     hermite-de-rham     hermite-de-rham:base=midpoint      (both BAT_HERMITE_TRANSPORT)
+///
 /// @param options other fields than the method and the scheme are untouched
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
-BAT_API bat_status bat_motion_by_name(const char *name, bat_motion_options *options, bat_error *error);
-/// The table of schemes of motions, row by row: "spline" and those of bat_hermite_list(); `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_motion_list(size_t index, bat_choice *choice);
+BAT_API bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *options, bat_error *error);
+/// The schemes of motions by name, with their settings.
+extern BAT_API const bat_family bat_motion_scheme_family;
 
 /// The options' default values.
 BAT_API bat_motion_options bat_motion_defaults(void);

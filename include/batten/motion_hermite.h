@@ -152,19 +152,6 @@ BAT_API bat_hermite_options bat_hermite_defaults(void);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
 BAT_API bat_status bat_hermite_options_check(const bat_hermite_options *options, bat_error *error);
 
-/// Options by a scheme's name, as the program's `--scheme` takes it:
-///
-///     hermite             hermite:order=3           (BAT_HERMITE_LANE_RIESENFELD)
-///     hermite-merrien     hermite-merrien:lambda=-0.125,mu=-0.5,base=midpoint
-///     hermite-de-rham     hermite-de-rham:base=midpoint      (both BAT_HERMITE_TRANSPORT)
-///
-/// @param options fields without a setting in the name are untouched
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
-BAT_API bat_status bat_hermite_by_name(const char *name, bat_hermite_options *options, bat_error *error);
-/// The table of Hermite schemes, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_hermite_list(size_t index, bat_choice *choice);
-
 /// Refine Hermite data by repeated subdivision.
 ///
 /// Old point i becomes new point i 2^levels where the scheme has vertices (odd orders, masks of odd length). A closed curve

@@ -34,18 +34,8 @@ typedef enum bat_motion_shape
                               ///< neighbours; once continuously differentiable
 } bat_motion_shape;
 
-/// The ends by name: "auto", "not-a-knot", "natural", "clamped".
-BAT_API bat_status bat_motion_ends_by_name(const char *name, bat_motion_ends *ends, bat_error *error);
-BAT_API const char *bat_motion_ends_name(bat_motion_ends ends);
-/// The table of ends, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_motion_ends_list(size_t index, bat_choice *choice);
-/// The shapes by name: "resting", "smooth", "limited".
-BAT_API bat_status bat_motion_shape_by_name(const char *name, bat_motion_shape *shape, bat_error *error);
-BAT_API const char *bat_motion_shape_name(bat_motion_shape shape);
-/// The table of shapes, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_motion_shape_list(size_t index, bat_choice *choice);
+/// The ends and the shapes by name.
+extern BAT_API const bat_family bat_motion_ends_family, bat_motion_shape_family;
 
 /// The constants of Huber's and of Tukey's rule, in units of sigma: 95 per cent of the efficiency of least squares for
 /// normal noise (Holland and Welsch, Robust regression using iteratively reweighted least-squares, 1977).
@@ -61,12 +51,8 @@ typedef enum bat_motion_outliers
     BAT_MOTION_OUTLIERS_TUKEY  ///< nothing from 4.685 sigma on (Tukey's biweight), beginning with Huber's solution
 } bat_motion_outliers;
 
-/// The rules for outliers by name: "kept", "huber", "tukey".
-BAT_API bat_status bat_motion_outliers_by_name(const char *name, bat_motion_outliers *outliers, bat_error *error);
-BAT_API const char *bat_motion_outliers_name(bat_motion_outliers outliers);
-/// The table of rules, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_motion_outliers_list(size_t index, bat_choice *choice);
+/// The rules for outliers by name.
+extern BAT_API const bat_family bat_motion_outliers_family;
 
 /// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_KEPT.
 BAT_API double bat_motion_outliers_threshold(bat_motion_outliers outliers);

@@ -82,9 +82,8 @@ BAT_API bat_space bat_disk(void);
 /// 6; for the others it must be 0 or agree.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT for an unknown name or a `point_dim` that does not fit
 BAT_API bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error);
-/// The table of spaces, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_space_list(size_t index, bat_choice *choice);
+/// The spaces by name.
+extern BAT_API const bat_family bat_space_family;
 
 /// The point at share `t` of the geodesic from `p` to `q`: the space's own geodesic() or exp(t log).
 BAT_API bat_status bat_space_geodesic(const bat_space *space, const double *p, const double *q, double t, double *point);

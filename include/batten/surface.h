@@ -25,14 +25,8 @@ typedef enum bat_surface_parameters
     BAT_SURFACE_PARAMETERS_COUNT      ///< how many there are
 } bat_surface_parameters;
 
-/// A choice (all but BAT_SURFACE_PARAMETERS_GIVEN and BAT_SURFACE_PARAMETERS_PLANAR) by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_surface_parameters_by_name(const char *name, bat_surface_parameters *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_surface_parameters_name(bat_surface_parameters value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_surface_parameters_list(size_t index, bat_choice *choice);
+/// The choices by name; BAT_SURFACE_PARAMETERS_GIVEN and BAT_SURFACE_PARAMETERS_PLANAR are not listed.
+extern BAT_API const bat_family bat_surface_parameters_family;
 
 /// Options of a reconstruction. Begin with bat_surface_defaults().
 typedef struct bat_surface_options

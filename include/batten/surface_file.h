@@ -22,16 +22,8 @@ typedef enum bat_surface_format
     BAT_SURFACE_FORMAT_IGES  ///< 5.3: a rational B-spline surface (128), a trimmed one as trimmed surface (144); exact
 } bat_surface_format;
 
-/// A format, or "auto", by name.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_surface_format_by_name(const char *name, bat_surface_format *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_surface_format_name(bat_surface_format value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_surface_format_list(size_t index, bat_choice *choice);
-/// The format that a path's ending stands for, in either case; else BAT_SURFACE_FORMAT_AUTO.
-BAT_API bat_surface_format bat_surface_format_of_path(const char *path);
+/// The formats by name.
+extern BAT_API const bat_family bat_surface_format_family;
 
 /// The unit of length that CAD files name. Coordinates are written as they are.
 typedef enum bat_surface_unit
@@ -41,14 +33,8 @@ typedef enum bat_surface_unit
     BAT_SURFACE_UNIT_INCH
 } bat_surface_unit;
 
-/// A unit by name: mm, m or inch.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names them all
-BAT_API bat_status bat_surface_unit_by_name(const char *name, bat_surface_unit *value, bat_error *error);
-/// The name. Never null.
-BAT_API const char *bat_surface_unit_name(bat_surface_unit value);
-/// The table, row by row; `index` from 0 on.
-/// @return false past the last
-BAT_API bool bat_surface_unit_list(size_t index, bat_choice *choice);
+/// The units by name.
+extern BAT_API const bat_family bat_surface_unit_family;
 
 /// Options of writing. Begin with bat_surface_write_defaults().
 typedef struct bat_surface_write_options

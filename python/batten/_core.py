@@ -191,18 +191,29 @@ def _fields(kind: str) -> dict[str, tuple[tuple[str, ...], Any]]:
     return found
 
 
+@functools.cache
+def _family(name: str) -> Any:
+    """The table of a type of the library, or of a subject such as ``"bat_space"``; None where there is none."""
+    return ffi.addressof(lib, f"{name}_family") if hasattr(lib, f"{name}_family") else None
+
+
+def chosen(family: Any, name: str) -> Any:
+    """The row of a name in a table."""
+    row = ffi.new("bat_choice **")
+    call(lib.bat_choice_find, family, name.encode(), row)
+    return row[0]
+
+
 def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: list[Any]) -> None:
     """Set a field. A text chooses a row of the table that belongs to the field's type."""
     for name in path[:-1]:
         struct = getattr(struct, name)
-    by_name = getattr(lib, f"{kind.cname.split()[-1]}_by_name", None)
+    family = _family(kind.cname.split()[-1])
     try:
         if isinstance(value, str) and "\0" in value:
             raise ValueError("a text without null characters is needed")
-        if isinstance(value, str) and by_name is not None:
-            chosen = ffi.new(ffi.getctype(kind, "*"))
-            call(by_name, value.encode(), chosen)
-            value = chosen[0]
+        if isinstance(value, str) and family is not None:
+            value = chosen(family, value).value
         elif isinstance(value, str):
             keep.append(ffi.new("char[]", value.encode()))
             value = keep[-1]
@@ -356,8 +367,8 @@ def report(struct: Any) -> Report:
     for name, field in ffi.typeof(struct).fields if ffi.typeof(struct).kind == "struct" else ffi.typeof(struct[0]).fields:
         value, kind = getattr(struct, name), field.type
         if kind.kind == "enum":
-            naming = getattr(lib, f"{kind.cname.split()[-1]}_name", None)
-            value = ffi.string(naming(value)).decode() if naming is not None else _constant(kind, value)
+            family = _family(kind.cname.split()[-1])
+            value = _constant(kind, value) if family is None else ffi.string(lib.bat_choice_name(family, value)).decode()
         elif kind.kind == "array" and kind.item.cname == "char":
             value = ffi.string(value).decode()
         elif kind.kind == "array":
@@ -378,23 +389,22 @@ def choices(family: str) -> list[Report]:
     Parameters
     ----------
     family : str
-        ``"curve_scheme"``, ``"mesh_scheme"``, ``"space"``, ``"motion"``, ``"curve_end_rule"``, … — the part between ``bat_``
-        and ``_list`` in the C library.
+        ``"curve_scheme"``, ``"mesh_scheme"``, ``"space"``, ``"motion_scheme"``, ``"curve_end_rule"``, … — the part between
+        ``bat_`` and ``_family`` in the C library.
 
     Examples
     --------
     >>> [row.name for row in batten.choices("mesh_scheme")][:5]
-    ['learned', 'loop', 'butterfly', 'midpoint', 'sqrt3']
+    ['learned', 'loop', 'catmull-clark', 'butterfly', 'midpoint']
     """
-    listing = getattr(lib, f"bat_{family}_list", None)
-    if listing is None:
-        known = sorted(name[4:-5] for name in dir(lib) if name.startswith("bat_") and name.endswith("_list"))
+    table = _family(f"bat_{family}")
+    if table is None:
+        known = sorted(name[4:-7] for name in dir(lib) if name.startswith("bat_") and name.endswith("_family"))
         raise InvalidArgument(f"no family '{family}'; there are {', '.join(known)}")
     rows: list[Report] = []
-    row = ffi.new("bat_choice *")
-    while listing(len(rows), row):
-        texts = {name: ffi.string(getattr(row, name)).decode() for name in ("name", "settings", "summary", "endings")}
-        rows.append(Report(texts))
+    while (row := lib.bat_choices(table, len(rows))) != ffi.NULL:
+        fields = [(name, getattr(row, name)) for name in ("name", "settings", "summary", "endings")]
+        rows.append(Report((name, ffi.string(text).decode() if text else "") for name, text in fields))
     return rows
 
 

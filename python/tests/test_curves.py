@@ -162,7 +162,7 @@ def test_measures(circle):
 
 
 def test_choices():
-    families = ["curve_scheme", "mesh_scheme", "space", "motion", "curve_end_rule", "surface_format"]
+    families = ["curve_scheme", "mesh_scheme", "space", "motion_scheme", "curve_end_rule", "surface_format"]
     assert all(row.name for family in families for row in batten.choices(family))
     with pytest.raises(ValueError, match="no family 'x'"):
         batten.choices("x")

@@ -6,24 +6,25 @@
 #include <string.h>
 #include <strings.h>
 
-const bat_choice *choice_at(const choice_table *table, size_t index)
+const bat_choice *choice_at(const bat_family *family, size_t index)
 {
-    return index < table->count ? (const bat_choice *)(const void *)((const char *)table->rows + index * table->size) : NULL;
+    return index < family->count ? (const bat_choice *)(const void *)((const char *)family->rows + index * family->size)
+                                 : NULL;
 }
 
-const bat_choice *choice_find(const choice_table *table, const char *name, size_t length)
+const bat_choice *choice_find(const bat_family *family, const char *name, size_t length)
 {
     const bat_choice *row;
-    for (size_t i = 0; (row = choice_at(table, i)) != NULL; i++)
-        if (strlen(row->name) == length && memcmp(row->name, name, length) == 0)
+    for (size_t i = 0; (row = choice_at(family, i)) != NULL; i++)
+        if (row->use <= BAT_CHOICE_UNLISTED && strlen(row->name) == length && memcmp(row->name, name, length) == 0)
             return row;
     return NULL;
 }
 
-const bat_choice *choice_of_value(const choice_table *table, int value)
+const bat_choice *choice_of_value(const bat_family *family, int value)
 {
     const bat_choice *row;
-    for (size_t i = 0; (row = choice_at(table, i)) != NULL; i++)
+    for (size_t i = 0; (row = choice_at(family, i)) != NULL; i++)
         if (row->value == value)
             return row;
     return NULL;
@@ -43,11 +44,11 @@ static bool has_ending(const char *endings, const char *ending)
     return false;
 }
 
-const bat_choice *choice_of_path(const choice_table *table, const char *path)
+const bat_choice *choice_of_ending(const bat_family *family, const char *path)
 {
     const char *dot = strrchr(path, '.');
     const bat_choice *row;
-    for (size_t i = 0; dot != NULL && (row = choice_at(table, i)) != NULL; i++)
+    for (size_t i = 0; dot != NULL && (row = choice_at(family, i)) != NULL; i++)
         if (has_ending(row->endings, dot))
             return row;
     return NULL;
@@ -59,12 +60,12 @@ static bool row_serves(const bat_choice *row, bool writes)
     return row->endings != NULL && (writes ? row->writes : row->reads);
 }
 
-const char *choice_endings(const choice_table *table, bool writes, char *text, size_t size)
+const char *choice_endings(const bat_family *family, bool writes, char *text, size_t size)
 {
     const bat_choice *row;
     size_t used = 0;
     text[0] = '\0';
-    for (size_t i = 0; (row = choice_at(table, i)) != NULL; i++)
+    for (size_t i = 0; (row = choice_at(family, i)) != NULL; i++)
         for (const char *at = row_serves(row, writes) ? row->endings : ""; *at != '\0' && used < size;)
         {
             int length = (int)strcspn(at, " ");
@@ -101,51 +102,57 @@ static const struct
     {".e57", ", of E57 files, which PDAL and CloudCompare convert to LAS or PLY"},
 };
 
-bat_status choice_for_path(const choice_table *table, const char *path, bool writes, const char *option,
-                           const bat_choice **row, bat_error *error)
+bat_status bat_choice_of_path(const bat_family *family, const char *path, bool writes, const bat_choice **choice,
+                              bat_error *error)
 {
+    *choice = family->of_path != NULL ? family->of_path(path) : NULL;
     const char *ending = path_ending(path);
-    *row = ending != NULL ? choice_of_path(table, path) : NULL;
-    if (ending == NULL || (*row != NULL && row_serves(*row, writes)))
+    if (*choice != NULL || ending == NULL)
         return BAT_OK;
+    const bat_choice *row = choice_of_ending(family, path);
+    if (row != NULL && row_serves(row, writes))
+    {
+        *choice = row;
+        return BAT_OK;
+    }
     char known[2 * BAT_ERROR_TEXT_SIZE / 3];
     const char *hint = "";
     for (size_t i = 0; i < sizeof HINTS / sizeof *HINTS; i++)
         if (has_ending(HINTS[i].endings, ending))
             hint = HINTS[i].text;
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "no %s that is %s has the ending '%.20s'%s; there are %s; --%s names one", table->what,
-                     writes ? "written" : "read", ending, hint, choice_endings(table, writes, known, sizeof known), option);
+                     "no %s that is %s has the ending '%.20s'%s; there are %s; --%s names one", family->what,
+                     writes ? "written" : "read", ending, hint, choice_endings(family, writes, known, sizeof known),
+                     writes ? "to" : "from");
 }
 
-bool choice_list(const choice_table *table, size_t index, bat_choice *choice)
+const bat_choice *bat_choices(const bat_family *family, size_t index)
 {
-    const bat_choice *row = choice_at(table, index);
-    if (row == NULL)
-        return false;
-    *choice = *row;
-    choice->settings = row->settings != NULL ? row->settings : "";
-    choice->endings = row->endings != NULL ? row->endings : "";
-    return true;
+    const bat_choice *row;
+    for (size_t i = 0; (row = choice_at(family, i)) != NULL; i++)
+        if (row->use == BAT_CHOICE_LISTED && index-- == 0)
+            return row;
+    return NULL;
 }
 
-bat_status choice_by_name(const choice_table *table, const char *name, int *value, bat_error *error)
+bat_status bat_choice_find(const bat_family *family, const char *name, const bat_choice **choice, bat_error *error)
 {
-    const bat_choice *row = choice_find(table, name, strlen(name));
+    const bat_choice *row = choice_find(family, name, strlen(name));
     if (row != NULL)
     {
-        *value = row->value;
+        *choice = row;
         return BAT_OK;
     }
     char names[BAT_ERROR_TEXT_SIZE / 2] = "";
-    for (size_t i = 0, used = 0; (row = choice_at(table, i)) != NULL && used < sizeof names; i++)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "", row->name);
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no %s '%.80s'; there are %s", table->what, name,
-                     names);
+    for (size_t i = 0, used = 0; (row = choice_at(family, i)) != NULL && used < sizeof names; i++)
+        if (row->use <= BAT_CHOICE_UNLISTED)
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", row->name);
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no %s '%.80s'; there are %s", family->what,
+                     name, names);
 }
 
-const char *choice_name(const choice_table *table, int value)
+const char *bat_choice_name(const bat_family *family, int value)
 {
-    const bat_choice *row = choice_of_value(table, value);
+    const bat_choice *row = choice_of_value(family, value);
     return row != NULL ? row->name : "unknown";
 }

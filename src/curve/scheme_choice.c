@@ -26,9 +26,7 @@ static const bat_choice END_RULES[] = {
      .value = BAT_CURVE_END_EXTRAPOLATE},
     {.name = "free", .summary = "none: the curve shrinks; linear schemes", .value = BAT_CURVE_END_FREE},
 };
-static const choice_table END_TABLE = CHOICE_TABLE("end rule", END_RULES);
-
-CHOICE_FUNCTIONS(bat_curve_end_rule, END_TABLE, 0)
+const bat_family bat_curve_end_rule_family = FAMILY("end rule", END_RULES);
 
 static const bat_choice SIMPLE_CHOICES[] = {
     {.name = "rings", .summary = "closed curves that are simple when they come in", .value = BAT_CURVE_SIMPLE_RINGS},
@@ -37,6 +35,4 @@ static const bat_choice SIMPLE_CHOICES[] = {
      .value = BAT_CURVE_SIMPLE_ALWAYS},
     {.name = "never", .summary = "no test", .value = BAT_CURVE_SIMPLE_NEVER},
 };
-static const choice_table SIMPLE_TABLE = CHOICE_TABLE("choice of simple curves", SIMPLE_CHOICES);
-
-CHOICE_FUNCTIONS(bat_curve_simple, SIMPLE_TABLE, 0)
+const bat_family bat_curve_simple_family = FAMILY("choice of simple curves", SIMPLE_CHOICES);

@@ -26,9 +26,7 @@ static const bat_choice PARAMETERS[] = {
     {.name = "centripetal", .summary = "square roots of lengths", .value = BAT_CURVE_PARAMETERS_CENTRIPETAL},
     {.name = "chordal", .summary = "lengths", .value = BAT_CURVE_PARAMETERS_CHORDAL},
 };
-static const choice_table PARAMETER_TABLE = CHOICE_TABLE("kind of parameters", PARAMETERS);
-
-CHOICE_FUNCTIONS(bat_curve_parameters, PARAMETER_TABLE, 0)
+const bat_family bat_curve_parameters_family = FAMILY("kind of parameters", PARAMETERS);
 
 /// One name: what it takes, and how the settings become a scheme.
 typedef struct entry
@@ -118,9 +116,7 @@ static bat_curve_scheme make_learned(const settings *s)
 }
 
 static const entry ENTRIES[] = {
-    {{.name = "chaikin",
-      .settings = "",
-      .summary = "corner cutting at 1/4 and 3/4, the quadratic B-spline; any space, by geodesics"},
+    {{.name = "chaikin", .summary = "corner cutting at 1/4 and 3/4, the quadratic B-spline; any space, by geodesics"},
      {.w = 0},
      make_chaikin},
     {{.name = "corner-cutting",
@@ -193,12 +189,7 @@ static const entry ENTRIES[] = {
      {.fairness = 0.5},
      make_learned},
 };
-static const choice_table TABLE = CHOICE_TABLE("scheme", ENTRIES);
-
-bool bat_curve_scheme_list(size_t index, bat_choice *choice)
-{
-    return choice_list(&TABLE, index, choice);
-}
+const bat_family bat_curve_scheme_family = FAMILY("scheme", ENTRIES);
 
 /// A number or a fraction of two, up to the character after it.
 static bool read_number(const char **text, double *value)
@@ -299,7 +290,7 @@ static bool read_setting(const char *key, size_t key_length, const char *value, 
     }
     if (is_word(key, key_length, "parameters"))
     {
-        const bat_choice *found = choice_find(&PARAMETER_TABLE, value, length);
+        const bat_choice *found = choice_find(&bat_curve_parameters_family, value, length);
         s->parameters = found != NULL ? (bat_curve_parameters)found->value : BAT_CURVE_PARAMETERS_UNIFORM;
         return found != NULL;
     }
@@ -339,7 +330,7 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
         if (text[key_length] != '=' || !takes(e, key, key_length))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                              "the scheme %s has no setting '%.*s'; it takes: %s", e->choice.name, (int)key_length, key,
-                             e->choice.settings[0] != '\0' ? e->choice.settings : "none");
+                             e->choice.settings != NULL ? e->choice.settings : "none");
         const char *value = text + key_length + 1;
         size_t length = strcspn(value, ",");
         if (!read_setting(key, key_length, value, length, s))
@@ -369,7 +360,7 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
 {
     size_t length = strcspn(name, ":");
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
-    const entry *e = (const entry *)(const void *)choice_find(&TABLE, name, length);
+    const entry *e = (const entry *)(const void *)choice_find(&bat_curve_scheme_family, name, length);
     if (e == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);

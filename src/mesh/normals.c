@@ -1,10 +1,18 @@
 #include "batten/mesh.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "linalg/vector3.h"
 
 #include <math.h>
 #include <string.h>
+
+static const bat_choice NORMALS[] = {
+    {.name = "none", .summary = "no normals", .value = BAT_MESH_NORMALS_NONE},
+    {.name = "angle", .summary = "weighted by the faces' angles", .value = BAT_MESH_NORMALS_ANGLE},
+    {.name = "area", .summary = "weighted by the faces' areas", .value = BAT_MESH_NORMALS_AREA},
+};
+const bat_family bat_mesh_normals_family = FAMILY("kind of normals", NORMALS);
 
 /// @file
 /// Vertex normals as weighted sums of face normals: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets"

@@ -12,14 +12,14 @@ static const bat_choice BOUNDARIES[] = {
      .value = BAT_MESH_BOUNDARY_CORNERS},
     {.name = "none", .summary = "the surface ends one face before it", .value = BAT_MESH_BOUNDARY_NONE},
 };
-static const choice_table BOUNDARY_TABLE = CHOICE_TABLE("boundary rule", BOUNDARIES);
+const bat_family bat_mesh_boundary_family = FAMILY("boundary rule", BOUNDARIES);
 
 static const bat_choice CREASINGS[] = {
     {.name = "auto", .summary = "as the file says, else uniform", .value = BAT_MESH_CREASING_AUTO},
     {.name = "uniform", .summary = "sharpness decreases by 1 a level", .value = BAT_MESH_CREASING_UNIFORM},
     {.name = "chaikin", .summary = "sharpness is also smoothed along creases", .value = BAT_MESH_CREASING_CHAIKIN},
 };
-static const choice_table CREASING_TABLE = CHOICE_TABLE("creasing rule", CREASINGS);
+const bat_family bat_mesh_creasing_family = FAMILY("creasing rule", CREASINGS);
 
 static const bat_choice LINEARS[] = {
     {.name = "auto", .summary = "as the file says, else all", .value = BAT_MESH_LINEAR_AUTO},
@@ -34,8 +34,4 @@ static const bat_choice LINEARS[] = {
      .value = BAT_MESH_LINEAR_CORNERS_PLUS2},
     {.name = "boundaries", .summary = "seams and boundaries are linear", .value = BAT_MESH_LINEAR_BOUNDARIES},
 };
-static const choice_table LINEAR_TABLE = CHOICE_TABLE("texture rule", LINEARS);
-
-CHOICE_FUNCTIONS(bat_mesh_boundary, BOUNDARY_TABLE, 0)
-CHOICE_FUNCTIONS(bat_mesh_creasing, CREASING_TABLE, 0)
-CHOICE_FUNCTIONS(bat_mesh_linear, LINEAR_TABLE, 0)
+const bat_family bat_mesh_linear_family = FAMILY("texture rule", LINEARS);

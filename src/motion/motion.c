@@ -1,6 +1,5 @@
 #include "batten/motion.h"
 
-#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/number_digits.h"
@@ -19,29 +18,6 @@ static const double EVEN_TOLERANCE = 1e-6;
 bat_motion_options bat_motion_defaults(void)
 {
     return (bat_motion_options){.spline = bat_motion_spline_defaults(), .scheme = bat_hermite_defaults()};
-}
-
-static const bat_choice SPLINE[] = {
-    {.name = "spline", .summary = "a motion in time through its keys, with continuous velocity and acceleration"},
-};
-static const choice_table SPLINE_TABLE = CHOICE_TABLE("scheme of motions", SPLINE);
-
-bool bat_motion_list(size_t index, bat_choice *choice)
-{
-    return index > 0 ? bat_hermite_list(index - 1, choice) : choice_list(&SPLINE_TABLE, index, choice);
-}
-
-bat_status bat_motion_by_name(const char *name, bat_motion_options *options, bat_error *error)
-{
-    if (strcmp(name, SPLINE[0].name) == 0)
-    {
-        options->method = BAT_MOTION_SPLINE;
-        return BAT_OK;
-    }
-    bat_status status = bat_hermite_by_name(name, &options->scheme, error);
-    if (status == BAT_OK)
-        options->method = BAT_MOTION_HERMITE;
-    return status;
 }
 
 /// The form in which the points and velocities of a set are written.

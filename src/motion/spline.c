@@ -57,8 +57,7 @@ static const bat_choice ENDS[] = {
     {.name = "natural", .summary = "no acceleration at the ends", .value = BAT_MOTION_ENDS_NATURAL},
     {.name = "clamped", .summary = "given velocities at the ends, else none", .value = BAT_MOTION_ENDS_CLAMPED},
 };
-static const choice_table ENDS_TABLE = CHOICE_TABLE("kind of ends", ENDS);
-CHOICE_FUNCTIONS(bat_motion_ends, ENDS_TABLE, 0)
+const bat_family bat_motion_ends_family = FAMILY("kind of ends", ENDS);
 
 static const bat_choice SHAPES[] = {
     {.name = "resting",
@@ -67,16 +66,14 @@ static const bat_choice SHAPES[] = {
     {.name = "smooth", .summary = "continuous acceleration everywhere", .value = BAT_MOTION_SHAPE_SMOOTH},
     {.name = "limited", .summary = "monotone between neighbours (Fritsch and Carlson)", .value = BAT_MOTION_SHAPE_LIMITED},
 };
-static const choice_table SHAPE_TABLE = CHOICE_TABLE("shape of motions", SHAPES);
-CHOICE_FUNCTIONS(bat_motion_shape, SHAPE_TABLE, 0)
+const bat_family bat_motion_shape_family = FAMILY("shape of motions", SHAPES);
 
 static const bat_choice OUTLIERS[] = {
     {.name = "kept", .summary = "count as much as all other keys", .value = BAT_MOTION_OUTLIERS_KEPT},
     {.name = "huber", .summary = "count by their distance, not by its square", .value = BAT_MOTION_OUTLIERS_HUBER},
     {.name = "tukey", .summary = "do not count (Tukey's biweight)", .value = BAT_MOTION_OUTLIERS_TUKEY},
 };
-static const choice_table OUTLIERS_TABLE = CHOICE_TABLE("rule for outliers", OUTLIERS);
-CHOICE_FUNCTIONS(bat_motion_outliers, OUTLIERS_TABLE, 0)
+const bat_family bat_motion_outliers_family = FAMILY("rule for outliers", OUTLIERS);
 
 double bat_motion_outliers_threshold(bat_motion_outliers outliers)
 {
@@ -107,12 +104,12 @@ bat_status bat_motion_spline_options_check(const bat_motion_spline_options *opti
     if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_KEPT && !(options->sigma > 0) &&
         !(options->angle_sigma > 0))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "outliers '%s' need sigma",
-                         bat_motion_outliers_name(options->outliers));
+                         bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));
     bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
     if (status == BAT_OK && given && options->ends != BAT_MOTION_ENDS_CLAMPED)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "begin_velocity and end_velocity go with clamped ends, not %s",
-                         bat_motion_ends_name(options->ends));
+                         bat_choice_name(&bat_motion_ends_family, (int)options->ends));
     return status;
 }
 

@@ -76,19 +76,14 @@ static const space_row SPACES[] = {
      make_positive_definite},
     {{.name = "hyperbolic", .summary = "the hyperboloid in R^(n+1), n from the file: x0, then x"}, make_hyperbolic},
 };
-static const choice_table TABLE = CHOICE_TABLE("space", SPACES);
-
-bool bat_space_list(size_t index, bat_choice *choice)
-{
-    return choice_list(&TABLE, index, choice);
-}
+const bat_family bat_space_family = FAMILY("space", SPACES);
 
 bat_status bat_space_by_name(const char *name, size_t point_dim, bat_space *space, bat_error *error)
 {
-    const bat_choice *row = choice_find(&TABLE, name, strlen(name));
-    int value;
-    if (row == NULL)
-        return choice_by_name(&TABLE, name, &value, error);
+    const bat_choice *row;
+    bat_status status = bat_choice_find(&bat_space_family, name, &row, error);
+    if (status != BAT_OK)
+        return status;
     bat_space found = ((const space_row *)(const void *)row)->make(point_dim);
     if (point_dim != 0 && found.point_dim != point_dim)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a point of the %s has %zu coordinates, not %zu",

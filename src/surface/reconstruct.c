@@ -41,7 +41,6 @@ static const double TRIAL_SHARE = 0.3;
 // Progress share of finding the boundary and measuring the cloud.
 static const double PREPARE_SHARE = 0.1;
 
-/// The last two rows have no names that by_name() takes.
 static const bat_choice PARAMETERS[] = {
     {.name = "auto",
      .summary = "learned, shape-preserving and stretch-minimizing ones, mean values for a mesh: those that fit best by "
@@ -66,31 +65,13 @@ static const bat_choice PARAMETERS[] = {
     {.name = "isometric",
      .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
      .value = BAT_SURFACE_PARAMETERS_ISOMETRIC},
-    {.name = "given", .summary = "brought by the caller", .value = BAT_SURFACE_PARAMETERS_GIVEN},
-    {.name = "planar", .summary = "chart of a trimmed surface", .value = BAT_SURFACE_PARAMETERS_PLANAR},
+    {.name = "given", .summary = "brought by the caller", .value = BAT_SURFACE_PARAMETERS_GIVEN, .use = BAT_CHOICE_UNNAMED},
+    {.name = "planar",
+     .summary = "chart of a trimmed surface",
+     .value = BAT_SURFACE_PARAMETERS_PLANAR,
+     .use = BAT_CHOICE_RESULT},
 };
-static const choice_table ALL = CHOICE_TABLE("parameterization", PARAMETERS);
-static const choice_table NAMED = {"parameterization", PARAMETERS, sizeof *PARAMETERS,
-                                   sizeof PARAMETERS / sizeof *PARAMETERS - 2};
-
-bool bat_surface_parameters_list(size_t index, bat_choice *choice)
-{
-    return choice_list(&NAMED, index, choice);
-}
-
-const char *bat_surface_parameters_name(bat_surface_parameters parameters)
-{
-    return choice_name(&ALL, (int)parameters);
-}
-
-bat_status bat_surface_parameters_by_name(const char *name, bat_surface_parameters *parameters, bat_error *error)
-{
-    int value;
-    bat_status status = choice_by_name(&NAMED, name, &value, error);
-    if (status == BAT_OK)
-        *parameters = (bat_surface_parameters)value;
-    return status;
-}
+const bat_family bat_surface_parameters_family = FAMILY("parameterization", PARAMETERS);
 
 bat_surface_options bat_surface_defaults(void)
 {

@@ -312,7 +312,7 @@ static void options_are_checked(void **state)
     check_status(bat_mask_analyze(&mask, &options, &analysis, NULL), BAT_INVALID_ARGUMENT);
     bat_basis basis;
     check_status(bat_mask_basis(&mask, 60, &basis, NULL), BAT_TOO_LARGE);
-    assert_string_equal(bat_analysis_verdict_name(BAT_ANALYSIS_PROVEN), "proven");
+    assert_string_equal(bat_choice_name(&bat_analysis_verdict_family, BAT_ANALYSIS_PROVEN), "proven");
 }
 
 static void long_masks_are_taken(void **state)

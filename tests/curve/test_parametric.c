@@ -41,10 +41,10 @@ static void names_choose_parameters(void **state)
     assert_int_equal(scheme("catmull-rom").parameters, BAT_CURVE_PARAMETERS_CENTRIPETAL);
     assert_int_equal(scheme("cubic").parameters, BAT_CURVE_PARAMETERS_CHORDAL);
     assert_int_equal(scheme("cubic:parameters=uniform").parameters, BAT_CURVE_PARAMETERS_UNIFORM);
-    assert_string_equal(bat_curve_parameters_name(BAT_CURVE_PARAMETERS_CENTRIPETAL), "centripetal");
-    bat_curve_parameters value;
+    assert_string_equal(bat_choice_name(&bat_curve_parameters_family, BAT_CURVE_PARAMETERS_CENTRIPETAL), "centripetal");
+    const bat_choice *choice;
     bat_error error;
-    check_status(bat_curve_parameters_by_name("length", &value, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_choice_find(&bat_curve_parameters_family, "length", &choice, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "chordal"));
 }
 

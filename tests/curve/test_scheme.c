@@ -58,9 +58,8 @@ static void scheme_names_are_read_strictly(void **state)
     assert_non_null(strstr(error.text, "from -4 to 2, not 99"));
     assert_int_equal(scheme("mask:1,1@2").mask.first, 2);
     assert_int_equal(scheme("mask:1,1@-4").mask.first, -4);
-    bat_choice choice;
     size_t listed = 0;
-    while (bat_curve_scheme_list(listed, &choice))
+    while (bat_choices(&bat_curve_scheme_family, listed) != NULL)
         listed++;
     assert_int_equal(listed, 16);
     assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.5);

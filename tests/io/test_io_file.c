@@ -1,5 +1,6 @@
 #define _GNU_SOURCE // mkdtemp(), O_TMPFILE
 
+#include "choice_helpers.h"
 #include "test_io_helpers.h"
 
 #include "base/atomic_file.h"
@@ -400,12 +401,12 @@ static void the_ending_tells_the_format(void **state)
                  {"a.shp.zip", BAT_CURVE_FORMAT_GDAL},
                  {"/vsizip/a.zip/b.shp", BAT_CURVE_FORMAT_SHP}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        assert_int_equal(bat_curve_format_of_path(cases[i].path), cases[i].format);
-    bat_curve_format format;
+        assert_int_equal(choice_value_of_path(&bat_curve_format_family, cases[i].path), cases[i].format);
+    const bat_choice *format;
     bat_error error;
-    assert_int_equal(bat_curve_format_by_name("obj", &format, &error), BAT_OK);
-    assert_int_equal(format, BAT_CURVE_FORMAT_OBJ);
-    assert_int_equal(bat_curve_format_by_name("dwg", &format, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_choice_find(&bat_curve_format_family, "obj", &format, &error), BAT_OK);
+    assert_int_equal(format->value, BAT_CURVE_FORMAT_OBJ);
+    assert_int_equal(bat_choice_find(&bat_curve_format_family, "dwg", &format, &error), BAT_INVALID_ARGUMENT);
 }
 
 static void a_format_that_nothing_tells_is_asked_for(void **state)
@@ -441,9 +442,9 @@ static void unknown_endings_are_refused(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {
         const char *path = path_in(*state, cases[i].name);
-        bat_curve_format format = BAT_CURVE_FORMAT_OBJ;
-        assert_int_equal(bat_curve_format_of_output(path, &format, &error), BAT_INVALID_ARGUMENT);
-        assert_int_equal(format, BAT_CURVE_FORMAT_OBJ);
+        const bat_choice *format;
+        assert_int_equal(bat_choice_of_path(&bat_curve_format_family, path, true, &format, &error), BAT_INVALID_ARGUMENT);
+        assert_null(format);
         assert_int_equal(write_rows(path, &error), BAT_INVALID_ARGUMENT);
         assert_non_null(strstr(error.text, cases[i].words));
         assert_non_null(strstr(error.text, ".zip; --to names one"));
@@ -464,9 +465,9 @@ static void unknown_endings_are_refused(void **state)
     const char *const plain[] = {"noending", "v1.2", "dir.d/name", ".hidden", "name.", "-", "/dev/stdin"};
     for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
     {
-        bat_curve_format format = BAT_CURVE_FORMAT_OBJ;
-        assert_int_equal(bat_curve_format_of_output(plain[i], &format, &error), BAT_OK);
-        assert_int_equal(format, BAT_CURVE_FORMAT_AUTO);
+        const bat_choice *format;
+        assert_int_equal(bat_choice_of_path(&bat_curve_format_family, plain[i], true, &format, &error), BAT_OK);
+        assert_null(format);
     }
 }
 

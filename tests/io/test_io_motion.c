@@ -1,5 +1,6 @@
 // Keyframes in files: named columns of rotations, poses and tensors, trajectories, and the curves made from them.
 
+#include "choice_helpers.h"
 #include "test_io_helpers.h"
 
 #include "batten/motion.h"
@@ -133,7 +134,7 @@ static void trajectories_have_the_scalar_last(void **state)
     assert_memory_equal(set.curves[0].points, expected, sizeof expected);
     assert_int_equal(set.curves[0].channel_count, 0);
     bat_curve_set_free(&set);
-    assert_int_equal(bat_curve_format_of_path("a/b.TUM"), BAT_CURVE_FORMAT_TUM);
+    assert_int_equal(choice_value_of_path(&bat_curve_format_family, "a/b.TUM"), BAT_CURVE_FORMAT_TUM);
 }
 
 static void bad_columns_name_the_line(void **state)
@@ -299,7 +300,7 @@ static void smooth_curves_are_continuous(void **state)
         bat_motion_options options = bat_motion_defaults();
         options.scheme.levels = 6;
         if (k > 0)
-            assert_int_equal(bat_hermite_by_name(schemes[k - 1], &options.scheme, NULL), BAT_OK);
+            assert_int_equal(bat_motion_scheme_by_name(schemes[k - 1], &options, NULL), BAT_OK);
         else
             options.rate = 64;
         bat_curve_set fine = must_smooth(&set, &options);
@@ -333,7 +334,7 @@ static void steady_turns_have_their_velocity(void **state)
         options.velocities = true;
         options.scheme.levels = 3;
         if (k < 4)
-            assert_int_equal(bat_hermite_by_name(schemes[k], &options.scheme, NULL), BAT_OK);
+            assert_int_equal(bat_motion_scheme_by_name(schemes[k], &options, NULL), BAT_OK);
         else
             options.rate = 7;
         bat_curve_set fine = must_smooth(&set, &options);
@@ -437,7 +438,7 @@ static void data_by_index_need_even_times(void **state)
     bat_motion_options options = bat_motion_defaults();
     bat_hermite_curve keys;
     bat_error error;
-    assert_int_equal(bat_hermite_by_name("hermite-merrien", &options.scheme, NULL), BAT_OK);
+    assert_int_equal(bat_motion_scheme_by_name("hermite-merrien", &options, NULL), BAT_OK);
     assert_int_equal(bat_motion_data(&set, 0, &options, &keys, NULL), BAT_OK);
     const double tangents[] = {1, 0.5, 2, 1.5, 3, 2.5};
     assert_memory_equal(keys.tangents, tangents, sizeof tangents);
@@ -474,7 +475,7 @@ static void bad_keyframes_name_their_lines(void **state)
     bat_motion_options sampled = bat_motion_defaults(), transport = bat_motion_defaults(), refined = sampled;
     sampled.rate = 4;
     refined.method = BAT_MOTION_HERMITE;
-    assert_int_equal(bat_hermite_by_name("hermite-merrien", &transport.scheme, NULL), BAT_OK);
+    assert_int_equal(bat_motion_scheme_by_name("hermite-merrien", &transport, NULL), BAT_OK);
     const char header[] = "time,qw,qx,qy,qz\n";
     char text[200];
 #define ROWS(rows) (snprintf(text, sizeof text, "%s%s", header, rows), text)
@@ -657,19 +658,20 @@ static void names_of_schemes(void **state)
     const char *bad[] = {"hermite:order=0", "hermite:order=2.5",    "hermite:order=11",          "hermite:rate=3",
                          "hermite:order",   "hermite-merrien:mu=x", "hermite-merrien:base=edge", "hermit",
                          "hermite-",        "hermite:order=3,"};
-    bat_hermite_options options = bat_hermite_defaults();
+    bat_motion_options options = bat_motion_defaults();
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_int_equal(bat_hermite_by_name(bad[i], &options, NULL), BAT_INVALID_ARGUMENT);
-    bat_choice choice;
+        assert_int_equal(bat_motion_scheme_by_name(bad[i], &options, NULL), BAT_INVALID_ARGUMENT);
+    const bat_choice *choice;
     size_t count = 0;
-    for (; bat_hermite_list(count, &choice); count++)
-        assert_int_equal(bat_hermite_by_name(choice.name, &options, NULL), BAT_OK);
-    assert_int_equal(count, 3);
-    assert_int_equal(bat_hermite_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL), BAT_OK);
-    assert_int_equal(options.base, BAT_CURVE_BASE_MIDPOINT);
-    assert_int_equal(options.kind, BAT_HERMITE_TRANSPORT);
-    assert_int_equal(bat_hermite_by_name("hermite:order=7", &options, NULL), BAT_OK);
-    assert_int_equal(options.order, 7);
+    for (; (choice = bat_choices(&bat_motion_scheme_family, count)) != NULL; count++)
+        assert_int_equal(bat_motion_scheme_by_name(choice->name, &options, NULL), BAT_OK);
+    assert_int_equal(count, 4);
+    assert_int_equal(bat_motion_scheme_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL),
+                     BAT_OK);
+    assert_int_equal(options.scheme.base, BAT_CURVE_BASE_MIDPOINT);
+    assert_int_equal(options.scheme.kind, BAT_HERMITE_TRANSPORT);
+    assert_int_equal(bat_motion_scheme_by_name("hermite:order=7", &options, NULL), BAT_OK);
+    assert_int_equal(options.scheme.order, 7);
 }
 
 int main(void)

@@ -1,4 +1,5 @@
 // Mesh files of any format: formats by name, ending and content, options, atomic output, locales, and real meshes.
+#include "choice_helpers.h"
 #include "mesh_file_helpers.h"
 
 #include "batten/mesh.h"
@@ -17,20 +18,18 @@ static void test_formats_by_name_and_ending(void **state)
     bat_error error = {0};
     for (int i = 0; i < 7; i++)
     {
-        bat_mesh_format format;
         char path[32];
-        assert_int_equal(bat_mesh_format_by_name(names[i], &format, &error), BAT_OK);
-        assert_int_equal(format, i);
+        assert_int_equal(choice_value(&bat_mesh_format_family, names[i]), i);
         (void)snprintf(path, sizeof path, "a.ply/b.%s", names[i]);
-        assert_int_equal(bat_mesh_format_of_path(path), i);
+        assert_int_equal(choice_value_of_path(&bat_mesh_format_family, path), i);
     }
-    bat_mesh_format format = BAT_MESH_FORMAT_OFF;
-    assert_int_equal(bat_mesh_format_by_name("fbx", &format, &error), BAT_INVALID_ARGUMENT);
+    const bat_choice *format = NULL;
+    assert_int_equal(bat_choice_find(&bat_mesh_format_family, "fbx", &format, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "there are auto, obj, ply, off, stl, gltf, glb"));
-    assert_int_equal(format, BAT_MESH_FORMAT_OFF);
-    assert_int_equal(bat_mesh_format_of_path("A.StL"), BAT_MESH_FORMAT_STL);
-    assert_int_equal(bat_mesh_format_of_path("obj"), BAT_MESH_FORMAT_AUTO);
-    assert_int_equal(bat_mesh_format_of_path("-"), BAT_MESH_FORMAT_AUTO);
+    assert_null(format);
+    assert_int_equal(choice_value_of_path(&bat_mesh_format_family, "A.StL"), BAT_MESH_FORMAT_STL);
+    assert_int_equal(choice_value_of_path(&bat_mesh_format_family, "obj"), BAT_MESH_FORMAT_AUTO);
+    assert_int_equal(choice_value_of_path(&bat_mesh_format_family, "-"), BAT_MESH_FORMAT_AUTO);
 }
 
 static void test_options_are_checked(void **state)
@@ -40,8 +39,7 @@ static void test_options_are_checked(void **state)
     bat_mesh_read_options reading = bat_mesh_read_defaults();
     reading.format = (bat_mesh_format)9;
     size_t formats = 0;
-    bat_choice row;
-    while (bat_mesh_format_list(formats, &row))
+    while (bat_choices(&bat_mesh_format_family, formats) != NULL)
         formats++;
     char words[80];
     (void)snprintf(words, sizeof words, "format is 9, but must be from 0 to %zu", formats);
@@ -176,7 +174,7 @@ static void test_real_meshes(void **state)
     {
         char path[512];
         (void)snprintf(path, sizeof path, "%s/%s", MESHES, entry->d_name);
-        if (bat_mesh_format_of_path(path) == BAT_MESH_FORMAT_AUTO)
+        if (choice_value_of_path(&bat_mesh_format_family, path) == BAT_MESH_FORMAT_AUTO)
             continue;
         check_real(path);
         count++;

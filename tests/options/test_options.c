@@ -1092,40 +1092,54 @@ static void every_space_has_a_default_scheme(void **state)
     }
 }
 
-typedef bool list_function(size_t index, bat_choice *choice);
-
 /// Every table: names are unique, every name is found again, and formats can do something.
 static void tables_are_complete(void **state)
 {
     (void)state;
-    list_function *const lists[] = {
-        bat_curve_scheme_list,       bat_hermite_list,          bat_mesh_scheme_list,    bat_mesh_boundary_list,
-        bat_mesh_creasing_list,      bat_mesh_linear_list,      bat_space_list,          bat_curve_format_list,
-        bat_mesh_format_list,        bat_cloud_format_list,     bat_surface_format_list, bat_cloud_parameterization_list,
-        bat_surface_parameters_list, bat_cloud_sides_list,      bat_curve_end_rule_list, bat_curve_parameters_list,
-        bat_curve_simple_list,       bat_curve_projection_list, bat_curve_model_list};
-    for (size_t l = 0; l < sizeof lists / sizeof *lists; l++)
+    static const bat_family *const families[] = {&bat_curve_scheme_family,
+                                                 &bat_motion_scheme_family,
+                                                 &bat_mesh_scheme_family,
+                                                 &bat_mesh_boundary_family,
+                                                 &bat_mesh_creasing_family,
+                                                 &bat_mesh_linear_family,
+                                                 &bat_space_family,
+                                                 &bat_curve_format_family,
+                                                 &bat_mesh_format_family,
+                                                 &bat_cloud_format_family,
+                                                 &bat_surface_format_family,
+                                                 &bat_cloud_parameterization_family,
+                                                 &bat_surface_parameters_family,
+                                                 &bat_cloud_sides_family,
+                                                 &bat_curve_end_rule_family,
+                                                 &bat_curve_parameters_family,
+                                                 &bat_curve_simple_family,
+                                                 &bat_curve_projection_family,
+                                                 &bat_curve_model_family,
+                                                 &bat_mesh_decimate_method_family,
+                                                 &bat_motion_ends_family,
+                                                 &bat_motion_shape_family,
+                                                 &bat_motion_outliers_family,
+                                                 &bat_curve_map_topology_family,
+                                                 &bat_surface_unit_family,
+                                                 &bat_analysis_verdict_family};
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
     {
-        bat_choice choice, earlier;
+        const bat_choice *choice, *found;
         size_t count = 0;
-        for (; lists[l](count, &choice); count++)
+        for (; (choice = bat_choices(families[f], count)) != NULL; count++)
         {
-            assert_true(choice.name[0] != '\0' && choice.summary[0] != '\0');
-            assert_true(choice.endings[0] == '\0' || choice.reads || choice.writes);
-            for (size_t k = 0; k < count && lists[l](k, &earlier); k++)
-                assert_string_not_equal(earlier.name, choice.name);
+            assert_true(choice->name[0] != '\0' && choice->summary[0] != '\0');
+            assert_true(choice->endings == NULL || choice->reads || choice->writes);
+            check_status(bat_choice_find(families[f], choice->name, &found, NULL), BAT_OK);
+            assert_ptr_equal(found, choice);
         }
         assert_true(count > 0);
     }
-    bat_choice choice;
-    for (size_t i = 0; bat_mesh_scheme_list(i, &choice); i++)
-    {
-        bat_mesh_scheme scheme = (bat_mesh_scheme)17;
-        check_status(bat_mesh_scheme_by_name(choice.name, &scheme, NULL), BAT_OK);
-        assert_int_equal(scheme, choice.value);
-        assert_string_equal(bat_mesh_scheme_name(scheme), choice.name);
-    }
-    assert_string_equal(bat_mesh_scheme_name((bat_mesh_scheme)17), "unknown");
+    assert_string_equal(bat_choice_name(&bat_mesh_scheme_family, BAT_MESH_SCHEME_LOOP), "loop");
+    assert_string_equal(bat_choice_name(&bat_mesh_scheme_family, 17), "unknown");
+    const bat_choice *choice;
+    check_status(bat_choice_find(&bat_surface_parameters_family, "given", &choice, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_choice_find(&bat_mesh_format_family, "auto", &choice, NULL), BAT_OK);
 }
 
 int main(void)

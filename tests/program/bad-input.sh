@@ -450,7 +450,7 @@ refused 2 'four numbers' surface cloud.in.xyz --corners 1,2,3
 refused 2 'there is no parameterization .fancy.; there are auto' surface cloud.in.xyz --parameterization fancy
 refused 2 'goes with auto and learned' surface cloud.in.xyz --parameterization uniform --model good.in.csv
 refused 2 'there are chord-length, centripetal, uniform' surface cloud.in.xyz --sides short
-refused 2 "ending of OUT names no format" surface cloud.in.xyz -o out.csv
+refused 2 "ending of .out.csv. names no format" surface cloud.in.xyz -o out.csv
 refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to brep
 refused 2 'no cloud format' surface cloud.in.xyz --from stl
 refused 2 'both need standard output' surface cloud.in.xyz -o - --to step --json

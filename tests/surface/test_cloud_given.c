@@ -1,5 +1,6 @@
 // What a user says of a cloud: its corners, its parameters.
 
+#include "choice_helpers.h"
 #include "patch_clouds.h"
 
 #include "batten/batten.h"
@@ -142,17 +143,15 @@ static void bad_parameters_are_refused(void **state)
 static void formats_have_names(void **state)
 {
     (void)state;
-    bat_cloud_format cloud = BAT_CLOUD_FORMAT_AUTO;
-    bat_surface_format surface = BAT_SURFACE_FORMAT_AUTO;
-    check_status(bat_cloud_format_by_name("ply", &cloud, NULL), BAT_OK);
-    assert_int_equal(cloud, BAT_CLOUD_FORMAT_PLY);
-    check_status(bat_cloud_format_by_name("stl", &cloud, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(cloud, BAT_CLOUD_FORMAT_PLY);
-    check_status(bat_surface_format_by_name("step", &surface, NULL), BAT_OK);
-    assert_int_equal(surface, BAT_SURFACE_FORMAT_STEP);
-    check_status(bat_surface_format_by_name("brep", &surface, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_surface_format_of_path("a.b/c.STP"), BAT_SURFACE_FORMAT_STEP);
-    assert_int_equal(bat_surface_format_of_path("step"), BAT_SURFACE_FORMAT_AUTO);
+    const bat_choice *choice;
+    assert_int_equal(choice_value(&bat_cloud_format_family, "ply"), BAT_CLOUD_FORMAT_PLY);
+    check_status(bat_choice_find(&bat_cloud_format_family, "stl", &choice, NULL), BAT_INVALID_ARGUMENT);
+    assert_int_equal(choice_value(&bat_surface_format_family, "step"), BAT_SURFACE_FORMAT_STEP);
+    check_status(bat_choice_find(&bat_surface_format_family, "brep", &choice, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_choice_of_path(&bat_surface_format_family, "a.b/c.STP", true, &choice, NULL), BAT_OK);
+    assert_int_equal(choice->value, BAT_SURFACE_FORMAT_STEP);
+    check_status(bat_choice_of_path(&bat_surface_format_family, "step", true, &choice, NULL), BAT_OK);
+    assert_null(choice);
 }
 
 int main(void)

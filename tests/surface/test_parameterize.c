@@ -36,9 +36,10 @@ static double largest_difference(const double *a, const double *b, size_t count)
 static void names_and_defaults(void **state)
 {
     (void)state;
-    assert_string_equal(bat_cloud_parameterization_name(BAT_CLOUD_PARAMETERIZE_UNIFORM), "uniform");
-    assert_string_equal(bat_cloud_parameterization_name(BAT_CLOUD_PARAMETERIZE_MEAN_VALUE), "mean-value");
-    assert_string_equal(bat_cloud_parameterization_name(BAT_CLOUD_PARAMETERIZE_COUNT), "unknown");
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_UNIFORM), "uniform");
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_MEAN_VALUE),
+                        "mean-value");
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_COUNT), "unknown");
     assert_int_equal(bat_cloud_parameterize_defaults().method, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING);
     assert_false(bat_cloud_parameterize_defaults().published);
 }

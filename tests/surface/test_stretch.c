@@ -71,7 +71,8 @@ static double stretch_to_nearest(const bat_cloud *cloud, const double *parameter
 static void it_has_a_name(void **state)
 {
     (void)state;
-    assert_string_equal(bat_cloud_parameterization_name(BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING), "stretch-minimizing");
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING),
+                        "stretch-minimizing");
 }
 
 static void the_stretch_of_deep_shapes_falls(void **state)

@@ -33,10 +33,11 @@ static const bat_surface_fit_round *last_round(const bat_surface_result *result)
 static void names_and_defaults(void **state)
 {
     (void)state;
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_AUTO), "auto");
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING), "shape-preserving");
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_GIVEN), "given");
-    assert_string_equal(bat_surface_parameters_name(BAT_SURFACE_PARAMETERS_COUNT), "unknown");
+    assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_AUTO), "auto");
+    assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING),
+                        "shape-preserving");
+    assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_GIVEN), "given");
+    assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_COUNT), "unknown");
     assert_int_equal(bat_surface_defaults().parameters, BAT_SURFACE_PARAMETERS_AUTO);
     assert_int_equal(bat_surface_defaults().sides, BAT_CLOUD_SIDES_CHORD_LENGTH);
 }

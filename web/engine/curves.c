@@ -6,38 +6,6 @@
 /// The largest level of sampled basic limit functions.
 #define MAX_BASIS_LEVEL 16
 
-static bat_status ends_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_curve_end_rule ends = BAT_CURVE_END_REFLECT;
-    bat_status status = bat_curve_end_rule_by_name(name, &ends, error);
-    *value = (int)ends;
-    return status;
-}
-
-static bat_status simple_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_curve_simple simple = BAT_CURVE_SIMPLE_RINGS;
-    bat_status status = bat_curve_simple_by_name(name, &simple, error);
-    *value = (int)simple;
-    return status;
-}
-
-static bat_status topology_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_curve_map_topology topology = BAT_CURVE_MAP_FEATURES;
-    bat_status status = bat_curve_map_topology_by_name(name, &topology, error);
-    *value = (int)topology;
-    return status;
-}
-
-static bat_status format_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_curve_format format = BAT_CURVE_FORMAT_AUTO;
-    bat_status status = bat_curve_format_by_name(name, &format, error);
-    *value = (int)format;
-    return status;
-}
-
 static const char *const SCHEME[] = {"scheme", NULL};
 static const char *const NONE[] = {NULL};
 
@@ -46,16 +14,16 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
 {
     static const engine_option OPTIONS[] = {
         ENGINE_OPTION(bat_curve_map_options, refine.levels, ENGINE_SIZE),
-        ENGINE_OPTION_CHOICE(bat_curve_map_options, refine.ends, ends_by_name),
+        ENGINE_OPTION_CHOICE(bat_curve_map_options, refine.ends, &bat_curve_end_rule_family),
         ENGINE_OPTION(bat_curve_map_options, refine.snap, ENGINE_BOOL),
         ENGINE_OPTION(bat_curve_map_options, refine.max_points, ENGINE_SIZE),
-        ENGINE_OPTION_CHOICE(bat_curve_map_options, refine.simple, simple_by_name),
+        ENGINE_OPTION_CHOICE(bat_curve_map_options, refine.simple, &bat_curve_simple_family),
         ENGINE_OPTION(bat_curve_map_options, refine.corner_angle, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_options, refine.max_segment, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_options, refine.tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_options, refine.max_levels, ENGINE_SIZE),
         ENGINE_OPTION(bat_curve_map_options, refine.first_level, ENGINE_SIZE),
-        ENGINE_OPTION_CHOICE(bat_curve_map_options, topology, topology_by_name),
+        ENGINE_OPTION_CHOICE(bat_curve_map_options, topology, &bat_curve_map_topology_family),
         ENGINE_OPTION(bat_curve_map_options, snap_tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_options, keep_area, ENGINE_BOOL),
         ENGINE_OPTION(bat_curve_map_options, decimals, ENGINE_INT),
@@ -141,7 +109,7 @@ static bat_status refine_map(const engine_call *call, engine_object *result, bat
 static bat_status read_curves(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION_CHOICE(bat_curve_read_options, format, format_by_name),
+        ENGINE_OPTION_CHOICE(bat_curve_read_options, format, &bat_curve_format_family),
         ENGINE_OPTION(bat_curve_read_options, space, ENGINE_TEXT),
         ENGINE_OPTION(bat_curve_read_options, closed, ENGINE_INT),
         ENGINE_OPTION(bat_curve_read_options, strict, ENGINE_BOOL),
@@ -174,7 +142,7 @@ static bat_status read_curves(const engine_call *call, engine_object *result, ba
 static bat_status write_curves(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION_CHOICE(bat_curve_write_options, format, format_by_name),
+        ENGINE_OPTION_CHOICE(bat_curve_write_options, format, &bat_curve_format_family),
         ENGINE_OPTION(bat_curve_write_options, precision, ENGINE_INT),
         ENGINE_OPTION(bat_curve_write_options, crs, ENGINE_TEXT),
     };
@@ -338,7 +306,7 @@ static bat_status analyze(const engine_call *call, engine_object *result, bat_er
                                                       engine_size(value->vector_count)));
     }
     engine_set(report, "eigenvalues", values);
-    engine_set(report, "converges", json_string(bat_analysis_verdict_name(analysis.converges)));
+    engine_set(report, "converges", json_string(bat_choice_name(&bat_analysis_verdict_family, (int)analysis.converges)));
     engine_set(report, "limit", weights(analysis.limit.weights, analysis.limit.count, analysis.limit.first));
     engine_set(report, "tangent", weights(analysis.tangent.weights, analysis.tangent.count, analysis.tangent.first));
     engine_set(report, "vertex", weights(analysis.vertex.weights, analysis.vertex.count, analysis.vertex.first));
@@ -351,7 +319,7 @@ static bat_status analyze(const engine_call *call, engine_object *result, bat_er
     engine_set(report, "exponent_upper", engine_number(analysis.exponent_upper));
     engine_set(report, "smooth_proven", json_integer(analysis.smooth_proven));
     engine_set(report, "smooth_disproven", json_integer(analysis.smooth_disproven));
-    engine_set(report, "lipschitz", json_string(bat_analysis_verdict_name(analysis.lipschitz)));
+    engine_set(report, "lipschitz", json_string(bat_choice_name(&bat_analysis_verdict_family, (int)analysis.lipschitz)));
     bat_analysis_free(&analysis);
     return BAT_OK;
 }

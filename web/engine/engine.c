@@ -107,6 +107,15 @@ static bool is_listed(const char *const *names, const char *name)
     return false;
 }
 
+bat_status engine_choice(const bat_family *family, const char *name, void *value, bat_error *error)
+{
+    const bat_choice *choice;
+    bat_status status = name != NULL ? bat_choice_find(family, name, &choice, error) : BAT_OK;
+    if (status == BAT_OK && name != NULL)
+        *(int *)value = choice->value;
+    return status;
+}
+
 static bat_status store(const engine_option *option, const json_t *value, void *target, bat_error *error)
 {
     char *field = (char *)target + option->offset;
@@ -123,7 +132,7 @@ static bat_status store(const engine_option *option, const json_t *value, void *
         if (!json_is_string(value))
             return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a text", option->name);
         if (option->type == ENGINE_CHOICE)
-            return option->by_name(json_string_value(value), (int *)(void *)field, error);
+            return engine_choice(option->family, json_string_value(value), field, error);
         *(const char **)(void *)field = json_string_value(value);
         return BAT_OK;
     case ENGINE_NUMBER:
@@ -297,8 +306,9 @@ static void report_mesh(engine_object *object)
     engine_set(report, "creases", creases);
     engine_set(report, "corners", corners);
     engine_set(report, "rules",
-               json_pack("{s:s,s:s,s:s}", "boundary", bat_mesh_boundary_name(mesh->rules.boundary), "creasing",
-                         bat_mesh_creasing_name(mesh->rules.creasing), "linear", bat_mesh_linear_name(mesh->rules.linear)));
+               json_pack("{s:s,s:s,s:s}", "boundary", bat_choice_name(&bat_mesh_boundary_family, (int)mesh->rules.boundary),
+                         "creasing", bat_choice_name(&bat_mesh_creasing_family, (int)mesh->rules.creasing), "linear",
+                         bat_choice_name(&bat_mesh_linear_family, (int)mesh->rules.linear)));
 }
 
 /// The report of an object as JSON; it lives as long as the object.
@@ -509,13 +519,11 @@ static bat_status take_rules(const json_t *layout, bat_mesh_rules *rules)
     const char *boundary = json_string_value(json_object_get(given, "boundary"));
     const char *creasing = json_string_value(json_object_get(given, "creasing"));
     const char *linear = json_string_value(json_object_get(given, "linear"));
-    bat_status status = BAT_OK;
-    if (boundary != NULL)
-        status = bat_mesh_boundary_by_name(boundary, &rules->boundary, &failure);
-    if (status == BAT_OK && creasing != NULL)
-        status = bat_mesh_creasing_by_name(creasing, &rules->creasing, &failure);
-    if (status == BAT_OK && linear != NULL)
-        status = bat_mesh_linear_by_name(linear, &rules->linear, &failure);
+    bat_status status = engine_choice(&bat_mesh_boundary_family, boundary, &rules->boundary, &failure);
+    if (status == BAT_OK)
+        status = engine_choice(&bat_mesh_creasing_family, creasing, &rules->creasing, &failure);
+    if (status == BAT_OK)
+        status = engine_choice(&bat_mesh_linear_family, linear, &rules->linear, &failure);
     return status;
 }
 
@@ -571,47 +579,53 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
     return NULL;
 }
 
-/// A table of the library as JSON, by the name of its function, as "bat_curve_scheme_list"; null for another name. Release
-/// it with engine_release().
-EMSCRIPTEN_KEEPALIVE char *engine_list(const char *name)
+static json_t *family_rows(const bat_family *family)
+{
+    json_t *rows = json_array();
+    const bat_choice *choice;
+    for (size_t i = 0; (choice = bat_choices(family, i)) != NULL; i++)
+        (void)json_array_append_new(rows,
+                                    json_pack("{s:s,s:s,s:s,s:s,s:b,s:b}", "name", choice->name, "settings",
+                                              choice->settings != NULL ? choice->settings : "", "summary", choice->summary,
+                                              "endings", choice->endings != NULL ? choice->endings : "", "reads",
+                                              choice->reads, "writes", choice->writes));
+    return rows;
+}
+
+/// The tables of the library as a JSON object, by the names of their families: "curve_scheme" for bat_curve_scheme_family.
+/// Release it with engine_release().
+EMSCRIPTEN_KEEPALIVE char *engine_families(void)
 {
     static const struct
     {
         const char *name;
-        bool (*list)(size_t index, bat_choice *choice);
-    } TABLES[] = {
-        {"bat_space_list", bat_space_list},
-        {"bat_curve_scheme_list", bat_curve_scheme_list},
-        {"bat_curve_end_rule_list", bat_curve_end_rule_list},
-        {"bat_curve_simple_list", bat_curve_simple_list},
-        {"bat_curve_map_topology_list", bat_curve_map_topology_list},
-        {"bat_curve_format_list", bat_curve_format_list},
-        {"bat_curve_model_list", bat_curve_model_list},
-        {"bat_motion_list", bat_motion_list},
-        {"bat_motion_ends_list", bat_motion_ends_list},
-        {"bat_motion_shape_list", bat_motion_shape_list},
-        {"bat_mesh_scheme_list", bat_mesh_scheme_list},
-        {"bat_mesh_format_list", bat_mesh_format_list},
-        {"bat_mesh_decimate_method_list", bat_mesh_decimate_method_list},
-        {"bat_mesh_boundary_list", bat_mesh_boundary_list},
-        {"bat_mesh_creasing_list", bat_mesh_creasing_list},
-        {"bat_mesh_linear_list", bat_mesh_linear_list},
+        const bat_family *family;
+    } FAMILIES[] = {
+        {"space", &bat_space_family},
+        {"curve_scheme", &bat_curve_scheme_family},
+        {"curve_end_rule", &bat_curve_end_rule_family},
+        {"curve_simple", &bat_curve_simple_family},
+        {"curve_map_topology", &bat_curve_map_topology_family},
+        {"curve_format", &bat_curve_format_family},
+        {"curve_model", &bat_curve_model_family},
+        {"motion_scheme", &bat_motion_scheme_family},
+        {"motion_ends", &bat_motion_ends_family},
+        {"motion_shape", &bat_motion_shape_family},
+        {"mesh_scheme", &bat_mesh_scheme_family},
+        {"mesh_format", &bat_mesh_format_family},
+        {"mesh_encoding", &bat_mesh_encoding_family},
+        {"mesh_normals", &bat_mesh_normals_family},
+        {"mesh_decimate_method", &bat_mesh_decimate_method_family},
+        {"mesh_boundary", &bat_mesh_boundary_family},
+        {"mesh_creasing", &bat_mesh_creasing_family},
+        {"mesh_linear", &bat_mesh_linear_family},
     };
-    for (size_t i = 0; i < ENGINE_COUNT(TABLES); i++)
-    {
-        if (strcmp(TABLES[i].name, name) != 0)
-            continue;
-        json_t *rows = json_array();
-        bat_choice choice;
-        for (size_t row = 0; TABLES[i].list(row, &choice); row++)
-            (void)json_array_append_new(rows, json_pack("{s:s,s:s,s:s,s:s,s:b,s:b}", "name", choice.name, "settings",
-                                                        choice.settings, "summary", choice.summary, "endings",
-                                                        choice.endings, "reads", choice.reads, "writes", choice.writes));
-        char *text = json_dumps(rows, JSON_COMPACT);
-        json_decref(rows);
-        return text;
-    }
-    return NULL;
+    json_t *all = json_object();
+    for (size_t i = 0; i < ENGINE_COUNT(FAMILIES); i++)
+        engine_set(all, FAMILIES[i].name, family_rows(FAMILIES[i].family));
+    char *text = json_dumps(all, JSON_COMPACT);
+    json_decref(all);
+    return text;
 }
 
 EMSCRIPTEN_KEEPALIVE const char *engine_version(void)

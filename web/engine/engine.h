@@ -75,16 +75,13 @@ typedef enum engine_type
     ENGINE_CHOICE ///< an enumeration, by its name
 } engine_type;
 
-/// A choice by its name: one of bat_..._by_name(), all of which store an enumeration.
-typedef bat_status (*engine_by_name)(const char *name, int *value, bat_error *error);
-
 /// An option: a field of a struct of the library.
 typedef struct engine_option
 {
     const char *name;
     size_t offset;
     engine_type type;
-    engine_by_name by_name;
+    const bat_family *family; ///< ENGINE_CHOICE
 } engine_option;
 
 /// The row of a field of the same name.
@@ -92,9 +89,9 @@ typedef struct engine_option
     {                                                                                                                       \
 #field, offsetof(type, field), kind, NULL                                                                           \
     }
-#define ENGINE_OPTION_CHOICE(type, field, by_name)                                                                          \
+#define ENGINE_OPTION_CHOICE(type, field, family)                                                                           \
     {                                                                                                                       \
-#field, offsetof(type, field), ENGINE_CHOICE, by_name                                                               \
+#field, offsetof(type, field), ENGINE_CHOICE, family                                                                \
     }
 #define ENGINE_COUNT(table) (sizeof(table) / sizeof *(table))
 
@@ -104,6 +101,8 @@ bat_status engine_options(const json_t *json, const engine_option *options, size
                           void *target, bat_error *error);
 /// Refuse every option but those of a list that ends with null.
 bat_status engine_no_options(const json_t *json, const char *const *also, bat_error *error);
+/// Store the enumerator that a text names; nothing where it is null.
+bat_status engine_choice(const bat_family *family, const char *name, void *value, bat_error *error);
 /// The text of an option, or null where it is not given.
 bat_status engine_text(const json_t *json, const char *name, const char **text, bat_error *error);
 

@@ -6,80 +6,6 @@
 
 static const char *const NONE[] = {NULL};
 
-static bat_status scheme_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_mesh_scheme scheme = BAT_MESH_SCHEME_LOOP;
-    bat_status status = bat_mesh_scheme_by_name(name, &scheme, error);
-    *value = (int)scheme;
-    return status;
-}
-
-static bat_status format_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_mesh_format format = BAT_MESH_FORMAT_AUTO;
-    bat_status status = bat_mesh_format_by_name(name, &format, error);
-    *value = (int)format;
-    return status;
-}
-
-static bat_status method_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_mesh_decimate_method method = BAT_MESH_DECIMATE_MEMORYLESS;
-    bat_status status = bat_mesh_decimate_method_by_name(name, &method, error);
-    *value = (int)method;
-    return status;
-}
-
-static bat_status boundary_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_mesh_boundary boundary = BAT_MESH_BOUNDARY_AUTO;
-    bat_status status = bat_mesh_boundary_by_name(name, &boundary, error);
-    *value = (int)boundary;
-    return status;
-}
-
-static bat_status creasing_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_mesh_creasing creasing = BAT_MESH_CREASING_AUTO;
-    bat_status status = bat_mesh_creasing_by_name(name, &creasing, error);
-    *value = (int)creasing;
-    return status;
-}
-
-static bat_status linear_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_mesh_linear linear = BAT_MESH_LINEAR_AUTO;
-    bat_status status = bat_mesh_linear_by_name(name, &linear, error);
-    *value = (int)linear;
-    return status;
-}
-
-/// The number of a name in a list.
-static bat_status by_list(const char *const *names, size_t count, const char *what, const char *name, int *value,
-                          bat_error *error)
-{
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(names[i], name) == 0)
-        {
-            *value = (int)i;
-            return BAT_OK;
-        }
-    return engine_fail(error, BAT_INVALID_ARGUMENT, what, name);
-}
-
-static bat_status encoding_by_name(const char *name, int *value, bat_error *error)
-{
-    static const char *const NAMES[] = {"binary", "big-endian", "text"};
-    return by_list(NAMES, ENGINE_COUNT(NAMES), "there is no encoding '%'; there are binary, big-endian, text", name, value,
-                   error);
-}
-
-static bat_status normals_by_name(const char *name, int *value, bat_error *error)
-{
-    static const char *const NAMES[] = {"none", "angle", "area"};
-    return by_list(NAMES, ENGINE_COUNT(NAMES), "there are no normals '%'; there are none, angle, area", name, value, error);
-}
-
 /// Report notes and free them.
 static void report_notes(engine_object *result, bat_mesh_notes *notes)
 {
@@ -99,17 +25,17 @@ static bool takes_polygons(const engine_call *call)
 static bat_status refine_mesh(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION_CHOICE(bat_mesh_refine_options, scheme, scheme_by_name),
-        ENGINE_OPTION_CHOICE(bat_mesh_refine_options, then, scheme_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_refine_options, scheme, &bat_mesh_scheme_family),
+        ENGINE_OPTION_CHOICE(bat_mesh_refine_options, then, &bat_mesh_scheme_family),
         ENGINE_OPTION(bat_mesh_refine_options, fairness, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_refine_options, levels, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_refine_options, limit, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_refine_options, crease_angle, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_refine_options, tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_refine_options, max_edge, ENGINE_NUMBER),
-        {"boundary", offsetof(bat_mesh_refine_options, rules.boundary), ENGINE_CHOICE, boundary_by_name},
-        {"creasing", offsetof(bat_mesh_refine_options, rules.creasing), ENGINE_CHOICE, creasing_by_name},
-        {"linear", offsetof(bat_mesh_refine_options, rules.linear), ENGINE_CHOICE, linear_by_name},
+        {"boundary", offsetof(bat_mesh_refine_options, rules.boundary), ENGINE_CHOICE, &bat_mesh_boundary_family},
+        {"creasing", offsetof(bat_mesh_refine_options, rules.creasing), ENGINE_CHOICE, &bat_mesh_creasing_family},
+        {"linear", offsetof(bat_mesh_refine_options, rules.linear), ENGINE_CHOICE, &bat_mesh_linear_family},
     };
     static const char *const ALSO[] = {"limit_normals", NULL};
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
@@ -139,7 +65,7 @@ static bat_status scheme_for(const engine_call *call, engine_object *result, bat
     bat_mesh_scheme scheme = takes_polygons(call) ? bat_polygon_mesh_scheme_for(&call->inputs[0]->polygons)
                                                   : bat_mesh_scheme_for(&call->inputs[0]->mesh);
     if (status == BAT_OK)
-        engine_set(result->report, "scheme", json_string(bat_mesh_scheme_name(scheme)));
+        engine_set(result->report, "scheme", json_string(bat_choice_name(&bat_mesh_scheme_family, (int)scheme)));
     return status;
 }
 
@@ -183,7 +109,7 @@ static bat_status decimate(const engine_call *call, engine_object *result, bat_e
         ENGINE_OPTION(bat_mesh_decimate_options, ratio, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_decimate_options, error, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_decimate_options, relative_error, ENGINE_BOOL),
-        ENGINE_OPTION_CHOICE(bat_mesh_decimate_options, method, method_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_decimate_options, method, &bat_mesh_decimate_method_family),
         ENGINE_OPTION(bat_mesh_decimate_options, candidates, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_decimate_options, seed, ENGINE_UINT64),
         ENGINE_OPTION(bat_mesh_decimate_options, least_normal, ENGINE_NUMBER),
@@ -247,7 +173,7 @@ static bat_status weld(const engine_call *call, engine_object *result, bat_error
 static bat_status read_mesh(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION_CHOICE(bat_mesh_read_options, format, format_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_read_options, format, &bat_mesh_format_family),
         ENGINE_OPTION(bat_mesh_read_options, triangulate, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_read_options, keep_degenerate, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_read_options, repair, ENGINE_BOOL),
@@ -271,9 +197,9 @@ static bat_status read_mesh(const engine_call *call, engine_object *result, bat_
 static bat_status write_mesh(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION_CHOICE(bat_mesh_write_options, format, format_by_name),
-        ENGINE_OPTION_CHOICE(bat_mesh_write_options, encoding, encoding_by_name),
-        ENGINE_OPTION_CHOICE(bat_mesh_write_options, normals, normals_by_name),
+        ENGINE_OPTION_CHOICE(bat_mesh_write_options, format, &bat_mesh_format_family),
+        ENGINE_OPTION_CHOICE(bat_mesh_write_options, encoding, &bat_mesh_encoding_family),
+        ENGINE_OPTION_CHOICE(bat_mesh_write_options, normals, &bat_mesh_normals_family),
     };
     bat_mesh_write_options options = bat_mesh_write_defaults();
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);

@@ -2,25 +2,9 @@
 
 #include <stdlib.h>
 
-static bat_status ends_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_motion_ends ends = BAT_MOTION_ENDS_AUTO;
-    bat_status status = bat_motion_ends_by_name(name, &ends, error);
-    *value = (int)ends;
-    return status;
-}
-
-static bat_status shape_by_name(const char *name, int *value, bat_error *error)
-{
-    bat_motion_shape shape = BAT_MOTION_SHAPE_RESTING;
-    bat_status status = bat_motion_shape_by_name(name, &shape, error);
-    *value = (int)shape;
-    return status;
-}
-
 static const engine_option SPLINE_OPTIONS[] = {
-    ENGINE_OPTION_CHOICE(bat_motion_spline_options, ends, ends_by_name),
-    ENGINE_OPTION_CHOICE(bat_motion_spline_options, shape, shape_by_name),
+    ENGINE_OPTION_CHOICE(bat_motion_spline_options, ends, &bat_motion_ends_family),
+    ENGINE_OPTION_CHOICE(bat_motion_spline_options, shape, &bat_motion_shape_family),
     ENGINE_OPTION(bat_motion_spline_options, sigma, ENGINE_NUMBER),
     ENGINE_OPTION(bat_motion_spline_options, angle_sigma, ENGINE_NUMBER),
     ENGINE_OPTION(bat_motion_spline_options, extrapolate, ENGINE_BOOL),
@@ -34,8 +18,8 @@ static bat_status motion_curves(const engine_call *call, engine_object *result, 
         ENGINE_OPTION(bat_motion_options, tangent_order, ENGINE_SIZE),
         ENGINE_OPTION(bat_motion_options, velocities, ENGINE_BOOL),
         {"levels", offsetof(bat_motion_options, scheme.levels), ENGINE_SIZE, NULL},
-        {"ends", offsetof(bat_motion_options, spline.ends), ENGINE_CHOICE, ends_by_name},
-        {"shape", offsetof(bat_motion_options, spline.shape), ENGINE_CHOICE, shape_by_name},
+        {"ends", offsetof(bat_motion_options, spline.ends), ENGINE_CHOICE, &bat_motion_ends_family},
+        {"shape", offsetof(bat_motion_options, spline.shape), ENGINE_CHOICE, &bat_motion_shape_family},
         {"sigma", offsetof(bat_motion_options, spline.sigma), ENGINE_NUMBER, NULL},
         {"angle_sigma", offsetof(bat_motion_options, spline.angle_sigma), ENGINE_NUMBER, NULL},
     };
@@ -44,7 +28,7 @@ static bat_status motion_curves(const engine_call *call, engine_object *result, 
     const char *name = NULL;
     bat_status status = engine_text(call->options, "scheme", &name, error);
     if (status == BAT_OK && name != NULL)
-        status = bat_motion_by_name(name, &options, error);
+        status = bat_motion_scheme_by_name(name, &options, error);
     if (status == BAT_OK)
         status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), ALSO, &options, error);
     return status == BAT_OK ? bat_motion_curves(&call->inputs[0]->set, &options, &result->set, NULL, error) : status;

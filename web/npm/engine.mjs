@@ -15,26 +15,6 @@ export class BattenError extends Error {
 const ARRAYS = { f64: Float64Array, u32: Uint32Array, u8: Uint8Array };
 const NOT_FINITE = { Infinity, "-Infinity": -Infinity, NaN };
 
-/** The tables of the library. */
-export const LISTS = [
-  "bat_space_list",
-  "bat_curve_scheme_list",
-  "bat_curve_end_rule_list",
-  "bat_curve_simple_list",
-  "bat_curve_map_topology_list",
-  "bat_curve_format_list",
-  "bat_curve_model_list",
-  "bat_motion_list",
-  "bat_motion_ends_list",
-  "bat_motion_shape_list",
-  "bat_mesh_scheme_list",
-  "bat_mesh_format_list",
-  "bat_mesh_decimate_method_list",
-  "bat_mesh_boundary_list",
-  "bat_mesh_creasing_list",
-  "bat_mesh_linear_list",
-];
-
 /** Curves inside the module, with what their file tells beside them: properties of features, names of columns. */
 export class CurveSet {
   #release;
@@ -243,8 +223,15 @@ export async function instantiate(source) {
   };
   const first = (name, field) => (curve) => run(name, [curves(curve)])[field];
 
+  let families = null;
   const api = {
     bat_version: () => text(exports.engine_version()),
+    bat_choices: (family) => {
+      families ??= JSON.parse(takeText(exports.engine_families()));
+      if (family !== undefined && !Object.hasOwn(families, family))
+        throw new BattenError({ name: "invalid argument", text: `no family '${family}'; there are ${Object.keys(families).join(", ")}` });
+      return structuredClone(family === undefined ? families : families[family]);
+    },
     bat_curve_refine: refined("bat_curve_refine"),
     bat_curve_map_refine: refined("bat_curve_map_refine"),
     bat_curve_read_memory: (data, options) =>
@@ -288,12 +275,5 @@ export async function instantiate(source) {
     bat_polygon_mesh_write_memory: (any, options) => run("bat_polygon_mesh_write_memory", [polygons(any)], options).bytes,
     bat_mesh_vertex_distances: (from, onto) => run("bat_mesh_vertex_distances", [mesh(from), mesh(onto)]).values,
   };
-  for (const name of LISTS)
-    api[name] = () => {
-      const address = putText(name);
-      const rows = JSON.parse(takeText(exports.engine_list(address)));
-      exports.engine_release(address);
-      return rows;
-    };
   return api;
 }

@@ -13,7 +13,7 @@ export class BattenError extends Error {
 
 /** A polyline in a space. */
 export interface Curve {
-  /** "plane" (the default), "sphere", "disk", …: bat_space_list(). */
+  /** "plane" (the default), "sphere", "disk", …: bat_choices("space"). */
   space?: string;
   /** Coordinates of a point, for "euclidean", "spd" and "hyperbolic" where `points` is flat. */
   point_dim?: number;
@@ -79,7 +79,7 @@ export interface Progress {
 }
 
 export interface CurveRefineOptions extends Progress {
-  /** A name of bat_curve_scheme_list() with settings: "learned:fairness=0.8", "mask:1/4,3/4,3/4,1/4". */
+  /** A name of bat_choices("curve_scheme") with settings: "learned:fairness=0.8", "mask:1/4,3/4,3/4,1/4". */
   scheme?: string;
   levels?: number;
   ends?: "reflect" | "extrapolate" | "free";
@@ -199,7 +199,7 @@ export interface Mesh {
   rules?: MeshRules;
 }
 
-/** What a mesh says about its refinement: names of bat_mesh_boundary_list(), ..._creasing_list() and ..._linear_list(). */
+/** What a mesh says about its refinement: names of bat_choices("mesh_boundary"), "mesh_creasing" and "mesh_linear". */
 export interface MeshRules {
   boundary?: string;
   creasing?: string;
@@ -241,7 +241,7 @@ export interface PolygonMeshResult extends MeshResult {
 }
 
 export interface MeshRefineOptions extends Progress {
-  /** A name of bat_mesh_scheme_list(). */
+  /** A name of bat_choices("mesh_scheme"). */
   scheme?: string;
   then?: string;
   /** 0 to 1, of the learned scheme. */
@@ -267,7 +267,7 @@ export interface MeshDecimateOptions extends Progress {
   ratio?: number;
   error?: number;
   relative_error?: boolean;
-  /** A name of bat_mesh_decimate_method_list(). */
+  /** A name of bat_choices("mesh_decimate_method"). */
   method?: string;
   candidates?: number;
   seed?: number;
@@ -311,22 +311,9 @@ export type CurveInput = Curve | Curve[] | CurveSet;
 /** The functions of the library, by their C names; include/batten documents each. */
 export interface Batten {
   bat_version(): string;
-  bat_space_list(): Choice[];
-  bat_curve_scheme_list(): Choice[];
-  bat_curve_end_rule_list(): Choice[];
-  bat_curve_simple_list(): Choice[];
-  bat_curve_map_topology_list(): Choice[];
-  bat_curve_format_list(): Choice[];
-  bat_curve_model_list(): Choice[];
-  bat_motion_list(): Choice[];
-  bat_motion_ends_list(): Choice[];
-  bat_motion_shape_list(): Choice[];
-  bat_mesh_scheme_list(): Choice[];
-  bat_mesh_format_list(): Choice[];
-  bat_mesh_decimate_method_list(): Choice[];
-  bat_mesh_boundary_list(): Choice[];
-  bat_mesh_creasing_list(): Choice[];
-  bat_mesh_linear_list(): Choice[];
+  /** The choices of a family, "mesh_scheme" for bat_mesh_scheme_family; without a name of all families. */
+  bat_choices(family: string): Choice[];
+  bat_choices(): Record<string, Choice[]>;
 
   bat_curve_refine(coarse: Curve, options?: CurveRefineOptions): CurveResult & { report: CurveRefineReport };
   bat_curve_refine(coarse: Curve[], options?: CurveRefineOptions): CurveResult[] & { report: CurveRefineReport };

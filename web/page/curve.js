@@ -362,10 +362,10 @@ export function curveTab(app, section) {
   const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(() => app.commit()));
   const levels = slider("Levels", { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: () => app.commit() });
   const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.5, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: () => app.commit() });
-  const ends = select("Ends of open curves", lists.bat_curve_end_rule_list.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(() => app.commit()));
+  const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(() => app.commit()));
   const boxes = new Map();
   const schemeList = h("div.schemes", { role: "group", "aria-label": "Schemes" });
-  for (const { name, summary } of lists.bat_curve_scheme_list.toSorted((a, b) => (b.name === "learned") - (a.name === "learned"))) {
+  for (const { name, summary } of lists.curve_scheme.toSorted((a, b) => (b.name === "learned") - (a.name === "learned"))) {
     const swatch = h("span.swatch");
     const box = h("input", {
       type: "checkbox",

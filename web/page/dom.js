@@ -89,3 +89,6 @@ export function opener(label, accept, open) {
   const input = h("input", { type: "file", accept, hidden: true, onchange: () => input.files[0] && open(input.files[0]).finally(() => (input.value = "")) });
   return h("span.files", {}, h("button", { type: "button", onclick: () => input.click() }, label), input);
 }
+
+/** The enumerator of the library for a choice: ("mesh_scheme", "catmull-clark") is BAT_MESH_SCHEME_CATMULL_CLARK. */
+export const enumerator = (family, name) => `BAT_${family}_${name}`.replaceAll("-", "_").toUpperCase();

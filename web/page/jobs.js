@@ -1,11 +1,10 @@
 // What the page asks of the engine. Each job is a function of the engine, its arguments and a progress function; arguments and
 // results are plain data.
-import { LISTS } from "../npm/engine.mjs";
 
 const DEGREE = Math.PI / 180;
 
 export function tables(batten) {
-  return { version: batten.bat_version(), lists: Object.fromEntries(LISTS.map((name) => [name, batten[name]()])) };
+  return { version: batten.bat_version(), lists: batten.bat_choices() };
 }
 
 /** Refine a curve by several schemes, with the measures of each. */

@@ -1,7 +1,7 @@
 // Meshes: refined by a scheme, decimated, and compared with another scheme, in three dimensions.
 import { BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { check, color, digits, download, group, h, opener, select, slider, table } from "./dom.js";
+import { check, color, digits, download, enumerator, group, h, opener, select, slider, table } from "./dom.js";
 
 /** Meshes made by a formula, as [positions, faces]. */
 const grid = (rows, columns, at) => {
@@ -80,7 +80,7 @@ export function meshTab(app, section) {
   let result = null;
   let scene = null;
   let started = false;
-  const schemes = app.tables.lists.bat_mesh_scheme_list;
+  const schemes = app.tables.lists.mesh_scheme;
   const stage = h("div.stage", { tabIndex: 0, role: "img", "aria-label": "The mesh; drag to turn, arrow keys turn too" });
   const legend = h("div.legend", {}, "");
   const facts = h("div", {});
@@ -348,7 +348,7 @@ export function meshTab(app, section) {
         ...(less ? ["bat_mesh_decimate_options less = bat_mesh_decimate_defaults();", ...(less.error ? [`less.error = ${less.error};`, "less.relative_error = true;"] : [`less.ratio = ${less.ratio};`]), "bat_mesh small;", "bat_mesh_decimate(&coarse, &less, &small, NULL, &error);"] : []),
         ...(less && quads ? ["bat_polygon_mesh polygons;", "bat_polygon_mesh_of_triangles(&small, &polygons, &error);"] : []),
         "bat_mesh_refine_options options = bat_mesh_refine_defaults();",
-        `bat_mesh_scheme_by_name("${state.scheme}", &options.scheme, &error);`, `options.levels = ${state.levels};`,
+        `options.scheme = ${enumerator("mesh_scheme", state.scheme)};`, `options.levels = ${state.levels};`,
         ...(fair ? [`options.fairness = ${state.fairness};`] : []),
         ...(creases ? [`options.crease_angle = ${state.crease} * 3.14159265358979 / 180;`] : []),
         ...(limits ? ["options.limit = true;"] : []),

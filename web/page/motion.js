@@ -1,6 +1,6 @@
 // Motions: keyframes on a timeline, the body that flies along, and its speed.
 import samples from "samples";
-import { check, color, digits, download, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, enumerator, group, h, opener, select, sized, slider, table } from "./dom.js";
 
 const SAMPLES = 600;
 const parse = (text) =>
@@ -306,8 +306,8 @@ export function motionTab(app, section) {
     controls();
     void compute().then(() => app.commit());
   };
-  const shape = select("Shape", lists.bat_motion_shape_list.map(({ name }) => [name]), state.shape, (value) => change({ shape: value }));
-  const ends = select("Ends", lists.bat_motion_ends_list.map(({ name }) => [name]), state.ends, (value) => change({ ends: value }));
+  const shape = select("Shape", lists.motion_shape.map(({ name }) => [name]), state.shape, (value) => change({ shape: value }));
+  const ends = select("Ends", lists.motion_ends.map(({ name }) => [name]), state.ends, (value) => change({ ends: value }));
   const rate = slider("Poses a second in files", { min: 1, max: 100, step: 1, value: 25, change: (value) => (state.rate = value), commit: () => app.commit() });
   function controls() {
     shape.set(state.shape);
@@ -366,7 +366,7 @@ export function motionTab(app, section) {
     inspect: () => ({ state, result }),
     commands: () => ({
       shell: `cat > keyframes.csv <<'END'\n${csv()}END\nbatten motion keyframes.csv --rate ${state.rate}${state.ends === "auto" ? "" : ` --ends ${state.ends}`}${state.shape === "resting" ? "" : ` --tangents ${state.shape}`} -o frames.tum`,
-      c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_options options = bat_motion_defaults();\noptions.rate = ${state.rate};\nbat_motion_shape_by_name("${state.shape}", &options.spline.shape, &error);\nbat_motion_ends_by_name("${state.ends}", &options.spline.ends, &error);\nif (bat_motion_curves(&keys, &options, &frames, NULL, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
+      c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_options options = bat_motion_defaults();\noptions.rate = ${state.rate};\noptions.spline.shape = ${enumerator("motion_shape", state.shape)};\noptions.spline.ends = ${enumerator("motion_ends", state.ends)};\nif (bat_motion_curves(&keys, &options, &frames, NULL, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
       python: `import batten\nimport numpy as np\n\nkeys = np.loadtxt("keyframes.csv", delimiter=",", skiprows=2)\npose = batten.Motion(keys[:, 0], keys[:, 1:], space="rigid", shape="${state.shape}", ends="${state.ends}")\nframes = pose(np.arange(keys[0, 0], keys[-1, 0], 1 / ${state.rate}))`,
     }),
   };

@@ -1,7 +1,7 @@
 // Scans: a picture, and the commands for chosen options. Surfaces need LAPACK, Qhull and SuiteSparse, which the engine does not
 // have.
 import samples from "samples";
-import { group, h, select } from "./dom.js";
+import { enumerator, group, h, select } from "./dom.js";
 
 const TOLERANCES = ["0.001", "0.002", "0.005", "0.01", "0.02"];
 const FORMATS = [["step", "STEP"], ["xml", "G+Smo"], ["vtk", "VTK"], ["obj", "OBJ"]];
@@ -39,7 +39,7 @@ export function scanTab(app, section) {
       const given = state.parameters !== FIRST.parameters;
       return {
         shell: `batten shape scan -o scan.xyz\nbatten surface scan.xyz --tolerance ${state.tolerance} --share 0.95${given ? ` --parameterization ${state.parameters}` : ""} -o scan.${state.format} --picture scan.png`,
-        c: `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("scan.xyz", NULL, &cloud, &error);\nbat_surface_options options = bat_surface_defaults();\noptions.fit.tolerance = ${state.tolerance};\noptions.fit.share = 0.95;${given ? `\nbat_surface_parameters_by_name("${state.parameters}", &options.parameters, &error);` : ""}\nbat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong\nelse\n    bat_surface_write("scan.${state.format}", &result.surface, NULL, &error);`,
+        c: `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("scan.xyz", NULL, &cloud, &error);\nbat_surface_options options = bat_surface_defaults();\noptions.fit.tolerance = ${state.tolerance};\noptions.fit.share = 0.95;${given ? `\noptions.parameters = ${enumerator("surface_parameters", state.parameters)};` : ""}\nbat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong\nelse\n    bat_surface_write("scan.${state.format}", &result.surface, NULL, &error);`,
         python: `import batten\nimport numpy as np\n\npoints = np.loadtxt("scan.xyz")\nsurface = batten.fit_surface(points, tolerance=${state.tolerance}, share=0.95${given ? `, parameters="${state.parameters}"` : ""})\nsurface.write("scan.${state.format}")`,
       };
     },

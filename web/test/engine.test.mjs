@@ -189,10 +189,11 @@ describe("values", () => {
   });
   test("tables name what the functions take", () => {
     const polygons = batten.bat_polygon_mesh_of_triangles(cube());
-    for (const { name } of batten.bat_mesh_scheme_list()) assert.ok(batten.bat_polygon_mesh_refine(polygons, { scheme: name, levels: 1 }).faces.length > 36);
+    for (const { name } of batten.bat_choices("mesh_scheme")) assert.ok(batten.bat_polygon_mesh_refine(polygons, { scheme: name, levels: 1 }).faces.length > 36);
     for (const option of ["boundary", "creasing", "linear"])
-      for (const { name } of batten[`bat_mesh_${option}_list`]()) assert.equal(batten.bat_mesh_refine(cube(), { scheme: "loop", levels: 1, [option]: name }).faces.length, 144);
-    for (const list of ["bat_space_list", "bat_curve_scheme_list", "bat_motion_list", "bat_mesh_format_list"]) assert.ok(batten[list]().length > 2);
+      for (const { name } of batten.bat_choices(`mesh_${option}`)) assert.equal(batten.bat_mesh_refine(cube(), { scheme: "loop", levels: 1, [option]: name }).faces.length, 144);
+    for (const rows of Object.values(batten.bat_choices())) assert.ok(rows.length > 1);
+    assert.throws(() => batten.bat_choices("mesh"), /no family 'mesh'/);
   });
   test("polygons as rows, their triangles and normals", () => {
     const quads = { positions: cube().positions, faces: [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]] };

@@ -1,5 +1,6 @@
 #include "batten/curve_analysis.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -10,19 +11,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-const char *bat_analysis_verdict_name(bat_analysis_verdict verdict)
-{
-    switch (verdict)
-    {
-    case BAT_ANALYSIS_UNDECIDED:
-        return "undecided";
-    case BAT_ANALYSIS_PROVEN:
-        return "proven";
-    case BAT_ANALYSIS_DISPROVEN:
-        return "disproven";
-    }
-    return "unknown verdict";
-}
+static const bat_choice VERDICTS[] = {
+    {.name = "undecided", .summary = "a deeper search may tell", .value = BAT_ANALYSIS_UNDECIDED},
+    {.name = "proven", .summary = "proven", .value = BAT_ANALYSIS_PROVEN},
+    {.name = "disproven", .summary = "disproven", .value = BAT_ANALYSIS_DISPROVEN},
+};
+const bat_family bat_analysis_verdict_family = FAMILY("verdict", VERDICTS);
 
 bat_analysis_options bat_analysis_defaults(void)
 {

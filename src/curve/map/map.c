@@ -23,9 +23,7 @@ static const bat_choice TOPOLOGIES[] = {
     {.name = "shared", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_ALWAYS},
     {.name = "separate", .summary = "every curve is refined by itself", .value = BAT_CURVE_MAP_SEPARATE},
 };
-static const choice_table TABLE = CHOICE_TABLE("map topology", TOPOLOGIES);
-
-CHOICE_FUNCTIONS(bat_curve_map_topology, TABLE, 0)
+const bat_family bat_curve_map_topology_family = FAMILY("map topology", TOPOLOGIES);
 
 bat_curve_map_options bat_curve_map_defaults(void)
 {

@@ -114,17 +114,12 @@ bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_e
     return status;
 }
 
-bool bat_curve_model_list(size_t index, bat_choice *choice)
-{
-    static const bat_choice MODELS[] = {
-        {.name = "learned", .summary = "the curve scheme that comes with the library, 134,144 weights; weights/batten.md"},
-        {.name = "learned-published",
-         .summary =
-             "the network of Ugail and Howard (2026), 140,505 weights, to compare with; weights/tension-published.md"},
-    };
-    static const choice_table TABLE = CHOICE_TABLE("curve model", MODELS);
-    return choice_list(&TABLE, index, choice);
-}
+static const bat_choice MODELS[] = {
+    {.name = "learned", .summary = "the curve scheme that comes with the library, 134,144 weights; weights/batten.md"},
+    {.name = "learned-published",
+     .summary = "the network of Ugail and Howard (2026), 140,505 weights, to compare with; weights/tension-published.md"},
+};
+const bat_family bat_curve_model_family = FAMILY("curve model", MODELS);
 
 bat_status bat_curve_model_builtin(bat_curve_model **model, bat_error *error)
 {

@@ -21,9 +21,7 @@ static const bat_choice PROJECTIONS[] = {
      .value = BAT_CURVE_PROJECTION_LOCAL},
     {.name = "both", .summary = "the globe, and the map to its right", .value = BAT_CURVE_PROJECTION_BOTH},
 };
-static const choice_table TABLE = CHOICE_TABLE("projection", PROJECTIONS);
-
-CHOICE_FUNCTIONS(bat_curve_projection, TABLE, 0)
+const bat_family bat_curve_projection_family = FAMILY("projection", PROJECTIONS);
 
 bat_curve_picture_options bat_curve_picture_defaults(void)
 {

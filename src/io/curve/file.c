@@ -28,7 +28,8 @@ typedef struct curve_format
 } curve_format;
 
 static const curve_format FORMATS[] = {
-    {.choice = {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO}},
+    {.choice =
+         {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
     {{.name = "csv",
       .summary = "curves: a row of numbers for each point, with or without names of columns",
       .endings = ".csv .tsv .txt",
@@ -116,7 +117,21 @@ static const curve_format FORMATS[] = {
                 .value = BAT_CURVE_FORMAT_TOPOJSON}},
     GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed"),
 };
-static const choice_table TABLE = CHOICE_TABLE("curve format", FORMATS);
+
+/// The row of a path that only GDAL opens: of the ending before ".gz", else that of GDAL.
+static const bat_choice *row_of_virtual_path(const char *path)
+{
+    if (!gis_is_virtual(path))
+        return NULL;
+    const char *dot = strrchr(path, '.');
+    bool packed = dot != NULL && strcasecmp(dot, ".gz") == 0;
+    char *inner = packed ? strndup(path, (size_t)(dot - path)) : NULL;
+    const bat_choice *row = choice_of_ending(&bat_curve_format_family, inner != NULL ? inner : path);
+    free(inner);
+    return row != NULL ? row : choice_of_value(&bat_curve_format_family, BAT_CURVE_FORMAT_GDAL);
+}
+
+const bat_family bat_curve_format_family = FAMILY_OF_PATHS("curve format", FORMATS, row_of_virtual_path);
 
 /// The drivers of the formats without a reader of our own, as gis_read() takes them.
 static const char *const DRIVERS[] = {
@@ -126,44 +141,20 @@ static const char *const DRIVERS[] = {
     [BAT_CURVE_FORMAT_TOPOJSON] = "TopoJSON", [BAT_CURVE_FORMAT_GDAL] = NULL,
 };
 
-CHOICE_FUNCTIONS(bat_curve_format, TABLE, 1)
-
 /// The row of a format other than BAT_CURVE_FORMAT_AUTO.
 static const curve_format *row_of(bat_curve_format format)
 {
-    return (const curve_format *)(const void *)choice_of_value(&TABLE, (int)format);
-}
-
-bat_curve_format bat_curve_format_of_path(const char *path)
-{
-    const char *dot = strrchr(path, '.');
-    bool packed = dot != NULL && strcasecmp(dot, ".gz") == 0;
-    char *inner = packed ? strndup(path, (size_t)(dot - path)) : NULL;
-    const bat_choice *row = choice_of_path(&TABLE, inner != NULL ? inner : path);
-    free(inner);
-    if (row != NULL)
-        return (bat_curve_format)row->value;
-    return gis_is_virtual(path) ? BAT_CURVE_FORMAT_GDAL : BAT_CURVE_FORMAT_AUTO;
+    return (const curve_format *)(const void *)choice_of_value(&bat_curve_format_family, (int)format);
 }
 
 /// The format of a file's ending; BAT_CURVE_FORMAT_AUTO for a name without one.
 static bat_status format_for_path(const char *path, bool writes, bat_curve_format *format, bat_error *error)
 {
-    if (gis_is_virtual(path))
-    {
-        *format = bat_curve_format_of_path(path);
-        return BAT_OK;
-    }
     const bat_choice *row;
-    bat_status status = choice_for_path(&TABLE, path, writes, writes ? "to" : "from", &row, error);
+    bat_status status = bat_choice_of_path(&bat_curve_format_family, path, writes, &row, error);
     if (status == BAT_OK)
         *format = row != NULL ? (bat_curve_format)row->value : BAT_CURVE_FORMAT_AUTO;
     return status;
-}
-
-bat_status bat_curve_format_of_output(const char *path, bat_curve_format *format, bat_error *error)
-{
-    return format_for_path(path, true, format, error);
 }
 
 /// The format of a text: GeoJSON begins with a brace, OBJ with a statement; all others are CSV.
@@ -227,7 +218,7 @@ bat_status bat_curve_write_options_check(const bat_curve_write_options *options,
 /// Whether a format has what the options name.
 static bat_status check_format_options(bat_curve_format format, const bat_curve_read_options *options, bat_error *error)
 {
-    const char *name = bat_curve_format_name(format);
+    const char *name = bat_choice_name(&bat_curve_format_family, (int)format);
     if (format != BAT_CURVE_FORMAT_CSV && (options->columns != NULL || options->group != NULL))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only CSV has %s, not the format %s",
                          options->columns != NULL ? "columns" : "a column to group by", name);
@@ -253,12 +244,12 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
     }
     if (options->key_times != NULL && format != BAT_CURVE_FORMAT_KITTI)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "key_times go with KITTI poses, not the format %s",
-                         bat_curve_format_name(format));
+                         bat_choice_name(&bat_curve_format_family, (int)format));
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
     if (row_of(format)->read == NULL)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is read from files alone",
-                         bat_curve_format_name(format));
+                         bat_choice_name(&bat_curve_format_family, (int)format));
     bat_status status = check_format_options(format, options, error);
     return status == BAT_OK ? row_of(format)->read(text, options, set, error) : status;
 }
@@ -390,7 +381,7 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
         char known[2 * BAT_ERROR_TEXT_SIZE / 3];
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are %s, and --to names a format",
-                         choice_endings(&TABLE, true, known, sizeof known));
+                         choice_endings(&bat_curve_format_family, true, known, sizeof known));
     }
     return BAT_OK;
 }
@@ -471,7 +462,7 @@ bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_writ
         status = curve_format_choose(NULL, set->attributes, options, &format, error);
     if (status == BAT_OK && row_of(format)->write == NULL)
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",
-                           bat_curve_format_name(format));
+                           bat_choice_name(&bat_curve_format_family, (int)format));
     if (status != BAT_OK)
         return status;
     text_buffer buffer = {0};

@@ -363,9 +363,10 @@ static bool is_geojson(bat_curve_format format)
 static bool can_stream(const char *input, const char *output, const bat_curve_refine_file_options *options,
                        bat_curve_format *format)
 {
+    const bat_choice *row = NULL;
     bat_curve_format from = options->read.format;
-    if (from == BAT_CURVE_FORMAT_AUTO)
-        from = bat_curve_format_of_path(input);
+    if (from == BAT_CURVE_FORMAT_AUTO && bat_choice_of_path(&bat_curve_format_family, input, false, &row, NULL) == BAT_OK)
+        from = row != NULL ? (bat_curve_format)row->value : from;
     bool sequence = from == BAT_CURVE_FORMAT_GEOJSON_LINES || from == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
     const bat_curve_attributes attributes = {.format = from};
     bool plain = !gis_is_virtual(input) && !gis_is_virtual(output) && options->read.layer == NULL &&
@@ -403,8 +404,9 @@ bat_status bat_curve_refine_file(const char *input, const char *output, const ba
     if (options->write.report != NULL)
         *options->write.report = (bat_curve_write_report){.first_left_out = BAT_NO_INDEX};
     file_job job = {.options = options, .error = error != NULL ? error : &unread};
-    job.follows =
-        options->write.format == BAT_CURVE_FORMAT_AUTO && bat_curve_format_of_path(output) == BAT_CURVE_FORMAT_AUTO;
+    const bat_choice *row;
+    (void)bat_choice_of_path(&bat_curve_format_family, output, true, &row, NULL);
+    job.follows = options->write.format == BAT_CURVE_FORMAT_AUTO && row == NULL;
     status = can_stream(input, output, options, &job.format) ? refine_streamed(&job, input, output)
                                                              : refine_whole(&job, input, output);
     if (status != BAT_OK)

@@ -46,7 +46,8 @@ enum
 };
 
 static const mesh_format FORMATS[] = {
-    {.choice = {.name = "auto", .summary = "by the file's ending", .value = BAT_MESH_FORMAT_AUTO}},
+    {.choice =
+         {.name = "auto", .summary = "by the file's ending", .value = BAT_MESH_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
     {{.name = "obj",
       .summary = "meshes: with texture coordinates, creases and corners",
       .endings = ".obj",
@@ -126,20 +127,19 @@ enum
     LAST_FORMAT = sizeof FORMATS / sizeof *FORMATS - 1 ///< a row for each enumerator
 };
 
-static const choice_table TABLE = CHOICE_TABLE("mesh format", FORMATS);
+const bat_family bat_mesh_format_family = FAMILY("mesh format", FORMATS);
 
-CHOICE_FUNCTIONS(bat_mesh_format, TABLE, 1)
+static const bat_choice ENCODINGS[] = {
+    {.name = "binary", .summary = "little-endian", .value = BAT_MESH_ENCODING_BINARY},
+    {.name = "big-endian", .summary = "the greater bytes first; PLY only", .value = BAT_MESH_ENCODING_BIG_ENDIAN},
+    {.name = "text", .summary = "decimal numbers", .value = BAT_MESH_ENCODING_TEXT},
+};
+const bat_family bat_mesh_encoding_family = FAMILY("encoding", ENCODINGS);
 
 /// The row of a format other than BAT_MESH_FORMAT_AUTO.
 static const mesh_format *row_of(bat_mesh_format format)
 {
-    return (const mesh_format *)(const void *)choice_of_value(&TABLE, (int)format);
-}
-
-bat_mesh_format bat_mesh_format_of_path(const char *path)
-{
-    const bat_choice *row = choice_of_path(&TABLE, path);
-    return row != NULL ? (bat_mesh_format)row->value : BAT_MESH_FORMAT_AUTO;
+    return (const mesh_format *)(const void *)choice_of_value(&bat_mesh_format_family, (int)format);
 }
 
 /// The format of the options, else of a file's ending; BAT_MESH_FORMAT_AUTO for a name without one.
@@ -149,7 +149,7 @@ static bat_status format_for_path(const char *path, bool writes, bat_mesh_format
     const bat_choice *row = NULL;
     bat_status status = BAT_OK;
     if (wanted == BAT_MESH_FORMAT_AUTO)
-        status = choice_for_path(&TABLE, path, writes, writes ? "to" : "from", &row, error);
+        status = bat_choice_of_path(&bat_mesh_format_family, path, writes, &row, error);
     *format = row != NULL ? (bat_mesh_format)row->value : wanted;
     return status;
 }
@@ -388,7 +388,7 @@ static bat_status check_write(bat_mesh_format format, const bat_mesh_write_optio
     if (format == BAT_MESH_FORMAT_AUTO)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "cannot tell what format to write; the endings are %s",
-                         choice_endings(&TABLE, true, known, sizeof known));
+                         choice_endings(&bat_mesh_format_family, true, known, sizeof known));
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
     return BAT_OK;

@@ -12,7 +12,7 @@
 /// Reading of clouds in any format: points, an optional file with the boundary, or the vertices of a mesh.
 
 static const bat_choice FORMATS[] = {
-    {.name = "auto", .summary = "by the file's ending", .value = BAT_CLOUD_FORMAT_AUTO},
+    {.name = "auto", .summary = "by the file's ending", .value = BAT_CLOUD_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED},
     {.name = "xyz",
      .summary = "clouds: three numbers a line",
      .endings = ".xyz .txt .asc",
@@ -48,15 +48,7 @@ static const bat_choice FORMATS[] = {
      .reads = true,
      .value = BAT_CLOUD_FORMAT_LAS},
 };
-static const choice_table TABLE = CHOICE_TABLE("cloud format", FORMATS);
-
-CHOICE_FUNCTIONS(bat_cloud_format, TABLE, 1)
-
-bat_cloud_format bat_cloud_format_of_path(const char *path)
-{
-    const bat_choice *row = choice_of_path(&TABLE, path);
-    return row != NULL ? (bat_cloud_format)row->value : BAT_CLOUD_FORMAT_AUTO;
-}
+const bat_family bat_cloud_format_family = FAMILY("cloud format", FORMATS);
 
 /// The format of a text. OBJ lines begin with a word; CSV has names, or separators other than blanks.
 bat_cloud_format cloud_format_of_text(const file_text *text)
@@ -354,7 +346,7 @@ static bat_status read_file(const char *path, bat_cloud_format *format, file_tex
     const bat_choice *row = NULL;
     bat_status status = BAT_OK;
     if (*format == BAT_CLOUD_FORMAT_AUTO)
-        status = choice_for_path(&TABLE, path, false, "from", &row, error);
+        status = bat_choice_of_path(&bat_cloud_format_family, path, false, &row, error);
     if (row != NULL)
         *format = (bat_cloud_format)row->value;
     if (status == BAT_OK)

@@ -148,14 +148,15 @@ bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sin
 
 bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error)
 {
-    bat_cloud_format format = bat_cloud_format_of_path(path);
-    if (format == BAT_CLOUD_FORMAT_AUTO && strcmp(path, "-") == 0)
-        format = BAT_CLOUD_FORMAT_XYZ;
-    if (format == BAT_CLOUD_FORMAT_AUTO)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "cannot tell what format to write; the endings are .xyz, .csv, .ply, .obj");
+    const bat_choice *row;
     atomic_file file;
-    bat_status status = bat_cloud_check(cloud, error);
+    bat_status status = bat_choice_of_path(&bat_cloud_format_family, path, true, &row, error);
+    if (status == BAT_OK && row == NULL && strcmp(path, "-") != 0)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "cannot tell what format to write; the endings are .xyz, .txt, .asc, .csv, .tsv, .ply, .obj");
+    bat_cloud_format format = row != NULL ? (bat_cloud_format)row->value : BAT_CLOUD_FORMAT_XYZ;
+    if (status == BAT_OK)
+        status = bat_cloud_check(cloud, error);
     if (status == BAT_OK)
         status = atomic_file_begin(path, &file, error);
     if (status != BAT_OK)

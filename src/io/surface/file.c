@@ -11,7 +11,7 @@
 /// Reading and writing of spline surfaces in any format.
 
 static const bat_choice FORMATS[] = {
-    {.name = "auto", .summary = "by the file's ending", .value = BAT_SURFACE_FORMAT_AUTO},
+    {.name = "auto", .summary = "by the file's ending", .value = BAT_SURFACE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED},
     {.name = "xml",
      .summary = "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines",
      .endings = ".xml",
@@ -41,24 +41,14 @@ static const bat_choice FORMATS[] = {
      .writes = true,
      .value = BAT_SURFACE_FORMAT_IGES},
 };
-static const choice_table TABLE = CHOICE_TABLE("surface format", FORMATS);
+const bat_family bat_surface_format_family = FAMILY("surface format", FORMATS);
 
 static const bat_choice UNITS[] = {
     {.name = "mm", .summary = "millimetres", .value = BAT_SURFACE_UNIT_MILLIMETRE},
     {.name = "m", .summary = "metres", .value = BAT_SURFACE_UNIT_METRE},
     {.name = "inch", .summary = "inches", .value = BAT_SURFACE_UNIT_INCH},
 };
-static const choice_table UNIT_TABLE = CHOICE_TABLE("unit", UNITS);
-
-CHOICE_FUNCTIONS(bat_surface_unit, UNIT_TABLE, 0)
-
-CHOICE_FUNCTIONS(bat_surface_format, TABLE, 1)
-
-bat_surface_format bat_surface_format_of_path(const char *path)
-{
-    const bat_choice *row = choice_of_path(&TABLE, path);
-    return row != NULL ? (bat_surface_format)row->value : BAT_SURFACE_FORMAT_AUTO;
-}
+const bat_family bat_surface_unit_family = FAMILY("unit", UNITS);
 
 bat_surface_write_options bat_surface_write_defaults(void)
 {
@@ -154,7 +144,7 @@ bat_status bat_surface_write(const char *path, const bat_spline_surface *surface
     atomic_file file;
     bat_status status = BAT_OK;
     if (format == BAT_SURFACE_FORMAT_AUTO)
-        status = choice_for_path(&TABLE, path, true, "to", &row, error);
+        status = bat_choice_of_path(&bat_surface_format_family, path, true, &row, error);
     if (row != NULL)
         format = (bat_surface_format)row->value;
     if (status == BAT_OK)

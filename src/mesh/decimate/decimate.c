@@ -42,9 +42,7 @@ static const bat_choice METHODS[] = {
      .value = BAT_MESH_DECIMATE_FAST,
      .summary = "quadric errors in sweeps to three times the target, then memoryless errors"},
 };
-static const choice_table TABLE = CHOICE_TABLE("decimation method", METHODS);
-
-CHOICE_FUNCTIONS(bat_mesh_decimate_method, TABLE, 0)
+const bat_family bat_mesh_decimate_method_family = FAMILY("decimation method", METHODS);
 
 bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
 {

@@ -54,7 +54,7 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
     if (!mesh_scheme_of(options->then)->continues)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "then is %s, but only midpoint, loop or butterfly can follow learned levels",
-                         bat_mesh_scheme_name(options->then));
+                         bat_choice_name(&bat_mesh_scheme_family, (int)options->then));
     if (options->rule != NULL && (options->rule->levels == 0 || options->rule->refine == NULL))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "rule has no levels or no function");
     if (options->limit_normals != NULL && (!options->limit || !last_scheme(options)->creases))

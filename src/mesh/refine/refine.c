@@ -658,7 +658,7 @@ static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_o
     if (mesh_scheme_of(options->scheme)->polygons)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "the scheme %s makes quads: bat_polygon_mesh_refine() returns them",
-                         bat_mesh_scheme_name(options->scheme));
+                         bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
     uint32_t *offsets = NULL;
     bat_status status = mesh_plan_make(coarse, options, &plan, error);
     if (status == BAT_OK && is_adaptive(options))
@@ -776,7 +776,8 @@ static bat_status refine_triangles(const bat_polygon_mesh *coarse, const bat_mes
             return error_set(error, BAT_UNSUPPORTED, f, 0,
                              "face %zu has %u corners, but the scheme %s refines triangles: --triangulate cuts polygons "
                              "into triangles, and --scheme catmull-clark refines them as they are",
-                             f, coarse->offsets[f + 1] - coarse->offsets[f], bat_mesh_scheme_name(options->scheme));
+                             f, coarse->offsets[f + 1] - coarse->offsets[f],
+                             bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
     bat_status status = bat_mesh_refine(&view, options, &made, fallback, error);
     if (status != BAT_OK)
         return status;

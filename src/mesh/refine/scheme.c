@@ -46,11 +46,11 @@ static const mesh_scheme SCHEMES[] = {
      .rule = midpoint_rule,
      .learned = true},
 };
-static const choice_table TABLE = CHOICE_TABLE("mesh scheme", SCHEMES);
+const bat_family bat_mesh_scheme_family = FAMILY("mesh scheme", SCHEMES);
 
 const mesh_scheme *mesh_scheme_of(bat_mesh_scheme scheme)
 {
-    return (const mesh_scheme *)(const void *)choice_of_value(&TABLE, (int)scheme);
+    return (const mesh_scheme *)(const void *)choice_of_value(&bat_mesh_scheme_family, (int)scheme);
 }
 
 bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
@@ -71,5 +71,3 @@ bat_mesh_scheme bat_polygon_mesh_scheme_for(const bat_polygon_mesh *mesh)
     bat_mesh view = polygon_mesh_view(mesh);
     return 2 * polygons > mesh->face_count ? BAT_MESH_SCHEME_CATMULL_CLARK : bat_mesh_scheme_for(&view);
 }
-
-CHOICE_FUNCTIONS(bat_mesh_scheme, TABLE, 0)

@@ -454,9 +454,7 @@ static const bat_choice SIDES[] = {
     {.name = "centripetal", .summary = "in proportion to the root of distance", .value = BAT_CLOUD_SIDES_CENTRIPETAL},
     {.name = "uniform", .summary = "evenly", .value = BAT_CLOUD_SIDES_UNIFORM},
 };
-static const choice_table TABLE = CHOICE_TABLE("parameterization of sides", SIDES);
-
-CHOICE_FUNCTIONS(bat_cloud_sides, TABLE, 0)
+const bat_family bat_cloud_sides_family = FAMILY("parameterization of sides", SIDES);
 
 /// The parameter increment between consecutive points of the loop.
 static double step_between(const double *from, const double *to, bat_cloud_sides method)

@@ -42,9 +42,7 @@ static const bat_choice METHODS[] = {
      .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
      .value = BAT_CLOUD_PARAMETERIZE_ISOMETRIC},
 };
-static const choice_table TABLE = CHOICE_TABLE("parameterization", METHODS);
-
-CHOICE_FUNCTIONS(bat_cloud_parameterization, TABLE, 0)
+const bat_family bat_cloud_parameterization_family = FAMILY("parameterization", METHODS);
 
 bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
 {

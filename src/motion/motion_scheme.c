@@ -1,4 +1,4 @@
-#include "batten/motion_hermite.h"
+#include "batten/motion.h"
 
 #include "base/choice.h"
 #include "base/error.h"
@@ -19,7 +19,8 @@ typedef struct settings
 typedef struct entry
 {
     bat_choice choice;
-    void (*apply)(const settings *, bat_hermite_options *);
+    void (*apply)(const settings *, bat_hermite_options *); ///< null: not a Hermite scheme
+    bat_motion_method method;
 } entry;
 
 static void apply_hermite(const settings *s, bat_hermite_options *options)
@@ -45,25 +46,26 @@ static void apply_de_rham(const settings *s, bat_hermite_options *options)
 static const settings DEFAULTS = {.order = 1, .lambda = -0.125, .mu = -0.5, .base = BAT_CURVE_BASE_VERTEX};
 
 static const entry ENTRIES[] = {
+    {{.name = "spline", .summary = "a motion in time through its keys, with continuous velocity and acceleration"},
+     NULL,
+     BAT_MOTION_SPLINE},
     {{.name = "hermite",
       .settings = "order=1",
       .summary = "by points and tangents, order 1 through the points; any space; --rate samples it in time"},
-     apply_hermite},
+     apply_hermite,
+     BAT_MOTION_HERMITE},
     {{.name = "hermite-merrien",
       .settings = "lambda=-0.125,mu=-0.5,base=vertex",
       .summary = "Merrien's scheme by parallel transport, through the points, evenly spaced; any space"},
-     apply_merrien},
+     apply_merrien,
+     BAT_MOTION_HERMITE},
     {{.name = "hermite-de-rham",
       .settings = "base=vertex",
       .summary = "its de Rham transform by parallel transport, C2, near the points; any space"},
-     apply_de_rham},
+     apply_de_rham,
+     BAT_MOTION_HERMITE},
 };
-static const choice_table TABLE = CHOICE_TABLE("scheme", ENTRIES);
-
-bool bat_hermite_list(size_t index, bat_choice *choice)
-{
-    return choice_list(&TABLE, index, choice);
-}
+const bat_family bat_motion_scheme_family = FAMILY("scheme", ENTRIES);
 
 /// Whether the entry's settings text begins one of its items with `key=`.
 static bool takes(const entry *e, const char *key, size_t length)
@@ -104,7 +106,7 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
         if (text[key_length] != '=' || !takes(e, text, key_length))
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                              "the scheme %s has no setting '%.*s'; it takes: %s", e->choice.name, (int)key_length, text,
-                             e->choice.settings);
+                             e->choice.settings != NULL ? e->choice.settings : "none");
         const char *value = text + key_length + 1;
         size_t length = strcspn(value, ",");
         if (!read_setting(text, key_length, value, length, s))
@@ -121,17 +123,19 @@ static bat_status read_settings(const entry *e, const char *text, settings *s, b
     return OPTIONS_CHECK(s, ORDER, error);
 }
 
-bat_status bat_hermite_by_name(const char *name, bat_hermite_options *options, bat_error *error)
+bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *options, bat_error *error)
 {
     size_t length = strcspn(name, ":");
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
-    const entry *e = (const entry *)(const void *)choice_find(&TABLE, name, length);
+    const entry *e = (const entry *)(const void *)choice_find(&bat_motion_scheme_family, name, length);
     if (e == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
     settings s = DEFAULTS;
     bat_status status = read_settings(e, text, &s, error);
+    if (status == BAT_OK && e->apply != NULL)
+        e->apply(&s, &options->scheme);
     if (status == BAT_OK)
-        e->apply(&s, options);
+        options->method = e->method;
     return status;
 }
