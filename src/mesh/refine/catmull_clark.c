@@ -43,24 +43,8 @@ static void face_range(const void *context, size_t begin, size_t end)
     for (uint32_t f = (uint32_t)begin; f < end; f++)
         if (sides->quads && rows->dim == 3)
             face_row(rows, f, 4 * f, 4, 3);
-        else if (rows->dim == 3)
-            face_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), 3);
         else
-            face_row(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
-}
-
-/// Four rows of values.
-typedef struct four_rows
-{
-    const double *a, *b, *c, *d;
-} four_rows;
-
-/// The vertex on an edge from `a` to `b` of this weight of the sharp rule, between faces with the vertices `c` and `d`.
-static inline void blend_row(four_rows of, double sharpness, double *restrict to, size_t dim)
-{
-    double face = (1 - sharpness) / 4, end = 0.5 - face;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = end * (of.a[i] + of.b[i]) + face * (of.c[i] + of.d[i]);
+            BY_DIM(rows, face_row, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f));
 }
 
 /// Compute the vertex on an edge, from those of its faces.
@@ -76,14 +60,13 @@ static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, bool quad
     double sharpness = twin != BAT_MESH_NONE ? edge_weight(level, half_edge) : 1;
     if (sharpness == 1)
     {
-        for (size_t i = 0; i < dim; i++)
-            to[i] = 0.5 * (a[i] + b[i]);
+        middle_row(a, b, to, dim);
         return;
     }
     const double *middles = rows->to + faces_begin(links) * dim;
     const double *c = middles + (quads ? half_edge / 4 : sides_face(sides, half_edge)) * dim,
                  *d = middles + (quads ? twin / 4 : sides_face(sides, twin)) * dim;
-    blend_row((four_rows){a, b, c, d}, sharpness, to, dim);
+    blend_row((four_rows){a, b, c, d}, (1 - sharpness) / 4, to, dim);
 }
 
 static void edge_range(const void *context, size_t begin, size_t end)
@@ -98,10 +81,8 @@ static void edge_range(const void *context, size_t begin, size_t end)
             continue;
         if (sides->quads && rows->dim == 3)
             edge_row(rows, h, true, 3);
-        else if (rows->dim == 3)
-            edge_row(rows, h, sides->quads, 3);
         else
-            edge_row(rows, h, sides->quads, rows->dim);
+            BY_DIM(rows, edge_row, h, sides->quads);
     }
 }
 
@@ -279,12 +260,7 @@ static inline void halves_rows(const mesh_rows *rows, const edge_place *at, size
                  *b = rows->from + parent->faces[at->next] * dim;
     if (at->twin == BAT_MESH_NONE)
     {
-        for (size_t i = 0; i < dim; i++)
-        {
-            first[i] = 0.5 * (a[i] + own[i]);
-            second[i] = 0.5 * (own[i] + b[i]);
-            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
-        }
+        boundary_rows(a, own, b, to, first, second, dim);
         return;
     }
     const double *centres = rows->from + faces_begin(links) * dim, *c = centres + at->face * dim,
@@ -293,13 +269,13 @@ static inline void halves_rows(const mesh_rows *rows, const edge_place *at, size
                  *q = middles + at->next * dim, *r = middles + at->twin * dim, *s = middles + at->twin_next * dim;
     if (level->edge_sharpness != NULL)
     {
-        blend_row((four_rows){a, own, p, s}, edge_weight(level, near), first, dim);
-        blend_row((four_rows){own, b, q, r}, edge_weight(level, far), second, dim);
+        blend_row((four_rows){a, own, p, s}, (1 - edge_weight(level, near)) / 4, first, dim);
+        blend_row((four_rows){own, b, q, r}, (1 - edge_weight(level, far)) / 4, second, dim);
     }
     else
     {
-        blend_row((four_rows){a, own, p, s}, 0, first, dim);
-        blend_row((four_rows){own, b, q, r}, 0, second, dim);
+        blend_row((four_rows){a, own, p, s}, 1.0 / 4, first, dim);
+        blend_row((four_rows){own, b, q, r}, 1.0 / 4, second, dim);
     }
     for (size_t i = 0; i < dim; i++)
         to[i] = 0.5 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + ((p[i] + q[i]) + (r[i] + s[i])));
@@ -311,10 +287,8 @@ static void parent_range(const void *context, size_t begin, size_t end)
     for (uint32_t v = (uint32_t)begin; v < end; v++)
         if (mesh_is_sharp(rows->level, v))
             continue;
-        else if (rows->dim == 3)
-            parent_row(rows, v, 3);
         else
-            parent_row(rows, v, rows->dim);
+            BY_DIM(rows, parent_row, v);
 }
 
 /// The new vertices on the edges that the parent's faces own.
@@ -343,10 +317,7 @@ static void halves_range(const void *context, size_t begin, size_t end)
                          other,
                          inner ? sides_next(sides, other) : 0,
                          inner ? sides_face(sides, other) : 0};
-        if (rows->dim == 3)
-            halves_rows(rows, &at, 3);
-        else
-            halves_rows(rows, &at, rows->dim);
+        BY_DIM(rows, halves_rows, &at);
     }
 }
 
@@ -357,10 +328,8 @@ static void inner_range(const void *context, size_t begin, size_t end)
     for (uint32_t f = (uint32_t)begin; f < end; f++)
         if (sides->quads && rows->dim == 3)
             inner_rows(rows, f, 4 * f, 4, 3);
-        else if (rows->dim == 3)
-            inner_rows(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), 3);
         else
-            inner_rows(rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f), rows->dim);
+            BY_DIM(rows, inner_rows, f, sides_begin(sides, f), sides_begin(sides, f + 1) - sides_begin(sides, f));
 }
 
 void catmull_clark_rule(const mesh_rows *rows, int threads)

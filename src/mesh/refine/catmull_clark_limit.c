@@ -28,27 +28,6 @@ static double face_mean(const mesh_rows *rows, uint32_t face, size_t k)
     return sum / (end - begin);
 }
 
-static unsigned valence_of(const mesh_level *level, uint32_t vertex)
-{
-    uint32_t first = level->links->first[vertex], h = first;
-    unsigned valence = 0;
-    do
-    {
-        valence++;
-        h = sides_next_around(level, h);
-    } while (h != BAT_MESH_NONE && h != first);
-    return valence;
-}
-
-/// The half-edge from a vertex to its neighbour.
-static uint32_t half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
-{
-    uint32_t h = level->links->first[vertex];
-    while (level->faces[sides_next(&level->sides, h)] != neighbour)
-        h = sides_next_around(level, h);
-    return h;
-}
-
 /// The weights around a dart, whose sharp edge leads to neighbour 0, with weight 1 for the vertex: of neighbour i, and of
 /// the vertex opposite in the quad between the neighbours i and i + 1. In the equations of the left eigenvector, 7 w_i -
 /// w_(i-1)
@@ -81,12 +60,12 @@ static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vert
 {
     const mesh_level *level = rows->level;
     size_t dim = rows->dim;
-    unsigned valence = valence_of(level, vertex);
+    unsigned valence = mesh_valence(level, vertex);
     bool is_dart = sharp->kind == SHARP_DART;
     double n = valence, total = 1;
     for (unsigned i = 0; is_dart && i < valence; i++)
         total += dart_edge_weight(valence, i) + dart_face_weight(valence, i);
-    uint32_t h = is_dart ? half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
+    uint32_t h = is_dart ? mesh_half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
     const double *from = rows->from + vertex * dim;
     double *restrict to = rows->to + vertex * dim;
     double own = is_dart ? 1 / total : (n - 1) / (n + 5);
@@ -142,7 +121,7 @@ static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[
 {
     const mesh_level *level = job->level;
     uint32_t h = level->links->first[vertex];
-    unsigned valence = valence_of(level, vertex);
+    unsigned valence = mesh_valence(level, vertex);
     if (valence == 2)
     {
         normal_of_two(job, h, normal);
@@ -219,7 +198,6 @@ bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int thre
         .quads = true, .smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};
     bat_mesh view = polygon_mesh_view(mesh);
     bat_mesh_connectivity links = {0};
-    double *edges = NULL, *vertices = NULL;
     mesh_level level = {.faces = mesh->faces, .sides.quads = true, .links = &links, .coarse_count = mesh->vertex_count};
     bat_status status = bat_polygon_mesh_check(mesh, error);
     for (size_t f = 0; status == BAT_OK && f < mesh->face_count; f++)
@@ -229,17 +207,7 @@ bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int thre
     if (status == BAT_OK)
         status = sides_connect(&level.sides, mesh->faces, mesh->face_count, mesh->vertex_count, &links, error);
     if (status == BAT_OK)
-        status = sharpness_of_edges(&level, &view, 0, &edges, error);
-    if (status == BAT_OK)
-        status = sharpness_of_vertices(&level, &view, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
-    if (status == BAT_OK)
-    {
-        level.edge_sharpness = edges;
-        level.vertex_sharpness = vertices;
-        status = normals_compute(&level, mesh->positions, &RULES, threads, normals, error);
-    }
+        status = normals_compute(&level, &view, &RULES, threads, normals, error);
     bat_mesh_connectivity_free(&links);
-    free(edges);
-    free(vertices);
     return status;
 }

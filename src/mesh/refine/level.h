@@ -66,6 +66,64 @@ static inline uint32_t sides_next_around(const mesh_level *level, uint32_t half_
     return level->links->twin[sides_previous(&level->sides, half_edge)];
 }
 
+/// The number of faces at a vertex that has some.
+static inline unsigned mesh_valence(const mesh_level *level, uint32_t vertex)
+{
+    uint32_t first = level->links->first[vertex], h = first;
+    unsigned valence = 0;
+    do
+    {
+        valence++;
+        h = sides_next_around(level, h);
+    } while (h != BAT_MESH_NONE && h != first);
+    return valence;
+}
+
+/// The half-edge from a vertex to its neighbour; there is one, because the neighbour is not the last one of a boundary.
+static inline uint32_t mesh_half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
+{
+    uint32_t h = level->links->first[vertex];
+    while (level->faces[sides_next(&level->sides, h)] != neighbour)
+        h = sides_next_around(level, h);
+    return h;
+}
+
+/// Call the inline function of a row, with the last argument `dim`, so that it is compiled for three columns as well.
+#define BY_DIM(rows, row, ...) ((rows)->dim == 3 ? row(rows, __VA_ARGS__, 3) : row(rows, __VA_ARGS__, (rows)->dim))
+
+/// Four rows of values.
+typedef struct four_rows
+{
+    const double *a, *b, *c, *d;
+} four_rows;
+
+/// The vertex on an edge from `a` to `b`: `side` times the rows beside it, `c` and `d`, and the rest of the ends.
+static inline void blend_row(four_rows of, double side, double *restrict to, size_t dim)
+{
+    double end = 0.5 - side;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = end * (of.a[i] + of.b[i]) + side * (of.c[i] + of.d[i]);
+}
+
+/// The midpoint of an edge.
+static inline void middle_row(const double *a, const double *b, double *restrict to, size_t dim)
+{
+    for (size_t i = 0; i < dim; i++)
+        to[i] = 0.5 * (a[i] + b[i]);
+}
+
+/// The vertex `own` on a boundary edge from `a` to `b` of the level before, and the new ones on its halves.
+static inline void boundary_rows(const double *a, const double *own, const double *b, double *restrict to,
+                                 double *restrict first, double *restrict second, size_t dim)
+{
+    for (size_t i = 0; i < dim; i++)
+    {
+        first[i] = 0.5 * (a[i] + own[i]);
+        second[i] = 0.5 * (own[i] + b[i]);
+        to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
+    }
+}
+
 /// The last vertex of a half-edge.
 static inline uint32_t mesh_end(const uint32_t *faces, uint32_t half_edge)
 {

@@ -98,20 +98,6 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
     write_row(rows, vertex, &mask, ends, dim);
 }
 
-/// Four rows of values.
-typedef struct four_rows
-{
-    const double *a, *b, *c, *d;
-} four_rows;
-
-/// The vertex on an edge from `a` to `b` of this weight of the sharp rule, with the opposite vertices `c` and `d`.
-static inline void blend_row(four_rows of, double sharpness, double *restrict to, size_t dim)
-{
-    double opposite = (1 - sharpness) / 8, end = 0.5 - opposite;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = end * (of.a[i] + of.b[i]) + opposite * (of.c[i] + of.d[i]);
-}
-
 /// Compute the vertex on the parent's edge of a half-edge and the new vertices on both halves. The first one is regular: its
 /// neighbours are the ends of that edge and the vertices on the other edges of both faces.
 static inline void halves_rows(const mesh_rows *rows, uint32_t half_edge, size_t dim)
@@ -127,12 +113,7 @@ static inline void halves_rows(const mesh_rows *rows, uint32_t half_edge, size_t
     const double *own = rows->from + vertex * dim, *a = rows->from + begin * dim, *b = rows->from + end * dim;
     if (twin == BAT_MESH_NONE)
     {
-        for (size_t i = 0; i < dim; i++)
-        {
-            first[i] = 0.5 * (a[i] + own[i]);
-            second[i] = 0.5 * (own[i] + b[i]);
-            to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (a[i] + b[i]);
-        }
+        boundary_rows(a, own, b, to, first, second, dim);
         return;
     }
     const double *c = rows->from + (new_vertex + edge[bat_mesh_next(half_edge)]) * dim,
@@ -141,13 +122,13 @@ static inline void halves_rows(const mesh_rows *rows, uint32_t half_edge, size_t
                  *f = rows->from + (new_vertex + edge[bat_mesh_previous(twin)]) * dim;
     if (level->edge_sharpness != NULL)
     {
-        blend_row((four_rows){a, own, d, e}, edge_weight(level, near), first, dim);
-        blend_row((four_rows){own, b, c, f}, edge_weight(level, far), second, dim);
+        blend_row((four_rows){a, own, d, e}, (1 - edge_weight(level, near)) / 8, first, dim);
+        blend_row((four_rows){own, b, c, f}, (1 - edge_weight(level, far)) / 8, second, dim);
     }
     else
     {
-        blend_row((four_rows){a, own, d, e}, 0, first, dim);
-        blend_row((four_rows){own, b, c, f}, 0, second, dim);
+        blend_row((four_rows){a, own, d, e}, 1.0 / 8, first, dim);
+        blend_row((four_rows){own, b, c, f}, 1.0 / 8, second, dim);
     }
     for (size_t i = 0; i < dim; i++)
         to[i] = 5.0 / 8 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + (e[i] + f[i]));
@@ -165,7 +146,7 @@ static inline void inner_rows(const mesh_rows *rows, uint32_t face, size_t dim)
     {
         uint32_t inside = split_near(3 * face + c) + 1;
         four_rows of = {middle[c], middle[(c + 2) % 3], rows->from + corner[c] * dim, middle[(c + 1) % 3]};
-        blend_row(of, 0, edges + level->links->edge[inside] * dim, dim);
+        blend_row(of, 1.0 / 8, edges + level->links->edge[inside] * dim, dim);
     }
 }
 
@@ -175,10 +156,8 @@ static void vertex_range(const void *context, size_t begin, size_t end)
     for (size_t v = begin; v < end; v++)
         if (mesh_is_sharp(rows->level, v))
             continue;
-        else if (rows->dim == 3)
-            vertex_row(rows, (uint32_t)v, false, false, 3);
         else
-            vertex_row(rows, (uint32_t)v, false, false, rows->dim);
+            BY_DIM(rows, vertex_row, (uint32_t)v, false, false);
 }
 
 /// The vertices that the parent has as well.
@@ -188,10 +167,8 @@ static void parent_range(const void *context, size_t begin, size_t end)
     for (size_t v = begin; v < end; v++)
         if (mesh_is_sharp(rows->level, v))
             continue;
-        else if (rows->dim == 3)
-            vertex_row(rows, (uint32_t)v, false, true, 3);
         else
-            vertex_row(rows, (uint32_t)v, false, true, rows->dim);
+            BY_DIM(rows, vertex_row, (uint32_t)v, false, true);
 }
 
 /// The new vertices in some faces of the parent and on the edges that these own.
@@ -205,15 +182,9 @@ static void faces_range(const void *context, size_t begin, size_t end)
         {
             if (!mesh_owns(twin, h))
                 continue;
-            if (rows->dim == 3)
-                halves_rows(rows, h, 3);
-            else
-                halves_rows(rows, h, rows->dim);
+            BY_DIM(rows, halves_rows, h);
         }
-        if (rows->dim == 3)
-            inner_rows(rows, f, 3);
-        else
-            inner_rows(rows, f, rows->dim);
+        BY_DIM(rows, inner_rows, f);
     }
 }
 
@@ -228,13 +199,12 @@ static inline void edge_row(const mesh_rows *rows, uint32_t half_edge, size_t di
     double sharpness = twin != BAT_MESH_NONE ? edge_weight(level, half_edge) : 1;
     if (sharpness == 1)
     {
-        for (size_t i = 0; i < dim; i++)
-            to[i] = 0.5 * (a[i] + b[i]);
+        middle_row(a, b, to, dim);
         return;
     }
     const double *c = rows->from + mesh_opposite(level->faces, half_edge) * dim,
                  *d = rows->from + mesh_opposite(level->faces, twin) * dim;
-    blend_row((four_rows){a, b, c, d}, sharpness, to, dim);
+    blend_row((four_rows){a, b, c, d}, (1 - sharpness) / 8, to, dim);
 }
 
 /// Compute the new vertices on the edges that some faces own.
@@ -246,20 +216,14 @@ static void edge_range(const void *context, size_t begin, size_t end)
     {
         if (!mesh_owns(twin, h))
             continue;
-        if (rows->dim == 3)
-            edge_row(rows, h, 3);
-        else
-            edge_row(rows, h, rows->dim);
+        BY_DIM(rows, edge_row, h);
     }
 }
 
 static void sharp_vertex_row(const void *context, uint32_t vertex)
 {
     const mesh_rows *rows = context;
-    if (rows->dim == 3)
-        vertex_row(rows, vertex, true, false, 3);
-    else
-        vertex_row(rows, vertex, true, false, rows->dim);
+    BY_DIM(rows, vertex_row, vertex, true, false);
 }
 
 void loop_rule(const mesh_rows *rows, int threads)

@@ -49,37 +49,16 @@ static dart_weights dart_make(unsigned valence)
     return dart;
 }
 
-static unsigned valence_of(const bat_mesh_connectivity *links, uint32_t vertex)
-{
-    uint32_t first = links->first[vertex], h = first;
-    unsigned valence = 0;
-    do
-    {
-        valence++;
-        h = bat_mesh_next_around(links, h);
-    } while (h != BAT_MESH_NONE && h != first);
-    return valence;
-}
-
-/// The half-edge from a vertex to its neighbour.
-static uint32_t half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
-{
-    uint32_t h = level->links->first[vertex];
-    while (mesh_end(level->faces, h) != neighbour)
-        h = bat_mesh_next_around(level->links, h);
-    return h;
-}
-
 static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp)
 {
     const mesh_level *level = rows->level;
     size_t dim = rows->dim;
     bool is_dart = sharp->kind == SHARP_DART;
-    unsigned valence = valence_of(level->links, vertex);
+    unsigned valence = mesh_valence(level, vertex);
     dart_weights dart = is_dart ? dart_make(valence) : (dart_weights){0};
     double ring = is_dart ? 0 : limit_ring_weight(valence);
     double own = is_dart ? 1 / dart.total : 1 - valence * ring;
-    uint32_t h = is_dart ? half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
+    uint32_t h = is_dart ? mesh_half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
     const double *from = rows->from + vertex * dim;
     double *restrict to = rows->to + vertex * dim;
     for (size_t i = 0; i < dim; i++)
@@ -108,7 +87,7 @@ static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[
 {
     const mesh_level *level = job->level;
     uint32_t h = level->links->first[vertex];
-    unsigned valence = valence_of(level->links, vertex);
+    unsigned valence = mesh_valence(level, vertex);
     double a[3] = {0}, b[3] = {0};
     for (unsigned j = 0; j < valence; j++)
     {
@@ -160,23 +139,12 @@ bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *nor
 {
     static const normal_rules RULES = {.smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};
     bat_mesh_connectivity links = {0};
-    double *edges = NULL, *vertices = NULL;
     mesh_level level = {.faces = mesh->faces, .links = &links, .coarse_count = mesh->vertex_count};
     bat_status status = bat_mesh_check(mesh, error);
     if (status == BAT_OK)
         status = bat_mesh_connect(mesh, &links, error);
     if (status == BAT_OK)
-        status = sharpness_of_edges(&level, mesh, 0, &edges, error);
-    if (status == BAT_OK)
-        status = sharpness_of_vertices(&level, mesh, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
-    if (status == BAT_OK)
-    {
-        level.edge_sharpness = edges;
-        level.vertex_sharpness = vertices;
-        status = normals_compute(&level, mesh->positions, &RULES, threads, normals, error);
-    }
+        status = normals_compute(&level, mesh, &RULES, threads, normals, error);
     bat_mesh_connectivity_free(&links);
-    free(edges);
-    free(vertices);
     return status;
 }

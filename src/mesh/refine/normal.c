@@ -57,15 +57,6 @@ static unsigned faces_to(const mesh_level *level, uint32_t half_edge, uint32_t e
     return faces;
 }
 
-/// The half-edge from a vertex to its neighbour; there is one, because the neighbour is not the last one of a boundary.
-static uint32_t half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
-{
-    uint32_t h = level->links->first[vertex];
-    while (level->faces[sides_next(&level->sides, h)] != neighbour)
-        h = sides_next_around(level, h);
-    return h;
-}
-
 /// The normal of a vertex on a crease: the mean of both sides. A boundary vertex has one side.
 static void crease_normal(const normal_job *job, uint32_t vertex, const sharp_vertex *sharp, double normal[3])
 {
@@ -74,7 +65,7 @@ static void crease_normal(const normal_job *job, uint32_t vertex, const sharp_ve
     double sum[3] = {0};
     for (int s = 0; s < (boundary ? 1 : 2); s++)
     {
-        uint32_t h = half_edge_to(level, vertex, sharp->ends[s]);
+        uint32_t h = mesh_half_edge_to(level, vertex, sharp->ends[s]);
         double one[3];
         job->rules->side(job, h, faces_to(level, h, sharp->ends[1 - s]), one);
         (void)normalize(one);
@@ -190,23 +181,11 @@ static void apply_tangent(const normal_job *job, uint32_t vertex, uint32_t half_
     }
 }
 
-static unsigned valence_of(const mesh_level *level, uint32_t vertex)
-{
-    uint32_t first = level->links->first[vertex], h = first;
-    unsigned valence = 0;
-    do
-    {
-        valence++;
-        h = sides_next_around(level, h);
-    } while (h != BAT_MESH_NONE && h != first);
-    return valence;
-}
-
 /// The normal of a dart. `room` holds 2 (1 + 2 valence) numbers.
 static void dart_normal(const normal_job *job, uint32_t vertex, uint32_t neighbour, double *room)
 {
-    unsigned valence = valence_of(job->level, vertex);
-    uint32_t h = half_edge_to(job->level, vertex, neighbour);
+    unsigned valence = mesh_valence(job->level, vertex);
+    uint32_t h = mesh_half_edge_to(job->level, vertex, neighbour);
     double along[3], across[3], *row = room, *rest = room + 1 + 2 * (size_t)valence;
     find_tangent(job->rules, valence, 1, row, rest);
     apply_tangent(job, vertex, h, valence, row, along);
@@ -229,7 +208,7 @@ static bat_status dart_normals(const normal_job *job, bat_error *error)
         sharpness_around(level, level->faces[h], &sharp, NULL, NULL);
         if (sharp.kind != SHARP_DART)
             continue;
-        size_t size = 2 * (1 + 2 * (size_t)valence_of(level, level->faces[h]));
+        size_t size = 2 * (1 + 2 * (size_t)mesh_valence(level, level->faces[h]));
         double *room = memory_array(size, sizeof *room);
         if (room == NULL)
             return error_memory(error, size * sizeof *room);
@@ -240,10 +219,22 @@ static bat_status dart_normals(const normal_job *job, bat_error *error)
     return BAT_OK;
 }
 
-bat_status normals_compute(const mesh_level *level, const double *positions, const normal_rules *rules, int threads,
-                           double *normals, bat_error *error)
+bat_status normals_compute(mesh_level *level, const bat_mesh *mesh, const normal_rules *rules, int threads, double *normals,
+                           bat_error *error)
 {
-    normal_job job = {level, positions, normals, rules};
-    mesh_share(normal_range, &job, level->links->vertex_count, threads);
-    return dart_normals(&job, error);
+    double *edges = NULL, *vertices = NULL;
+    normal_job job = {level, mesh->positions, normals, rules};
+    bat_status status = sharpness_of_edges(level, mesh, 0, &edges, error);
+    if (status == BAT_OK)
+        status = sharpness_of_vertices(level, mesh, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
+    if (status == BAT_OK)
+    {
+        level->edge_sharpness = edges;
+        level->vertex_sharpness = vertices;
+        mesh_share(normal_range, &job, level->links->vertex_count, threads);
+        status = dart_normals(&job, error);
+    }
+    free(edges);
+    free(vertices);
+    return status;
 }

@@ -35,8 +35,9 @@ void normal_add_way(const normal_job *job, double weight, uint32_t from, uint32_
 
 /// Compute the unit normals at all vertices: on a crease the mean of both sides; at corners the area-weighted mean of the
 /// faces around; zero for a vertex without a face, and where the normal is not defined.
+/// @param level the mesh's, whose sharpness is set for the time of the call
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status normals_compute(const mesh_level *level, const double *positions, const normal_rules *rules, int threads,
-                           double *normals, bat_error *error);
+bat_status normals_compute(mesh_level *level, const bat_mesh *mesh, const normal_rules *rules, int threads, double *normals,
+                           bat_error *error);
 
 #endif
