@@ -47,9 +47,6 @@ BAT_API size_t bat_knot_vector_span(const bat_knot_vector *knots, double t);
 /// @param values receives (derivatives + 1) x (degree + 1) numbers: row k the k-th derivatives of functions span - degree to
 ///               span
 BAT_API void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, int derivatives, double *values);
-/// The Greville abscissae: the mean of a function's `degree` inner knots.
-/// @param abscissae receives as many numbers as there are functions; of degree 0 the middles of the spans
-BAT_API void bat_knot_vector_greville(const bat_knot_vector *knots, double *abscissae);
 
 /// A spline curve. Release it with bat_spline_curve_free().
 typedef struct bat_spline_curve
@@ -87,16 +84,6 @@ BAT_API void bat_tensor_surface_free(bat_tensor_surface *surface);
 /// @return BAT_OK or BAT_INVALID_POINT with the parameter that is not in the domain
 BAT_API bat_status bat_tensor_surface_evaluate(const bat_tensor_surface *surface, const double *parameters, size_t count,
                                                int derivatives, double *values, bat_error *error);
-/// Insert a knot without changing the surface (Boehm's algorithm; The NURBS Book, A5.3).
-/// @param direction 0 for u, 1 for v
-/// @param knot      in the domain, not above multiplicity degree + 1 afterwards
-/// @return BAT_OK; BAT_INVALID_ARGUMENT or BAT_INVALID_POINT as bat_tensor_surface_check(), for the direction or for the
-///         knot; BAT_NO_MEMORY. The surface is untouched on failure
-BAT_API bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direction, double knot, bat_error *error);
-/// Raise the degree in a direction by one without changing the surface over its domain (Prautzsch, "Degree elevation of
-/// B-spline curves", 1984: new control points are means of blossoms).
-/// @return as bat_tensor_surface_insert_knot(); BAT_INVALID_ARGUMENT from the highest degree on
-BAT_API bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction, bat_error *error);
 
 BAT_C_END
 

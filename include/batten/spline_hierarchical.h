@@ -149,9 +149,6 @@ typedef struct bat_spline_surface
     bat_spline_trim trim;          ///< the part that counts; all zero: the whole surface. Evaluation ignores it
 } bat_spline_surface;
 
-/// Copy a surface with its space.
-/// @return BAT_OK or BAT_NO_MEMORY
-BAT_API bat_status bat_spline_surface_copy(const bat_spline_surface *surface, bat_spline_surface *copy, bat_error *error);
 /// Free what a surface owns and make it empty.
 BAT_API void bat_spline_surface_free(bat_spline_surface *surface);
 /// As bat_tensor_surface_evaluate(), on all threads.

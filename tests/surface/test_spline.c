@@ -131,38 +131,6 @@ static void test_derivatives(void **state)
     }
 }
 
-/// Greville's abscissae are the coefficients of the parameter itself.
-static void test_greville(void **state)
-{
-    (void)state;
-    bat_random random = bat_random_seed(3);
-    for (int trial = 0; trial < 200; trial++)
-    {
-        int degree = 1 + trial % 8;
-        bat_knot_vector knots = random_knots(&random, degree, false);
-        double abscissae[128], values[18], t = random_parameter(&random, &knots), at = 0, slope = 0;
-        assert_true(bat_knot_vector_functions(&knots) <= 128);
-        bat_knot_vector_greville(&knots, abscissae);
-        size_t span = bat_knot_vector_span(&knots, t);
-        bat_knot_vector_basis(&knots, span, t, 1, values);
-        for (int a = 0; a <= degree; a++)
-        {
-            at += abscissae[span - (size_t)(degree - a)] * values[a];
-            slope += abscissae[span - (size_t)(degree - a)] * values[degree + 1 + a];
-        }
-        check_near(at, t, 1e-13);
-        check_near(slope, 1, 1e-13);
-        bat_knot_vector_free(&knots);
-    }
-    bat_knot_vector steps;
-    double middles[4];
-    assert_int_equal(bat_knot_vector_uniform(0, 4, &steps, NULL), BAT_OK);
-    bat_knot_vector_greville(&steps, middles);
-    for (int i = 0; i < 4; i++)
-        check_near(middles[i], (i + 0.5) / 4, 0);
-    bat_knot_vector_free(&steps);
-}
-
 static void check_refused(double *numbers, size_t count, int degree, size_t index)
 {
     bat_knot_vector knots = {numbers, count, degree};
@@ -268,105 +236,6 @@ static void check_same(bat_random *random, const bat_tensor_surface *a, const ba
         for (size_t d = 0; d < a->dimension; d++)
             check_near(here[d], there[d], tolerance);
     }
-}
-
-static void test_insert_knot(void **state)
-{
-    (void)state;
-    bat_random random = bat_random_seed(5);
-    for (int trial = 0; trial < 200; trial++)
-    {
-        bat_tensor_surface s = random_surface(&random, trial % 6, trial / 6 % 6, false), before;
-        assert_int_equal(bat_tensor_surface_copy(&s, &before, NULL), BAT_OK);
-        for (int k = 0; k < 6; k++)
-        {
-            int d = k % 2;
-            double knot = random_parameter(&random, &s.knots[d]);
-            size_t count = s.knots[d].count, there = 0;
-            for (size_t i = 0; i < count; i++)
-                there += s.knots[d].knots[i] == knot;
-            bat_status status = bat_tensor_surface_insert_knot(&s, d, knot, NULL);
-            assert_int_equal(status, there > (size_t)s.knots[d].degree ? BAT_INVALID_ARGUMENT : BAT_OK);
-            assert_int_equal(s.knots[d].count, count + (status == BAT_OK));
-            assert_int_equal(bat_tensor_surface_check(&s, NULL), BAT_OK);
-            check_near(domain_begin(&s.knots[d]), domain_begin(&before.knots[d]), 0);
-            check_near(domain_end(&s.knots[d]), domain_end(&before.knots[d]), 0);
-        }
-        check_same(&random, &s, &before, 1e-13);
-        bat_tensor_surface_free(&s);
-        bat_tensor_surface_free(&before);
-    }
-}
-
-/// De Casteljau's triangle of a cubic of Bézier at its middle, and what is refused.
-static void test_insert_into_bezier(void **state)
-{
-    (void)state;
-    double control[] = {1, 2, 4, 8, 1, 1, 1, 1};
-    bat_tensor_surface s = {.dimension = 1}, bezier = {.control = control, .dimension = 1};
-    assert_int_equal(bat_knot_vector_uniform(3, 1, &bezier.knots[0], NULL), BAT_OK);
-    assert_int_equal(bat_knot_vector_uniform(1, 1, &bezier.knots[1], NULL), BAT_OK);
-    assert_int_equal(bat_tensor_surface_copy(&bezier, &s, NULL), BAT_OK);
-    for (int k = 0; k < 3; k++)
-        assert_int_equal(bat_tensor_surface_insert_knot(&s, 0, 0.5, NULL), BAT_OK);
-    const double expected[] = {1, 1.5, 2.25, 3.375, 4.5, 6, 8};
-    for (int i = 0; i < 7; i++)
-    {
-        check_near(s.control[i], expected[i], 1e-15);
-        check_near(s.control[7 + i], 1, 0);
-    }
-    assert_int_equal(bat_tensor_surface_insert_knot(&s, 0, 1, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_tensor_surface_insert_knot(&s, 0, 1.5, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_tensor_surface_insert_knot(&s, 0, NAN, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_tensor_surface_insert_knot(&s, 2, 0.5, NULL), BAT_INVALID_ARGUMENT);
-    bat_tensor_surface_free(&s);
-    bat_knot_vector_free(&bezier.knots[0]);
-    bat_knot_vector_free(&bezier.knots[1]);
-}
-
-static void test_elevate(void **state)
-{
-    (void)state;
-    bat_random random = bat_random_seed(6);
-    for (int trial = 0; trial < 200; trial++)
-    {
-        bat_tensor_surface s = random_surface(&random, trial % 5, trial / 5 % 5, trial % 3 == 0), before;
-        assert_int_equal(bat_tensor_surface_copy(&s, &before, NULL), BAT_OK);
-        for (int k = 0; k < 3; k++)
-        {
-            int d = (trial + k) % 2, degree = s.knots[d].degree;
-            assert_int_equal(bat_tensor_surface_elevate(&s, d, NULL), BAT_OK);
-            assert_int_equal(s.knots[d].degree, degree + 1);
-            assert_int_equal(bat_tensor_surface_check(&s, NULL), BAT_OK);
-            check_near(domain_begin(&s.knots[d]), domain_begin(&before.knots[d]), 0);
-            check_near(domain_end(&s.knots[d]), domain_end(&before.knots[d]), 0);
-        }
-        check_same(&random, &s, &before, 1e-13);
-        bat_tensor_surface_free(&s);
-        bat_tensor_surface_free(&before);
-    }
-}
-
-/// The textbook's rule for Bézier curves: a new point divides a side of the polygon.
-static void test_elevate_bezier(void **state)
-{
-    (void)state;
-    double control[] = {1, 2, 4, 8, 1, 1, 1, 1};
-    bat_tensor_surface s = {.dimension = 1}, bezier = {.control = control, .dimension = 1};
-    assert_int_equal(bat_knot_vector_uniform(3, 1, &bezier.knots[0], NULL), BAT_OK);
-    assert_int_equal(bat_knot_vector_uniform(1, 1, &bezier.knots[1], NULL), BAT_OK);
-    assert_int_equal(bat_tensor_surface_copy(&bezier, &s, NULL), BAT_OK);
-    assert_int_equal(bat_tensor_surface_elevate(&s, 0, NULL), BAT_OK);
-    for (int i = 0; i <= 4; i++)
-        check_near(s.control[i], (i > 0 ? i / 4. * control[i - 1] : 0) + (i < 4 ? (1 - i / 4.) * control[i] : 0), 1e-14);
-    for (int degree = 5; degree <= BAT_SPLINE_MAX_DEGREE; degree++)
-        assert_int_equal(bat_tensor_surface_elevate(&s, 0, NULL), BAT_OK);
-    bat_random random = bat_random_seed(7);
-    check_same(&random, &s, &bezier, 1e-13);
-    assert_int_equal(bat_tensor_surface_elevate(&s, 0, NULL), BAT_INVALID_ARGUMENT);
-    bat_tensor_surface_free(&s);
-    bat_knot_vector_free(&bezier.knots[0]);
-    bat_knot_vector_free(&bezier.knots[1]);
 }
 
 static void test_check_surface(void **state)
@@ -490,19 +359,9 @@ static void test_two_scale(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_basis),
-        cmocka_unit_test(test_derivatives),
-        cmocka_unit_test(test_greville),
-        cmocka_unit_test(test_knot_vectors),
-        cmocka_unit_test(test_tensor_surface),
-        cmocka_unit_test(test_insert_knot),
-        cmocka_unit_test(test_insert_into_bezier),
-        cmocka_unit_test(test_elevate),
-        cmocka_unit_test(test_elevate_bezier),
-        cmocka_unit_test(test_check_surface),
-        cmocka_unit_test(test_restrict),
-        cmocka_unit_test(test_uniform_values),
-        cmocka_unit_test(test_two_scale),
+        cmocka_unit_test(test_basis),          cmocka_unit_test(test_derivatives),   cmocka_unit_test(test_knot_vectors),
+        cmocka_unit_test(test_tensor_surface), cmocka_unit_test(test_check_surface), cmocka_unit_test(test_restrict),
+        cmocka_unit_test(test_uniform_values), cmocka_unit_test(test_two_scale),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

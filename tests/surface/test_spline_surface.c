@@ -317,22 +317,6 @@ static void test_patches(void **state)
     }
 }
 
-static void test_copy(void **state)
-{
-    (void)state;
-    bat_random random = bat_random_seed(7);
-    bat_hierarchical_options options = random_options(&random, 3);
-    bat_spline_surface s = random_surface(&random, &options, 3), copy;
-    assert_int_equal(bat_spline_surface_copy(&s, &copy, NULL), BAT_OK);
-    assert_int_equal(copy.dimension, s.dimension);
-    assert_memory_equal(copy.control, s.control,
-                        bat_hierarchical_space_functions(s.space) * s.dimension * sizeof *s.control);
-    check_same_surface(&random, &s, &copy);
-    bat_spline_surface_free(&s);
-    bat_spline_surface_free(&copy);
-    assert_null(copy.space);
-}
-
 /// Sums over a cell in its local functions, taken to the basis by its extraction, are the sums in the basis.
 static void test_extraction(void **state)
 {
@@ -380,8 +364,7 @@ int main(void)
         cmocka_unit_test(test_evaluate),    cmocka_unit_test(test_bad_parameters),
         cmocka_unit_test(test_polynomials), cmocka_unit_test(test_finite_differences),
         cmocka_unit_test(test_prolong),     cmocka_unit_test(test_prolong_refuses),
-        cmocka_unit_test(test_patches),     cmocka_unit_test(test_copy),
-        cmocka_unit_test(test_extraction),
+        cmocka_unit_test(test_patches),     cmocka_unit_test(test_extraction),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -162,28 +162,6 @@ void bat_hierarchical_space_basis(const bat_hierarchical_space *space, size_t ce
         hierarchical_extract_products(space, found, local + k * locals, 1, values + k * found->active);
 }
 
-bat_status bat_spline_surface_copy(const bat_spline_surface *surface, bat_spline_surface *copy, bat_error *error)
-{
-    bat_spline_surface made = {.dimension = surface->dimension};
-    size_t count = bat_hierarchical_space_functions(surface->space) * surface->dimension;
-    bat_status status = bat_hierarchical_space_copy(surface->space, &made.space, error);
-    if (status != BAT_OK)
-        return status;
-    made.control = memory_array(count, sizeof *made.control);
-    if (made.control == NULL)
-    {
-        bat_spline_surface_free(&made);
-        return error_memory(error, count * sizeof *made.control);
-    }
-    memcpy(made.control, surface->control, count * sizeof *made.control);
-    status = bat_spline_trim_copy(&surface->trim, &made.trim, error);
-    if (status == BAT_OK)
-        *copy = made;
-    else
-        bat_spline_surface_free(&made);
-    return status;
-}
-
 void bat_spline_surface_free(bat_spline_surface *surface)
 {
     bat_hierarchical_space_free(surface->space);

@@ -142,22 +142,3 @@ void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, 
         }
     }
 }
-
-void bat_knot_vector_greville(const bat_knot_vector *knots, double *abscissae)
-{
-    size_t p = (size_t)knots->degree;
-    for (size_t i = 0; i < bat_knot_vector_functions(knots); i++)
-    {
-        const double *inner = knots->knots + i + 1;
-        if (p == 0)
-        {
-            abscissae[i] = (inner[-1] + inner[0]) / 2;
-            continue;
-        }
-        // Sums of offsets from the first knot are exact when all knots coincide.
-        double sum = 0;
-        for (size_t k = 1; k < p; k++)
-            sum += inner[k] - inner[0];
-        abscissae[i] = inner[0] + sum / (double)p;
-    }
-}

@@ -200,21 +200,6 @@ static bat_status convert(bat_tensor_surface *surface, int direction, conversion
     return BAT_OK;
 }
 
-/// Apply a conversion and free it.
-static bat_status convert_and_free(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
-{
-    bat_status status = convert(surface, direction, to, error);
-    conversion_free(to);
-    return status;
-}
-
-static bat_status check_direction(const bat_tensor_surface *surface, int direction, bat_error *error)
-{
-    if (direction != 0 && direction != 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "direction %d is neither 0 nor 1", direction);
-    return bat_tensor_surface_check(surface, error);
-}
-
 /// The index of the last knot <= t, which is not the last of all knots.
 static size_t last_not_above(const bat_knot_vector *knots, double t)
 {
@@ -222,124 +207,6 @@ static size_t last_not_above(const bat_knot_vector *knots, double t)
     while (knots->knots[last] > t)
         last--;
     return last;
-}
-
-/// Boehm's algorithm: c'_i = share_i c_i + (1 - share_i) c_i-1.
-static void insert_weights(const bat_knot_vector *old, double knot, size_t span, conversion *to)
-{
-    size_t p = (size_t)old->degree, functions = bat_knot_vector_functions(old);
-    memset(to->weights, 0, (functions + 1) * (p + 1) * sizeof *to->weights);
-    for (size_t i = 0; i <= functions; i++)
-    {
-        double share = i + p <= span ? 1 : 0;
-        if (i + p > span && i <= span && i < functions)
-            share = (knot - old->knots[i]) / (old->knots[i + p] - old->knots[i]);
-        // The weights of a row refer to existing control points only.
-        size_t first = i < functions - p ? i : functions - p - 1;
-        first -= first == i && i > 0 && share < 1;
-        to->first[i] = first;
-        if (share > 0)
-            to->weights[i * (p + 1) + i - first] = share;
-        if (share < 1)
-            to->weights[i * (p + 1) + i - 1 - first] = 1 - share;
-    }
-}
-
-bat_status bat_tensor_surface_insert_knot(bat_tensor_surface *surface, int direction, double knot, bat_error *error)
-{
-    bat_status status = check_direction(surface, direction, error);
-    if (status != BAT_OK)
-        return status;
-    const bat_knot_vector *old = &surface->knots[direction];
-    size_t p = (size_t)old->degree;
-    if (!(knot >= old->knots[p] && knot <= old->knots[bat_knot_vector_functions(old)]))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the knot %g is not in the domain, %g to %g", knot,
-                         old->knots[p], old->knots[bat_knot_vector_functions(old)]);
-    size_t span = last_not_above(old, knot);
-    if (span >= p && old->knots[span - p] == knot)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the knot %g already has multiplicity %zu", knot,
-                         p + 1);
-    conversion to;
-    status = conversion_make(old, old->count + 1, old->degree, &to, error);
-    if (status != BAT_OK)
-        return status;
-    memcpy(to.knots.knots, old->knots, (span + 1) * sizeof *old->knots);
-    to.knots.knots[span + 1] = knot;
-    memcpy(to.knots.knots + span + 2, old->knots + span + 1, (old->count - span - 1) * sizeof *old->knots);
-    insert_weights(old, knot, span, &to);
-    return convert_and_free(surface, direction, &to, error);
-}
-
-/// The knots after degree elevation: those in the domain gain one in multiplicity; those outside do not matter.
-static bat_status elevate_knots(const bat_knot_vector *old, conversion *to, bat_error *error)
-{
-    size_t p = (size_t)old->degree, last = old->count - 1, functions = bat_knot_vector_functions(old);
-    const double *knots = old->knots;
-    // The last knot at the beginning of the domain and the first at its end.
-    size_t begin = last_not_above(old, knots[p]), end = functions, inner = 0;
-    while (knots[end - 1] == knots[functions])
-        end--;
-    for (size_t i = begin + 1; i < end; i++)
-        inner += knots[i] != knots[i - 1] ? 2 : 1;
-    size_t before = begin + 2, after = last - end + 2;
-    bat_status status = conversion_make(old, before + inner + after, old->degree + 1, to, error);
-    if (status != BAT_OK)
-        return status;
-    double *next = to->knots.knots;
-    memcpy(next, knots, (begin + 1) * sizeof *next);
-    next += begin + 1;
-    *next++ = knots[begin];
-    for (size_t i = begin + 1; i < end; i++)
-    {
-        *next++ = knots[i];
-        if (i + 1 == end || knots[i + 1] != knots[i])
-            *next++ = knots[i];
-    }
-    *next++ = knots[end];
-    memcpy(next, knots + end, (last - end + 1) * sizeof *next);
-    return BAT_OK;
-}
-
-/// New control point i is the mean of the blossom over the degree + 1 subsets of its inner knots (Prautzsch, 1984).
-static void elevate_weights(const bat_knot_vector *old, conversion *to)
-{
-    size_t p = (size_t)old->degree, functions = bat_knot_vector_functions(&to->knots);
-    double begin = old->knots[p], end = old->knots[bat_knot_vector_functions(old)];
-    memset(to->weights, 0, functions * (p + 1) * sizeof *to->weights);
-    for (size_t i = 0; i < functions; i++)
-    {
-        // Every segment of the support gives the same value; the middle one is best conditioned.
-        const double *support = to->knots.knots + i, *inner = support + 1;
-        double low = fmax(fmin(support[0], end), begin), high = fmin(fmax(support[p + 2], begin), end);
-        size_t span = bat_knot_vector_span(old, low + (high - low) / 2);
-        to->first[i] = span - p;
-        for (size_t left_out = 0; left_out <= p; left_out++)
-        {
-            double arguments[BAT_SPLINE_MAX_DEGREE + 1], weights[BAT_SPLINE_MAX_DEGREE + 1];
-            for (size_t k = 0; k < p; k++)
-                arguments[k] = inner[k < left_out ? k : k + 1];
-            blossom_weights(old, span, arguments, weights);
-            for (size_t w = 0; w <= p; w++)
-                to->weights[i * (p + 1) + w] += weights[w] / (double)(p + 1);
-        }
-    }
-}
-
-bat_status bat_tensor_surface_elevate(bat_tensor_surface *surface, int direction, bat_error *error)
-{
-    bat_status status = check_direction(surface, direction, error);
-    if (status != BAT_OK)
-        return status;
-    const bat_knot_vector *old = &surface->knots[direction];
-    if (old->degree == BAT_SPLINE_MAX_DEGREE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree is already the maximum, %d",
-                         BAT_SPLINE_MAX_DEGREE);
-    conversion to;
-    status = elevate_knots(old, &to, error);
-    if (status != BAT_OK)
-        return status;
-    elevate_weights(old, &to);
-    return convert_and_free(surface, direction, &to, error);
 }
 
 bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, double low, double high, bat_error *error)
@@ -361,5 +228,7 @@ bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, d
         to.first[i] = span - p;
         blossom_weights(old, span, support + 1, to.weights + i * (p + 1));
     }
-    return convert_and_free(surface, direction, &to, error);
+    status = convert(surface, direction, &to, error);
+    conversion_free(&to);
+    return status;
 }
