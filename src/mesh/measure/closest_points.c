@@ -40,12 +40,19 @@ static bat_status tree_for(const bat_mesh *mesh, const double *points, size_t co
     return closest_build(mesh, closest_largest(points, 3 * count, largest), tree, error);
 }
 
-static void find_block(const closest_tree *tree, const double *points, size_t count, bat_mesh_closest_point *closest)
+/// Find the closest points, or only their distances where `closest` is null.
+static void find_block(const closest_tree *tree, const double *points, size_t count, bat_mesh_closest_point *closest,
+                       double *distances)
 {
     uint32_t place = 0;
     for (size_t i = 0; i < count; i++)
     {
-        (void)closest_find(tree, points + 3 * i, &place);
+        double distance = closest_find(tree, points + 3 * i, &place);
+        if (closest == NULL)
+        {
+            distances[i] = distance;
+            continue;
+        }
         closest_hit hit = closest_point_at(tree, points + 3 * i, place);
         closest[i] = (bat_mesh_closest_point){.at = {.face = hit.face}, .distance = hit.distance};
         for (int k = 0; k < 3; k++)
@@ -56,11 +63,12 @@ static void find_block(const closest_tree *tree, const double *points, size_t co
     }
 }
 
-bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, size_t count, int threads,
-                            bat_mesh_closest_point *closest, bat_error *error)
+/// Find the closest points or the distances of all points, which messages call `what`.
+static bat_status find_all(const bat_mesh *mesh, const double *points, size_t count, const char *what, int threads,
+                           bat_mesh_closest_point *closest, double *distances, bat_error *error)
 {
     closest_tree tree;
-    bat_status status = tree_for(mesh, points, count, "point", &tree, error);
+    bat_status status = tree_for(mesh, points, count, what, &tree, error);
     if (status != BAT_OK)
         return status;
     size_t blocks = count / BLOCK + (count % BLOCK > 0);
@@ -68,36 +76,22 @@ bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, size_t c
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (size_t block = 0; block < blocks; block++)
     {
-        size_t begin = block * BLOCK;
-        find_block(&tree, points + 3 * begin, count - begin < BLOCK ? count - begin : BLOCK, closest + begin);
+        size_t begin = block * BLOCK, size = count - begin < BLOCK ? count - begin : BLOCK;
+        find_block(&tree, points + 3 * begin, size, closest != NULL ? closest + begin : NULL,
+                   distances != NULL ? distances + begin : NULL);
     }
     closest_free(&tree);
     return BAT_OK;
 }
 
-static void measure_block(const closest_tree *tree, const double *points, size_t count, double *distances)
+bat_status bat_mesh_closest(const bat_mesh *mesh, const double *points, size_t count, int threads,
+                            bat_mesh_closest_point *closest, bat_error *error)
 {
-    uint32_t place = 0;
-    for (size_t i = 0; i < count; i++)
-        distances[i] = closest_find(tree, points + 3 * i, &place);
+    return find_all(mesh, points, count, "point", threads, closest, NULL, error);
 }
 
 bat_status bat_mesh_vertex_distances(const bat_mesh *from, const bat_mesh *onto, int threads, double *distances,
                                      bat_error *error)
 {
-    closest_tree tree;
-    size_t count = from->vertex_count;
-    bat_status status = tree_for(onto, from->positions, count, "vertex", &tree, error);
-    if (status != BAT_OK)
-        return status;
-    size_t blocks = count / BLOCK + (count % BLOCK > 0);
-    threads = threads_for(threads, blocks);
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (size_t block = 0; block < blocks; block++)
-    {
-        size_t begin = block * BLOCK;
-        measure_block(&tree, from->positions + 3 * begin, count - begin < BLOCK ? count - begin : BLOCK, distances + begin);
-    }
-    closest_free(&tree);
-    return BAT_OK;
+    return find_all(onto, from->positions, from->vertex_count, "vertex", threads, NULL, distances, error);
 }

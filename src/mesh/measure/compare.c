@@ -131,8 +131,11 @@ static void sample_point(const compare_side *side, uint32_t face, size_t i, doub
         point[k] = a[k] + (down - across) * (b[k] - a[k]) + across * (c[k] - a[k]);
 }
 
-static void sample_block(const compare_side *side, const closest_tree *onto, size_t block, compare_tally *tally)
+/// The distances of the vertices must be known.
+static void measure_samples(const compare_way *way, size_t block, compare_tally *tally)
 {
+    const compare_side *side = way->from;
+    const closest_tree *onto = &way->onto->tree;
     size_t i = block * COMPARE_BLOCK, count = side->samples[side->mesh.face_count];
     size_t end = count - i < COMPARE_BLOCK ? count : i + COMPARE_BLOCK;
     *tally = (compare_tally){.greatest = -1};
@@ -149,12 +152,14 @@ static void sample_block(const compare_side *side, const closest_tree *onto, siz
     }
 }
 
-/// Compute the means and the largest distance over the samples. Each block is a piece of `work`, from `first_piece` on. The
-/// distances of the vertices must be known.
+/// Distances of a block of samples, or of vertices, from the other mesh.
+typedef void block_measure(const compare_way *way, size_t block, compare_tally *tally);
+
+/// Compute the means and the largest distance over blocks, each a piece of `work`, from `first_piece` on.
 /// @return BAT_OK, also when `work` was cancelled, or BAT_NO_MEMORY
-static bat_status measure_samples(compare_way *way, int threads, size_t first_piece, shared_work *work, bat_error *error)
+static bat_status measure_blocks(compare_way *way, size_t blocks, block_measure *measure, int threads, size_t first_piece,
+                                 shared_work *work, bat_error *error)
 {
-    size_t blocks = sample_blocks(way->from);
     compare_tally *tallies = memory_array(blocks, sizeof *tallies);
     if (tallies == NULL)
         return error_memory(error, blocks * sizeof *tallies);
@@ -163,7 +168,7 @@ static bat_status measure_samples(compare_way *way, int threads, size_t first_pi
     for (size_t block = 0; block < blocks; block++)
         if (shared_work_wants(work, first_piece + block))
         {
-            sample_block(way->from, &way->onto->tree, block, &tallies[block]);
+            measure(way, block, &tallies[block]);
             shared_work_finish(work, first_piece + block, BAT_OK, NULL);
         }
     if (!work->cancelled)
@@ -190,8 +195,9 @@ static size_t smaller_of(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-static void measure_block(compare_side *from, const compare_side *onto, size_t block, compare_tally *tally)
+static void measure_vertices(const compare_way *way, size_t block, compare_tally *tally)
 {
+    const compare_side *from = way->from, *onto = way->onto;
     uint32_t place = 0;
     size_t end = smaller_of(from->vertex_count, (block + 1) * COMPARE_BLOCK);
     *tally = (compare_tally){.greatest = -1};
@@ -204,29 +210,6 @@ static void measure_block(compare_side *from, const compare_side *onto, size_t b
         from->places[vertex] = place;
         compare_count(tally, distance, 1, point);
     }
-}
-
-/// Compute the distances of the vertices. Each block is a piece of `work`, from `first_piece` on.
-static bat_status measure_vertices(compare_side *from, const compare_side *onto, int threads, size_t first_piece,
-                                   shared_work *work, compare_way *way, bat_error *error)
-{
-    size_t blocks = blocks_of(from->vertex_count);
-    compare_tally *tallies = memory_array(blocks, sizeof *tallies);
-    if (tallies == NULL)
-        return error_memory(error, blocks * sizeof *tallies);
-    threads = threads_for(threads, blocks);
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (size_t block = 0; block < blocks; block++)
-        if (shared_work_wants(work, first_piece + block))
-        {
-            measure_block(from, onto, block, &tallies[block]);
-            shared_work_finish(work, first_piece + block, BAT_OK, NULL);
-        }
-    *way = (compare_way){.from = from, .onto = onto, .greatest = -1, .most = INFINITY};
-    if (!work->cancelled)
-        sum_up(tallies, blocks, way);
-    free(tallies);
-    return BAT_OK;
 }
 
 static void side_free(compare_side *side)
@@ -305,13 +288,15 @@ static bat_status measure_ways(compare_side sides[2], const bat_mesh_compare_opt
     double diagonal = diagonal_of(&sides[1]);
     for (int w = 0; w < 2 && status == BAT_OK; w++)
     {
-        status = measure_vertices(&sides[w], &sides[1 - w], options->threads, piece, &work, &ways[w], error);
-        piece += blocks_of(sides[w].vertex_count);
+        size_t blocks = blocks_of(sides[w].vertex_count), samples = sample_blocks(&sides[w]);
+        ways[w] = (compare_way){.from = &sides[w], .onto = &sides[1 - w], .greatest = -1, .most = INFINITY};
+        status = measure_blocks(&ways[w], blocks, measure_vertices, options->threads, piece, &work, error);
+        piece += blocks;
         if (options->vertices)
             continue;
         if (status == BAT_OK)
-            status = measure_samples(&ways[w], options->threads, piece, &work, error);
-        piece += sample_blocks(&sides[w]);
+            status = measure_blocks(&ways[w], samples, measure_samples, options->threads, piece, &work, error);
+        piece += samples;
         if (status == BAT_OK)
             status = compare_refine(&ways[w], diagonal, options, &work, error);
     }

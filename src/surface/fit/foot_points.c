@@ -498,8 +498,12 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
     return status;
 }
 
-bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double reach, int threads, double *share,
-                          bat_error *error)
+/// What is counted of points, one after the other.
+typedef size_t foot_count(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch);
+
+/// Count over all points, on several threads and for all processes.
+static bat_status count_feet(const fit_nets *nets, fit_points *points, foot_count *each, const void *context, int threads,
+                             uint64_t *total, bat_error *error)
 {
     size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
     double operations = (double)points->count * fit_nets_operations(nets, 2);
@@ -511,42 +515,42 @@ bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double
 #pragma omp for schedule(dynamic, 256)
         for (size_t row = 0; row < points->count; row++)
             if (scratch != NULL)
-            {
-                const double *at = points->parameter + 2 * row;
-                foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
-                foot_measure(nets, points->position + row * nets->dimension, scratch, &now);
-                count += points->number[row] < points->own && is_near(nets, &now, reach);
-            }
+                count += each(nets, points, row, context, scratch);
         free(scratch);
     }
-    uint64_t near = count;
+    *total = count;
     bat_status status = ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
-    if (status == BAT_OK)
-        status = group_sum_counts(points->group, &near, 1, error);
+    return status == BAT_OK ? group_sum_counts(points->group, total, 1, error) : status;
+}
+
+static size_t count_near(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch)
+{
+    const double *at = points->parameter + 2 * row, *reach = context;
+    foot_point now = {.at = {at[0], at[1]}, .cell = points->cell[row]};
+    foot_measure(nets, points->position + row * nets->dimension, scratch, &now);
+    return points->number[row] < points->own && is_near(nets, &now, *reach);
+}
+
+bat_status fit_near_share(const fit_nets *nets, fit_points *points, double reach, int threads, double *share,
+                          bat_error *error)
+{
+    uint64_t near;
+    bat_status status = count_feet(nets, points, count_near, &reach, threads, &near, error);
     *share = (double)near / (double)points->total;
     return status;
+}
+
+static size_t count_corrected(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch)
+{
+    const fit_correction *correction = context;
+    return correct_point(nets, points, row, *correction, scratch);
 }
 
 bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction correction, int threads, size_t *moved,
                        bat_error *error)
 {
-    size_t scratch_size = fit_nets_scratch(nets) + 6 * nets->dimension, count = 0;
-    double operations = (double)points->count * fit_nets_operations(nets, 2);
-    bool ok = true;
-#pragma omp parallel num_threads(threads_worth(threads, points->count, operations)) reduction(&& : ok) reduction(+ : count)
-    {
-        double *scratch = memory_array(scratch_size, sizeof *scratch);
-        ok = scratch != NULL;
-#pragma omp for schedule(dynamic, 256)
-        for (size_t row = 0; row < points->count; row++)
-            if (scratch != NULL)
-                count += correct_point(nets, points, row, correction, scratch);
-        free(scratch);
-    }
-    uint64_t changed = count;
-    bat_status status = ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
-    if (status == BAT_OK)
-        status = group_sum_counts(points->group, &changed, 1, error);
+    uint64_t changed;
+    bat_status status = count_feet(nets, points, count_corrected, &correction, threads, &changed, error);
     *moved = (size_t)changed;
     return status;
 }

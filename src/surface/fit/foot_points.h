@@ -60,7 +60,7 @@ fit_correction fit_correction_full(void);
 
 /// The share of points that are so near the surface at their parameters that their feet are at the same place of it: at
 /// most `reach` times the shorter side of their cell in space. Requires fit_points_locate().
-bat_status fit_near_share(const fit_nets *nets, const fit_points *points, double reach, int threads, double *share,
+bat_status fit_near_share(const fit_nets *nets, fit_points *points, double reach, int threads, double *share,
                           bat_error *error);
 
 /// Move parameters to the foot points of their points, eq. (6) of the paper: min over u of |S(u) - x|^2.
