@@ -1,8 +1,7 @@
 #include "analyze.h"
 
-#include "outputs.h"
 #include "report.h"
-#include "verbs.h"
+#include "verb.h"
 
 #include "batten/curve_picture.h"
 
@@ -20,28 +19,6 @@ enum
     DRAWN_LEVEL = 9,
 };
 
-static const option_spec OPTIONS[] = {
-    {"depth", 0, "N", "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12"},
-    {"sweep", 0, "NAME=A:B", "find where the limit is C^k as the scheme's setting NAME goes from A to B"},
-    {"smoothness", 0, "K", "the k of C^k for --sweep; default: 1"},
-    {"resolution", 0, "T", "the shortest interval of --sweep that is divided; default: (B - A) / 32768"},
-    {"picture", 0, "FILE", "draw the basic limit function to FILE: .svg, .png or .pdf"},
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
-};
-
-static const file_option FILES[] = {{"picture", FILE_DRAWN}, {NULL, 0}};
-
-static const verb_spec SPEC = {
-    .usage = "batten analyze SCHEME [options]",
-    .summary = "Analyze a linear scheme in the limit: symbol, local matrix and eigenvalues, limit stencils, polynomials,\n"
-               "convergence and smoothness with proven bounds. `batten list schemes` names the schemes.",
-    .options = OPTIONS,
-    .min_positional = 1,
-    .max_positional = 1,
-    .files = FILES,
-};
-
 /// A family of schemes: a name with settings, and one more setting that varies.
 typedef struct named_family
 {
@@ -49,11 +26,37 @@ typedef struct named_family
     char parameter[PARAMETER_SIZE];
 } named_family;
 
-static int check_linear(const arguments *given, const bat_curve_scheme *scheme)
+/// The job of `batten analyze`.
+typedef struct analyze_job
 {
-    return scheme->kind == BAT_CURVE_SCHEME_LINEAR
-               ? EXIT_DONE
-               : usage_error(given, "'%s' is not linear: it has no mask", given->positional[0]);
+    verb_call call;
+    bat_analysis_options options;
+    bat_curve_scheme scheme; ///< without --sweep
+    bat_analysis analysis;   ///< of it
+    bool sweeps;
+    named_family family;
+    bat_mask_sweep_options sweep;
+    bat_mask_interval *intervals; ///< of the sweep
+    size_t count;
+} analyze_job;
+
+static const option_spec OPTIONS[] = {
+    {"depth", "N", METHOD, COMMON, "try products of N difference matrices, 1 to 24; more gives tighter bounds; default: 12",
+     WHOLE(analyze_job, options.depth, 1, BAT_ANALYSIS_MAX_DEPTH)},
+    {"sweep", "NAME=A:B", METHOD, COMMON, "find where the limit is C^k as the scheme's setting NAME goes from A to B",
+     NO_FIELD},
+    {"smoothness", "K", METHOD, COMMON, "the k of C^k for --sweep; default: 1", WHOLE(analyze_job, sweep.smoothness, 0, 30)},
+    {"resolution", "T", METHOD, COMMON, "the shortest interval of --sweep that is divided; default: (B - A) / 32768",
+     NUMBER(analyze_job, sweep.tolerance)},
+    {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw the basic limit function to FILE: .svg, .png or .pdf", NO_FIELD},
+    END_OF_OPTIONS,
+};
+
+static bool check_linear(const arguments *given, const bat_curve_scheme *scheme)
+{
+    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR)
+        (void)usage_error(given, "'%s' is not linear: it has no mask", given->positional[0]);
+    return scheme->kind == BAT_CURVE_SCHEME_LINEAR;
 }
 
 static bat_status family_member(const named_family *family, double value, bat_curve_scheme *scheme, bat_error *error)
@@ -95,59 +98,40 @@ static bool read_sweep(const char *text, named_family *family, bat_mask_sweep_op
            *end == '\0';
 }
 
-/// The options of a sweep, and both its ends tried.
-static int read_sweep_options(const arguments *given, const bat_analysis_options *analysis, named_family *family,
-                              bat_mask_sweep_options *options)
+/// The options of a sweep, and both its ends tried. False after a message.
+static bool check_sweep(analyze_job *job)
 {
-    long smoothness;
-    *options = bat_mask_sweep_defaults();
-    options->analysis = *analysis;
-    family->scheme = given->positional[0];
-    if (!read_sweep(argument(given, "sweep"), family, options))
-        return usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
-    if (!argument_whole(given, "smoothness", 0, 30, (long)options->smoothness, &smoothness) ||
-        !argument_number(given, "resolution", options->tolerance, &options->tolerance))
-        return EXIT_BAD_USAGE;
-    options->smoothness = (size_t)smoothness;
-    bat_error wrong;
-    if (bat_mask_sweep_options_check(options, &wrong) != BAT_OK)
-        return usage_error(given, "%s", wrong.text);
+    const arguments *given = job->call.given;
+    bat_mask_sweep_options *options = &job->sweep;
+    bat_error error;
+    options->analysis = job->options;
+    job->family.scheme = job->call.input;
+    if (!read_sweep(argument(given, "sweep"), &job->family, options))
+    {
+        (void)usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
+        return false;
+    }
+    if (!usage_accepts(given, bat_mask_sweep_options_check(options, &error), &error))
+        return false;
     double ends[] = {options->begin, options->end};
     for (size_t i = 0; i < 2; i++)
     {
         bat_curve_scheme scheme;
-        bat_error error;
-        if (family_member(family, ends[i], &scheme, &error) != BAT_OK)
-            return usage_error(given, "%s", error.text);
-        int code = check_linear(given, &scheme);
-        if (code != EXIT_DONE)
-            return code;
+        if (!usage_accepts(given, family_member(&job->family, ends[i], &scheme, &error), &error) ||
+            !check_linear(given, &scheme))
+            return false;
     }
-    return EXIT_DONE;
+    return true;
 }
 
-static int run_sweep(const arguments *given, const bat_analysis_options *analysis)
+static int run_sweep(analyze_job *job)
 {
-    named_family family;
-    bat_mask_sweep_options options;
-    int code = read_sweep_options(given, analysis, &family, &options);
-    if (code != EXIT_DONE)
-        return code;
-    bat_mask_interval *intervals;
-    size_t count;
     bat_error error;
+    bat_mask_sweep_options options = job->sweep;
     options.progress = report_progress("analyze");
-    bat_status status = bat_mask_sweep(family_mask, &family, &options, &intervals, &count, &error);
+    bat_status status = bat_mask_sweep(family_mask, &job->family, &options, &job->intervals, &job->count, &error);
     report_progress_end();
-    if (status != BAT_OK)
-        return report_failure(NULL, &error);
-    analyze_sweep sweep = {family.parameter, options.smoothness, intervals, count};
-    if (argument_flag(given, "json"))
-        code = report_json(analyze_sweep_json(family.scheme, &sweep));
-    else
-        analyze_report_sweep(stdout, family.scheme, &sweep);
-    free(intervals);
-    return code;
+    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
 }
 
 /// The basic limit function over its support.
@@ -177,50 +161,82 @@ static int draw_basis(const char *path, const char *write_to, const char *name, 
     return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
 }
 
-static int run_analysis(const arguments *given, const bat_analysis_options *options)
+static void begin(void *to)
 {
-    const char *name = given->positional[0];
-    bat_curve_scheme scheme;
-    bat_error error;
-    if (bat_curve_scheme_by_name(name, &scheme, &error) != BAT_OK)
-        return usage_error(given, "%s", error.text);
-    int code = check_linear(given, &scheme);
-    if (code != EXIT_DONE)
-        return code;
-    outputs files;
-    bat_analysis analysis = {0};
-    code = outputs_open(given, &files);
-    if (code != EXIT_DONE)
-        return code;
-    if (bat_mask_analyze(&scheme.mask, options, &analysis, &error) != BAT_OK)
-        code = report_failure(name, &error);
-    if (code == EXIT_DONE && files.count > 0)
-        code = draw_basis(argument(given, "picture"), output_path(&files, "picture"), name, &scheme.mask);
-    code = outputs_close(&files, code);
-    if (code == EXIT_DONE && argument_flag(given, "json"))
-        code = report_json(analyze_json(name, &analysis));
-    else if (code == EXIT_DONE)
-        analyze_report(stdout, name, &analysis);
-    bat_analysis_free(&analysis);
-    return code;
+    analyze_job *job = to;
+    job->options = bat_analysis_defaults();
+    job->sweep = bat_mask_sweep_defaults();
 }
 
-int verb_analyze(int argc, char **argv)
+static bool check(void *of)
 {
-    arguments given;
-    int code;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    bat_analysis_options options = bat_analysis_defaults();
-    long depth;
-    if (!argument_whole(&given, "depth", 1, BAT_ANALYSIS_MAX_DEPTH, (long)options.depth, &depth))
-        return EXIT_BAD_USAGE;
-    options.depth = (size_t)depth;
-    if (argument(&given, "sweep") != NULL && argument(&given, "picture") != NULL)
-        return usage_error(&given, "--picture does not go with --sweep");
-    if (argument(&given, "sweep") != NULL)
-        return run_sweep(&given, &options);
-    if (argument(&given, "smoothness") != NULL || argument(&given, "resolution") != NULL)
-        return usage_error(&given, "--smoothness and --resolution go with --sweep");
-    return run_analysis(&given, &options);
+    static const char *const of_sweep[] = {"smoothness", "resolution", NULL};
+    analyze_job *job = of;
+    const arguments *given = job->call.given;
+    bat_error error;
+    job->sweeps = argument(given, "sweep") != NULL;
+    if (job->sweeps && job->call.picture != NULL)
+        (void)usage_error(given, "--picture does not go with --sweep");
+    else if (job->sweeps)
+        return check_sweep(job);
+    else if (argument_first(given, of_sweep) != NULL)
+        (void)usage_error(given, "--smoothness and --resolution go with --sweep");
+    else
+        return usage_accepts(given, bat_curve_scheme_by_name(job->call.input, &job->scheme, &error), &error) &&
+               check_linear(given, &job->scheme);
+    return false;
 }
+
+static int make(void *of)
+{
+    analyze_job *job = of;
+    bat_error error;
+    const char *name = job->call.input;
+    if (job->sweeps)
+        return run_sweep(job);
+    if (bat_mask_analyze(&job->scheme.mask, &job->options, &job->analysis, &error) != BAT_OK)
+        return report_failure(name, &error);
+    return job->call.picture == NULL
+               ? EXIT_DONE
+               : draw_basis(job->call.picture, output_path(&job->call.files, "picture"), name, &job->scheme.mask);
+}
+
+static int report(void *of)
+{
+    const analyze_job *job = of;
+    const char *name = job->call.input;
+    analyze_sweep sweep = {job->family.parameter, job->sweep.smoothness, job->intervals, job->count};
+    if (job->call.json)
+        return report_json(job->sweeps ? analyze_sweep_json(name, &sweep) : analyze_json(name, &job->analysis));
+    if (job->sweeps)
+        analyze_report_sweep(stdout, name, &sweep);
+    else
+        analyze_report(stdout, name, &job->analysis);
+    return EXIT_DONE;
+}
+
+static void end(void *of)
+{
+    analyze_job *job = of;
+    bat_analysis_free(&job->analysis);
+    free(job->intervals);
+}
+
+const verb VERB_ANALYZE = {
+    .name = "analyze",
+    .arguments = "SCHEME [options]",
+    .summary = "analyze the limit of a linear scheme, with proven bounds",
+    .about = "Analyze a linear scheme in the limit: symbol, local matrix and eigenvalues, limit stencils, polynomials, "
+             "convergence and smoothness with proven bounds. `batten list schemes` names the schemes.",
+    .example = "batten analyze four-point:w=0.05 --picture basis.svg",
+    .options = (const option_table[]){{OPTIONS, 0}, {JSON_OPTION, 0}, {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = 1,
+    .list = "schemes",
+    .job_size = sizeof(analyze_job),
+    .begin = begin,
+    .check = check,
+    .make = make,
+    .report = report,
+    .end = end,
+};

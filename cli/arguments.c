@@ -1,6 +1,8 @@
 #include "arguments.h"
 
+#include "help.h"
 #include "terminal.h"
+#include "verb.h"
 
 #include <errno.h>
 #include <math.h>
@@ -9,44 +11,46 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double DEGREE = 3.14159265358979323846 / 180;
+
 int usage_error(const arguments *given, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
     (void)fputs("batten: ", stderr);
     terminal_print_list(stderr, format, list);
-    (void)fprintf(stderr, "\nusage: %s\n", given->spec->usage);
+    (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
     va_end(list);
     return EXIT_BAD_USAGE;
 }
 
-static void print_help(const verb_spec *spec)
+bool usage_accepts(const arguments *given, bat_status status, const bat_error *error)
 {
-    (void)printf("usage: %s\n\n%s\n\n", spec->usage, spec->summary);
-    for (const option_spec *option = spec->options; option->name != NULL; option++)
-    {
-        char left[64];
-        (void)snprintf(left, sizeof left, "%s--%s%s%s", option->letter == 'o' ? "-o, " : "", option->name,
-                       option->value != NULL ? " " : "", option->value != NULL ? option->value : "");
-        (void)printf("  %-26s %s\n", left, option->help);
-    }
-    (void)printf("  %-26s %s\n", "-h, --help", "this text");
+    if (status != BAT_OK)
+        (void)usage_error(given, "%s", error->text);
+    return status == BAT_OK;
 }
 
-/// The place of an option in the table; -1 when there is none.
-static int find(const verb_spec *spec, const char *name, size_t length)
+const option_spec *option_at(const verb *what, size_t index, size_t *offset)
 {
-    for (int i = 0; spec->options[i].name != NULL; i++)
-        if (strlen(spec->options[i].name) == length && strncmp(spec->options[i].name, name, length) == 0)
-            return i;
-    return -1;
+    for (const option_table *table = what->options; table->rows != NULL; table++)
+        for (const option_spec *option = table->rows; option->name != NULL; option++)
+            if (index-- == 0)
+            {
+                if (offset != NULL)
+                    *offset = table->offset;
+                return option;
+            }
+    return NULL;
 }
 
-static int find_letter(const verb_spec *spec, char letter)
+/// The place of an option, whose name has `length` bytes; -1 when there is none.
+static int find(const verb *what, const char *name, size_t length)
 {
-    for (int i = 0; spec->options[i].name != NULL; i++)
-        if (spec->options[i].letter == letter)
-            return i;
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+        if (strlen(option->name) == length && strncmp(option->name, name, length) == 0)
+            return (int)i;
     return -1;
 }
 
@@ -56,46 +60,38 @@ static bool read_option(arguments *given, int argc, char **argv, int *at, int *e
     const char *word = argv[*at], *attached = NULL;
     int index;
     if (word[1] != '-')
-        index = word[2] == '\0' ? find_letter(given->spec, word[1]) : -1;
+        index = strcmp(word, "-o") == 0 ? find(given->verb, "output", strlen("output")) : -1;
     else
     {
         size_t length = strcspn(word + 2, "=");
         attached = word[2 + length] == '=' ? word + 3 + length : NULL;
-        index = find(given->spec, word + 2, length);
+        index = find(given->verb, word + 2, length);
     }
     if (index < 0)
     {
         *exit_code = usage_error(given, "there is no option '%s'", word);
         return false;
     }
-    const option_spec *option = &given->spec->options[index];
+    const option_spec *option = option_at(given->verb, (size_t)index, NULL);
+    const char *value = attached;
+    *exit_code = EXIT_DONE;
     if (given->values[index] != NULL)
-    {
         *exit_code = usage_error(given, "--%s is given twice", option->name);
-        return false;
-    }
-    if (option->value == NULL && attached != NULL)
-    {
+    else if (option->value == NULL && attached != NULL)
         *exit_code = usage_error(given, "--%s takes no value", option->name);
-        return false;
-    }
-    if (option->value == NULL)
-        given->values[index] = "";
-    else if (attached != NULL)
-        given->values[index] = attached;
-    else if (*at + 1 < argc)
-        given->values[index] = argv[++*at];
-    else
-    {
+    else if (option->value == NULL)
+        value = "";
+    else if (attached == NULL && *at + 1 < argc)
+        value = argv[++*at];
+    else if (attached == NULL)
         *exit_code = usage_error(given, "--%s needs a value (%s)", option->name, option->value);
-        return false;
-    }
-    return true;
+    given->values[index] = value;
+    return *exit_code == EXIT_DONE;
 }
 
-bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code)
+bool arguments_read(const verb *what, int argc, char **argv, arguments *given, int *exit_code)
 {
-    *given = (arguments){.spec = spec, .positional = (const char *const *)argv + 1};
+    *given = (arguments){.verb = what, .positional = (const char *const *)argv + 1};
     bool only_files = false;
     for (int i = 1; i < argc; i++)
     {
@@ -104,7 +100,7 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
             only_files = true;
         else if (!only_files && (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0))
         {
-            print_help(spec);
+            help_print(what, i + 1 < argc && strcmp(argv[i + 1], "all") == 0);
             *exit_code = EXIT_DONE;
             return false;
         }
@@ -113,7 +109,7 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
             if (!read_option(given, argc, argv, &i, exit_code))
                 return false;
         }
-        else if (given->positional_count == spec->max_positional)
+        else if (given->positional_count == what->max_positional)
         {
             *exit_code = usage_error(given, "'%s' is one argument too many", word);
             return false;
@@ -121,7 +117,7 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
         else
             argv[1 + given->positional_count++] = argv[i];
     }
-    if (given->positional_count < spec->min_positional)
+    if (given->positional_count < what->min_positional)
     {
         *exit_code = usage_error(given, "an argument is missing");
         return false;
@@ -131,25 +127,32 @@ bool arguments_read(const verb_spec *spec, int argc, char **argv, arguments *giv
 
 const char *argument(const arguments *given, const char *name)
 {
-    int index = find(given->spec, name, strlen(name));
+    int index = find(given->verb, name, strlen(name));
     return index < 0 ? NULL : given->values[index];
 }
 
 void argument_set(arguments *given, const char *name, const char *value)
 {
-    int index = find(given->spec, name, strlen(name));
+    int index = find(given->verb, name, strlen(name));
     if (index >= 0)
         given->values[index] = value;
 }
 
 bool argument_exists(const arguments *given, const char *name)
 {
-    return find(given->spec, name, strlen(name)) >= 0;
+    return find(given->verb, name, strlen(name)) >= 0;
 }
 
 bool argument_flag(const arguments *given, const char *name)
 {
     return argument(given, name) != NULL;
+}
+
+const char *argument_first(const arguments *given, const char *const *names)
+{
+    while (*names != NULL && argument(given, *names) == NULL)
+        names++;
+    return *names;
 }
 
 bool argument_whole(const arguments *given, const char *name, long low, long high, long absent, long *value)
@@ -226,14 +229,6 @@ bool argument_list(const arguments *given, const char *name, double low, double 
     return false;
 }
 
-bool argument_threads(const arguments *given, int *threads)
-{
-    long value;
-    bool good = argument_whole(given, "threads", 1, MAX_THREADS, 0, &value);
-    *threads = (int)value;
-    return good;
-}
-
 bool argument_choice(const arguments *given, const char *name, const bat_family *family, void *value)
 {
     bat_error error;
@@ -241,13 +236,71 @@ bool argument_choice(const arguments *given, const char *name, const bat_family 
     const char *text = argument(given, name);
     if (text == NULL)
         return true;
-    if (bat_choice_find(family, text, &choice, &error) == BAT_OK)
+    if (!usage_accepts(given, bat_choice_find(family, text, &choice, &error), &error))
+        return false;
+    *(int *)value = choice->value;
+    return true;
+}
+
+/// A number into a field.
+static bool store_number(const arguments *given, const option_spec *option, double *field)
+{
+    const option_field *how = &option->field;
+    const char *name = option->name;
+    if (!argument_number(given, name, 0, field))
+        return false;
+    if (how->kind == FIELD_POSITIVE && !(*field > 0))
+        (void)usage_error(given, "--%s takes a positive number, not '%s'", name, argument(given, name));
+    else if (how->kind == FIELD_DEGREES && !(*field <= (double)how->high && *field >= 0 && (*field > 0 || how->low == 0)))
+        (void)usage_error(given, "--%s takes %s degrees%s, not '%s'", name,
+                          how->low == 0 ? "0 to 180" : "a positive number of", how->low == 0 ? "" : " up to 180",
+                          argument(given, name));
+    else
     {
-        *(int *)value = choice->value;
+        *field *= how->kind == FIELD_DEGREES ? DEGREE : 1;
         return true;
     }
-    (void)usage_error(given, "%s", error.text);
     return false;
+}
+
+/// A whole number, or an enumerator, into a field of any size. False after a message.
+static bool store_whole(const arguments *given, const option_spec *option, void *field)
+{
+    const option_field *how = &option->field;
+    long value = how->low;
+    if (how->kind == FIELD_CHOICE)
+        return argument_choice(given, option->name, how->family, field);
+    if (how->kind == FIELD_WHOLE && !argument_whole(given, option->name, how->low, how->high, 0, &value))
+        return false;
+    int32_t narrow = (int32_t)value;
+    int64_t wide = value;
+    memcpy(field, how->size == sizeof narrow ? (const void *)&narrow : (const void *)&wide, how->size);
+    return true;
+}
+
+bool arguments_store(const arguments *given, void *job)
+{
+    size_t offset;
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(given->verb, i, &offset)) != NULL; i++)
+    {
+        void *field = (char *)job + offset + option->field.offset;
+        if (given->values[i] == NULL || option->field.kind == FIELD_NONE)
+            continue;
+        if (option->field.kind == FIELD_TEXT)
+            *(const char **)field = given->values[i];
+        else if (option->field.kind == FIELD_FLAG)
+            *(bool *)field = true;
+        else if (option->field.size == sizeof(double) && option->field.kind >= FIELD_NUMBER &&
+                 option->field.kind <= FIELD_DEGREES)
+        {
+            if (!store_number(given, option, field))
+                return false;
+        }
+        else if (!store_whole(given, option, field))
+            return false;
+    }
+    return true;
 }
 
 bool argument_ending(const arguments *given, const bat_family *formats, int to)

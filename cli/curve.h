@@ -1,7 +1,7 @@
 #ifndef CLI_CURVE_H
 #define CLI_CURVE_H
 
-#include "outputs.h"
+#include "verb.h"
 
 #include "batten/curve_file.h"
 #include "batten/curve_map.h"
@@ -15,67 +15,6 @@ enum
     CURVE_MAX_PANELS = 12,
     CURVE_MAX_LEVELS = 60,
 };
-
-/// The command line of `batten curve` or `batten motion`.
-typedef struct curve_job
-{
-    const arguments *given;
-    const char *input;
-    const char *output, *picture, *truth; ///< null where not wanted
-    outputs files;
-    bat_curve_read_options read;
-    bat_curve_write_options write;
-    bat_curve_refine_options refine;
-    bat_curve_map_options map; ///< but for `refine`
-    const char *unit;          ///< of lengths: " m" on the sphere, else empty
-    double fairness;           ///< of the scheme "learned"
-    const char *model_file;    ///< of the scheme "learned"; null for the network that the library comes with
-    bat_curve_model *model;    ///< what it holds
-    bool is_motion;            ///< points with tangents: `motion` in place of `refine`
-    bool is_verb;              ///< the verb is `batten motion`
-    const char *hint;          ///< why `batten curve` treats the file as a motion; null when it does not
-    bat_motion_options motion;
-    const char *times_file; ///< of a motion; null for none
-    double *times;          ///< what it holds
-    const char *scheme;     ///< its name; when the user gave none, null until the space is known
-    bat_curve_picture_options draw;
-    bat_motion_report *moved;        ///< receives what was done to a motion; null for none
-    char units[2][32];               ///< of lengths and times in pictures of motions; empty: by the file
-    size_t panels[CURVE_MAX_PANELS]; ///< the levels drawn side by side
-    size_t panel_count;              ///< 0: one panel, of refine.levels
-    char best_name[80];              ///< of the scheme that --best-tension finds
-    bool best_tension, json, quiet;
-} curve_job;
-
-/// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
-/// receives what was done, zeros for motions; it may be null. Returns the program's exit code, as the following do.
-int curve_refine(const curve_job *job, const bat_curve_set *coarse, size_t levels, bat_curve_set *fine,
-                 bat_curve_map_report *report);
-/// Whether edges are refined up to a length or a tolerance, and not by a number of levels.
-bool curve_stops(const curve_job *job);
-
-/// Read the options that both verbs have, and run the job. Returns the program's exit code.
-int curve_run(const arguments *given, curve_job *job);
-
-/// Read the options of motions, once the others are read. False after a message.
-bool motion_read(const arguments *given, curve_job *job);
-/// The name of the scheme that a motion gets when the user names none.
-const char *motion_scheme(const curve_job *job, const bat_curve_set *keyframes);
-/// Read the file of times. Returns the program's exit code, after a message where it is not EXIT_DONE.
-int motion_read_times(curve_job *job, const bat_curve_set *keyframes);
-/// Draw the picture of a motion in time. Returns the program's exit code.
-int motion_draw(const curve_job *job, const bat_curve_set *keyframes);
-/// Whether the picture is that of a motion in time, and not of its shape.
-bool motion_is_drawn(const curve_job *job);
-/// curve_refine() of a motion.
-int motion_refine(const curve_job *job, const bat_curve_set *keyframes, size_t levels, bat_curve_set *fine);
-/// Report that refining failed with curve `failed` of a set.
-int curve_failure(const curve_job *job, const bat_curve_set *set, size_t failed, const bat_error *error);
-
-/// Draw the picture to job->files; `truth` may be null. `projection` receives that of the sphere, else
-/// BAT_CURVE_PROJECTION_AUTO.
-int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
-               bat_curve_projection *projection);
 
 /// The curves of a set in a few numbers.
 typedef struct curve_totals
@@ -96,15 +35,99 @@ typedef struct curve_findings
     double mean_nn, hausdorff;       ///< when compared with the truth: means over the curves
     bat_curve_projection projection; ///< of the picture, if it shows the sphere
     bat_curve_write_report written;
+    bat_motion_report moved; ///< what was done to a motion
 } curve_findings;
 
-/// Measure the result, all but findings->done; `truth` may be null, else it has as many curves as `fine`.
-int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
-                  curve_findings *findings);
-/// curve_measure() of a part of the curves, after others; `findings` is all zero before the first part.
-int curve_measure_part(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine,
-                       curve_findings *findings);
+/// The job of `batten curve` and `batten motion`.
+typedef struct curve_job
+{
+    verb_call call;
+    const char *truth; ///< null for none
+    bat_curve_read_options read;
+    bat_curve_write_options write;
+    bat_curve_refine_options refine;
+    bat_curve_map_options map; ///< but for `refine`
+    const char *unit;          ///< of lengths: " m" on the sphere, else empty
+    double fairness;           ///< of the scheme "learned"
+    const char *model_file;    ///< of the scheme "learned"; null for the network that the library comes with
+    bat_curve_model *model;    ///< what it holds
+    bool is_motion;            ///< points with tangents: `motion` in place of `refine`
+    bool is_verb;              ///< the verb is `batten motion`
+    const char *hint;          ///< why `batten curve` treats the file as a motion; null when it does not
+    bat_motion_options motion;
+    const char *times_file; ///< of a motion; null for none
+    double *times;          ///< what it holds
+    const char *scheme;     ///< its name; when the user gave none, null until the space is known
+    bat_curve_picture_options draw;
+    size_t poses;                    ///< in pictures of motions; 0: by the motion
+    char units[2][32];               ///< of lengths and times in pictures of motions; empty: by the file
+    size_t panels[CURVE_MAX_PANELS]; ///< the levels drawn side by side
+    size_t panel_count;              ///< 0: one panel, of refine.levels
+    char best_name[80];              ///< of the scheme that --best-tension finds
+    bool best_tension;
+    bool is_streamed;                   ///< the curves go through memory part by part
+    bat_space space;                    ///< of a streamed job
+    bat_curve_set coarse, truths, fine; ///< of a streamed job, `fine` has a number of curves and no curves
+    curve_findings findings;
+} curve_job;
+
+/// Options of reading, for a bat_curve_read_options: those of all files of curves, and those of poses.
+extern const option_spec CURVE_READ_OPTIONS[];
+
+/// Whether edges are refined up to a length or a tolerance, and not by a number of levels.
+static inline bool curve_stops(const curve_job *job)
+{
+    return job->refine.max_segment > 0 || job->refine.tolerance > 0;
+}
+
+// Each of the following returns the program's exit code, after a message where it is not EXIT_DONE, unless it says
+// otherwise.
+
+// curve_refine.c
+
+/// Read the curves and all that belongs to them, choose the scheme, and refine.
+int curve_read(curve_job *job);
+/// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
+/// receives what was done, zeros for motions; it may be null.
+int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_report *report);
+/// Refine a sequence part by part, from its file to OUT.
+int curve_stream(curve_job *job);
+/// Whether a scheme takes its angles from a tension.
+bool curve_has_tension(const bat_curve_scheme *scheme);
+
+// motion.c
+
+/// Options of motions: those that `batten curve` has, too, and those of `batten motion` alone. Their fields are in
+/// curve_job.
+extern const option_spec MOTION_OPTIONS[], MOTION_VERB_OPTIONS[];
+
+/// Read the options of motions, once the others are read. False after a message.
+bool motion_read(curve_job *job);
+/// The name of the scheme that a motion gets when the user names none.
+const char *motion_scheme(const curve_job *job);
+/// Read the file of times.
+int motion_read_times(curve_job *job);
+/// Draw the picture of a motion in time.
+int motion_draw(const curve_job *job);
+/// Whether the picture is that of a motion in time, and not of its shape.
+bool motion_is_drawn(const curve_job *job);
+/// curve_refine() of a motion.
+int motion_refine(curve_job *job, size_t levels, bat_curve_set *fine);
+
+// curve_picture.c
+
+/// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
+int curve_draw(curve_job *job);
+
+// curve_report.c
+
+/// Report that refining failed with curve `failed` of the given ones.
+int curve_failure(const curve_job *job, size_t failed, const bat_error *error);
+/// Measure the result.
+int curve_measure(curve_job *job);
+/// The same of a part of the curves, after others; job->findings is all zero before the first part.
+int curve_measure_part(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine);
 /// Print the report.
-int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings);
+int curve_report(curve_job *job);
 
 #endif

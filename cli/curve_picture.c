@@ -1,6 +1,5 @@
 #include "curve.h"
 
-#include "arguments.h"
 #include "report.h"
 
 #include <stdlib.h>
@@ -46,13 +45,13 @@ typedef struct panel_set
     bat_curve_picture_panel panels[CURVE_MAX_PANELS];
 } panel_set;
 
-static int make_panel(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth,
-                      const bat_curve_set *fine, panel_set *set)
+static int make_panel(curve_job *job, panel_set *set)
 {
+    const bat_curve_set *coarse = &job->coarse, *truth = job->truth != NULL ? &job->truths : NULL, *fine = &job->fine;
     size_t p = set->count++, levels = job->panel_count > 0 ? job->panels[p] : job->refine.levels;
     if (levels > 0 && levels != job->refine.levels)
     {
-        int code = curve_refine(job, coarse, levels, &set->fine[p], NULL);
+        int code = curve_refine(job, levels, &set->fine[p], NULL);
         if (code != EXIT_DONE)
             return code;
         fine = &set->fine[p];
@@ -71,19 +70,19 @@ static int make_panel(const curve_job *job, const bat_curve_set *coarse, const b
     return EXIT_DONE;
 }
 
-int curve_draw(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
-               bat_curve_projection *projection)
+int curve_draw(curve_job *job)
 {
     panel_set set = {0};
     bat_error error;
     int code = EXIT_DONE;
     size_t count = job->panel_count > 0 ? job->panel_count : 1;
     while (code == EXIT_DONE && set.count < count)
-        code = make_panel(job, coarse, truth, fine, &set);
+        code = make_panel(job, &set);
     if (code == EXIT_DONE &&
-        (bat_curve_picture_projection(set.panels, set.count, &job->draw, projection, &error) != BAT_OK ||
-         bat_curve_picture_write(output_path(&job->files, "picture"), set.panels, set.count, &job->draw, &error) != BAT_OK))
-        code = report_failure(job->picture, &error);
+        (bat_curve_picture_projection(set.panels, set.count, &job->draw, &job->findings.projection, &error) != BAT_OK ||
+         bat_curve_picture_write(output_path(&job->call.files, "picture"), set.panels, set.count, &job->draw, &error) !=
+             BAT_OK))
+        code = report_failure(job->call.picture, &error);
     for (size_t p = 0; p < set.count; p++)
     {
         free(set.layers[p]);

@@ -1,6 +1,5 @@
 #include "curve.h"
 
-#include "arguments.h"
 #include "report.h"
 #include "terminal.h"
 
@@ -10,6 +9,36 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+int curve_failure(const curve_job *job, size_t failed, const bat_error *error)
+{
+    const bat_curve_set *set = &job->coarse;
+    bat_error whole = *error;
+    char place[160];
+    bool too_few = failed < set->count && strstr(error->text, " points, not ") != NULL;
+    if (error->index != BAT_NO_INDEX || too_few)
+    {
+        if (failed < set->count && whole.line == 0)
+            whole.line = bat_curve_set_line(set, failed, too_few ? 0 : error->index);
+        bat_curve_set_place(set, failed, error->index, place, sizeof place);
+        int length = snprintf(whole.text, sizeof whole.text, "%s%s", place, place[0] != '\0' ? ": " : "");
+        (void)snprintf(whole.text + length, sizeof whole.text - (size_t)length, "%.*s", (int)sizeof whole.text - length - 1,
+                       error->text);
+    }
+    if (curve_stops(job) && error->status == BAT_TOO_LARGE && error->index != BAT_NO_INDEX)
+    {
+        size_t used = strlen(whole.text);
+        (void)snprintf(whole.text + used, sizeof whole.text - used, "; --levels allows more");
+    }
+    bool pair = error->status == BAT_CUT_LOCUS && error->index != BAT_NO_INDEX && error->index > 0 && whole.line > 0;
+    if (pair && strstr(error->text, "lines") == NULL)
+    {
+        size_t used = strlen(whole.text);
+        (void)snprintf(whole.text + used, sizeof whole.text - used, " (line %zu)",
+                       bat_curve_set_line(set, failed, error->index - 1));
+    }
+    return report_bad_input(job->call.given, job->call.input, &whole);
+}
 
 static bat_status no_memory(bat_error *error)
 {
@@ -59,16 +88,17 @@ static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_s
     return status;
 }
 
-int curve_measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
-                  curve_findings *findings)
+/// Measure curves and, where `truth` is not null, their distances from as many others.
+static int measure(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth, const bat_curve_set *fine,
+                   curve_findings *findings)
 {
     bat_error error;
     bat_curve_measure_options options = bat_curve_measure_defaults();
     options.threads = job->read.threads;
-    *findings = (curve_findings){.done = findings->done, .compared = truth != NULL};
+    findings->compared = truth != NULL;
     if (measure_fairness(coarse, &options, &findings->before, &error) != BAT_OK ||
         measure_fairness(fine, &options, &findings->after, &error) != BAT_OK)
-        return report_failure(job->input, &error);
+        return report_failure(job->call.input, &error);
     if (truth != NULL && measure_distances(fine, truth, &options, findings, &error) != BAT_OK)
         return report_failure(job->truth, &error);
     return EXIT_DONE;
@@ -83,13 +113,17 @@ static void add_totals(curve_totals *sum, size_t count, const curve_totals *part
     sum->g1 = part->g1 > sum->g1 ? part->g1 : sum->g1;
 }
 
-int curve_measure_part(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine,
-                       curve_findings *findings)
+int curve_measure(curve_job *job)
 {
-    curve_findings part = {.curves = 0};
+    return measure(job, &job->coarse, job->truth != NULL ? &job->truths : NULL, &job->fine, &job->findings);
+}
+
+int curve_measure_part(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
+{
+    curve_findings part = {.curves = 0}, *findings = &job->findings;
     if (coarse->count == 0)
         return EXIT_DONE;
-    int code = curve_measure(job, coarse, NULL, fine, &part);
+    int code = measure(job, coarse, NULL, fine, &part);
     if (code != EXIT_DONE)
         return code;
     add_totals(&findings->before, findings->curves, &part.before, coarse->count);
@@ -167,7 +201,7 @@ static bool has_corners(const curve_job *job, const curve_findings *findings)
 /// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit".
 static void print_stops(const curve_job *job, const bat_curve_refine_report *done)
 {
-    const char *length = argument(job->given, "max-edge"), *distance = argument(job->given, "tolerance");
+    const char *length = argument(job->call.given, "max-edge"), *distance = argument(job->call.given, "tolerance");
     (void)printf("%zu to %zu levels", done->min_levels, done->max_levels);
     if (length != NULL)
         (void)printf(", pieces up to %s%s", length, job->unit);
@@ -211,7 +245,7 @@ static void print_time(int64_t origin, double seconds)
 /// "3 of 40 keyframes are farther than 4.685 sigma from the motion and do not count, the first at time 1.4".
 static void print_outliers(const curve_job *job, const bat_curve_set *fine)
 {
-    const bat_motion_report *moved = job->moved;
+    const bat_motion_report *moved = &job->findings.moved;
     bool tukey = job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY;
     if (!job->is_motion || !(moved->threshold > 0))
         return;
@@ -298,7 +332,7 @@ static json_t *with_member(json_t *object, const char *name, json_t *member)
 
 static json_t *outliers_json(const curve_job *job, const bat_curve_set *fine)
 {
-    const bat_motion_report *moved = job->moved;
+    const bat_motion_report *moved = &job->findings.moved;
     return json_pack(
         "{s:s, s:f, s:I, s:I, s:o}", "rule", bat_choice_name(&bat_motion_outliers_family, (int)job->motion.spline.outliers),
         "threshold", moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers,
@@ -328,7 +362,7 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
         object = with_member(object, "notes", notes_json(fine));
     if (findings->written.left_out > 0)
         object = with_member(object, "left_out", json_integer((json_int_t)findings->written.left_out));
-    if (job->is_motion && job->moved->threshold > 0)
+    if (job->is_motion && findings->moved.threshold > 0)
         object = with_member(object, "outliers", outliers_json(job, fine));
     if (!job->is_motion && findings->done.map)
         object = with_member(object, "map", map_json(&findings->done));
@@ -346,11 +380,13 @@ static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const 
     return object;
 }
 
-int curve_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
+int curve_report(curve_job *job)
 {
-    if (job->json)
+    const bat_curve_set *fine = &job->fine;
+    const curve_findings *findings = &job->findings;
+    if (job->call.json)
         return report_json(make_json(job, fine, findings));
-    if (job->quiet)
+    if (job->call.quiet)
     {
         print_notes(stderr, fine);
         print_left_out(stderr, job, fine, &findings->written);

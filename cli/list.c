@@ -1,27 +1,12 @@
-#include "verbs.h"
-
-#include "arguments.h"
 #include "report.h"
 #include "reproduce/reproduce.h"
+#include "verb.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static const option_spec OPTIONS[] = {
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
-};
-
-static const verb_spec SPEC = {
-    .usage = "batten list schemes|spaces|formats|models|parameterizations|shapes|results [--json]",
-    .summary = "The names that the other verbs take.",
-    .options = OPTIONS,
-    .min_positional = 1,
-    .max_positional = 1,
-};
 
 /// A table that `index` walks from 0 on; false past its last row.
 typedef bool (*choice_list)(size_t index, bat_choice *choice);
@@ -146,15 +131,25 @@ static int print_listing(const listing *all, bool as_json)
     return as_json ? report_json(json_pack("{s:o}", all->what, array)) : EXIT_DONE;
 }
 
-int verb_list(int argc, char **argv)
+static int make(void *of)
 {
-    arguments given;
-    int code;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    const char *what = given.positional[0];
+    const verb_call *call = of;
     for (size_t i = 0; i < sizeof LISTINGS / sizeof *LISTINGS; i++)
-        if (strcmp(what, LISTINGS[i].what) == 0)
-            return print_listing(&LISTINGS[i], argument_flag(&given, "json"));
-    return usage_error(&given, "there is no list of '%s'", what);
+        if (strcmp(call->input, LISTINGS[i].what) == 0)
+            return print_listing(&LISTINGS[i], call->json);
+    return usage_error(call->given, "there is no list of '%s'", call->input);
 }
+
+const verb VERB_LIST = {
+    .name = "list",
+    .arguments = "schemes|spaces|formats|models|parameterizations|shapes|results [--json]",
+    .summary = "list schemes, spaces, shapes and published results",
+    .about = "The names that the other verbs take.",
+    .example = "batten list schemes",
+    .options = (const option_table[]){{JSON_OPTION, 0}, {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = 1,
+    .words = "schemes spaces formats models parameterizations shapes results",
+    .job_size = sizeof(verb_call),
+    .make = make,
+};

@@ -1,55 +1,33 @@
-#include "verbs.h"
-
-#include "arguments.h"
 #include "interrupt.h"
 #include "report.h"
 #include "terminal.h"
+#include "train.h"
+#include "verb.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static const struct
-{
-    const char *name;
-    int (*run)(int argc, char **argv);
-    const char *summary;
-} VERBS[] = {
-    {"curve", verb_curve, "refine the curves of a file, to a file and a picture"},
-    {"motion", verb_motion, "make a smooth motion of keyframes: points, rotations, poses or tensors in time"},
-    {"decimate", verb_decimate, "make a coarse mesh of a fine one, with a map between the two"},
-    {"mesh", verb_mesh, "refine a triangle mesh, to a file and a picture"},
-    {"surface", verb_surface, "fit a spline surface to scattered points, to CAD files and a picture"},
-    {"measure", verb_measure, "measure curves or meshes, and the distances between two"},
-    {"shape", verb_shape, "make a test shape: creatures, machine parts, knots, a cage, clouds of points"},
-    {"analyze", verb_analyze, "analyze the limit of a linear scheme, with proven bounds"},
-    {"reproduce", verb_reproduce, "compute published tables and figures, beside the published ones"},
-    {"train", verb_train, "train a learned scheme from the published recipe"},
-    {"list", verb_list, "list schemes, spaces, shapes and published results"},
-};
-enum
-{
-    VERB_COUNT = sizeof VERBS / sizeof VERBS[0]
-};
-
 static void print_overview(FILE *to)
 {
     (void)fputs("batten turns coarse geometry into fair geometry.\n\nusage: batten VERB [arguments]\n\n", to);
-    for (int i = 0; i < VERB_COUNT; i++)
-        (void)fprintf(to, "  %-10s %s\n", VERBS[i].name, VERBS[i].summary);
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        (void)fprintf(to, "  %-14s %s\n", (*each)->name, (*each)->summary);
     (void)fputs("\n`batten help VERB` explains a verb; `batten --version` prints the version.\n", to);
 }
 
-/// The verb of that name; -1 after a message when there is none.
-static int find_verb(const char *name)
+/// Run the verb that argv[0] names.
+static int run_verb(int argc, char **argv)
 {
-    for (int i = 0; i < VERB_COUNT; i++)
-        if (strcmp(name, VERBS[i].name) == 0)
-            return i;
-    terminal_print(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", name);
-    return -1;
+    if (strcmp(argv[0], "train") == 0)
+        return train_in_group(argc, argv, NULL, 0);
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        if (strcmp(argv[0], (*each)->name) == 0)
+            return verb_run(*each, argc, argv);
+    terminal_print(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", argv[0]);
+    return EXIT_BAD_USAGE;
 }
 
-/// `batten help`, `batten help VERB`
+/// `batten help`, `batten help VERB`, `batten help VERB all`
 static int help(int argc, char **argv)
 {
     if (argc < 3)
@@ -57,9 +35,15 @@ static int help(int argc, char **argv)
         print_overview(stdout);
         return EXIT_DONE;
     }
-    int verb = find_verb(argv[2]);
-    char *words[] = {argv[2], "--help", NULL};
-    return verb < 0 ? EXIT_BAD_USAGE : VERBS[verb].run(2, words);
+    bool all = argc > 3 && strcmp(argv[argc - 1], "all") == 0, two = argc > 3 + all;
+    char option[] = "--help", *words[5] = {argv[2]};
+    int count = 1;
+    if (two)
+        words[count++] = argv[3];
+    words[count++] = option;
+    if (all)
+        words[count++] = argv[argc - 1];
+    return run_verb(count, words);
 }
 
 static int run(int argc, char **argv)
@@ -76,8 +60,7 @@ static int run(int argc, char **argv)
         (void)printf("batten %s\n", bat_version());
         return EXIT_DONE;
     }
-    int verb = find_verb(argv[1]);
-    return verb < 0 ? EXIT_BAD_USAGE : VERBS[verb].run(argc - 1, argv + 1);
+    return run_verb(argc - 1, argv + 1);
 }
 
 int main(int argc, char **argv)

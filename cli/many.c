@@ -4,6 +4,7 @@
 #include "outputs.h"
 #include "report.h"
 #include "terminal.h"
+#include "verb.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -59,7 +60,7 @@ typedef struct task
 typedef struct many
 {
     const arguments *given;
-    many_verb verb;
+    many_verb run;
     task *tasks;
     size_t count, started, running, reported;
     long jobs;
@@ -207,8 +208,9 @@ static int check_inputs(const many *all)
 }
 
 /// Find the paths of the outputs.
-static int name_outputs(many *all, const bat_family *formats)
+static int name_outputs(many *all)
 {
+    const bat_family *formats = all->given->verb->formats;
     const char *folder = argument(all->given, "output"), *format = argument(all->given, "to");
     const char *ending = format != NULL ? endings_of(format, formats) : NULL;
     if (format != NULL && ending == NULL)
@@ -256,7 +258,7 @@ static void work(const many *all, const task *one, const int writing[STREAM_COUN
     argument_set(&given, "output", one->output);
     if (argument(&given, "threads") == NULL)
         argument_set(&given, "threads", all->threads);
-    exit(report_end(all->verb(&given)));
+    exit(report_end(all->run(&given)));
 }
 
 /// Make the pipes of a process. False where the system allows no more.
@@ -496,8 +498,7 @@ static int run_tasks(many *all)
 
 // The command line
 
-/// Whether the outputs go to a folder.
-static bool is_many(const arguments *given)
+bool many_wanted(const arguments *given)
 {
     const char *output = argument(given, "output");
     struct stat about;
@@ -515,9 +516,11 @@ static int check(const arguments *given)
         return usage_error(given, "several inputs, and --jobs, need -o FOLDER");
     if (stat(output, &about) == 0 && !S_ISDIR(about.st_mode))
         return usage_error(given, "several inputs, and --jobs, need a folder: '%s' is a file", output);
-    for (const file_option *file = given->spec->files; file->name != NULL; file++)
-        if (file->use != FILE_READ && strcmp(file->name, "output") != 0 && argument(given, file->name) != NULL)
-            return usage_error(given, "--%s names one file: it goes with one input and -o FILE", file->name);
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(given->verb, i, NULL)) != NULL; i++)
+        if ((option->marks & (IS_WRITTEN | IS_DRAWN)) != 0 && given->values[i] != NULL &&
+            strcmp(option->name, "output") != 0)
+            return usage_error(given, "--%s names one file: it goes with one input and -o FILE", option->name);
     return EXIT_DONE;
 }
 
@@ -531,9 +534,9 @@ static int threads_each(long jobs)
     return all > jobs ? all / (int)jobs : 1;
 }
 
-static int run_all(const arguments *given, const bat_family *formats, many_verb verb)
+int many_run(const arguments *given, many_verb run)
 {
-    many all = {.given = given, .verb = verb, .count = given->positional_count};
+    many all = {.given = given, .run = run, .count = given->positional_count};
     if (!argument_whole(given, "jobs", 1, MAX_JOBS, 1, &all.jobs))
         return EXIT_BAD_USAGE;
     int code = check(given);
@@ -547,7 +550,7 @@ static int run_all(const arguments *given, const bat_family *formats, many_verb 
     for (size_t i = 0; i < all.count; i++)
         all.tasks[i] = (task){.input = given->positional[i], .streams = {{.descriptor = -1}, {.descriptor = -1}}};
     all.list = argument_flag(given, "json") ? json_array() : NULL;
-    code = name_outputs(&all, formats);
+    code = name_outputs(&all);
     if (code == EXIT_DONE)
         code = make_folder(argument(given, "output"));
     if (code == EXIT_DONE)
@@ -561,13 +564,4 @@ static int run_all(const arguments *given, const bat_family *formats, many_verb 
     // Ends the program when a signal has come.
     interrupt_use(INTERRUPT_AT_ONCE);
     return code;
-}
-
-int many_run(const verb_spec *spec, const bat_family *formats, many_verb verb, int argc, char **argv)
-{
-    arguments given;
-    int code;
-    if (!arguments_read(spec, argc, argv, &given, &code))
-        return code;
-    return is_many(&given) ? run_all(&given, formats, verb) : verb(&given);
 }

@@ -1,50 +1,36 @@
-#include "verbs.h"
+#include "measure.h"
 
-#include "arguments.h"
-#include "measure_mesh.h"
+#include "curve.h"
 #include "report.h"
-
-#include "batten/batten.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const option_spec OPTIONS[] = {
-    {"geodesic", 0, NULL, "geodesic distances; default: straight ones between coordinates, as published"},
-    {"to-segments", 0, NULL, "distances to the other curve's edges instead of its points"},
-    {"space", 0, "NAME", "plane, euclidean, sphere or disk; default: what the files imply"},
-    {"columns", 0, "LIST", "CSV: the columns of the coordinates, names or numbers from 1, as x,y; default: by names"},
-    {"group", 0, "COLUMN", "CSV: rows with one value in this column make one curve; default: blank lines separate curves"},
-    {"from", 0, "FORMAT", "csv, geojson or obj; of meshes obj, ply, off, stl, gltf or glb; default: by the files' endings"},
-    {"closed", 0, NULL, "take every curve as closed"},
-    {"open", 0, NULL, "take every curve as open"},
-    {"project", 0, NULL, "move points that are off their space onto it"},
-    {"mesh", 0, NULL, "take the files as meshes; default: by their endings or contents"},
-    {"at-vertices", 0, NULL, "distances of meshes from their vertices alone; default: from the whole surface"},
-    {"samples", 0, "N", "points on the surface of each mesh; default: 200000"},
-    {"accuracy", 0, "SHARE", "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4"},
-    {"picture", 0, "FILE", "draw two meshes in the colours of their distances (.png, .svg or .pdf)"},
-    {"triangulate", 0, NULL, "cut faces of meshes of more than three corners into triangles"},
-    {"threads", 0, "N", "default: all"},
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
+enum
+{
+    MAX_SAMPLES = 1000000000
 };
 
-static const file_option FILES[] = {{"picture", FILE_DRAWN}, {NULL, 0}};
-
-static const verb_spec SPEC = {
-    .usage = "batten measure A [B] [options]",
-    .summary = "Measure the fairness of the curves of A and B (bending energy, largest exterior angle), whether those of A\n"
-               "are simple, and their distances: nearest-neighbour and Hausdorff, curve i of A with curve i of B. Files of\n"
-               "several curves give the mean and the median over the curves.\n"
-               "Of one mesh: size, topology, area, volume, quality; of two: the Hausdorff and mean distances of\n"
-               "their surfaces, by Metro's definitions.",
-    .options = OPTIONS,
-    .min_positional = 1,
-    .max_positional = 2,
-    .reads_files = true,
-    .files = FILES,
+static const option_spec OPTIONS[] = {
+    {"from", "FORMAT", INPUT, 0, "the format of the files, see `batten list formats`; default: by their endings or contents",
+     NO_FIELD},
+    {"mesh", NULL, INPUT, COMMON, "take the files as meshes; default: by their endings or contents", NO_FIELD},
+    {"triangulate", NULL, INPUT, 0, "cut faces of meshes of more than three corners into triangles",
+     FLAG(measure_job, read_mesh.triangulate)},
+    {"geodesic", NULL, METHOD, COMMON, "geodesic distances; default: straight ones between coordinates, as published",
+     FLAG(measure_job, measure.geodesic)},
+    {"to-segments", NULL, METHOD, COMMON, "distances to the other curve's edges instead of its points",
+     FLAG(measure_job, measure.to_segments)},
+    {"at-vertices", NULL, METHOD, COMMON, "distances of meshes from their vertices alone; default: from the whole surface",
+     FLAG(measure_job, compare.vertices)},
+    {"samples", "N", METHOD, 0, "points on the surface of each mesh; default: 200000",
+     WHOLE(measure_job, compare.samples, 1, MAX_SAMPLES)},
+    {"accuracy", "SHARE", METHOD, 0, "of the Hausdorff distance of meshes; 0: that of the samples; default: 1e-4",
+     NUMBER(measure_job, compare.tolerance)},
+    {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw two meshes in the colours of their distances (.png, .svg or .pdf)",
+     NO_FIELD},
+    END_OF_OPTIONS,
 };
 
 /// What is measured of a set of curves, one result each.
@@ -55,16 +41,6 @@ typedef enum measured
     DISTANCE,
     MEASURED
 } measured;
-
-/// The command line.
-typedef struct measure_job
-{
-    const arguments *given;
-    const char *paths[2]; ///< the second null when there is only A
-    bat_curve_read_options read;
-    bat_curve_measure_options measure;
-    bool json;
-} measure_job;
 
 /// The results of all curves.
 typedef struct results
@@ -139,7 +115,7 @@ static bat_status report_simple(const results *all, json_t *object)
     return BAT_OK;
 }
 
-static int report(const char *path, const results *all, bool compared, bool as_json)
+static int report_results(const char *path, const results *all, bool compared, bool as_json)
 {
     json_t *object = as_json ? json_pack("{s:I}", "curves", (json_int_t)all->count) : NULL;
     if (as_json && object == NULL)
@@ -213,8 +189,9 @@ static int measure_distances(const char *const paths[2], const bat_curve_set *a,
     return report_curve(path, path == paths[0] ? a : b, failed, &error);
 }
 
-static int measure_sets(const measure_job *job, const bat_curve_set *a, const bat_curve_set *b)
+static int measure_sets(measure_job *job)
 {
+    const bat_curve_set *a = &job->sets[0], *b = &job->sets[1];
     bool compared = job->paths[1] != NULL;
     if (compared && a->count != b->count)
     {
@@ -240,7 +217,7 @@ static int measure_sets(const measure_job *job, const bat_curve_set *a, const ba
     if (code == EXIT_DONE && compared)
         code = measure_fairness(job->paths[1], b, &job->measure, all.fairness[1]);
     if (code == EXIT_DONE)
-        code = report(job->paths[0], &all, compared, job->json);
+        code = report_results(job->paths[0], &all, compared, job->call.json);
     free(all.fairness[0]);
     free(all.fairness[1]);
     free(all.distances);
@@ -248,40 +225,26 @@ static int measure_sets(const measure_job *job, const bat_curve_set *a, const ba
     return code;
 }
 
-static int read_and_measure(const measure_job *job)
+static void begin(void *to)
 {
-    bat_curve_set sets[2] = {{0}, {0}};
-    bat_error error;
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
-        if (bat_curve_read(job->paths[i], &job->read, &sets[i], &error) != BAT_OK)
-            code = report_bad_input(job->given, job->paths[i], &error);
-    if (code == EXIT_DONE)
-        code = measure_sets(job, &sets[0], &sets[1]);
-    bat_curve_set_free(&sets[0]);
-    bat_curve_set_free(&sets[1]);
-    return code;
+    measure_job *job = to;
+    job->read = bat_curve_read_defaults();
+    job->measure = bat_curve_measure_defaults();
+    job->read_mesh = bat_mesh_read_defaults();
+    job->compare = bat_mesh_compare_defaults();
 }
 
-static bool read_job(const arguments *given, measure_job *job)
+static bool check(void *of)
 {
-    int threads;
-    *job = (measure_job){.given = given,
-                         .read = bat_curve_read_defaults(),
-                         .measure = bat_curve_measure_defaults(),
-                         .json = argument_flag(given, "json")};
+    static const char *const of_meshes[] = {"at-vertices", "samples", "accuracy", "picture", "triangulate", NULL};
+    measure_job *job = of;
+    const arguments *given = job->call.given;
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
-    job->read.space = argument(given, "space");
-    job->read.columns = argument(given, "columns");
-    job->read.group = argument(given, "group");
-    job->read.closed = argument_flag(given, "closed") ? 1 : argument_flag(given, "open") ? 0 : -1;
-    job->read.project = argument_flag(given, "project");
-    job->measure.geodesic = argument_flag(given, "geodesic");
-    job->measure.to_segments = argument_flag(given, "to-segments");
-    if (!argument_threads(given, &threads))
-        return false;
-    job->read.threads = job->measure.threads = threads;
+    job->of_meshes = measure_means_meshes(given);
+    if (job->of_meshes)
+        return measure_check_meshes(job);
+    job->read.threads = job->measure.threads = job->call.threads;
     if (!argument_choice(given, "from", &bat_curve_format_family, &job->read.format))
         return false;
     const char *fault = NULL;
@@ -289,9 +252,7 @@ static bool read_job(const arguments *given, measure_job *job)
         fault = "--closed and --open exclude each other";
     else if (job->measure.geodesic && job->measure.to_segments)
         fault = "--geodesic and --to-segments exclude each other";
-    else if (argument_flag(given, "at-vertices") || argument(given, "samples") != NULL ||
-             argument(given, "accuracy") != NULL || argument(given, "picture") != NULL ||
-             argument_flag(given, "triangulate"))
+    else if (argument_first(given, of_meshes) != NULL)
         fault = "--at-vertices, --samples, --accuracy, --picture and --triangulate are for meshes";
     else if (job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments))
         fault = "--geodesic and --to-segments need a second file to measure the distance from";
@@ -300,14 +261,56 @@ static bool read_job(const arguments *given, measure_job *job)
     return fault == NULL;
 }
 
-int verb_measure(int argc, char **argv)
+static int make(void *of)
 {
-    arguments given;
-    int code;
-    measure_job job;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    if (measure_means_meshes(&given))
-        return measure_meshes(&given);
-    return read_job(&given, &job) ? read_and_measure(&job) : EXIT_BAD_USAGE;
+    measure_job *job = of;
+    bat_error error;
+    if (job->of_meshes)
+        return measure_meshes(job);
+    for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
+        if (bat_curve_read(job->paths[i], &job->read, &job->sets[i], &error) != BAT_OK)
+            return report_bad_input(job->call.given, job->paths[i], &error);
+    return measure_sets(job);
 }
+
+static int report(void *of)
+{
+    const measure_job *job = of;
+    return job->of_meshes ? measure_report_meshes(job) : EXIT_DONE;
+}
+
+static void end(void *of)
+{
+    measure_job *job = of;
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_curve_set_free(&job->sets[i]);
+        bat_mesh_free(&job->meshes[i]);
+    }
+}
+
+const verb VERB_MEASURE = {
+    .name = "measure",
+    .arguments = "A [B] [options]",
+    .summary = "measure curves or meshes, and the distances between two",
+    .about =
+        "Measure the fairness of the curves of A and B (bending energy, largest exterior angle), whether those of A are "
+        "simple, and their distances: nearest-neighbour and Hausdorff, curve i of A with curve i of B. Files of several "
+        "curves give the mean and the median over the curves. Of one mesh: size, topology, area, volume, quality; of "
+        "two: the Hausdorff and mean distances of their surfaces, by Metro's definitions.",
+    .example = "batten measure coarse.ply fine.ply --picture distances.png",
+    .options = (const option_table[]){{OPTIONS, 0},
+                                      {CURVE_READ_OPTIONS, offsetof(measure_job, read)},
+                                      {THREADS_OPTION, 0},
+                                      {JSON_OPTION, 0},
+                                      {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = 2,
+    .reads_files = true,
+    .job_size = sizeof(measure_job),
+    .begin = begin,
+    .check = check,
+    .make = make,
+    .report = report,
+    .end = end,
+};

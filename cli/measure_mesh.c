@@ -1,6 +1,5 @@
-#include "measure_mesh.h"
+#include "measure.h"
 
-#include "outputs.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -10,11 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-enum
-{
-    MAX_SAMPLES = 1000000000
-};
 
 /// The kind of a file.
 typedef enum kind
@@ -161,27 +155,6 @@ static int report_measures(size_t meshes, const void *base, double diagonal, boo
     return as_json ? report_json(object) : EXIT_DONE;
 }
 
-/// The command line.
-typedef struct mesh_job
-{
-    const arguments *given;
-    const char *paths[2]; ///< the second null when there is only A
-    const char *picture;  ///< null for none
-    outputs files;
-    bat_mesh_read_options read;
-    bat_mesh_compare_options compare;
-    bool json;
-} mesh_job;
-
-static int report_summary(const mesh_job *job, const bat_mesh *mesh)
-{
-    bat_mesh_summary summary;
-    bat_error error;
-    if (bat_mesh_summarize(mesh, &summary, &error) != BAT_OK)
-        return report_failure(job->paths[0], &error);
-    return report_measures(1, &summary, summary.diagonal, job->json);
-}
-
 /// What stands behind a path's last slash; null for no path.
 static const char *file_name(const char *path)
 {
@@ -190,8 +163,10 @@ static const char *file_name(const char *path)
 }
 
 /// Draw both meshes, coloured by how far their vertices are from the other.
-static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double diagonal)
+static int draw_distances(measure_job *job)
 {
+    const bat_mesh *meshes = job->meshes;
+    double diagonal = job->distance.diagonal;
     bat_error error = {.text = "out of memory"};
     bat_mesh_picture_panel panels[2];
     double *shares[2] = {NULL, NULL};
@@ -211,10 +186,10 @@ static int draw_distances(const mesh_job *job, const bat_mesh meshes[2], double 
     options.threads = job->compare.threads;
     options.value_label = "distance, % of the diagonal";
     if (status == BAT_OK)
-        status = bat_mesh_picture_write(output_path(&job->files, "picture"), panels, 2, &options, &error);
+        status = bat_mesh_picture_write(output_path(&job->call.files, "picture"), panels, 2, &options, &error);
     free(shares[0]);
     free(shares[1]);
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->call.picture, &error);
 }
 
 const char *measure_file_at_fault(const char *const paths[2], const bat_error *error)
@@ -223,98 +198,52 @@ const char *measure_file_at_fault(const char *const paths[2], const bat_error *e
     return first || paths[1] == NULL ? paths[0] : paths[1];
 }
 
-static int compare(const mesh_job *job, const bat_mesh meshes[2], bat_mesh_distance *distance)
+static int compare(measure_job *job)
 {
     bat_error error;
     bat_mesh_compare_options how = job->compare;
     how.progress = report_progress("measuring distances");
-    bat_status status = bat_mesh_compare(&meshes[0], &meshes[1], &how, distance, &error);
+    bat_status status = bat_mesh_compare(&job->meshes[0], &job->meshes[1], &how, &job->distance, &error);
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(measure_file_at_fault(job->paths, &error), &error);
-    return job->picture != NULL ? draw_distances(job, meshes, distance->diagonal) : EXIT_DONE;
+    return job->call.picture != NULL ? draw_distances(job) : EXIT_DONE;
 }
 
-static int report_distance(const mesh_job *job, const bat_mesh_distance *distance)
+int measure_meshes(measure_job *job)
 {
-    if (!job->json)
+    bat_error error;
+    for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
+        if (bat_mesh_read(job->paths[i], &job->read_mesh, &job->meshes[i], &error) != BAT_OK)
+            return report_bad_input(job->call.given, job->paths[i], &error);
+    if (job->paths[1] != NULL)
+        return compare(job);
+    return bat_mesh_summarize(&job->meshes[0], &job->summary, &error) == BAT_OK ? EXIT_DONE
+                                                                                : report_failure(job->paths[0], &error);
+}
+
+int measure_report_meshes(const measure_job *job)
+{
+    if (job->paths[1] == NULL)
+        return report_measures(1, &job->summary, job->summary.diagonal, job->call.json);
+    if (!job->call.json)
         (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
-    return report_measures(2, distance, distance->diagonal, job->json);
+    return report_measures(2, &job->distance, job->distance.diagonal, job->call.json);
 }
 
-static int read_and_measure(mesh_job *job)
+bool measure_check_meshes(measure_job *job)
 {
-    bat_mesh meshes[2] = {{0}, {0}};
-    bat_mesh_distance distance = {0};
+    static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project", NULL};
+    static const char *const FOR_TWO[] = {"at-vertices", "samples", "accuracy", "picture", NULL};
+    const arguments *given = job->call.given;
     bat_error error;
-    int code = EXIT_DONE;
-    bool compared = job->paths[1] != NULL;
-    for (size_t i = 0; i < 2 && code == EXIT_DONE && job->paths[i] != NULL; i++)
-        if (bat_mesh_read(job->paths[i], &job->read, &meshes[i], &error) != BAT_OK)
-            code = report_bad_input(job->given, job->paths[i], &error);
-    if (code == EXIT_DONE && compared)
-        code = compare(job, meshes, &distance);
-    code = outputs_close(&job->files, code);
-    if (code == EXIT_DONE)
-        code = compared ? report_distance(job, &distance) : report_summary(job, &meshes[0]);
-    bat_mesh_free(&meshes[0]);
-    bat_mesh_free(&meshes[1]);
-    return code;
-}
-
-/// Options that have no meaning for meshes, and ones that need two of them.
-static bool check_options(const arguments *given)
-{
-    static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project"};
-    static const char *const FOR_TWO[] = {"at-vertices", "samples", "accuracy", "picture"};
-    for (size_t i = 0; i < sizeof FOR_CURVES / sizeof FOR_CURVES[0]; i++)
-        if (argument(given, FOR_CURVES[i]) != NULL)
-        {
-            (void)usage_error(given, "--%s is for curves, but %s is a mesh", FOR_CURVES[i], given->positional[0]);
-            return false;
-        }
-    for (size_t i = 0; i < sizeof FOR_TWO / sizeof FOR_TWO[0] && given->positional_count < 2; i++)
-        if (argument(given, FOR_TWO[i]) != NULL)
-        {
-            (void)usage_error(given, "--%s needs a second file to measure the distance from", FOR_TWO[i]);
-            return false;
-        }
-    return true;
-}
-
-static bool read_job(const arguments *given, mesh_job *job)
-{
-    long samples;
-    bat_error error;
-    *job = (mesh_job){.given = given,
-                      .read = bat_mesh_read_defaults(),
-                      .compare = bat_mesh_compare_defaults(),
-                      .json = argument_flag(given, "json")};
-    for (size_t i = 0; i < given->positional_count; i++)
-        job->paths[i] = given->positional[i];
-    if (!check_options(given) || !argument_threads(given, &job->compare.threads) ||
-        !argument_whole(given, "samples", 1, MAX_SAMPLES, (long)job->compare.samples, &samples) ||
-        !argument_number(given, "accuracy", job->compare.tolerance, &job->compare.tolerance))
-        return false;
-    job->compare.samples = (size_t)samples;
-    job->picture = argument(given, "picture");
-    job->compare.vertices = argument_flag(given, "at-vertices");
-    job->read.triangulate = argument_flag(given, "triangulate");
-    if (!argument_choice(given, "from", &bat_mesh_format_family, &job->read.format))
-        return false;
-    if (bat_mesh_compare_options_check(&job->compare, &error) != BAT_OK)
-    {
-        (void)usage_error(given, "%s", error.text);
-        return false;
-    }
-    return true;
-}
-
-int measure_meshes(const arguments *given)
-{
-    mesh_job job;
-    if (!read_job(given, &job))
-        return EXIT_BAD_USAGE;
-    int code = outputs_open(given, &job.files);
-    return code == EXIT_DONE ? read_and_measure(&job) : code;
+    job->compare.threads = job->call.threads;
+    if (argument_first(given, FOR_CURVES) != NULL)
+        (void)usage_error(given, "--%s is for curves, but %s is a mesh", argument_first(given, FOR_CURVES), job->call.input);
+    else if (argument_first(given, FOR_TWO) != NULL && job->paths[1] == NULL)
+        (void)usage_error(given, "--%s needs a second file to measure the distance from", argument_first(given, FOR_TWO));
+    else
+        return argument_choice(given, "from", &bat_mesh_format_family, &job->read_mesh.format) &&
+               usage_accepts(given, bat_mesh_compare_options_check(&job->compare, &error), &error);
+    return false;
 }

@@ -2,6 +2,7 @@
 
 #include "interrupt.h"
 #include "report.h"
+#include "verb.h"
 
 #include "batten/curve_picture.h"
 
@@ -38,16 +39,17 @@ static const char *dashes(const char *option)
 /// Refuse an output to a file that is read. The result may replace IN, which is read before.
 static int check_inputs(const arguments *given, const char *option)
 {
-    const verb_spec *spec = given->spec;
+    const verb *what = given->verb;
+    const option_spec *other;
     const char *path = argument(given, option);
     bool replaces = strcmp(option, "output") == 0;
-    for (size_t i = 0; spec->reads_files && !replaces && i < given->positional_count; i++)
+    for (size_t i = 0; what->reads_files && !replaces && i < given->positional_count; i++)
         if (same_file(path, given->positional[i]))
             return usage_error(given, "%s%s would overwrite '%s', which is read", dashes(option), shown(option), path);
-    for (const file_option *file = spec->files; file->name != NULL; file++)
-        if (file->use == FILE_READ && argument(given, file->name) != NULL && same_file(path, argument(given, file->name)))
+    for (size_t i = 0; (other = option_at(what, i, NULL)) != NULL; i++)
+        if ((other->marks & IS_READ) != 0 && given->values[i] != NULL && same_file(path, given->values[i]))
             return usage_error(given, "%s%s would overwrite '%s', which --%s reads", dashes(option), shown(option), path,
-                               file->name);
+                               other->name);
     return EXIT_DONE;
 }
 
@@ -59,9 +61,9 @@ static bool is_redirected_to(const char *path)
            a.st_ino == b.st_ino;
 }
 
-static int open_one(const arguments *given, const file_option *file, outputs *out)
+static int open_one(const arguments *given, const char *option, outputs *out)
 {
-    const char *option = file->name, *path = argument(given, option);
+    const char *path = argument(given, option);
     bat_error error;
     if (is_standard_output(path) && strcmp(option, "output") != 0)
         return usage_error(given, "--%s cannot be standard output", option);
@@ -92,10 +94,11 @@ static int open_one(const arguments *given, const file_option *file, outputs *ou
 static int check_pictures(const arguments *given)
 {
     bat_error error;
-    for (const file_option *file = given->spec->files; file->name != NULL; file++)
-        if (file->use == FILE_DRAWN && argument(given, file->name) != NULL &&
-            bat_picture_check(argument(given, file->name), &error) != BAT_OK)
-            return report_failure(argument(given, file->name), &error);
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(given->verb, i, NULL)) != NULL; i++)
+        if ((option->marks & IS_DRAWN) != 0 && given->values[i] != NULL &&
+            bat_picture_check(given->values[i], &error) != BAT_OK)
+            return report_failure(given->values[i], &error);
     return EXIT_DONE;
 }
 
@@ -107,9 +110,10 @@ int outputs_open(const arguments *given, outputs *out)
         return report_failure(NULL, &error);
     interrupt_files(out->files);
     int code = EXIT_DONE;
-    for (const file_option *file = given->spec->files; file->name != NULL && code == EXIT_DONE; file++)
-        if (file->use != FILE_READ && argument(given, file->name) != NULL)
-            code = open_one(given, file, out);
+    const option_spec *option;
+    for (size_t i = 0; code == EXIT_DONE && (option = option_at(given->verb, i, NULL)) != NULL; i++)
+        if ((option->marks & (IS_WRITTEN | IS_DRAWN)) != 0 && given->values[i] != NULL)
+            code = open_one(given, option->name, out);
     if (code == EXIT_DONE)
         code = check_pictures(given);
     if (code != EXIT_DONE)
@@ -132,7 +136,7 @@ int outputs_close(outputs *out, int code)
     {
         interrupt_use(INTERRUPT_NEVER);
         if (bat_outputs_commit(out->files, &error) != BAT_OK)
-            code = report_failure(error.index < out->count ? out->each[error.index].path : NULL, &error);
+            code = report_failure(error.index < out->count ? out->each[error.index].path : out->folder, &error);
     }
     interrupt_files(NULL);
     interrupt_use(INTERRUPT_AT_ONCE);

@@ -22,7 +22,8 @@ typedef struct outputs
         const char *option, *path, *write_to;
     } each[MAX_OUTPUTS];
     size_t count;
-    bool piped; ///< -o is standard output, which is written after the files
+    const char *folder; ///< of further files, which the verb adds; null for none
+    bool piped;         ///< -o is standard output, which is written after the files
 } outputs;
 
 /// Whether a path, which may be null, is standard output.

@@ -1,7 +1,5 @@
-#include "verbs.h"
-
-#include "outputs.h"
 #include "report.h"
+#include "verb.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
@@ -11,240 +9,148 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const option_spec OPTIONS[] = {
-    {"output", 'o', "OUT", "write the mesh, cloud or map to OUT (- for standard output; clouds as XYZ, maps as GeoJSON)"},
-    {"vertices", 0, "N",
-     "the approximate number of vertices or points, 200 to 1000000; default 10000, of clouds 9600; not for a cage or a map"},
-    {"countries", 0, "N", "of a map, 12 to 5000; default 200"},
-    {"detail", 0, "D",
-     "of a map: a border between two cells has 2^D edges, 1 to 10; default 2. Of 250 countries, 7 gives "
-     "600,000 vertices"},
-    {"seed", 0, "S", "of the random numbers; another seed gives another shape of that kind; default 1"},
-    {"picture", 0, "FILE", "draw the mesh, the cloud and its parameters, or the map (.png, .svg or .pdf)"},
-    {"to", 0, "FORMAT", "of meshes: obj, ply, off or stl; default: by the file's ending"},
-    {"json", 0, NULL, "print the report as one JSON object"},
-    {"quiet", 0, NULL, "print no report"},
-    {NULL, 0, NULL, NULL},
-};
+struct shape_family;
 
-static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"picture", FILE_DRAWN}, {NULL, 0}};
-
-static const verb_spec SPEC = {
-    .usage = "batten shape KIND [-o OUT] [--vertices N] [--seed S] [--picture FILE] [options]",
-    .summary = "Make a triangle mesh, a cloud of points or a map for tests and trainings; `batten list shapes` names the\n"
-               "kinds. The same kind, numbers and seed give the same shape.",
-    .options = OPTIONS,
-    .min_positional = 1,
-    .max_positional = 1,
-    .files = FILES,
-};
-
-/// The kind that is no mesh and no cloud.
-static const char MAP[] = "map";
-
-/// The command line.
+/// The job of `batten shape`.
 typedef struct shape_job
 {
-    const char *kind, *output, *picture; ///< the last two may be null
-    outputs files;
+    verb_call call;
+    const struct shape_family *family;
     size_t vertices;
     uint64_t seed;
     bat_mesh_write_options write;
     bat_shape_map_options map;
-    bool is_cloud, is_map, json, quiet;
+    bat_mesh mesh;
+    bat_cloud cloud;
+    double *parameters; ///< of the cloud
+    bat_curve_set borders;
 } shape_job;
 
-static bool is_cloud_kind(const char *name)
+/// Meshes, clouds of points, or maps.
+typedef struct shape_family
 {
-    for (const char *const *kind = bat_cloud_shape_names(); *kind != NULL; kind++)
-        if (strcmp(*kind, name) == 0)
-            return true;
-    return false;
-}
+    bool (*has)(const char *kind);
+    bat_status (*make)(shape_job *job, bat_error *error);
+    bat_status (*draw)(const shape_job *job, const char *path, bat_error *error);
+    bat_status (*write)(const shape_job *job, const char *path, bat_error *error);
+    json_t *(*describe)(const shape_job *job);
+    void (*print)(const shape_job *job);
+} shape_family;
 
-static bool is_mesh_kind(const char *name)
+static const option_spec OPTIONS[] = {
+    {"output", "OUT", RESULT, COMMON | IS_WRITTEN,
+     "write the mesh, cloud or map to OUT (- for standard output; clouds as XYZ, maps as GeoJSON)", NO_FIELD},
+    {"to", "FORMAT", RESULT, 0, "the format of a mesh; default: by the file's ending",
+     CHOICE(shape_job, write.format, bat_mesh_format_family)},
+    {"vertices", "N", METHOD, COMMON,
+     "the approximate number of vertices or points, 200 to 1000000; default 10000, of clouds 9600; not for a cage or a map",
+     WHOLE(shape_job, vertices, 200, 1000000)},
+    {"seed", "S", METHOD, COMMON, "of the random numbers; another seed gives another shape of that kind; default 1",
+     WHOLE(shape_job, seed, 0, LONG_MAX)},
+    {"countries", "N", METHOD, COMMON, "of a map, 12 to 5000; default 200", WHOLE(shape_job, map.countries, 0, LONG_MAX)},
+    {"detail", "D", METHOD, COMMON,
+     "of a map: a border between two cells has 2^D edges, 1 to 10; default 2. Of 250 countries, 7 gives 600,000 vertices",
+     WHOLE(shape_job, map.detail, 0, LONG_MAX)},
+    {"picture", "FILE", PICTURE, COMMON | IS_DRAWN,
+     "draw the mesh, the cloud and its parameters, or the map (.png, .svg or .pdf)", NO_FIELD},
+    END_OF_OPTIONS,
+};
+
+// Meshes
+
+static bool is_mesh(const char *kind)
 {
     for (size_t i = 0; i < bat_mesh_shape_count(); i++)
-        if (strcmp(bat_mesh_shape_at(i)->name, name) == 0)
+        if (strcmp(bat_mesh_shape_at(i)->name, kind) == 0)
             return true;
     return false;
 }
 
-/// The fault of the command line; null for none.
-static const char *find_fault(const shape_job *job)
+static bat_status make_mesh(shape_job *job, bat_error *error)
 {
-    bool piped = is_standard_output(job->output);
-    if (!job->is_cloud && !job->is_map && !is_mesh_kind(job->kind))
-        return "unknown kind of shape; `batten list shapes` names the kinds";
-    if (job->output == NULL && job->picture == NULL && job->quiet)
-        return "there is no output: give -o OUT or --picture FILE";
-    if (job->json && job->quiet)
-        return "--json and --quiet exclude each other";
-    return job->json && piped ? "--json and -o - both need standard output" : NULL;
+    return bat_mesh_shape(job->call.input, job->vertices > 0 ? job->vertices : 10000, job->seed, &job->mesh, error);
 }
 
-/// Read the numbers that are for one family of shapes alone. False after an error message.
-static bool read_numbers(const arguments *given, shape_job *job)
+static bat_status draw_mesh(const shape_job *job, const char *path, bat_error *error)
 {
-    static const char *const OF_MAPS[] = {"countries", "detail"};
-    long vertices, countries, detail;
-    if (!argument_whole(given, "vertices", 200, 1000000, job->is_cloud ? 9600 : 10000, &vertices) ||
-        !argument_whole(given, "countries", 0, LONG_MAX, (long)job->map.countries, &countries) ||
-        !argument_whole(given, "detail", 0, LONG_MAX, (long)job->map.detail, &detail))
-        return false;
-    job->vertices = (size_t)vertices;
-    job->map.countries = (size_t)countries;
-    job->map.detail = (size_t)detail;
-    job->map.seed = job->seed;
-    bat_error error;
-    for (size_t i = 0; i < sizeof OF_MAPS / sizeof *OF_MAPS; i++)
-        if (!job->is_map && argument(given, OF_MAPS[i]) != NULL)
-        {
-            (void)usage_error(given, "--%s goes with the shape map", OF_MAPS[i]);
-            return false;
-        }
-    if (job->is_map && argument(given, "vertices") != NULL)
-        (void)usage_error(given, "--vertices does not go with the shape map; --countries and --detail do");
-    else if (bat_shape_map_options_check(&job->map, &error) != BAT_OK)
-        (void)usage_error(given, "%s", error.text);
-    else
-        return true;
+    bat_mesh_picture_panel panel = {.mesh = &job->mesh, .title = job->call.input};
+    return bat_mesh_picture_write(path, &panel, 1, NULL, error);
+}
+
+static bat_status write_mesh(const shape_job *job, const char *path, bat_error *error)
+{
+    return bat_mesh_write(path, &job->mesh, &job->write, error);
+}
+
+static json_t *describe_mesh(const shape_job *job)
+{
+    return json_pack("{s:I, s:I}", "vertices", (json_int_t)job->mesh.vertex_count, "faces",
+                     (json_int_t)job->mesh.face_count);
+}
+
+static void print_mesh(const shape_job *job)
+{
+    (void)printf("%s: %zu vertices, %zu faces\n", job->call.input, job->mesh.vertex_count, job->mesh.face_count);
+}
+
+// Clouds of points
+
+static bool is_cloud(const char *kind)
+{
+    for (const char *const *name = bat_cloud_shape_names(); *name != NULL; name++)
+        if (strcmp(*name, kind) == 0)
+            return true;
     return false;
 }
 
-/// Returns false after an error message.
-static bool read_job(const arguments *given, shape_job *job)
+static bat_status make_cloud(shape_job *job, bat_error *error)
 {
-    long seed;
-    const char *to = argument(given, "to");
-    *job = (shape_job){.kind = given->positional[0],
-                       .output = argument(given, "output"),
-                       .picture = argument(given, "picture"),
-                       .write = bat_mesh_write_defaults(),
-                       .map = bat_shape_map_defaults(),
-                       .is_cloud = is_cloud_kind(given->positional[0]),
-                       .is_map = strcmp(given->positional[0], MAP) == 0,
-                       .json = argument_flag(given, "json"),
-                       .quiet = argument_flag(given, "quiet")};
-    if (!argument_whole(given, "seed", 0, LONG_MAX, 1, &seed))
-        return false;
-    job->seed = (uint64_t)seed;
-    if (!read_numbers(given, job))
-        return false;
-    const char *fault = find_fault(job);
-    if (fault == NULL && to != NULL && (job->is_cloud || job->is_map))
-        fault = "--to is for meshes; the file's ending says how a cloud or a map is written";
-    if (fault != NULL)
-        (void)usage_error(given, "%s", fault);
-    else if (!argument_choice(given, "to", &bat_mesh_format_family, &job->write.format))
-        return false;
-    else if (!job->is_cloud && !job->is_map && !argument_ending(given, &bat_mesh_format_family, (int)job->write.format))
-        return false;
-    job->quiet = job->quiet || is_standard_output(job->output);
-    return fault == NULL;
+    return bat_cloud_shape(job->call.input, job->vertices > 0 ? job->vertices : 9600, job->seed, &job->cloud,
+                           &job->parameters, error);
 }
 
-static int draw_mesh(const shape_job *job, const bat_mesh *mesh)
+static bat_status draw_cloud(const shape_job *job, const char *path, bat_error *error)
 {
-    bat_error error;
-    bat_mesh_picture_panel panel = {.mesh = mesh, .title = job->kind};
-    return bat_mesh_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
-               ? EXIT_DONE
-               : report_failure(job->picture, &error);
+    bat_surface_picture_row panel = {.cloud = &job->cloud, .title = job->call.input, .parameters = job->parameters};
+    return bat_surface_picture_write(path, &panel, 1, NULL, error);
 }
 
-static int write_mesh(const shape_job *job, const bat_mesh *mesh, const char *path)
+static bat_status write_cloud(const shape_job *job, const char *path, bat_error *error)
 {
-    bat_error error;
-    if (path == NULL || bat_mesh_write(path, mesh, &job->write, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_failure(job->output, &error);
+    return bat_cloud_write(path, &job->cloud, error);
 }
 
-static int report_mesh(const shape_job *job, const bat_mesh *mesh)
+static json_t *describe_cloud(const shape_job *job)
 {
-    if (job->json)
-        return report_json(json_pack("{s:s, s:I, s:I, s:I}", "shape", job->kind, "seed", (json_int_t)job->seed, "vertices",
-                                     (json_int_t)mesh->vertex_count, "faces", (json_int_t)mesh->face_count));
-    if (!job->quiet)
-        (void)printf("%s: %zu vertices, %zu faces\n", job->kind, mesh->vertex_count, mesh->face_count);
-    return EXIT_DONE;
+    return json_pack("{s:I, s:I}", "points", (json_int_t)job->cloud.count, "boundary",
+                     (json_int_t)job->cloud.boundary_count);
 }
 
-static int make_mesh(shape_job *job)
+static void print_cloud(const shape_job *job)
 {
-    bat_mesh mesh = {0};
-    bat_error error;
-    int code = EXIT_DONE;
-    if (bat_mesh_shape(job->kind, job->vertices, job->seed, &mesh, &error) != BAT_OK)
-        code = report_failure(NULL, &error);
-    if (code == EXIT_DONE && job->picture != NULL)
-        code = draw_mesh(job, &mesh);
-    if (code == EXIT_DONE)
-        code = write_mesh(job, &mesh, output_path(&job->files, "output"));
-    code = outputs_close(&job->files, code);
-    if (code == EXIT_DONE && is_standard_output(job->output))
-        code = write_mesh(job, &mesh, "-");
-    if (code == EXIT_DONE)
-        code = report_mesh(job, &mesh);
-    bat_mesh_free(&mesh);
-    return code;
+    (void)printf("%s: %zu points, %zu known to be on the boundary\n", job->call.input, job->cloud.count,
+                 job->cloud.boundary_count);
 }
 
-static int draw_cloud(const shape_job *job, const bat_cloud *cloud, const double *parameters)
+// Maps
+
+static bool is_map(const char *kind)
 {
-    bat_error error;
-    bat_surface_picture_row panel = {.cloud = cloud, .title = job->kind, .parameters = parameters};
-    return bat_surface_picture_write(output_path(&job->files, "picture"), &panel, 1, NULL, &error) == BAT_OK
-               ? EXIT_DONE
-               : report_failure(job->picture, &error);
+    return strcmp(kind, "map") == 0;
 }
 
-static int write_cloud(const shape_job *job, const bat_cloud *cloud, const char *path)
+static bat_status make_map(shape_job *job, bat_error *error)
 {
-    bat_error error;
-    return bat_cloud_write(path, cloud, &error) == BAT_OK ? EXIT_DONE : report_failure(job->output, &error);
+    return bat_shape_map(&job->map, &job->borders, error);
 }
 
-static int report_cloud(const shape_job *job, const bat_cloud *cloud)
+static bat_status draw_map(const shape_job *job, const char *path, bat_error *error)
 {
-    if (job->json)
-        return report_json(json_pack("{s:s, s:I, s:I, s:I}", "shape", job->kind, "seed", (json_int_t)job->seed, "points",
-                                     (json_int_t)cloud->count, "boundary", (json_int_t)cloud->boundary_count));
-    if (!job->quiet)
-        (void)printf("%s: %zu points, %zu known to be on the boundary\n", job->kind, cloud->count, cloud->boundary_count);
-    return EXIT_DONE;
-}
-
-static int make_cloud(shape_job *job)
-{
-    bat_cloud cloud = {0};
-    double *parameters = NULL;
-    bat_error error;
-    int code = EXIT_DONE;
-    bool piped = is_standard_output(job->output);
-    if (bat_cloud_shape(job->kind, job->vertices, job->seed, &cloud, &parameters, &error) != BAT_OK)
-        code = report_failure(NULL, &error);
-    if (code == EXIT_DONE && job->picture != NULL)
-        code = draw_cloud(job, &cloud, parameters);
-    if (code == EXIT_DONE && job->output != NULL && !piped)
-        code = write_cloud(job, &cloud, output_path(&job->files, "output"));
-    code = outputs_close(&job->files, code);
-    if (code == EXIT_DONE && piped)
-        code = write_cloud(job, &cloud, "-");
-    if (code == EXIT_DONE)
-        code = report_cloud(job, &cloud);
-    bat_cloud_free(&cloud);
-    free(parameters);
-    return code;
-}
-
-static int draw_map(const shape_job *job, const bat_curve_set *map)
-{
-    bat_error error;
+    const bat_curve_set *map = &job->borders;
     bat_curve_picture_layer *layers = calloc(map->count, sizeof *layers);
+    *error = (bat_error){.text = "out of memory"};
     if (layers == NULL)
-        return report_failure(NULL, &(bat_error){.text = "out of memory"});
+        return BAT_NO_MEMORY;
     for (size_t i = 0; i < map->count; i++)
     {
         size_t polygon = 0;
@@ -255,64 +161,137 @@ static int draw_map(const shape_job *job, const bat_curve_set *map)
     bat_curve_picture_panel panel = {.layers = layers, .layer_count = map->count};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.projection = BAT_CURVE_PROJECTION_MAP;
-    bat_status status = bat_curve_picture_write(output_path(&job->files, "picture"), &panel, 1, &options, &error);
+    bat_status status = bat_curve_picture_write(path, &panel, 1, &options, error);
     free(layers);
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->picture, &error);
+    return status;
 }
 
-static int write_map(const shape_job *job, const bat_curve_set *map, const char *path)
+static bat_status write_map(const shape_job *job, const char *path, bat_error *error)
 {
-    bat_error error;
-    if (path == NULL || bat_curve_write(path, map, NULL, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_failure(job->output, &error);
+    return bat_curve_write(path, &job->borders, NULL, error);
 }
 
-static int report_map(const shape_job *job, const bat_curve_set *map)
+static size_t count_points(const bat_curve_set *map)
 {
     size_t points = 0;
     for (size_t i = 0; i < map->count; i++)
         points += map->curves[i].count;
-    if (job->json)
-        return report_json(json_pack("{s:s, s:I, s:I, s:I, s:I}", "shape", job->kind, "seed", (json_int_t)job->seed,
-                                     "countries", (json_int_t)job->map.countries, "rings", (json_int_t)map->count, "points",
-                                     (json_int_t)points));
-    if (!job->quiet)
-        (void)printf("%s: %zu countries, %zu rings of %zu points\n", job->kind, job->map.countries, map->count, points);
+    return points;
+}
+
+static json_t *describe_map(const shape_job *job)
+{
+    return json_pack("{s:I, s:I, s:I}", "countries", (json_int_t)job->map.countries, "rings", (json_int_t)job->borders.count,
+                     "points", (json_int_t)count_points(&job->borders));
+}
+
+static void print_map(const shape_job *job)
+{
+    (void)printf("%s: %zu countries, %zu rings of %zu points\n", job->call.input, job->map.countries, job->borders.count,
+                 count_points(&job->borders));
+}
+
+// The verb
+
+static const shape_family FAMILIES[] = {
+    {is_mesh, make_mesh, draw_mesh, write_mesh, describe_mesh, print_mesh},
+    {is_cloud, make_cloud, draw_cloud, write_cloud, describe_cloud, print_cloud},
+    {is_map, make_map, draw_map, write_map, describe_map, print_map},
+};
+
+static void begin(void *to)
+{
+    shape_job *job = to;
+    job->write = bat_mesh_write_defaults();
+    job->map = bat_shape_map_defaults();
+    job->seed = 1;
+}
+
+static bool check(void *of)
+{
+    static const char *const of_maps[] = {"countries", "detail", NULL};
+    shape_job *job = of;
+    const arguments *given = job->call.given;
+    bat_error error;
+    for (size_t i = 0; i < sizeof FAMILIES / sizeof *FAMILIES && job->family == NULL; i++)
+        if (FAMILIES[i].has(job->call.input))
+            job->family = &FAMILIES[i];
+    job->map.seed = job->seed;
+    bool map = is_map(job->call.input), mesh = job->family == FAMILIES;
+    if (job->family == NULL)
+        (void)usage_error(given, "unknown kind of shape; `batten list shapes` names the kinds");
+    else if (!map && argument_first(given, of_maps) != NULL)
+        (void)usage_error(given, "--%s goes with the shape map", argument_first(given, of_maps));
+    else if (map && argument(given, "vertices") != NULL)
+        (void)usage_error(given, "--vertices does not go with the shape map; --countries and --detail do");
+    else if (!mesh && argument(given, "to") != NULL)
+        (void)usage_error(given, "--to is for meshes; the file's ending says how a cloud or a map is written");
+    else
+        return usage_accepts(given, bat_shape_map_options_check(&job->map, &error), &error) &&
+               (!mesh || argument_ending(given, &bat_mesh_format_family, (int)job->write.format));
+    return false;
+}
+
+static int make(void *of)
+{
+    shape_job *job = of;
+    bat_error error;
+    if (job->family->make(job, &error) != BAT_OK)
+        return report_failure(NULL, &error);
+    if (job->call.picture != NULL && job->family->draw(job, output_path(&job->call.files, "picture"), &error) != BAT_OK)
+        return report_failure(job->call.picture, &error);
     return EXIT_DONE;
 }
 
-static int make_map(shape_job *job)
+static int write(void *of, const char *path)
 {
-    bat_curve_set map = {0};
+    shape_job *job = of;
     bat_error error;
-    int code = EXIT_DONE;
-    if (bat_shape_map(&job->map, &map, &error) != BAT_OK)
-        code = report_failure(NULL, &error);
-    if (code == EXIT_DONE && job->picture != NULL)
-        code = draw_map(job, &map);
-    if (code == EXIT_DONE)
-        code = write_map(job, &map, output_path(&job->files, "output"));
-    code = outputs_close(&job->files, code);
-    if (code == EXIT_DONE && is_standard_output(job->output))
-        code = write_map(job, &map, "-");
-    if (code == EXIT_DONE)
-        code = report_map(job, &map);
-    bat_curve_set_free(&map);
-    return code;
+    return job->family->write(job, path, &error) == BAT_OK ? EXIT_DONE : report_failure(job->call.output, &error);
 }
 
-int verb_shape(int argc, char **argv)
+static int report(void *of)
 {
-    arguments given;
-    int code;
-    shape_job job;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    if (!read_job(&given, &job))
-        return EXIT_BAD_USAGE;
-    code = outputs_open(&given, &job.files);
-    if (code != EXIT_DONE)
-        return code;
-    return job.is_map ? make_map(&job) : job.is_cloud ? make_cloud(&job) : make_mesh(&job);
+    shape_job *job = of;
+    if (job->call.json)
+    {
+        json_t *object = json_pack("{s:s, s:I}", "shape", job->call.input, "seed", (json_int_t)job->seed),
+               *numbers = job->family->describe(job);
+        (void)json_object_update(object, numbers);
+        json_decref(numbers);
+        return report_json(object);
+    }
+    if (!job->call.quiet)
+        job->family->print(job);
+    return EXIT_DONE;
 }
+
+static void end(void *of)
+{
+    shape_job *job = of;
+    bat_mesh_free(&job->mesh);
+    bat_cloud_free(&job->cloud);
+    free(job->parameters);
+    bat_curve_set_free(&job->borders);
+}
+
+const verb VERB_SHAPE = {
+    .name = "shape",
+    .arguments = "KIND [-o OUT] [--vertices N] [--seed S] [--picture FILE] [options]",
+    .summary = "make a test shape: creatures, machine parts, knots, a cage, clouds of points",
+    .about =
+        "Make a triangle mesh, a cloud of points or a map for tests and trainings; `batten list shapes` names the kinds. "
+        "The same kind, numbers and seed give the same shape.",
+    .example = "batten shape creature -o creature.ply --vertices 5000",
+    .options = (const option_table[]){{OPTIONS, 0}, {REPORT_OPTIONS, 0}, {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = 1,
+    .list = "shapes",
+    .job_size = sizeof(shape_job),
+    .begin = begin,
+    .check = check,
+    .make = make,
+    .write = write,
+    .report = report,
+    .end = end,
+};

@@ -8,6 +8,40 @@ enum
     MAX_ROUNDS = 1000
 };
 
+const option_spec SURFACE_FIT_OPTIONS[] = {
+    {"tolerance", "T", METHOD, COMMON, "refine where points are farther off than this, in their units",
+     NUMBER(bat_surface_fit_options, tolerance)},
+    {"functions", "N", METHOD, COMMON,
+     "the maximum number of functions, which is that of control points; default: as many as bring held-out points nearer",
+     WHOLE(bat_surface_fit_options, functions, 1, MAX_FUNCTIONS)},
+    {"degree", "P[,Q]", METHOD, COMMON, "of the spline in its two directions, 1 to 15; default 3", NO_FIELD},
+    {"share", "S", METHOD, 0, "stop when this share of the points is within the tolerance; default 1",
+     NUMBER(bat_surface_fit_options, share)},
+    {"iterations", "N", METHOD, 0, "the maximum number of refinements; default 30",
+     WHOLE(bat_surface_fit_options, iterations, 0, MAX_ROUNDS)},
+    {"smoothing", "WEIGHT", METHOD, 0, "of the thin plate; default: found by likelihood, or by --noise",
+     NUMBER(bat_surface_fit_options, weight)},
+    {"noise", "D", METHOD, 0, "standard deviation of a coordinate, where it is known",
+     NUMBER(bat_surface_fit_options, noise)},
+    {"robust", NULL, METHOD, COMMON, "points far off count less", FLAG(bat_surface_fit_options, robust)},
+    {"corrections", "N", METHOD, 0,
+     "rounds that move parameters to the nearest place of the surface, after each fit; default 1",
+     WHOLE(bat_surface_fit_options, corrections, 0, MAX_ROUNDS)},
+    {"final-corrections", "N", METHOD, 0, "the same after the last refinement; default 0",
+     WHOLE(bat_surface_fit_options, final_corrections, 0, MAX_ROUNDS)},
+    END_OF_OPTIONS,
+};
+
+const option_spec SURFACE_WRITE_OPTIONS[] = {
+    {"unit", "UNIT", RESULT, 0, "mm (default), m or inch: what STEP and IGES name as the unit of the coordinates",
+     CHOICE(bat_surface_write_options, unit, bat_surface_unit_family)},
+    {"samples", "N", RESULT, 0, "of each cell and direction, for VTK and OBJ; default: the degree plus 1",
+     WHOLE(bat_surface_write_options, samples, 1, MAX_ROUNDS)},
+    {"to", "FORMAT", RESULT, 0, "the format of OUT; default: by its ending",
+     CHOICE(bat_surface_write_options, format, bat_surface_format_family)},
+    END_OF_OPTIONS,
+};
+
 static bool read_degrees(const arguments *given, int degree[2])
 {
     const char *text = argument(given, "degree");
@@ -32,37 +66,22 @@ static bool read_degrees(const arguments *given, int degree[2])
     return good;
 }
 
-static bool read_smoothing(const arguments *given, bat_surface_fit_options *fit)
+bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit)
 {
-    if (!argument_number(given, "smoothing", fit->weight, &fit->weight) ||
-        !argument_number(given, "noise", fit->noise, &fit->noise))
-        return false;
+    bat_error error;
     if (argument(given, "smoothing") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
     else if (argument(given, "noise") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_NOISE;
-    return true;
-}
-
-bool surface_read_fit(const arguments *given, bat_surface_fit_options *fit)
-{
-    long functions, iterations, corrections, final_corrections;
-    if (!read_degrees(given, fit->space.degree) || !argument_number(given, "tolerance", fit->tolerance, &fit->tolerance) ||
-        !argument_number(given, "share", fit->share, &fit->share) || !read_smoothing(given, fit) ||
-        !argument_whole(given, "functions", 1, MAX_FUNCTIONS, (long)fit->functions, &functions) ||
-        !argument_whole(given, "iterations", 0, MAX_ROUNDS, fit->iterations, &iterations) ||
-        !argument_whole(given, "corrections", 0, MAX_ROUNDS, fit->corrections, &corrections) ||
-        !argument_whole(given, "final-corrections", 0, MAX_ROUNDS, fit->final_corrections, &final_corrections) ||
-        !argument_threads(given, &fit->threads))
+    if (!read_degrees(given, fit->space.degree) || !usage_accepts(given, bat_surface_fit_options_check(fit, &error), &error))
         return false;
-    fit->functions = (size_t)functions;
-    fit->iterations = (int)iterations;
-    fit->corrections = (int)corrections;
-    fit->final_corrections = (int)final_corrections;
-    fit->robust = argument_flag(given, "robust");
-    bat_error error;
-    if (bat_surface_fit_options_check(fit, &error) == BAT_OK)
+    if (fit->tolerance == 0 && argument(given, "tolerance") != NULL)
+        (void)usage_error(given, "--tolerance takes a number above 0");
+    else if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
+        (void)usage_error(given, "--noise and --smoothing exclude each other");
+    else if (argument(given, "share") != NULL && argument(given, "tolerance") == NULL)
+        (void)usage_error(given, "--share needs --tolerance");
+    else
         return true;
-    (void)usage_error(given, "%s", error.text);
     return false;
 }

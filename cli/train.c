@@ -1,9 +1,8 @@
 #include "train.h"
 
-#include "arguments.h"
 #include "report.h"
 #include "terminal.h"
-#include "verbs.h"
+#include "verb.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
@@ -20,43 +19,70 @@ static const char *const SPACES[BAT_TENSION_SPACE_COUNT] = {"plane", "sphere", "
 enum
 {
     MAX_SEED = 1000000000,
-    MAX_EPOCHS = 1000000,
-    PATHS = 2 ///< by recipe
+    MAX_EPOCHS = 1000000
 };
 
 /// The processes of the call.
 static const bat_group *group;
 static int default_threads;
 
-// Reading options
-
-/// The options that all trainings have. False after a message.
-static bool read_run(const arguments *given, const char *folder, bat_train_options *run)
+/// The job of a training.
+typedef struct train_job
 {
-    long seed, epochs, threads, slots;
-    if (!argument_whole(given, "seed", 0, MAX_SEED, (long)run->seed, &seed) ||
-        !argument_whole(given, "epochs", 1, MAX_EPOCHS, (long)run->epochs, &epochs) ||
-        !argument_whole(given, "threads", 1, BAT_TRAIN_MAX_THREADS, default_threads, &threads) ||
-        !argument_whole(given, "slots", 1, BAT_TRAIN_MAX_SLOTS, 0, &slots))
-        return false;
-    run->seed = (uint64_t)seed;
-    run->epochs = (uint64_t)epochs;
-    run->threads = (int)threads;
-    run->slots = (size_t)slots;
+    verb_call call;
+    bat_recipe recipe;
+    bat_curve_train_options curve;
+    bat_curve_train_report curve_report;
+    bat_mesh_train_options mesh;
+    bat_mesh_train_report mesh_report;
+    bool repair; ///< shapes
+    bat_mesh shapes[MAX_POSITIONAL];
+    bat_surface_train_options surface;
+    bat_surface_train_report surface_report;
+} train_job;
+
+// Options
+
+/// Those of all trainings.
+static const option_spec RUN_OPTIONS[] = {
+    {"epochs", "E", METHOD, COMMON,
+     "at most; the learning rate of curves decays to 0 over as many; default: curves 300, meshes 700 (batten: 200), "
+     "surfaces "
+     "100 (batten: 60)",
+     WHOLE(bat_train_options, epochs, 1, MAX_EPOCHS)},
+    {"seed", "N", METHOD, COMMON, "of the initial weights and of all other randomness; default 1",
+     WHOLE(bat_train_options, seed, 0, MAX_SEED)},
+    {"output", "FOLDER", RESULT, COMMON, "for model, checkpoint, log and its picture; default: in out, by model and recipe",
+     TEXT(bat_train_options, folder)},
+    {"resume", NULL, RESULT, COMMON, "resume from the folder's checkpoint, if there is one",
+     FLAG(bat_train_options, resume)},
+    {"threads", "N", CALL, COMMON, "default: all processors; the result does not depend on it",
+     WHOLE(bat_train_options, threads, 1, BAT_TRAIN_MAX_THREADS)},
+    {"slots", "N", CALL, 0, "at most so many threads work at a step, of all processes; changes roundings; default 8",
+     WHOLE(bat_train_options, slots, 1, BAT_TRAIN_MAX_SLOTS)},
+    END_OF_OPTIONS,
+};
+
+/// Set what all trainings have before the options are read. --recipe, which has other defaults, is read here.
+static void begin_run(train_job *job, bat_train_options *run, const char *published, const char *batten)
+{
+    run->threads = default_threads;
     run->group = group;
-    run->resume = argument_flag(given, "resume");
-    run->folder = argument(given, "output") != NULL ? argument(given, "output") : folder;
-    return true;
+    run->folder = job->recipe == BAT_RECIPE_PUBLISHED ? published : batten;
 }
 
-/// A whole number from `low` on; unchanged when the option was not given. False after a message.
-static bool read_count(const arguments *given, const char *name, long low, long high, size_t *count)
+static bat_recipe recipe_of(const train_job *job)
 {
-    long value;
-    if (!argument_whole(given, name, low, high, (long)*count, &value))
-        return false;
-    *count = (size_t)value;
-    return true;
+    const char *name = argument(job->call.given, "recipe");
+    return name != NULL && strcmp(name, RECIPES[BAT_RECIPE_BATTEN]) == 0 ? BAT_RECIPE_BATTEN : BAT_RECIPE_PUBLISHED;
+}
+
+/// Check --recipe and read --without, an index into `parts` or -1. False after a message.
+static bool check_run(const train_job *job, const char *const *parts, int *without)
+{
+    int recipe;
+    return argument_word(job->call.given, "recipe", RECIPES, BAT_RECIPE_PUBLISHED, &recipe) &&
+           argument_word(job->call.given, "without", parts, -1, without);
 }
 
 /// "A-B", or also "A" for both; false when it is neither.
@@ -109,19 +135,14 @@ enum
 };
 
 static const option_spec CURVE_OPTIONS[] = {
-    {"recipe", 0, "NAME",
+    {"recipe", "NAME", METHOD, COMMON,
      "published: the network, data, loss and stopping rules of Ugail and Howard (2026); batten: the scheme that comes with "
-     "the library; default published"},
-    {"seed", 0, "N", "of the initial weights and of all other randomness; default 1"},
-    {"epochs", 0, "E", "at most; the learning rate decays to 0 over as many; default 300"},
-    {"output", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/tension, for batten out/fairing"},
-    {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
-    {"threads", 0, "N", "default: all processors; the result does not depend on it"},
-    {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
-    {"embedding", 0, "KIND", "published: how the network encodes the space: learned (default), one-hot, none"},
-    {"without", 0, "TERM", "published: leave a term out of the loss: consistency, bending, smoothness"},
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
+     "the library; default published",
+     NO_FIELD},
+    {"embedding", "KIND", METHOD, 0, "published: how the network encodes the space: learned (default), one-hot, none",
+     NO_FIELD},
+    {"without", "TERM", METHOD, 0, "published: leave a term out of the loss: consistency, bending, smoothness", NO_FIELD},
+    END_OF_OPTIONS,
 };
 
 /// Table 1, the learned predictor.
@@ -130,18 +151,28 @@ static const bat_curve_train_score PUBLISHED[BAT_TENSION_SPACE_COUNT] = {
 
 static const double FAIRNESS[BAT_CURVE_TRAIN_FAIRNESSES] = {0, 0.5, 1};
 
-/// False after a message.
-static bool read_curve(const arguments *given, bat_curve_train_options *options)
+static void begin_curve(void *to)
 {
+    train_job *job = to;
+    job->recipe = recipe_of(job);
+    job->curve = bat_curve_train_defaults(job->recipe);
+    begin_run(job, &job->curve.run, "out/tension", "out/fairing");
+}
+
+static bool check_curve(void *of)
+{
+    static const char *const published[] = {"embedding", "without", NULL};
+    train_job *job = of;
+    const arguments *given = job->call.given;
+    bat_curve_train_options *options = &job->curve;
     int embedding, without;
-    if (options->recipe == BAT_RECIPE_BATTEN && (argument(given, "embedding") != NULL || argument(given, "without") != NULL))
+    if (!check_run(job, TERMS, &without) || !argument_word(given, "embedding", EMBEDDINGS, 0, &embedding))
+        return false;
+    if (job->recipe == BAT_RECIPE_BATTEN && argument_first(given, published) != NULL)
     {
         (void)usage_error(given, "only the published recipe has --embedding and --without");
         return false;
     }
-    if (!argument_word(given, "embedding", EMBEDDINGS, 0, &embedding) ||
-        !argument_word(given, "without", TERMS, -1, &without))
-        return false;
     options->embedding = (bat_tension_embedding)embedding;
     if (without == TERM_CONSISTENCY)
         options->consistency = 0;
@@ -212,28 +243,30 @@ static void print_batten(const bat_curve_train_report *report)
     (void)putchar('\n');
 }
 
-static int train_curve(const arguments *given, bat_recipe recipe, const char *folder)
+static int train_curve(void *of)
 {
-    bat_curve_train_options options = bat_curve_train_defaults(recipe);
-    bat_curve_train_report report;
+    train_job *job = of;
     bat_error error;
-    bool published = recipe == BAT_RECIPE_PUBLISHED;
-    if (!read_curve(given, &options) || !read_run(given, folder, &options.run))
-        return EXIT_BAD_USAGE;
-    options.run.progress = report_progress("training");
-    bat_status status = bat_curve_train(&options, &report, &error);
+    job->curve.run.progress = report_progress("training");
+    bat_status status = bat_curve_train(&job->curve, &job->curve_report, &error);
     report_progress_end();
-    if (status != BAT_OK)
-        return report_failure(NULL, &error);
-    if (argument_flag(given, "json"))
+    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+}
+
+static int report_curve(void *of)
+{
+    const train_job *job = of;
+    const bat_curve_train_report *report = &job->curve_report;
+    bool published = job->recipe == BAT_RECIPE_PUBLISHED;
+    if (job->call.json)
     {
-        json_t *object = run_json(recipe, &options.run, &report.run);
-        (void)json_object_set_new(object, "mean_nn", report_number(report.run.best));
-        (void)json_object_set_new(object, "scores", published ? published_scores(&report) : batten_scores(&report));
+        json_t *object = run_json(job->recipe, &job->curve.run, &report->run);
+        (void)json_object_set_new(object, "mean_nn", report_number(report->run.best));
+        (void)json_object_set_new(object, "scores", published ? published_scores(report) : batten_scores(report));
         return report_json(object);
     }
-    (published ? print_published : print_batten)(&report);
-    terminal_print(stdout, "%s/model.safetensors\n", options.run.folder);
+    (published ? print_published : print_batten)(report);
+    terminal_print(stdout, "%s/model.safetensors\n", job->curve.run.folder);
     return EXIT_DONE;
 }
 
@@ -249,31 +282,36 @@ enum
 };
 
 static const option_spec MESH_OPTIONS[] = {
-    {"recipe", 0, "NAME",
+    {"recipe", "NAME", METHOD, COMMON,
      "published: the network, data and loss of Liu et al., \"Neural Subdivision\" (2020); the default. batten: that of the "
-     "shipped weights, on SHAPE... and on generated shapes"},
-    {"seed", 0, "N", "of the initial weights and of all other randomness; default 1"},
-    {"epochs", 0, "E", "default 700; batten: 200"},
-    {"pairs", 0, "N", "coarse meshes per shape; default 200; batten: 16"},
-    {"resampled", 0, "N", "pairs that each epoch replaces by new ones; default 0; batten: 64"},
-    {"batch", 0, "N", "meshes per step, shared by as many threads; default 1; batten: 4"},
-    {"cosine", 0, NULL, "cosine decay of the learning rate to 0; else it is constant"},
-    {"rate", 0, "R", "the learning rate; default 0.002"},
-    {"begin", 0, "FILE", "batten: begin with these weights, and count the worst meshes and the largest distances more"},
-    {"vertices", 0, "A-B", "of the coarse meshes, drawn from A to B; default 150-300; batten: 100-500"},
-    {"output", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/mesh"},
-    {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
-    {"threads", 0, "N", "default: all processors; the result does not depend on it"},
-    {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
-    {"without", 0, "PART",
+     "shipped weights, on SHAPE... and on generated shapes",
+     NO_FIELD},
+    {"pairs", "N", METHOD, COMMON, "coarse meshes per shape; default 200; batten: 16",
+     WHOLE(train_job, mesh.pairs, 1, 1000000)},
+    {"resampled", "N", METHOD, 0, "pairs that each epoch replaces by new ones; default 0; batten: 64",
+     WHOLE(train_job, mesh.resampled, 0, 1000000)},
+    {"batch", "N", METHOD, 0, "meshes per step, shared by as many threads; default 1; batten: 4",
+     WHOLE(train_job, mesh.batch, 1, 1000)},
+    {"cosine", NULL, METHOD, 0, "cosine decay of the learning rate to 0; else it is constant",
+     FLAG(train_job, mesh.cosine_decay)},
+    {"rate", "R", METHOD, 0, "the learning rate; default 0.002", NUMBER(train_job, mesh.rate)},
+    {"begin", "FILE", METHOD, 0,
+     "batten: begin with these weights, and count the worst meshes and the largest distances more",
+     TEXT(train_job, mesh.begin)},
+    {"vertices", "A-B", METHOD, 0, "of the coarse meshes, drawn from A to B; default 150-300; batten: 100-500", NO_FIELD},
+    {"without", "PART", METHOD, 0,
      "leave out: frames, differences (differential coordinates), levels (all but the last one's loss), correspondence "
-     "(Chamfer distance instead)"},
-    {"relative", 0, NULL, "lengths are relative to each half-flap's own, so that scale does not matter, as in the paper"},
-    {"surface", 0, NULL, "the loss counts distances from the shape in full, and distances along it by a tenth"},
-    {"learn-loop", 0, NULL, "the targets are Loop's refinement of the coarse meshes"},
-    {"repair", 0, NULL, "cut shapes where they are not manifold"},
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
+     "(Chamfer distance instead)",
+     NO_FIELD},
+    {"relative", NULL, METHOD, 0,
+     "lengths are relative to each half-flap's own, so that scale does not matter, as in the paper",
+     FLAG(train_job, mesh.relative)},
+    {"surface", NULL, METHOD, 0, "the loss counts distances from the shape in full, and distances along it by a tenth",
+     FLAG(train_job, mesh.surface)},
+    {"learn-loop", NULL, METHOD, 0, "the targets are Loop's refinement of the coarse meshes",
+     FLAG(train_job, mesh.learn_loop)},
+    {"repair", NULL, INPUT, 0, "cut shapes where they are not manifold", FLAG(train_job, repair)},
+    END_OF_OPTIONS,
 };
 
 /// False after a message.
@@ -293,25 +331,29 @@ static bool read_vertices(const arguments *given, bat_mesh_train_options *option
     return true;
 }
 
-/// False after a message.
-static bool read_mesh(const arguments *given, bat_mesh_train_options *options)
+static void begin_mesh(void *to)
 {
+    train_job *job = to;
+    job->recipe = recipe_of(job);
+    job->mesh = bat_mesh_train_defaults(job->recipe);
+    begin_run(job, &job->mesh.run, "out/mesh", "out/mesh");
+}
+
+static bool check_mesh(void *of)
+{
+    train_job *job = of;
+    bat_mesh_train_options *options = &job->mesh;
     int without;
-    if (!read_count(given, "pairs", 1, 1000000, &options->pairs) ||
-        !read_count(given, "resampled", 0, 1000000, &options->resampled) ||
-        !read_count(given, "batch", 1, 1000, &options->batch) || !argument_word(given, "without", PARTS, -1, &without) ||
-        !read_vertices(given, options) || !argument_number(given, "rate", options->rate, &options->rate))
+    if (!check_run(job, PARTS, &without) || !read_vertices(job->call.given, options))
         return false;
-    options->begin = argument(given, "begin");
-    options->cosine_decay |= argument_flag(given, "cosine");
-    options->relative |= argument_flag(given, "relative");
-    options->surface |= argument_flag(given, "surface");
-    options->learn_loop = argument_flag(given, "learn-loop");
     options->fixed_frames = without == PART_FRAMES;
     options->no_differences = without == PART_DIFFERENCES;
     options->last_level = without == PART_LEVELS;
     options->chamfer = without == PART_CORRESPONDENCE;
-    return true;
+    if (job->call.given->positional_count > 0 || job->recipe == BAT_RECIPE_BATTEN)
+        return true;
+    (void)usage_error(job->call.given, "train mesh needs a SHAPE");
+    return false;
 }
 
 /// A shape that half-edges can represent, repaired if that is asked for. It is checked here, where its file's name is known.
@@ -336,17 +378,38 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
     return BAT_OK;
 }
 
-static int report_mesh(const arguments *given, const bat_mesh_train_options *options, const bat_mesh_train_report *report)
+static int train_mesh(void *of)
 {
-    if (argument_flag(given, "json"))
+    train_job *job = of;
+    bat_error error;
+    size_t count = job->call.given->positional_count;
+    for (size_t s = 0; s < count; s++)
     {
-        json_t *object = run_json(options->recipe, &options->run, &report->run), *errors = json_array();
+        const char *path = job->call.given->positional[s];
+        bat_status status = read_shape(path, job->repair, &job->shapes[s], &error);
+        if (bat_group_agree(group, status, &error) != BAT_OK)
+            return report_failure(path, &error);
+    }
+    job->mesh.run.progress = report_progress("training");
+    bat_status status = bat_mesh_train(job->shapes, count, &job->mesh, &job->mesh_report, &error);
+    report_progress_end();
+    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+}
+
+static int report_mesh(void *of)
+{
+    const train_job *job = of;
+    const bat_mesh_train_options *options = &job->mesh;
+    const bat_mesh_train_report *report = &job->mesh_report;
+    if (job->call.json)
+    {
+        json_t *object = run_json(job->recipe, &options->run, &report->run), *errors = json_array();
         for (size_t level = 0; level <= BAT_MESH_TRAIN_LEVELS; level++)
             (void)json_array_append_new(errors, report_number(report->errors[level]));
         (void)json_object_set_new(object, "errors", errors);
         return report_json(object);
     }
-    if (options->recipe == BAT_RECIPE_BATTEN)
+    if (job->recipe == BAT_RECIPE_BATTEN)
     {
         (void)printf(
             "%llu epochs, the last weights. Mean distance of validation meshes over the best classical scheme's: %.3f\n"
@@ -365,63 +428,38 @@ static int report_mesh(const arguments *given, const bat_mesh_train_options *opt
     return EXIT_DONE;
 }
 
-/// Read the shapes and train.
-static int train_shapes(const arguments *given, bat_mesh_train_options *options, bat_mesh *shapes)
+static void end_mesh(void *of)
 {
-    bat_mesh_train_report report;
-    bat_error error;
-    size_t count = given->positional_count - 1;
-    for (size_t s = 0; s < count; s++)
-    {
-        bat_status status = read_shape(given->positional[s + 1], argument_flag(given, "repair"), &shapes[s], &error);
-        if (bat_group_agree(group, status, &error) != BAT_OK)
-            return report_failure(given->positional[s + 1], &error);
-    }
-    options->run.progress = report_progress("training");
-    bat_status status = bat_mesh_train(shapes, count, options, &report, &error);
-    report_progress_end();
-    return status == BAT_OK ? report_mesh(given, options, &report) : report_failure(NULL, &error);
-}
-
-static int train_mesh(const arguments *given, bat_recipe recipe, const char *folder)
-{
-    bat_mesh_train_options options = bat_mesh_train_defaults(recipe);
-    bat_mesh shapes[MAX_POSITIONAL] = {0};
-    if (!read_mesh(given, &options) || !read_run(given, folder, &options.run))
-        return EXIT_BAD_USAGE;
-    if (given->positional_count < 2 && recipe != BAT_RECIPE_BATTEN)
-        return usage_error(given, "train mesh needs a SHAPE");
-    int code = train_shapes(given, &options, shapes);
+    train_job *job = of;
     for (size_t s = 0; s < MAX_POSITIONAL; s++)
-        bat_mesh_free(&shapes[s]);
-    return code;
+        bat_mesh_free(&job->shapes[s]);
 }
 
 // Surfaces
 
 static const option_spec SURFACE_OPTIONS[] = {
-    {"recipe", 0, "NAME",
+    {"recipe", "NAME", METHOD, COMMON,
      "published: the network, clouds and loss of Giannelli et al., \"BIDGCN\" (2023); the default. batten: that of the "
-     "shipped weights"},
-    {"uninformed", 0, NULL,
-     "published: boundary points are treated as interior ones, without their parameters (section 6.1)"},
-    {"seed", 0, "N", "of the initial weights and of all clouds; default 1"},
-    {"epochs", 0, "E", "default 100; batten: 60"},
-    {"steps", 0, "N", "per epoch; default 1000; batten: 500"},
-    {"batch", 0, "N", "clouds per step, shared by as many threads; default 1; batten: 32"},
-    {"points", 0, "A-B", "interior points of a cloud, drawn uniformly in the logarithm; default 1000; batten: 50-2000"},
-    {"degree", 0, "A-B", "bidegree of a cloud, drawn uniformly; default 2; batten: 2-5"},
-    {"noise", 0, "D", "standard deviations are drawn from 0 to D; default 0; batten: 0.05"},
-    {"rate", 0, "R", "the highest learning rate; default 0.1; with --adam and for batten 0.001"},
-    {"adam", 0, NULL,
+     "shipped weights",
+     NO_FIELD},
+    {"uninformed", NULL, METHOD, 0,
+     "published: boundary points are treated as interior ones, without their parameters (section 6.1)",
+     FLAG(train_job, surface.uninformed)},
+    {"steps", "N", METHOD, COMMON, "per epoch; default 1000; batten: 500", WHOLE(train_job, surface.steps, 1, 1000000)},
+    {"batch", "N", METHOD, 0, "clouds per step, shared by as many threads; default 1; batten: 32",
+     WHOLE(train_job, surface.batch, 1, 1000)},
+    {"points", "A-B", METHOD, 0,
+     "interior points of a cloud, drawn uniformly in the logarithm; default 1000; batten: 50-2000", NO_FIELD},
+    {"degree", "A-B", METHOD, 0, "bidegree of a cloud, drawn uniformly; default 2; batten: 2-5", NO_FIELD},
+    {"noise", "D", METHOD, 0, "standard deviations are drawn from 0 to D; default 0; batten: 0.05",
+     NUMBER(train_job, surface.noise)},
+    {"rate", "R", METHOD, 0, "the highest learning rate; default 0.1; with --adam and for batten 0.001",
+     NUMBER(train_job, surface.rate)},
+    {"adam", NULL, METHOD, 0,
      "AdamW and cosine decay of the rate; else gradient descent, with the rate halved where the validation error no longer "
-     "falls"},
-    {"output", 'o', "FOLDER", "for model, checkpoint, log and its picture; default out/surface"},
-    {"resume", 0, NULL, "resume from the folder's checkpoint, if there is one"},
-    {"threads", 0, "N", "default: all processors; the result does not depend on it"},
-    {"slots", 0, "N", "at most so many threads work at a step, of all processes; changes roundings; default 8"},
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
+     "falls",
+     FLAG(train_job, surface.adam)},
+    END_OF_OPTIONS,
 };
 
 /// False after a message.
@@ -439,124 +477,126 @@ static bool read_clouds(const arguments *given, bat_surface_train_options *optio
         options->min_degree = (int)low;
         options->max_degree = (int)high;
     }
-    return !failed && argument_number(given, "noise", options->noise, &options->noise);
+    return !failed;
 }
 
-/// False after a message.
-static bool read_surface(const arguments *given, bat_surface_train_options *options)
+static void begin_surface(void *to)
 {
-    options->uninformed = argument_flag(given, "uninformed");
-    if (options->uninformed && options->recipe == BAT_RECIPE_BATTEN)
+    train_job *job = to;
+    job->recipe = recipe_of(job);
+    job->surface = bat_surface_train_defaults(job->recipe);
+    if (argument_flag(job->call.given, "adam"))
+        job->surface.rate = 1e-3;
+    begin_run(job, &job->surface.run, "out/surface", "out/surface");
+}
+
+static bool check_surface(void *of)
+{
+    train_job *job = of;
+    static const char *const none[] = {NULL};
+    int without;
+    if (job->surface.uninformed && job->recipe == BAT_RECIPE_BATTEN)
     {
-        (void)usage_error(given, "only the published recipe has --uninformed");
+        (void)usage_error(job->call.given, "only the published recipe has --uninformed");
         return false;
     }
-    if (argument_flag(given, "adam"))
-    {
-        options->adam = true;
-        options->rate = 1e-3;
-    }
-    return read_count(given, "steps", 1, 1000000, &options->steps) && read_count(given, "batch", 1, 1000, &options->batch) &&
-           read_clouds(given, options) && argument_number(given, "rate", options->rate, &options->rate);
+    return check_run(job, none, &without) && read_clouds(job->call.given, &job->surface);
 }
 
-static int train_surface(const arguments *given, bat_recipe recipe, const char *folder)
+static int train_surface(void *of)
 {
-    bat_surface_train_options options = bat_surface_train_defaults(recipe);
-    bat_surface_train_report report;
+    train_job *job = of;
     bat_error error;
-    if (!read_surface(given, &options) || !read_run(given, folder, &options.run))
-        return EXIT_BAD_USAGE;
-    options.run.progress = report_progress("training");
-    bat_status status = bat_surface_train(&options, &report, &error);
+    job->surface.run.progress = report_progress("training");
+    bat_status status = bat_surface_train(&job->surface, &job->surface_report, &error);
     report_progress_end();
-    if (status != BAT_OK)
-        return report_failure(NULL, &error);
-    if (argument_flag(given, "json"))
+    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+}
+
+static int report_surface(void *of)
+{
+    const train_job *job = of;
+    const bat_train_report *report = &job->surface_report.run;
+    if (job->call.json)
     {
-        json_t *object = run_json(recipe, &options.run, &report.run);
-        (void)json_object_set_new(object, "uninformed", json_boolean(options.uninformed));
-        (void)json_object_set_new(object, "error", report_number(report.run.best));
+        json_t *object = run_json(job->recipe, &job->surface.run, report);
+        (void)json_object_set_new(object, "uninformed", json_boolean(job->surface.uninformed));
+        (void)json_object_set_new(object, "error", report_number(report->best));
         return report_json(object);
     }
-    print_epochs(&report.run);
+    print_epochs(report);
     (void)printf(". Validation clouds, fitted with their bidegree: mean squared error %.4g, in units of the longest "
                  "side\n\n%s/model.safetensors\n",
-                 report.run.best, options.run.folder);
+                 report->best, job->surface.run.folder);
     return EXIT_DONE;
 }
 
-// The verb
+// The verbs
 
-#define SUMMARY_END " Ctrl-C writes a checkpoint and stops; with --resume the same command continues to the same result."
+#define ABOUT_END " Ctrl-C writes a checkpoint and stops; with --resume the same command continues to the same result."
 
-/// What can be trained.
-static const struct
-{
-    const char *name;
-    verb_spec spec;
-    const char *folders[PATHS];
-    int (*train)(const arguments *given, bat_recipe recipe, const char *folder);
-} KINDS[] = {
-    {"curve",
-     {.usage = "batten train curve [--recipe published|batten] [--seed N] [--epochs E] [-o FOLDER] [--resume] [options]",
-      .summary = "Train the learned curve scheme." SUMMARY_END
-                 " `batten train mesh --help` is about meshes, `batten train surface --help` about scattered points.",
-      .options = CURVE_OPTIONS,
-      .min_positional = 1,
-      .max_positional = 1},
-     {"out/tension", "out/fairing"},
-     train_curve},
-    {"mesh",
-     {.usage = "batten train mesh SHAPE... [--recipe published|batten] [--pairs N] [--epochs E] [-o FOLDER] [--resume] "
-               "[options]",
-      .summary = "Train a learned subdivision of meshes on shapes (OBJ, PLY, OFF, STL)." SUMMARY_END,
-      .options = MESH_OPTIONS,
-      .min_positional = 1,
-      .max_positional = MAX_POSITIONAL},
-     {"out/mesh", "out/mesh"},
-     train_mesh},
-    {"surface",
-     {.usage = "batten train surface [--recipe published|batten] [--epochs E] [-o FOLDER] [--resume] [options]",
-      .summary = "Train learned parameters of scattered points on random Bézier clouds, made on the fly." SUMMARY_END,
-      .options = SURFACE_OPTIONS,
-      .min_positional = 1,
-      .max_positional = 1},
-     {"out/surface", "out/surface"},
-     train_surface},
-};
-enum
-{
-    KIND_COUNT = sizeof KINDS / sizeof *KINDS
+const verb VERB_TRAIN_CURVE = {
+    .name = "train curve",
+    .arguments = "[--recipe published|batten] [--epochs E] [-o FOLDER] [--resume] [options]",
+    .summary = "train the learned curve scheme",
+    .about = "Train the learned curve scheme." ABOUT_END
+             " `batten train mesh --help` is about meshes, `batten train surface --help` about scattered points.",
+    .example = "batten train curve --recipe batten -o out/fairing",
+    .options =
+        (const option_table[]){
+            {CURVE_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, curve.run)}, {JSON_OPTION, 0}, {NULL, 0}},
+    .job_size = sizeof(train_job),
+    .begin = begin_curve,
+    .check = check_curve,
+    .make = train_curve,
+    .report = report_curve,
 };
 
-/// The kind of a name; the first where there is none.
-static size_t find_kind(const char *name)
-{
-    for (size_t k = 0; k < KIND_COUNT; k++)
-        if (strcmp(name, KINDS[k].name) == 0)
-            return k;
-    return 0;
-}
+const verb VERB_TRAIN_MESH = {
+    .name = "train mesh",
+    .arguments = "SHAPE... [--recipe published|batten] [--pairs N] [--epochs E] [-o FOLDER] [options]",
+    .summary = "train a learned subdivision of meshes",
+    .about = "Train a learned subdivision of meshes on shapes (see `batten list formats`)." ABOUT_END,
+    .example = "batten train mesh bunny.obj horse.ply -o out/mesh",
+    .options =
+        (const option_table[]){{MESH_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, mesh.run)}, {JSON_OPTION, 0}, {NULL, 0}},
+    .max_positional = MAX_POSITIONAL,
+    .job_size = sizeof(train_job),
+    .begin = begin_mesh,
+    .check = check_mesh,
+    .make = train_mesh,
+    .report = report_mesh,
+    .end = end_mesh,
+};
+
+const verb VERB_TRAIN_SURFACE = {
+    .name = "train surface",
+    .arguments = "[--recipe published|batten] [--epochs E] [-o FOLDER] [--resume] [options]",
+    .summary = "train learned parameters of scattered points",
+    .about = "Train learned parameters of scattered points on random Bézier clouds, made on the fly." ABOUT_END,
+    .example = "batten train surface --recipe batten -o out/surface",
+    .options =
+        (const option_table[]){
+            {SURFACE_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, surface.run)}, {JSON_OPTION, 0}, {NULL, 0}},
+    .job_size = sizeof(train_job),
+    .begin = begin_surface,
+    .check = check_surface,
+    .make = train_surface,
+    .report = report_surface,
+};
 
 int train_in_group(int argc, char **argv, const bat_group *processes, int threads)
 {
-    arguments given;
+    static const verb *const KINDS[] = {&VERB_TRAIN_CURVE, &VERB_TRAIN_MESH, &VERB_TRAIN_SURFACE};
+    const char *name = argc > 1 ? argv[1] : "";
     group = processes;
     default_threads = threads;
-    int code, recipe;
-    size_t kind = argc > 1 ? find_kind(argv[1]) : 0;
-    if (!arguments_read(&KINDS[kind].spec, argc, argv, &given, &code))
-        return code;
-    const char *name = given.positional[0];
-    if (strcmp(name, KINDS[kind].name) != 0)
-        return usage_error(&given, "there is no model '%s' to train; there are curve, mesh and surface", name);
-    if (!argument_word(&given, "recipe", RECIPES, BAT_RECIPE_PUBLISHED, &recipe))
-        return EXIT_BAD_USAGE;
-    return KINDS[kind].train(&given, (bat_recipe)recipe, KINDS[kind].folders[recipe]);
-}
-
-int verb_train(int argc, char **argv)
-{
-    return train_in_group(argc, argv, NULL, 0);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
+        return verb_run(KINDS[0], argc, argv);
+    for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++)
+        if (strcmp(name, KINDS[k]->name + strlen("train ")) == 0)
+            return verb_run(KINDS[k], argc - 1, argv + 1);
+    terminal_print(stderr, "batten: there is no model '%s' to train; there are curve, mesh and surface\n", name);
+    (void)fputs("usage: batten train curve|mesh|surface [options]\n", stderr);
+    return EXIT_BAD_USAGE;
 }

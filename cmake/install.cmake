@@ -24,6 +24,23 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cma
 
 if(BATTEN_PROGRAM)
   install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  # The program prints what shells complete, and its manual pages. A program for another machine cannot run here.
+  if(NOT CMAKE_CROSSCOMPILING)
+    set(made ${PROJECT_BINARY_DIR}/completion)
+    add_custom_command(
+      OUTPUT ${made}/batten ${made}/_batten ${made}/batten.fish ${made}/man/batten.1
+      COMMAND ${CMAKE_COMMAND} -E make_directory ${made}/man
+      COMMAND batten completion bash > ${made}/batten
+      COMMAND batten completion zsh > ${made}/_batten
+      COMMAND batten completion fish > ${made}/batten.fish
+      COMMAND batten manual -o ${made}/man
+      DEPENDS batten)
+    add_custom_target(completion ALL DEPENDS ${made}/batten)
+    install(FILES ${made}/batten DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
+    install(FILES ${made}/_batten DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
+    install(FILES ${made}/batten.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+    install(DIRECTORY ${made}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  endif()
 endif()
 install(FILES ${BATTEN_HEADERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -39,10 +39,10 @@ void ranks_speak(int silence)
     (void)close(silence);
 }
 
-bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code)
+bool ranks_read_arguments(const struct verb *what, int argc, char **argv, arguments *given, int *exit_code)
 {
     int silence = ranks_silence();
-    bool goes_on = arguments_read(spec, argc, argv, given, exit_code);
+    bool goes_on = arguments_read(what, argc, argv, given, exit_code);
     ranks_speak(silence);
     return goes_on;
 }

@@ -16,7 +16,7 @@ int ranks_silence(void);
 void ranks_speak(int silence);
 
 /// arguments_read() on all ranks, with messages of rank 0 alone.
-bool ranks_read_arguments(const verb_spec *spec, int argc, char **argv, arguments *given, int *exit_code);
+bool ranks_read_arguments(const struct verb *what, int argc, char **argv, arguments *given, int *exit_code);
 
 /// The failure of the lowest rank that failed; every rank receives it.
 bat_status ranks_agree_on(bat_status status, bat_error *error);

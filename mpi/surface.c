@@ -11,6 +11,7 @@
 #include "rows.h"
 #include "surface_options.h"
 #include "surface_report.h"
+#include "verb.h"
 
 #include "batten/batten.h"
 
@@ -19,59 +20,8 @@
 #include <string.h>
 #include <unistd.h>
 
-static const option_spec OPTIONS[] = {
-    {"output", 'o', "OUT", "write the surface to OUT"},
-    {"parameterization", 0, "auto|FILE",
-     "u v of each point of IN: found as by `batten surface` (auto), or in FILE; default: those that IN has after x y z "
-     "(PLY: u and v), else auto"},
-    {"sample", 0, "N",
-     "find boundary and parameters by about N points, on rank 0, from 22000; default 200000; with all points, the surface "
-     "is that of one machine"},
-    {"boundary", 0, "N",
-     "the first N points are the boundary; given parameters of these stay; default: told in IN, else none is given"},
-    {"degree", 0, "P[,Q]", "of the spline in its two directions, 1 to 15; default 3"},
-    {"tolerance", 0, "T", "refine where points are farther off than this, in their units"},
-    {"functions", 0, "N", "the maximum number of functions; default: as many as bring held-out points nearer"},
-    {"share", 0, "S", "stop when this share of the points is within the tolerance; default 1"},
-    {"iterations", 0, "N", "the maximum number of refinements; default 30"},
-    {"smoothing", 0, "WEIGHT", "of the thin plate; default: found by likelihood, or by --noise"},
-    {"noise", 0, "D", "standard deviation of a coordinate, where it is known"},
-    {"robust", 0, NULL, "points far off count less"},
-    {"corrections", 0, "N", "rounds that move parameters to the nearest place of the surface, after each fit; default 1"},
-    {"final-corrections", 0, "N", "the same after the last refinement; default 0"},
-    {"solver", 0, "NAME",
-     "cholesky (default: on rank 0, the same bytes for any number of ranks), direct (MUMPS) or iterative (conjugate "
-     "gradients with GAMG), both by PETSc"},
-    {"checkpoint", 0, "FILE", "keep the state after each round in FILE, and go on from it; default: OUT.checkpoint"},
-    {"force", 0, NULL, "write also a surface that the points prove wrong"},
-    {"strict", 0, NULL, "refuse points that repeat another instead of leaving them out"},
-    {"unit", 0, "UNIT", "mm (default), m or inch: what STEP and IGES name as the unit of the coordinates"},
-    {"samples", 0, "N", "of each cell and direction, for VTK and OBJ; default: the degree plus 1"},
-    {"from", 0, "FORMAT", "xyz or ply (binary, little-endian); default: by the file's ending"},
-    {"to", 0, "FORMAT", "step, iges, xml (G+Smo), vtk, obj or json; default: by OUT's ending"},
-    {"threads", 0, "N", "of each rank; default 1; the result does not depend on it"},
-    {"json", 0, NULL, "print the report as one JSON object"},
-    {"quiet", 0, NULL, "print no report"},
-    {NULL, 0, NULL, NULL},
-};
-
-static const file_option FILES[] = {{"output", FILE_WRITTEN}, {"parameterization", FILE_READ}, {NULL, 0}};
-
-static const verb_spec SPEC = {
-    .usage =
-        "mpirun -n RANKS batten-mpi surface IN -o OUT [--parameterization FILE] [--tolerance T|--functions N] [options]",
-    .summary = "Fit an adaptive spline surface to points, which are divided among the ranks (XYZ, binary PLY). The surface "
-               "is that\nof `batten surface`.",
-    .options = OPTIONS,
-    .min_positional = 1,
-    .max_positional = 1,
-    .reads_files = true,
-    .files = FILES,
-};
-
 enum
 {
-    MAX_SAMPLES = 1000,
     MAX_BOUNDARY = 1000000000,
     MIN_SAMPLE = 22000,      ///< more than BAT_SURFACE_ALL_POINTS, whatever points are drawn
     SAMPLE = 200000,         ///< points by which a chart is found
@@ -83,6 +33,7 @@ static const char *const SOLVERS[] = {"cholesky", "direct", "iterative", NULL};
 /// The command line.
 typedef struct fit_job
 {
+    verb_call call;
     const char *input, *output, *parameters;
     char *checkpoint, *second_checkpoint; ///< of the second attempt at points without parameters
     bat_cloud_format from;
@@ -91,61 +42,84 @@ typedef struct fit_job
     bat_surface_options options;
     bat_surface_write_options write;
     int solver;
-    bool strict, force, json, quiet;
+    bool strict, force;
 } fit_job;
 
-/// False after a message.
-static bool read_formats(const arguments *given, fit_job *job)
+static const option_spec OPTIONS[] = {
+    {"output", "OUT", RESULT, COMMON, "write the surface to OUT", TEXT(fit_job, output)},
+    {"parameterization", "auto|FILE", METHOD, COMMON,
+     "u v of each point of IN: found as by `batten surface` (auto), or in FILE; default: those that IN has after x y z "
+     "(PLY: "
+     "u and v), else auto",
+     TEXT(fit_job, parameters)},
+    {"sample", "N", METHOD, 0,
+     "find boundary and parameters by about N points, on rank 0, from 22000; default 200000; with all points, the surface "
+     "is "
+     "that of one machine",
+     WHOLE(fit_job, sample, MIN_SAMPLE, MAX_BOUNDARY)},
+    {"boundary", "N", INPUT, 0,
+     "the first N points are the boundary; given parameters of these stay; default: told in IN, else none is given",
+     WHOLE(fit_job, boundary, 4, MAX_BOUNDARY)},
+    {"solver", "NAME", METHOD, COMMON,
+     "cholesky (default: on rank 0, the same bytes for any number of ranks), direct (MUMPS) or iterative (conjugate "
+     "gradients "
+     "with GAMG), both by PETSc",
+     NO_FIELD},
+    {"checkpoint", "FILE", RESULT, COMMON,
+     "keep the state after each round in FILE, and go on from it; default: OUT.checkpoint", NO_FIELD},
+    {"force", NULL, RESULT, 0, "write also a surface that the points prove wrong", FLAG(fit_job, force)},
+    {"strict", NULL, INPUT, 0, "refuse points that repeat another instead of leaving them out", FLAG(fit_job, strict)},
+    {"from", "FORMAT", INPUT, 0, "xyz or ply (binary, little-endian); default: by the file's ending",
+     CHOICE(fit_job, from, bat_cloud_format_family)},
+    {"threads", "N", CALL, 0, "of each rank; default 1; the result does not depend on it",
+     WHOLE(fit_job, options.fit.threads, 1, MAX_THREADS)},
+    END_OF_OPTIONS,
+};
+
+static const verb FIT = {
+    .program = "mpirun -n RANKS batten-mpi",
+    .name = "surface",
+    .arguments = "IN -o OUT [--tolerance T|--functions N] [options]",
+    .summary = "fit a spline surface to scattered points, to CAD files",
+    .about =
+        "Fit an adaptive spline surface to points, which are divided among the ranks (XYZ, binary PLY). The surface is that "
+        "of `batten surface`.",
+    .example = "mpirun -n 8 batten-mpi surface scan.ply -o scan.step --tolerance 0.05",
+    .options = (const option_table[]){{OPTIONS, 0},
+                                      {SURFACE_FIT_OPTIONS, offsetof(fit_job, options.fit)},
+                                      {SURFACE_WRITE_OPTIONS, offsetof(fit_job, write)},
+                                      {REPORT_OPTIONS, 0},
+                                      {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = 1,
+    .reads_files = true,
+};
+
+/// What is wrong with the command line; null for nothing.
+static const char *find_fault(const fit_job *job)
 {
-    const char *from = argument(given, "from"), *fault = NULL;
-    if (!argument_choice(given, "from", &bat_cloud_format_family, &job->from) ||
-        !argument_choice(given, "to", &bat_surface_format_family, &job->write.format) ||
-        !argument_choice(given, "unit", &bat_surface_unit_family, &job->write.unit))
-        return false;
-    if (from != NULL && job->from != BAT_CLOUD_FORMAT_XYZ && job->from != BAT_CLOUD_FORMAT_PLY)
-        fault = "--from takes xyz or ply";
-    else if (job->output == NULL)
-        fault = "-o OUT is missing";
-    else if (strcmp(job->output, "-") == 0)
-        fault = "-o takes a file";
-    else if (!argument_ending(given, &bat_surface_format_family, (int)job->write.format))
-        return false;
-    else if (job->json && job->quiet)
-        fault = "--json and --quiet exclude each other";
-    else if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
-        fault = "--noise and --smoothing exclude each other";
-    else if (argument(given, "share") != NULL && argument(given, "tolerance") == NULL)
-        fault = "--share needs --tolerance";
-    else if (argument(given, "tolerance") != NULL && job->options.fit.tolerance == 0)
-        fault = "--tolerance takes a number above 0";
-    if (fault != NULL)
-        (void)usage_error(given, "%s", fault);
-    return fault == NULL;
+    if (job->from != BAT_CLOUD_FORMAT_AUTO && job->from != BAT_CLOUD_FORMAT_XYZ && job->from != BAT_CLOUD_FORMAT_PLY)
+        return "--from takes xyz or ply";
+    if (job->output == NULL)
+        return "-o OUT is missing";
+    if (strcmp(job->output, "-") == 0)
+        return "-o takes a file";
+    return job->call.json && job->call.silent ? "--json and --quiet exclude each other" : NULL;
 }
 
 /// False after a message.
 static bool read_job(const arguments *given, fit_job *job)
 {
-    long samples, boundary, sample;
-    *job = (fit_job){.input = given->positional[0],
-                     .output = argument(given, "output"),
-                     .parameters = argument(given, "parameterization"),
-                     .options = bat_surface_defaults(),
-                     .strict = argument_flag(given, "strict"),
-                     .force = argument_flag(given, "force"),
-                     .json = argument_flag(given, "json"),
-                     .quiet = argument_flag(given, "quiet")};
+    *job = (fit_job){.input = given->positional[0], .options = bat_surface_defaults(), .sample = SAMPLE};
     job->options.fit.threads = 1;
-    if (!surface_read_fit(given, &job->options.fit) || !argument_whole(given, "samples", 1, MAX_SAMPLES, 0, &samples) ||
-        !argument_whole(given, "boundary", 4, MAX_BOUNDARY, 0, &boundary) ||
-        !argument_whole(given, "sample", MIN_SAMPLE, MAX_BOUNDARY, SAMPLE, &sample) ||
-        !argument_word(given, "solver", SOLVERS, FIT_SOLVER_CHOLESKY, &job->solver) || !read_formats(given, job))
+    if (!arguments_store(given, job) || !argument_word(given, "solver", SOLVERS, FIT_SOLVER_CHOLESKY, &job->solver))
         return false;
-    if (argument(given, "threads") == NULL)
-        job->options.fit.threads = 1;
-    job->write.samples = (size_t)samples;
-    job->boundary = (size_t)boundary;
-    job->sample = (size_t)sample;
+    const char *fault = find_fault(job);
+    if (fault != NULL)
+        (void)usage_error(given, "%s", fault);
+    if (fault != NULL || !surface_check_fit(given, &job->options.fit) ||
+        !argument_ending(given, &bat_surface_format_family, (int)job->write.format))
+        return false;
     job->finds = job->parameters != NULL && strcmp(job->parameters, "auto") == 0;
     if (job->finds)
         job->parameters = NULL;
@@ -371,10 +345,10 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
 {
     bat_cloud cloud = made->cloud;
     // Given parameters have no corners to be printed.
-    if (!job->finds && !job->json)
+    if (!job->finds && !job->call.json)
         cloud.boundary_count = 0;
     surface_findings findings = {job->input, &cloud, &job->options, &made->result};
-    if (job->json)
+    if (job->call.json)
     {
         json_t *object = surface_report_json(&findings);
         (void)json_object_set_new(object, "exchange", counts_json(summary));
@@ -382,7 +356,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
         (void)json_object_set_new(object, "resumed", json_integer((json_int_t)made->resumed));
         return report_json(object);
     }
-    if (job->quiet)
+    if (job->call.silent)
         return EXIT_DONE;
     surface_report_print(&findings);
     if (made->resumed > 0)
@@ -458,7 +432,7 @@ int verb_surface(int argc, char **argv)
     fit_job job;
     fit_result made = {0};
     int code;
-    if (!ranks_read_arguments(&SPEC, argc, argv, &given, &code))
+    if (!ranks_read_arguments(&FIT, argc, argv, &given, &code))
         return code;
     int silence = ranks_silence();
     bool good = read_job(&given, &job);

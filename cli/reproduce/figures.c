@@ -208,7 +208,7 @@ static int reproduce_figure(const bat_curve_shape *shape, const bat_shape_figure
 
 int reproduce_curve_figures(const reproduce_job *job)
 {
-    bool as_json = job->json;
+    bool as_json = job->call.json;
     json_t *array = as_json ? json_array() : NULL;
     int code = EXIT_DONE;
     if (as_json && array == NULL)

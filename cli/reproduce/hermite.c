@@ -107,10 +107,10 @@ static int reproduce_figure(size_t index, const reproduce_job *job, json_t *rows
 
 int reproduce_hermite_figures(const reproduce_job *job)
 {
-    json_t *rows = job->json ? json_array() : NULL;
-    if (job->json && rows == NULL)
+    json_t *rows = job->call.json ? json_array() : NULL;
+    if (job->call.json && rows == NULL)
         return report_json(NULL);
-    if (!job->json)
+    if (!job->call.json)
         (void)printf(
             "Figures 1 to 4 of Ben-Zion Vardi, Dyn and Sharon: the largest distance of the scheme's points from the "
             "smooth curve.\n\n%-6s %-20s %6s  %-24s %10s\n",
@@ -118,7 +118,7 @@ int reproduce_hermite_figures(const reproduce_job *job)
     int code = EXIT_DONE;
     for (size_t i = 0; i < BAT_HERMITE_FIGURE_COUNT && code == EXIT_DONE; i++)
         code = reproduce_figure(i, job, rows);
-    if (code == EXIT_DONE && job->json)
+    if (code == EXIT_DONE && job->call.json)
         return report_json(json_pack("{s:o}", "rows", rows));
     json_decref(rows);
     if (code == EXIT_DONE)
@@ -232,7 +232,7 @@ int reproduce_hermite_order(const reproduce_job *job)
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    int code = job->json ? print_json(&table) : print_text(&table);
+    int code = job->call.json ? print_json(&table) : print_text(&table);
     bat_hermite_table_free(&table);
     return code;
 }

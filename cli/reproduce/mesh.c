@@ -238,10 +238,10 @@ static int measure_shape(table *t, const char *path, const char *name, const bat
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
             t->ratios[which][i] += figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which);
-    if (t->measured++ == 0 && !t->job->json)
+    if (t->measured++ == 0 && !t->job->call.json)
         print_head(t);
     int code = EXIT_DONE;
-    if (t->job->json)
+    if (t->job->call.json)
         code = add_rows(t, name, shape, &coarse, scores);
     else
         print_row(t, name, shape, &coarse, scores);
@@ -263,7 +263,7 @@ static int read_and_measure(table *t, const char *path)
     {
         terminal_print(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
                        MIN_VERTICES);
-        if (t->job->json && json_array_append_new(t->left_out, json_string(name)) != 0)
+        if (t->job->call.json && json_array_append_new(t->left_out, json_string(name)) != 0)
             code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     }
     else if (code == EXIT_DONE)
@@ -310,7 +310,7 @@ static int print_table(table *t, const file_list *files)
         code = read_and_measure(t, files->paths[i]);
     if (code == EXIT_DONE && t->measured == 0)
         code = report_failure(NULL, &(bat_error){.text = "no shape is left to measure"});
-    if (code == EXIT_DONE && t->job->json)
+    if (code == EXIT_DONE && t->job->call.json)
         return report_json(json_pack("{s:O, s:O}", "rows", t->rows, "left_out", t->left_out));
     if (code == EXIT_DONE)
         print_ratios(t);
@@ -343,7 +343,7 @@ int reproduce_mesh_table2(const reproduce_job *job)
         code = add_learned(&t, "given", job->model, &given);
     if (code == EXIT_DONE)
         code = list_shapes(job, &files);
-    if (code == EXIT_DONE && job->json && ((t.rows = json_array()) == NULL || (t.left_out = json_array()) == NULL))
+    if (code == EXIT_DONE && job->call.json && ((t.rows = json_array()) == NULL || (t.left_out = json_array()) == NULL))
         code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
         code = print_table(&t, &files);

@@ -127,7 +127,7 @@ int reproduce_mesh_ablations(const reproduce_job *job)
     free_shapes(job, shapes);
     if (code != EXIT_DONE)
         return code;
-    return job->json ? print_ablations_json(job, &options, rows) : print_ablations(job, &options, rows);
+    return job->call.json ? print_ablations_json(job, &options, rows) : print_ablations(job, &options, rows);
 }
 
 // Style
@@ -137,14 +137,14 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
     static const char *const NAMES[] = {"smooth", "sharp"};
     const bat_mesh *const shapes[] = {&style->smooth, &style->sharp};
     json_t *rows = json_array();
-    if (!job->json)
+    if (!job->call.json)
         (void)printf("A cage of %zu vertices, subdivided by networks that learned from a smooth and from a sharp shape; "
                      "picture: %s\n\n%-8s %9s %14s %28s\n",
                      style->cage.vertex_count, picture, "teacher", "vertices", "validation 2", "edges above 60 degrees");
     for (size_t i = 0; i < 2; i++)
     {
         double validation = style->reports[i].errors[BAT_MESH_TRAIN_LEVELS];
-        if (!job->json)
+        if (!job->call.json)
             (void)printf("%-8s %9zu %14.6f %26.2f %%\n", NAMES[i], shapes[i]->vertex_count, validation,
                          100 * style->sharp_edges[i]);
         (void)json_array_append_new(rows, json_pack("{s:s, s:I, s:o, s:o}", "teacher", NAMES[i], "vertices",
@@ -152,7 +152,7 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
                                                     report_number(validation), "sharp_edges",
                                                     report_number(style->sharp_edges[i])));
     }
-    if (job->json)
+    if (job->call.json)
         return report_json(json_pack("{s:s, s:o}", "picture", picture, "rows", rows));
     json_decref(rows);
     return EXIT_DONE;

@@ -74,7 +74,7 @@ int reproduce_motion_keyframes(const reproduce_job *job)
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     int code = EXIT_DONE;
-    if (job->json)
+    if (job->call.json)
         code = print_json(rows, count);
     else
         print_text(rows, count);

@@ -90,7 +90,7 @@ int reproduce_real_curves(const reproduce_job *job)
     bat_curve_model_free(model);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    int code = job->json ? print_json(rows, count, options.levels) : print_text(rows, count, options.levels);
+    int code = job->call.json ? print_json(rows, count, options.levels) : print_text(rows, count, options.levels);
     free(rows);
     return code;
 }

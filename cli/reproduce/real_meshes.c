@@ -125,7 +125,7 @@ int reproduce_real_meshes(const reproduce_job *job)
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     int code = EXIT_DONE;
-    if (job->json)
+    if (job->call.json)
         code = print_json(rows, count, options.levels);
     else
     {

@@ -1,9 +1,6 @@
 #include "reproduce.h"
 
-#include "arguments.h"
-#include "interrupt.h"
 #include "report.h"
-#include "verbs.h"
 
 #include "batten/spline.h"
 
@@ -212,62 +209,47 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
 }
 
 static const option_spec OPTIONS[] = {
-    {"output", 'o', "FOLDER",
+    {"output", "FOLDER", RESULT, COMMON,
      "where pictures go; default: out for curve-figures and hermite-figures, no picture for tension-table1, -iss and "
-     "-mechanism. tension-table3 "
-     "and "
-     "-table4: folder of the trainings, which are resumed; default out/tension-ablations. mesh-ablations, mesh-style: "
-     "the "
-     "same, and the picture of the latter; default out/ and their name"},
-    {"model", 0, "FILE",
+     "-mechanism. tension-table3 and -table4: folder of the trainings, which are resumed; default out/tension-ablations. "
+     "mesh-ablations, mesh-style: the same, and the picture of the latter; default out/ and their name",
+     TEXT(reproduce_job, folder)},
+    {"model", "FILE", METHOD, COMMON,
      "tension-table1, -table2, -iss: a learned tension, for a row \"learned-published\"; tension-mechanism: the one to look "
      "into; real-curves, mesh-table2: a learned scheme, for rows \"given\"; surface-…: a network instead of the one that "
-     "comes with "
-     "batten"},
-    {"uninformed", 0, "FILE",
-     "surface-ablation: a network that does not know the boundary, beside --model; else it is trained"},
-    {"set", 0, "NAME", "tension-table1: published (default), resampled or unseen curves"},
-    {"seed", 0, "N",
-     "tension-table2: of the noise; surface-clouds, scan-verdict: of the clouds; tension-table3, -table4, mesh-ablations, "
-     "mesh-style, "
-     "surface-ablation: of the trainings; default 1"},
-    {"data", 0, "FOLDER",
+     "comes with batten",
+     TEXT(reproduce_job, model)},
+    {"data", "FOLDER", INPUT, COMMON,
      "mesh-table2: all shapes of a folder but those that the networks learned from; real-curves, motion-keyframes, "
-     "surface-nefertiti, -face: "
-     "where the curves, motions or clouds are"},
-    {"vertices", 0, "N", "mesh-table2: number of vertices of the decimated shapes; default 400"},
-    {"epochs", 0, "E", "epochs of each training; mesh-ablations, mesh-style: default 60; surface-ablation: default 10"},
-    {"pairs", 0, "N", "mesh-ablations, mesh-style: coarse meshes of each shape; default 50"},
-    {"clouds", 0, "N", "surface-clouds, surface-ablation: random clouds of each case; default 100"},
-    {"corrections", 0, "N",
-     "surface-nefertiti, -face, -shapes: parameter corrections after each fit; default 1, as published"},
-    {"points", 0, "LIST", "surface-clouds: interior points of a cloud; default 50,100,200,500,1000,2000,5000"},
-    {"noise", 0, "LIST", "surface-clouds: standard deviations; default 0,0.005,0.01,0.05"},
-    {"degrees", 0, "LIST", "surface-clouds: of surface and fit; default 2,3,4,5: a quarter of an hour in all"},
-    {"json", 0, NULL, "print one JSON object"},
-    {NULL, 0, NULL, NULL},
+     "surface-nefertiti, -face: where the curves, motions or clouds are",
+     TEXT(reproduce_job, data)},
+    {"seed", "N", METHOD, COMMON,
+     "tension-table2: of the noise; surface-clouds, scan-verdict: of the clouds; tension-table3, -table4, mesh-ablations, "
+     "mesh-style, surface-ablation: of the trainings; default 1",
+     WHOLE(reproduce_job, seed, 0, 1000000000)},
+    {"uninformed", "FILE", METHOD, 0,
+     "surface-ablation: a network that does not know the boundary, beside --model; else it is trained",
+     TEXT(reproduce_job, uninformed)},
+    {"set", "NAME", INPUT, 0, "tension-table1: published (default), resampled or unseen curves", NO_FIELD},
+    {"vertices", "N", METHOD, 0, "mesh-table2: number of vertices of the decimated shapes; default 400",
+     WHOLE(reproduce_job, vertices, 4, MAX_NUMBER)},
+    {"epochs", "E", METHOD, 0,
+     "epochs of each training; mesh-ablations, mesh-style: default 60; surface-ablation: default 10",
+     WHOLE(reproduce_job, epochs, 1, MAX_NUMBER)},
+    {"pairs", "N", METHOD, 0, "mesh-ablations, mesh-style: coarse meshes of each shape; default 50",
+     WHOLE(reproduce_job, pairs, 1, MAX_NUMBER)},
+    {"clouds", "N", METHOD, 0, "surface-clouds, surface-ablation: random clouds of each case; default 100",
+     WHOLE(reproduce_job, clouds, 1, MAX_NUMBER)},
+    {"corrections", "N", METHOD, 0,
+     "surface-nefertiti, -face, -shapes: parameter corrections after each fit; default 1, as published",
+     WHOLE(reproduce_job, corrections, 0, 100)},
+    {"points", "LIST", METHOD, 0, "surface-clouds: interior points of a cloud; default 50,100,200,500,1000,2000,5000",
+     NO_FIELD},
+    {"noise", "LIST", METHOD, 0, "surface-clouds: standard deviations; default 0,0.005,0.01,0.05", NO_FIELD},
+    {"degrees", "LIST", METHOD, 0, "surface-clouds: of surface and fit; default 2,3,4,5: a quarter of an hour in all",
+     NO_FIELD},
+    END_OF_OPTIONS,
 };
-
-static const verb_spec SPEC = {
-    .usage = "batten reproduce NAME [SHAPE...] [-o FOLDER] [--model FILE] [--set NAME] [--seed N] [--json] [options]",
-    .summary =
-        "A published table or figure, computed anew and shown beside the published figures; `batten list results` "
-        "names them.\n"
-        "mesh-table2 needs SHAPEs (OBJ, PLY, OFF, STL) or --data. mesh-ablations learns from all SHAPEs but the last, "
-        "which it tests\n"
-        "on; mesh-style from a smooth and a sharp one; without any, both make their own.",
-    .options = OPTIONS,
-    .min_positional = 1,
-    .max_positional = MAX_POSITIONAL,
-};
-
-static bool any_given(const arguments *given, const char *const *options)
-{
-    bool any = false;
-    for (; *options != NULL; options++)
-        any = any || argument(given, *options) != NULL;
-    return any;
-}
 
 /// Check the arguments about meshes against a result; EXIT_DONE if they are valid.
 static int check_meshes(const arguments *given, size_t index)
@@ -284,12 +266,12 @@ static int check_meshes(const arguments *given, size_t index)
         return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
     if (RESULTS[index].clouds != NO_CLOUDS || RESULTS[index].reads_truth)
         return EXIT_DONE;
-    if (RESULTS[index].may_read && argument(given, "vertices") == NULL && !any_given(given, FOR_LEARNING))
+    if (RESULTS[index].may_read && argument(given, "vertices") == NULL && argument_first(given, FOR_LEARNING) == NULL)
         return EXIT_DONE;
-    if (use != SUBDIVIDES && any_given(given, FOR_SUBDIVISION))
+    if (use != SUBDIVIDES && argument_first(given, FOR_SUBDIVISION) != NULL)
         return usage_error(given, "--data and --vertices go with mesh-table2, --data with real-curves, real-meshes, "
                                   "motion-keyframes, surface-nefertiti and -face too");
-    if (use != LEARNS && any_given(given, FOR_LEARNING))
+    if (use != LEARNS && argument_first(given, FOR_LEARNING) != NULL)
         return usage_error(given,
                            "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation");
     if (use == SUBDIVIDES && (count > 0) == (argument(given, "data") != NULL))
@@ -306,7 +288,7 @@ static int check_clouds(const arguments *given, size_t index)
     const char *name = RESULTS[index].name;
     cloud_use use = RESULTS[index].clouds;
     bool informed = argument(given, "model") != NULL, uninformed = argument(given, "uninformed") != NULL;
-    if (use != DRAWS && any_given(given, FOR_CASES))
+    if (use != DRAWS && argument_first(given, FOR_CASES) != NULL)
         return usage_error(given, "--points, --noise and --degrees go with surface-clouds");
     if (use != DRAWS && use != ABLATES && argument(given, "clouds") != NULL)
         return usage_error(given, "--clouds goes with surface-clouds and surface-ablation");
@@ -318,7 +300,7 @@ static int check_clouds(const arguments *given, size_t index)
         return usage_error(given, "%s needs both --model and --uninformed, or trains both", name);
     if (use == NO_CLOUDS)
         return EXIT_DONE;
-    if (any_given(given, FOR_MESHES) || (use != ABLATES && argument(given, "epochs") != NULL))
+    if (argument_first(given, FOR_MESHES) != NULL || (use != ABLATES && argument(given, "epochs") != NULL))
         return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);
     if (use != SCANS && argument(given, "data") != NULL)
         return usage_error(given, "%s makes its clouds itself: there is no --data", name);
@@ -335,7 +317,7 @@ static int check_curves(const arguments *given, size_t index)
     const char *name = RESULTS[index].name;
     if (!RESULTS[index].reads_truth)
         return EXIT_DONE;
-    if (any_given(given, FOR_MESHES))
+    if (argument_first(given, FOR_MESHES) != NULL)
         return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);
     if (argument(given, "data") == NULL)
         return usage_error(given, "%s needs --data FOLDER with %s: the program comes without any", name,
@@ -361,94 +343,92 @@ static int check_options(const arguments *given, size_t index)
     return code == EXIT_DONE ? check_clouds(given, index) : code;
 }
 
-static const char *folder_of(const arguments *given, size_t index)
+static void begin(void *to)
 {
-    const char *folder = argument(given, "output");
-    return folder != NULL ? folder : RESULTS[index].folder;
+    reproduce_job *job = to;
+    job->seed = 1;
+    job->corrections = 1;
 }
 
-/// Put the pictures in their places when `code` is EXIT_DONE, else remove them. Returns the program's exit code.
-static int put_in_place(reproduce_job *job, int code)
-{
-    bat_error error;
-    if (code == EXIT_DONE)
-    {
-        interrupt_use(INTERRUPT_NEVER);
-        if (bat_outputs_commit(job->files, &error) != BAT_OK)
-            code = report_failure(job->folder, &error);
-    }
-    interrupt_files(NULL);
-    interrupt_use(INTERRUPT_AT_ONCE);
-    bat_outputs_free(job->files);
-    return code;
-}
-
-static int run(const arguments *given, size_t index)
+static bool check(void *of)
 {
     // In the order of bat_tension_set_kind.
     static const char *const SETS[] = {"published", "resampled", "unseen", NULL};
-    long seed, vertices, epochs, pairs, clouds, corrections;
-    number_list points = {.count = 0}, noises = points, degrees = points;
-    int set, code = check_options(given, index);
-    if (code != EXIT_DONE || !argument_word(given, "set", SETS, BAT_TENSION_PUBLISHED, &set))
-        return EXIT_BAD_USAGE;
-    if (code != EXIT_DONE || !argument_whole(given, "seed", 0, 1000000000, 1, &seed))
-        return EXIT_BAD_USAGE;
-    if (!argument_whole(given, "vertices", 4, MAX_NUMBER, 0, &vertices) ||
-        !argument_whole(given, "epochs", 1, MAX_NUMBER, 0, &epochs) ||
-        !argument_whole(given, "pairs", 1, MAX_NUMBER, 0, &pairs) ||
-        !argument_whole(given, "clouds", 1, MAX_NUMBER, 0, &clouds) ||
-        !argument_whole(given, "corrections", 0, 100, 1, &corrections) ||
-        !argument_list(given, "points", 1, 100000, true, &points) || !argument_list(given, "noise", 0, 10, false, &noises) ||
-        !argument_list(given, "degrees", 1, BAT_SPLINE_MAX_DEGREE, true, &degrees))
-        return EXIT_BAD_USAGE;
-    pictures drawn = RESULTS[index].drawn;
-    const char *folder = folder_of(given, index);
-    // Trainings make their folders themselves.
-    bool makes_folder = folder != NULL && drawn != TRAINING, made = makes_folder && mkdir(folder, 0777) == 0;
+    reproduce_job *job = of;
+    const arguments *given = job->call.given;
+    int set;
+    while (job->index < RESULT_COUNT && strcmp(job->call.input, RESULTS[job->index].name) != 0)
+        job->index++;
+    if (job->index == RESULT_COUNT)
+    {
+        (void)usage_error(given, "there is no result '%s'; `batten list results` names them", job->call.input);
+        return false;
+    }
+    if (check_options(given, job->index) != EXIT_DONE || !argument_word(given, "set", SETS, BAT_TENSION_PUBLISHED, &set) ||
+        !argument_list(given, "points", 1, 100000, true, &job->points) ||
+        !argument_list(given, "noise", 0, 10, false, &job->noises) ||
+        !argument_list(given, "degrees", 1, BAT_SPLINE_MAX_DEGREE, true, &job->degrees))
+        return false;
+    job->curves = (bat_tension_set_kind)set;
+    job->shapes = given->positional + 1;
+    job->shape_count = given->positional_count - 1;
+    if (job->folder == NULL)
+        job->folder = RESULTS[job->index].folder;
+    return true;
+}
+
+static int make(void *of)
+{
+    reproduce_job *job = of;
+    const char *folder = job->folder;
     bat_error error = {0};
-    if (makes_folder && !made && errno != EEXIST)
+    // Trainings make their folders themselves.
+    bool makes_folder = folder != NULL && RESULTS[job->index].drawn != TRAINING;
+    job->made = makes_folder && mkdir(folder, 0777) == 0;
+    if (makes_folder && !job->made && errno != EEXIST)
     {
         (void)snprintf(error.text, sizeof error.text, "the folder cannot be made: %s", strerror(errno));
         return report_failure(folder, &error);
     }
-    reproduce_job job = {.folder = folder,
-                         .model = argument(given, "model"),
-                         .seed = (uint64_t)seed,
-                         .curves = (bat_tension_set_kind)set,
-                         .json = argument_flag(given, "json"),
-                         .shapes = given->positional + 1,
-                         .shape_count = given->positional_count - 1,
-                         .data = argument(given, "data"),
-                         .vertices = (size_t)vertices,
-                         .epochs = (size_t)epochs,
-                         .pairs = (size_t)pairs,
-                         .uninformed = argument(given, "uninformed"),
-                         .clouds = (size_t)clouds,
-                         .corrections = (int)corrections,
-                         .points = points,
-                         .noises = noises,
-                         .degrees = degrees};
-    if (bat_outputs_new(&job.files, &error) != BAT_OK)
-        return report_failure(NULL, &error);
-    interrupt_files(job.files);
-    code = put_in_place(&job, RESULTS[index].run(&job));
-    if (code != EXIT_DONE && made)
-        (void)rmdir(folder);
-    return code;
+    job->call.files.folder = folder;
+    return RESULTS[job->index].run(job);
 }
 
-int verb_reproduce(int argc, char **argv)
+/// The pictures are in their places.
+static int report(void *of)
 {
-    arguments given;
-    int code;
-    if (!arguments_read(&SPEC, argc, argv, &given, &code))
-        return code;
-    for (size_t i = 0; i < RESULT_COUNT; i++)
-        if (strcmp(given.positional[0], RESULTS[i].name) == 0)
-            return run(&given, i);
-    return usage_error(&given, "there is no result '%s'; `batten list results` names them", given.positional[0]);
+    reproduce_job *job = of;
+    job->made = false;
+    return EXIT_DONE;
 }
+
+static void end(void *of)
+{
+    const reproduce_job *job = of;
+    if (job->made)
+        (void)rmdir(job->folder);
+}
+
+const verb VERB_REPRODUCE = {
+    .name = "reproduce",
+    .arguments = "NAME [SHAPE...] [-o FOLDER] [--model FILE] [--seed N] [options]",
+    .summary = "compute published tables and figures, beside the published ones",
+    .about =
+        "A published table or figure, computed anew and shown beside the published figures; `batten list results` names "
+        "them. mesh-table2 needs SHAPEs (see `batten list formats`) or --data. mesh-ablations learns from all SHAPEs but "
+        "the last, which it tests on; mesh-style from a smooth and a sharp one; without any, both make their own.",
+    .example = "batten reproduce tension-iss -o out",
+    .options = (const option_table[]){{OPTIONS, 0}, {JSON_OPTION, 0}, {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = MAX_POSITIONAL,
+    .list = "results",
+    .job_size = sizeof(reproduce_job),
+    .begin = begin,
+    .check = check,
+    .make = make,
+    .report = report,
+    .end = end,
+};
 
 // What the results share.
 
@@ -487,7 +467,7 @@ int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_
 {
     bat_error error;
     int code = reproduce_path(job->folder, name, picture->path);
-    if (code == EXIT_DONE && bat_outputs_add(job->files, picture->path, &picture->write_to, &error) != BAT_OK)
+    if (code == EXIT_DONE && bat_outputs_add(job->call.files.files, picture->path, &picture->write_to, &error) != BAT_OK)
         code = report_failure(picture->path, &error);
     return code;
 }

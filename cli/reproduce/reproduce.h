@@ -1,7 +1,7 @@
 #ifndef CLI_REPRODUCE_H
 #define CLI_REPRODUCE_H
 
-#include "arguments.h"
+#include "verb.h"
 
 #include "batten/curve_scheme.h"
 #include "batten/mesh.h"
@@ -13,15 +13,16 @@
 /// The published results that can be reproduced; `index` from 0 on. False past the last.
 bool reproduce_row(size_t index, const char **name, const char **summary);
 
-/// The command line of `batten reproduce`, without the name of the result.
+/// The job of `batten reproduce`.
 typedef struct reproduce_job
 {
+    verb_call call;     ///< its files are the pictures
+    size_t index;       ///< of the result
     const char *folder; ///< for pictures or trainings; null for none
-    bat_outputs *files; ///< the pictures, which appear together
+    bool made;          ///< the folder, by this call, and no picture is in it yet
     const char *model;  ///< the file of a network; null for none
     uint64_t seed;
     bat_tension_set_kind curves; ///< set of curves for table 1
-    bool json;                   ///< print one JSON object
     const char *const *shapes;   ///< files of meshes, `shape_count` of them
     size_t shape_count;
     const char *data;                    ///< a folder of meshes, clouds or curves; null for none

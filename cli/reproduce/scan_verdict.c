@@ -91,7 +91,7 @@ int reproduce_scan_verdict(const reproduce_job *job)
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     int code = EXIT_DONE;
-    if (job->json)
+    if (job->call.json)
         code = print_json(rows, count);
     else
         print_rows(rows, count);

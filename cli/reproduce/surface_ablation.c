@@ -64,7 +64,7 @@ static int get_network(const reproduce_job *job, size_t which, bat_surface_model
 static int print_ablation(const reproduce_job *job, const bat_surface_case *what, const bat_surface_score *scores)
 {
     json_t *rows = json_array();
-    if (!job->json)
+    if (!job->call.json)
         (void)printf("%zu clean clouds of %zu points, bidegree (%d, %d): mean squared error in the unit box\n\n%-20s %11s "
                      "%11s %9s\n",
                      clouds_of(job), what->points, what->degree, what->degree, "network", "ours", "published", "(ratio)");
@@ -73,12 +73,12 @@ static int print_ablation(const reproduce_job *job, const bat_surface_case *what
         (void)json_array_append_new(rows, json_pack("{s:s, s:o, s:f, s:I}", "network", NETWORKS[m].name, "mse",
                                                     report_number(scores[m].mse), "published", NETWORKS[m].published,
                                                     "succeeded", (json_int_t)scores[m].succeeded));
-        if (!job->json)
+        if (!job->call.json)
             (void)printf("%-20s %11.3g %11.3g (%7.3f)\n", NETWORKS[m].name, scores[m].mse, NETWORKS[m].published,
                          scores[m].mse / NETWORKS[m].published);
     }
     double ratio = scores[1].mse / scores[0].mse, published = NETWORKS[1].published / NETWORKS[0].published;
-    if (job->json)
+    if (job->call.json)
         return report_json(
             json_pack("{s:o, s:o, s:f}", "rows", rows, "ratio", report_number(ratio), "published_ratio", published));
     json_decref(rows);

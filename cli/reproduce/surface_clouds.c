@@ -157,10 +157,10 @@ int reproduce_surface_clouds(const reproduce_job *job)
         return report_failure(job->model, &error);
     memcpy(t.methods, METHODS, sizeof METHODS);
     t.methods[LEARNED].model = model;
-    if (job->json)
+    if (job->call.json)
         t.rows = json_array();
-    int code = job->json && t.rows == NULL ? out_of_memory() : run_cases(&t);
-    if (code == EXIT_DONE && job->json)
+    int code = job->call.json && t.rows == NULL ? out_of_memory() : run_cases(&t);
+    if (code == EXIT_DONE && job->call.json)
         code = report_json(json_pack("{s:I, s:I, s:O}", "clouds", (json_int_t)t.options.clouds, "seed",
                                      (json_int_t)t.options.seed, "rows", t.rows));
     else if (code == EXIT_DONE)

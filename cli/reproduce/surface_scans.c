@@ -50,7 +50,7 @@ static int study_begin(const reproduce_job *job, scan_study *study)
 /// Print the JSON where it is wanted, and release everything.
 static int study_end(scan_study *study, int code)
 {
-    if (code == EXIT_DONE && study->job->json)
+    if (code == EXIT_DONE && study->job->call.json)
         code =
             report_json(json_pack("{s:O, s:O, s:O}", "clouds", study->clouds, "fits", study->fits, "ratios", study->ratios));
     json_decref(study->clouds);
@@ -88,7 +88,7 @@ static void print_scores(const scan_study *study, const char *file, const bat_cl
             study->clouds, json_pack("{s:s, s:I, s:i, s:s, s:o, s:o, s:I}", "file", file, "points", (json_int_t)cloud->count,
                                      "degree", 2, "method", METHODS[m].name, "mse", report_number(score->mse), "seconds",
                                      report_number(score->seconds), "succeeded", (json_int_t)score->succeeded));
-        if (study->job->json)
+        if (study->job->call.json)
             continue;
         (void)printf("%6zu %-22s", cloud->count, METHODS[m].name);
         if (score->succeeded == 0)
@@ -147,7 +147,7 @@ static void print_fit(const scan_study *study, const published_fit *what, const 
     if (published > 0)
         (void)json_object_set_new(row, "published_mse", json_real(published));
     (void)json_array_append_new(study->fits, row);
-    if (study->job->json)
+    if (study->job->call.json)
         return;
     (void)printf("%-12s (%d, %d) %-20s %9zu %11.4g %11.4g %11.4g", what->name, what->degree[0], what->degree[1], method,
                  last->functions, last->mean_squared, last->largest, report->held_out_rms * report->held_out_rms);
@@ -171,7 +171,7 @@ static void print_ratio(const scan_study *study, const published_fit *what, cons
     if (known)
         (void)json_object_set_new(row, "published", json_real(what->shape_preserving / what->learned));
     (void)json_array_append_new(study->ratios, row);
-    if (study->job->json)
+    if (study->job->call.json)
         return;
     (void)printf("%-12s (%d, %d) shape-preserving / learned: %.3f, unfolded %.3f", what->name, what->degree[0],
                  what->degree[1], ratio, unfolded);
@@ -228,7 +228,7 @@ static int study_fits(const scan_study *study, const published_fit *what, const 
 
 static void print_fit_head(const scan_study *study, const char *units)
 {
-    if (study->job->json)
+    if (study->job->call.json)
         return;
     (void)printf(
         "adaptive fits, errors in %s: mean squared and largest distance, and mean squared distance of held-out points\n\n",
@@ -248,12 +248,12 @@ int reproduce_surface_nefertiti(const reproduce_job *job)
     scan_study study;
     bat_cloud cloud;
     int code = study_begin(job, &study);
-    if (code == EXIT_DONE && !job->json)
+    if (code == EXIT_DONE && !job->call.json)
         (void)printf("one biquadratic patch through each cloud: mean squared error in its unit box\n\n%6s %-22s %11s %12s\n",
                      "points", "method", "mse", "milliseconds");
     for (size_t i = 0; i < sizeof FILES / sizeof FILES[0] && code == EXIT_DONE; i++)
         code = study_scan(&study, FILES[i]);
-    if (code == EXIT_DONE && !job->json)
+    if (code == EXIT_DONE && !job->call.json)
         (void)printf(
             "\nFigure 12 of the paper, in words: uniform and inverse-distance errors are in general much higher than\n"
             "shape-preserving and learned ones, which are similar; learned is the fastest of all.\n\n");

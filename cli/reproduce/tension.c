@@ -170,7 +170,7 @@ int reproduce_tension_table1(const reproduce_job *job)
     int code = job->folder != NULL ? reproduce_draw_frontier(job, rows, count) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
-    return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->json);
+    return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
 }
 
 static int draw_iss(const reproduce_job *job)
@@ -229,5 +229,5 @@ int reproduce_tension_iss(const reproduce_job *job)
                       "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
                       "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "
                       "true one.\nThe published learned predictor: mean-NN 0.00699, bending 76.0, G1 0.721.",
-                      job->json);
+                      job->call.json);
 }

@@ -76,7 +76,7 @@ static int reproduce(const reproduce_job *job, const ablation *table)
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    return job->json ? print_json(job, rows, table->rows) : print_text(job, table, rows);
+    return job->call.json ? print_json(job, rows, table->rows) : print_text(job, table, rows);
 }
 
 static const char BENDING[] = "The bending share is the mean bending over that of the four-point scheme as printed.";

@@ -175,5 +175,5 @@ int reproduce_tension_mechanism(const reproduce_job *job)
     int code = job->folder != NULL ? draw(job, &report) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
-    return job->json ? print_json(&report, &options) : print_text(&report, &options, job->folder);
+    return job->call.json ? print_json(&report, &options) : print_text(&report, &options, job->folder);
 }

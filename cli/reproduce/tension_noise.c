@@ -82,5 +82,5 @@ int reproduce_tension_table2(const reproduce_job *job)
     bat_curve_model_free(model);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    return job->json ? print_json(&options, rows, count) : print_text(&options, rows, count);
+    return job->call.json ? print_json(&options, rows, count) : print_text(&options, rows, count);
 }

@@ -12,7 +12,7 @@
 #include "check.h"
 #include "failing_memory.h"
 #include "report.h"
-#include "verbs.h"
+#include "verb.h"
 
 #include <cblas.h>
 #include <dirent.h>
@@ -52,80 +52,80 @@ enum
 typedef struct test_case
 {
     const char *name;
-    int (*verb)(int argc, char **argv);
+    const verb *what;
     const char *words;
 } test_case;
 
 static const test_case CASES[] = {
-    {"curve csv", verb_curve, "curve plane.csv -o out.csv --levels 3 --quiet"},
-    {"curve table", verb_curve, "curve table.csv -o out.csv --levels 1 --group track --threads 1"},
-    {"curve columns", verb_curve, "curve table.csv -o out.csv --levels 1 --columns 3,2 --threads 1 --quiet"},
-    {"curve two threads", verb_curve, "curve many.csv -o out.csv --levels 2 --threads 2"},
-    {"curve kept simple", verb_curve, "curve strait.csv --closed --scheme six-point -o out.csv --levels 3 --threads 1"},
-    {"curve geojson", verb_curve, "curve track.geojson -o out.geojson --levels 2 --threads 1"},
-    {"curve obj", verb_curve, "curve path.obj -o out.obj --levels 2 --scheme four-point --snap --threads 1"},
-    {"curve log-exp", verb_curve, "curve rotation.csv -o out.csv --levels 2 --scheme log-exp-4"},
-    {"curve angle", verb_curve,
+    {"curve csv", &VERB_CURVE, "curve plane.csv -o out.csv --levels 3 --quiet"},
+    {"curve table", &VERB_CURVE, "curve table.csv -o out.csv --levels 1 --group track --threads 1"},
+    {"curve columns", &VERB_CURVE, "curve table.csv -o out.csv --levels 1 --columns 3,2 --threads 1 --quiet"},
+    {"curve two threads", &VERB_CURVE, "curve many.csv -o out.csv --levels 2 --threads 2"},
+    {"curve kept simple", &VERB_CURVE, "curve strait.csv --closed --scheme six-point -o out.csv --levels 3 --threads 1"},
+    {"curve geojson", &VERB_CURVE, "curve track.geojson -o out.geojson --levels 2 --threads 1"},
+    {"curve obj", &VERB_CURVE, "curve path.obj -o out.obj --levels 2 --scheme four-point --snap --threads 1"},
+    {"curve log-exp", &VERB_CURVE, "curve rotation.csv -o out.csv --levels 2 --scheme log-exp-4"},
+    {"curve angle", &VERB_CURVE,
      "curve plane.csv -o out.csv --scheme angle-4:adaptive=1 --levels 2 --truth plane.csv --best-tension"},
-    {"curve model", verb_curve,
+    {"curve model", &VERB_CURVE,
      "curve plane.csv -o out.csv --model " WEIGHTS_FOLDER "/tension-published.safetensors --levels 2"},
-    {"curve stops", verb_curve,
+    {"curve stops", &VERB_CURVE,
      "curve plane.csv -o out.csv --max-edge 0.4 --tolerance 0.01 --corner-angle 95 --threads 2 --quiet"},
-    {"curve corners", verb_curve, "curve many.csv -o out.csv --levels 1 --corner-angle 60 --threads 2 --quiet"},
-    {"curve json", verb_curve, "curve plane.csv --levels 2 --json --truth plane.csv"},
-    {"curve picture", verb_curve, "curve plane.csv --levels 2 --picture out.svg --panel 0,1 --comb --quiet"},
-    {"motion", verb_curve, "curve rotation.csv -o out.tum --space rigid --from tum --rate 7"},
-    {"motion levels", verb_curve, "curve keys.csv -o out.csv --scheme hermite:order=3 --velocities --levels 2"},
-    {"motion transport", verb_curve, "curve keys.csv -o out.csv --scheme hermite-merrien --levels 2 --threads 2"},
-    {"mesh learned", verb_mesh, "mesh sheet.obj -o out.obj --levels 1 --quiet"},
-    {"mesh given model", verb_mesh,
+    {"curve corners", &VERB_CURVE, "curve many.csv -o out.csv --levels 1 --corner-angle 60 --threads 2 --quiet"},
+    {"curve json", &VERB_CURVE, "curve plane.csv --levels 2 --json --truth plane.csv"},
+    {"curve picture", &VERB_CURVE, "curve plane.csv --levels 2 --picture out.svg --panel 0,1 --comb --quiet"},
+    {"motion", &VERB_CURVE, "curve rotation.csv -o out.tum --space rigid --from tum --rate 7"},
+    {"motion levels", &VERB_CURVE, "curve keys.csv -o out.csv --scheme hermite:order=3 --velocities --levels 2"},
+    {"motion transport", &VERB_CURVE, "curve keys.csv -o out.csv --scheme hermite-merrien --levels 2 --threads 2"},
+    {"mesh learned", &VERB_MESH, "mesh sheet.obj -o out.obj --levels 1 --quiet"},
+    {"mesh given model", &VERB_MESH,
      "mesh sheet.obj -o out.ply --levels 3 --then loop --threads 2 --model " WEIGHTS_FOLDER "/mesh.safetensors"},
-    {"mesh loop", verb_mesh, "mesh cage.ply -o out.off --scheme loop --limit --crease-angle 30 --json"},
-    {"mesh butterfly", verb_mesh, "mesh sheet.obj -o out.stl --scheme butterfly --levels 2"},
-    {"mesh sqrt3", verb_mesh, "mesh cage.ply -o out.ply --scheme sqrt3 --levels 2"},
-    {"mesh polygons", verb_mesh, "mesh tiles.obj -o out.obj --levels 1 --texture corners --creasing chaikin --threads 1"},
-    {"mesh no boundary", verb_mesh, "mesh tiles.obj -o out.glb --levels 1 --boundary none --limit --normals --threads 1"},
-    {"mesh adaptive", verb_mesh, "mesh sheet.obj -o out.ply --scheme loop --max-edge 0.7 --quiet"},
-    {"mesh adaptive polygons", verb_mesh, "mesh tiles.obj -o out.off --scheme catmull-clark --tolerance 0.1 --quiet"},
-    {"mesh repair", verb_mesh, "mesh fins.obj -o out.obj --scheme midpoint --repair"},
-    {"mesh picture", verb_mesh, "mesh sheet.obj --scheme loop --levels 1 --beside midpoint --picture out.png --quiet"},
-    {"decimate", verb_decimate, "decimate cage.ply -o out.obj --vertices 40 --json"},
-    {"decimate texture", verb_decimate, "decimate sheet.obj -o out.obj --vertices 6 --random 4 --triangulate"},
-    {"decimate repair", verb_decimate, "decimate fins.obj -o out.off --vertices 4 --repair"},
-    {"measure curve", verb_measure, "measure plane.csv --json"},
-    {"measure curves", verb_measure, "measure many.csv many.csv --to-segments --threads 2"},
-    {"measure geodesic", verb_measure, "measure track.geojson track.geojson --geodesic --json"},
-    {"measure mesh", verb_measure, "measure sheet.obj --json"},
-    {"measure meshes", verb_measure, "measure cage.ply stone.ply --samples 500"},
-    {"measure vertices", verb_measure, "measure cage.ply stone.ply --at-vertices --json --threads 2"},
-    {"measure picture", verb_measure, "measure cage.ply cage.ply --samples 100 --picture out.png"},
-    {"surface uniform", verb_surface, "surface hull.xyz -o out.step --parameterization uniform --functions 40 --quiet"},
-    {"surface learned", verb_surface, "surface hull.xyz -o out.obj --parameterization learned --functions 30 --quiet"},
-    {"surface auto", verb_surface, "surface scan.xyz -o out.xml --functions 30 --quiet"},
-    {"surface tolerance", verb_surface,
+    {"mesh loop", &VERB_MESH, "mesh cage.ply -o out.off --scheme loop --limit --crease-angle 30 --json"},
+    {"mesh butterfly", &VERB_MESH, "mesh sheet.obj -o out.stl --scheme butterfly --levels 2"},
+    {"mesh sqrt3", &VERB_MESH, "mesh cage.ply -o out.ply --scheme sqrt3 --levels 2"},
+    {"mesh polygons", &VERB_MESH, "mesh tiles.obj -o out.obj --levels 1 --texture corners --creasing chaikin --threads 1"},
+    {"mesh no boundary", &VERB_MESH, "mesh tiles.obj -o out.glb --levels 1 --boundary none --limit --normals --threads 1"},
+    {"mesh adaptive", &VERB_MESH, "mesh sheet.obj -o out.ply --scheme loop --max-edge 0.7 --quiet"},
+    {"mesh adaptive polygons", &VERB_MESH, "mesh tiles.obj -o out.off --scheme catmull-clark --tolerance 0.1 --quiet"},
+    {"mesh repair", &VERB_MESH, "mesh fins.obj -o out.obj --scheme midpoint --repair"},
+    {"mesh picture", &VERB_MESH, "mesh sheet.obj --scheme loop --levels 1 --beside midpoint --picture out.png --quiet"},
+    {"decimate", &VERB_DECIMATE, "decimate cage.ply -o out.obj --vertices 40 --json"},
+    {"decimate texture", &VERB_DECIMATE, "decimate sheet.obj -o out.obj --vertices 6 --random 4 --triangulate"},
+    {"decimate repair", &VERB_DECIMATE, "decimate fins.obj -o out.off --vertices 4 --repair"},
+    {"measure curve", &VERB_MEASURE, "measure plane.csv --json"},
+    {"measure curves", &VERB_MEASURE, "measure many.csv many.csv --to-segments --threads 2"},
+    {"measure geodesic", &VERB_MEASURE, "measure track.geojson track.geojson --geodesic --json"},
+    {"measure mesh", &VERB_MEASURE, "measure sheet.obj --json"},
+    {"measure meshes", &VERB_MEASURE, "measure cage.ply stone.ply --samples 500"},
+    {"measure vertices", &VERB_MEASURE, "measure cage.ply stone.ply --at-vertices --json --threads 2"},
+    {"measure picture", &VERB_MEASURE, "measure cage.ply cage.ply --samples 100 --picture out.png"},
+    {"surface uniform", &VERB_SURFACE, "surface hull.xyz -o out.step --parameterization uniform --functions 40 --quiet"},
+    {"surface learned", &VERB_SURFACE, "surface hull.xyz -o out.obj --parameterization learned --functions 30 --quiet"},
+    {"surface auto", &VERB_SURFACE, "surface scan.xyz -o out.xml --functions 30 --quiet"},
+    {"surface tolerance", &VERB_SURFACE,
      "surface scan.xyz -o out.json --parameterization shape-preserving --tolerance 0.1 --robust --noise 0.01 --quiet "
      "--slide-boundary"},
-    {"surface stretch", verb_surface,
+    {"surface stretch", &VERB_SURFACE,
      "surface hull.xyz --parameters out.uv --parameterization stretch-minimizing --functions 20 --quiet"},
-    {"surface published", verb_surface,
+    {"surface published", &VERB_SURFACE,
      "surface hull.xyz -o out.vtk --parameterization inverse-distance --published --functions 20 --force --quiet"},
-    {"surface mesh", verb_surface, "surface sheet.obj -o out.vtk --parameterization mean-value --functions 16 --quiet"},
-    {"surface given", verb_surface, "surface hull.xyz -o out.obj --parameterization hull.uv --functions 20 --quiet"},
-    {"surface xml", verb_surface, "surface fit.xml -o out.json --quiet"},
-    {"surface json", verb_surface, "surface fit.json -o out.xml --quiet"},
-    {"surface trim", verb_surface, "surface hull.xyz -o out.step --trim --functions 20 --quiet --force"},
-    {"surface trimmed triangles", verb_surface, "surface hull.xyz -o out.obj --trim --functions 16 --quiet --force"},
-    {"surface trimmed iges", verb_surface, "surface hull.xyz -o out.iges --trim --functions 16 --quiet --force"},
-    {"surface trimmed json", verb_surface, "surface trimmed.json -o out.json --quiet"},
-    {"surface picture", verb_surface,
+    {"surface mesh", &VERB_SURFACE, "surface sheet.obj -o out.vtk --parameterization mean-value --functions 16 --quiet"},
+    {"surface given", &VERB_SURFACE, "surface hull.xyz -o out.obj --parameterization hull.uv --functions 20 --quiet"},
+    {"surface xml", &VERB_SURFACE, "surface fit.xml -o out.json --quiet"},
+    {"surface json", &VERB_SURFACE, "surface fit.json -o out.xml --quiet"},
+    {"surface trim", &VERB_SURFACE, "surface hull.xyz -o out.step --trim --functions 20 --quiet --force"},
+    {"surface trimmed triangles", &VERB_SURFACE, "surface hull.xyz -o out.obj --trim --functions 16 --quiet --force"},
+    {"surface trimmed iges", &VERB_SURFACE, "surface hull.xyz -o out.iges --trim --functions 16 --quiet --force"},
+    {"surface trimmed json", &VERB_SURFACE, "surface trimmed.json -o out.json --quiet"},
+    {"surface picture", &VERB_SURFACE,
      "surface hull.xyz --picture out.png --parameterization uniform --functions 20 --quiet"},
-    {"shape", verb_shape, "shape stone -o out.ply --vertices 200"},
-    {"curve sequence", verb_curve, "curve lines.geojsonl -o out.geojsonl --levels 2 --topology separate --threads 1"},
-    {"shape map", verb_shape, "shape map -o out.geojson --countries 12 --detail 1"},
-    {"shape cloud", verb_shape, "shape scan -o out.xyz --vertices 200"},
-    {"analyze", verb_analyze, "analyze four-point --json"},
-    {"analyze sweep", verb_analyze, "analyze four-point --sweep w=0.05:0.07 --depth 6"},
-    {"list", verb_list, "list schemes --json"},
+    {"shape", &VERB_SHAPE, "shape stone -o out.ply --vertices 200"},
+    {"curve sequence", &VERB_CURVE, "curve lines.geojsonl -o out.geojsonl --levels 2 --topology separate --threads 1"},
+    {"shape map", &VERB_SHAPE, "shape map -o out.geojson --countries 12 --detail 1"},
+    {"shape cloud", &VERB_SHAPE, "shape scan -o out.xyz --vertices 200"},
+    {"analyze", &VERB_ANALYZE, "analyze four-point --json"},
+    {"analyze sweep", &VERB_ANALYZE, "analyze four-point --sweep w=0.05:0.07 --depth 6"},
+    {"list", &VERB_LIST, "list schemes --json"},
 };
 enum
 {
@@ -213,7 +213,7 @@ static void run_here(const test_case *which, size_t n, failing_mode mode, int re
     (void)alarm(SECONDS);
     outcome came = {.open_files = -count_open_files(), .blas_threads = -openblas_get_num_threads()};
     failing_memory_begin(n, mode);
-    came.code = report_end(which->verb(count, words));
+    came.code = report_end(verb_run(which->what, count, words));
     came.memory = failing_memory_end();
     (void)fflush(stdout);
     came.open_files += count_open_files();
@@ -383,9 +383,9 @@ static void verbs_end_cleanly(void **state)
 }
 
 /// Input that verbs make.
-static void make(int (*verb)(int, char **), const char *words)
+static void make(const verb *what, const char *words)
 {
-    test_case made = {"input", verb, words};
+    test_case made = {"input", what, words};
     outcome came = run(&made, 0, FAIL_ONE);
     if (came.code != EXIT_DONE)
         fail_msg("%s: exit code %d", words, came.code);
@@ -424,13 +424,14 @@ static int make_input(void **state)
                "f 2/2 3/1 7/4 6/3\nf 3 4 8 7\ng c\nf 5 6 10 9\nf 6/3 7/4 11/1 10/2\nf 7 8 12 11\nf 9 10 14 13\nf 10 11 15\n"
                "f 10 15 14\nf 11 12 16 15\nt crease 2/1/0 5 6 2.5\nt corner 1/1/0 10 1.5\n");
     write_file("fins.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
-    make(verb_shape, "shape cage -o cage.ply --quiet");
-    make(verb_shape, "shape stone -o stone.ply --vertices 200 --quiet");
-    make(verb_shape, "shape hull -o hull.xyz --vertices 200 --quiet");
-    make(verb_shape, "shape scan -o scan.xyz --vertices 250 --quiet");
-    make(verb_surface, "surface hull.xyz -o fit.xml --parameters hull.uv --parameterization uniform --functions 40 --quiet");
-    make(verb_surface, "surface fit.xml -o fit.json --quiet");
-    make(verb_surface, "surface hull.xyz -o trimmed.json --trim --functions 20 --force --quiet");
+    make(&VERB_SHAPE, "shape cage -o cage.ply --quiet");
+    make(&VERB_SHAPE, "shape stone -o stone.ply --vertices 200 --quiet");
+    make(&VERB_SHAPE, "shape hull -o hull.xyz --vertices 200 --quiet");
+    make(&VERB_SHAPE, "shape scan -o scan.xyz --vertices 250 --quiet");
+    make(&VERB_SURFACE,
+         "surface hull.xyz -o fit.xml --parameters hull.uv --parameterization uniform --functions 40 --quiet");
+    make(&VERB_SURFACE, "surface fit.xml -o fit.json --quiet");
+    make(&VERB_SURFACE, "surface hull.xyz -o trimmed.json --trim --functions 20 --force --quiet");
     if (mkdir("runs", 0700) != 0 || chdir("runs") != 0)
         return -1;
     static const char *const inputs[] = {"plane.csv",      "many.csv",     "table.csv", "track.geojson", "path.obj",

@@ -241,7 +241,7 @@ help_of()
     fi
     cached=$scratch/help-$verb-$what
     # shellcheck disable=SC2086
-    test -e "$cached" || "$batten" "$verb" $what --help > "$cached" 2>&1 || echo "no help" > "$cached.none"
+    test -e "$cached" || "$batten" "$verb" $what --help all > "$cached" 2>&1 || echo "no help" > "$cached.none"
     test ! -e "$cached.none"
 }
 

@@ -1,0 +1,231 @@
+#include "help.h"
+
+#include <stdio.h>
+#include <string.h>
+
+// Scripts that let a shell complete verbs, options and the names of choices, made of the tables of the verbs.
+
+/// Print the names of a family's choices, separated by blanks.
+static void print_choices(const bat_family *family)
+{
+    const bat_choice *choice;
+    for (size_t i = 0; (choice = bat_choices(family, i)) != NULL; i++)
+        (void)printf("%s%s", i > 0 ? " " : "", choice->name);
+}
+
+/// Print a text up to its first semicolon. Each character of `escaped` gets a backslash; `quote` stands for '.
+static void print_short(const char *text, const char *escaped, const char *quote)
+{
+    for (; *text != '\0' && *text != ';'; text++)
+        if (*text == '\'')
+            (void)fputs(quote, stdout);
+        else
+            (void)printf("%s%c", strchr(escaped, *text) != NULL ? "\\" : "", *text);
+}
+
+/// The second word of a verb's name; null for none.
+static const char *second_word(const verb *what)
+{
+    const char *blank = strchr(what->name, ' ');
+    return blank != NULL ? blank + 1 : NULL;
+}
+
+/// Print the words that the first argument of a verb may be: those of its table, and commands that print those of lists.
+static void print_words(const verb *what, const char *list)
+{
+    if (what->words != NULL)
+        (void)fputs(what->words, stdout);
+    if (what->list != NULL)
+        (void)printf(list, what->list);
+}
+
+// bash
+
+static void print_bash_verb(const verb *what)
+{
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+        if (option->field.family != NULL)
+        {
+            (void)printf("    '%s --%s') words='", what->name, option->name);
+            print_choices(option->field.family);
+            (void)printf("' ;;\n");
+        }
+    (void)printf("    '%s '*)\n        if [[ $word == -* ]]; then words='", what->name);
+    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+        (void)printf("--%s ", option->name);
+    (void)printf("--help'\n        elif [[ $COMP_CWORD -eq 2 ]]; then words=\"");
+    print_words(what, "$(batten list %s 2> /dev/null | sed -n 's/^\\([^ ][^ ]*\\).*/\\1/p')");
+    (void)printf("\"; fi ;;\n");
+}
+
+static void print_bash(void)
+{
+    (void)printf("# Completion of batten for bash.\n_batten()\n{\n"
+                 "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=${COMP_WORDS[1]} words=\n"
+                 "    [[ $verb != train || $COMP_CWORD -le 2 ]] || verb=\"train ${COMP_WORDS[2]}\"\n"
+                 "    [[ $COMP_CWORD -ne 1 ]] || verb=\n    case \"$verb $before\" in\n    ' '* | 'help help') words='help "
+                 "--help --version");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        (void)printf(" %.*s", (int)strcspn((*each)->name, " "), (*each)->name);
+    (void)printf("' ;;\n    'train train') words='");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        if (second_word(*each) != NULL)
+            (void)printf("%s ", second_word(*each));
+    (void)printf("' ;;\n");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        print_bash_verb(*each);
+    (void)printf("    esac\n    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n}\n"
+                 "complete -o default -F _batten batten\n");
+}
+
+// zsh
+
+/// Print an option as _arguments takes it.
+static void print_zsh_option(const char *dashes, const char *name, const option_spec *option)
+{
+    (void)printf("        '%s%s[", dashes, name);
+    print_short(option->summary, "[]:\\", "'\\''");
+    (void)printf("]");
+    if (option->value != NULL)
+    {
+        (void)printf(":");
+        print_short(option->value, "[]:\\", "'\\''");
+        (void)printf(option->field.family != NULL ? ":(" : ":_files");
+    }
+    if (option->value != NULL && option->field.family != NULL)
+    {
+        print_choices(option->field.family);
+        (void)printf(")");
+    }
+    (void)printf("' \\\n");
+}
+
+static void print_zsh_verb(const verb *what)
+{
+    const option_spec *option;
+    (void)printf("    '%s')\n        _arguments \\\n", what->name);
+    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+    {
+        print_zsh_option("--", option->name, option);
+        if (strcmp(option->name, "output") == 0)
+            print_zsh_option("-", "o", option);
+    }
+    (void)printf("        '--help[the options]' ");
+    if (what->words != NULL || what->list != NULL)
+    {
+        (void)printf("\"1:name:(");
+        print_words(what, "$(batten list %s 2> /dev/null | sed -n 's/^\\([^ ][^ ]*\\).*/\\1/p')");
+        (void)printf(")\" ");
+    }
+    (void)printf("'*:file:_files' ;;\n");
+}
+
+static void print_zsh(void)
+{
+    (void)printf("#compdef batten\n# Completion of batten for zsh.\n_batten()\n{\n    local verb=$words[2]\n"
+                 "    local -a verbs models\n    verbs=(\n");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        if (second_word(*each) == NULL)
+        {
+            (void)printf("        '%s:", (*each)->name);
+            print_short((*each)->summary, ":\\", "'\\''");
+            (void)printf("'\n");
+        }
+    (void)printf("        'train:train a learned scheme'\n        'help:explain a verb'\n    )\n    models=(");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        if (second_word(*each) != NULL)
+            (void)printf("%s ", second_word(*each));
+    (void)printf(
+        ")\n    if (( CURRENT == 2 )); then _describe verb verbs; return; fi\n"
+        "    if [[ $verb == help ]]; then _describe verb verbs; return; fi\n"
+        "    if [[ $verb == train ]]; then\n        if (( CURRENT == 3 )); then _describe model models; return; fi\n"
+        "        verb=\"train $words[3]\"\n        shift words\n        (( CURRENT-- ))\n    fi\n"
+        "    shift words\n    (( CURRENT-- ))\n    case $verb in\n");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        print_zsh_verb(*each);
+    (void)printf("    esac\n}\n_batten \"$@\"\n");
+}
+
+// fish
+
+static void print_fish_verb(const verb *what)
+{
+    const option_spec *option;
+    const char *second = second_word(what);
+    char seen[120];
+    if (second != NULL)
+        (void)snprintf(seen, sizeof seen, "__fish_seen_subcommand_from train; and __fish_seen_subcommand_from %s", second);
+    else
+        (void)snprintf(seen, sizeof seen, "__fish_seen_subcommand_from %s; and not __fish_seen_subcommand_from train",
+                       what->name);
+    (void)printf("complete -c batten -n '%s' -a %s -d '",
+                 second != NULL ? "__fish_seen_subcommand_from train" : "__fish_use_subcommand",
+                 second != NULL ? second : what->name);
+    print_short(what->summary, "\\", "\\'");
+    (void)printf("'\n");
+    if (what->words != NULL || what->list != NULL)
+    {
+        (void)printf("complete -c batten -n '%s' -a '", seen);
+        print_words(what, "(batten list %s 2> /dev/null | string match -r \"^[^ ]+\")");
+        (void)printf("'\n");
+    }
+    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+    {
+        (void)printf("complete -c batten -n '%s' %s-l %s%s", seen, strcmp(option->name, "output") == 0 ? "-s o " : "",
+                     option->name, option->value != NULL ? " -r" : "");
+        if (option->field.family != NULL)
+        {
+            (void)printf(" -f -a '");
+            print_choices(option->field.family);
+            (void)printf("'");
+        }
+        (void)printf(" -d '");
+        print_short(option->summary, "\\", "\\'");
+        (void)printf("'\n");
+    }
+}
+
+static void print_fish(void)
+{
+    (void)printf(
+        "# Completion of batten for fish.\ncomplete -c batten -n __fish_use_subcommand -f -a train -d 'train a learned "
+        "scheme'\ncomplete -c batten -n __fish_use_subcommand -f -a help -d 'explain a verb'\n");
+    for (const verb *const *each = VERBS; *each != NULL; each++)
+        print_fish_verb(*each);
+}
+
+// The verb
+
+static const struct
+{
+    const char *name;
+    void (*print)(void);
+} SHELLS[] = {{"bash", print_bash}, {"zsh", print_zsh}, {"fish", print_fish}};
+
+static int make(void *of)
+{
+    const verb_call *call = of;
+    for (size_t i = 0; i < sizeof SHELLS / sizeof *SHELLS; i++)
+        if (strcmp(call->input, SHELLS[i].name) == 0)
+        {
+            SHELLS[i].print();
+            return EXIT_DONE;
+        }
+    return usage_error(call->given, "there is no completion for '%s'; there are bash, zsh and fish", call->input);
+}
+
+const verb VERB_COMPLETION = {
+    .name = "completion",
+    .arguments = "bash|zsh|fish",
+    .summary = "print a script by which a shell completes verbs, options and names",
+    .about = "Print a script by which a shell completes the verbs of batten, their options and the names of choices. `make "
+             "install` puts the scripts where shells find them.",
+    .example = "source <(batten completion bash)",
+    .options = (const option_table[]){{NULL, 0}},
+    .min_positional = 1,
+    .max_positional = 1,
+    .words = "bash zsh fish",
+    .job_size = sizeof(verb_call),
+    .make = make,
+};

@@ -1,0 +1,183 @@
+#include "curve.h"
+
+#include "report.h"
+
+#include "batten/research/curve_study.h"
+
+#include <stdio.h>
+#include <string.h>
+
+bool curve_has_tension(const bat_curve_scheme *scheme)
+{
+    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
+}
+
+int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_report *report)
+{
+    if (report != NULL)
+        *report = (bat_curve_map_report){.map = false};
+    if (job->is_motion)
+        return motion_refine(job, levels, fine);
+    bat_error error;
+    bat_curve_map_options how = job->map;
+    how.refine = job->refine;
+    how.refine.levels = levels;
+    how.refine.progress = report_progress("refining");
+    how.decimals = job->write.precision;
+    how.report = report;
+    size_t failed;
+    bat_status status = bat_curve_map_refine(&job->coarse, &how, fine, &failed, &error);
+    report_progress_end();
+    return status == BAT_OK ? EXIT_DONE : curve_failure(job, failed, &error);
+}
+
+/// Replace the tension of the scheme by the best for the truth, and its name.
+static int choose_tension(curve_job *job)
+{
+    bat_curve_scheme *scheme = &job->refine.scheme;
+    bat_error error = {.text = "--best-tension needs an angle-based scheme, which this space does not have"};
+    if (!curve_has_tension(scheme))
+        return report_failure(job->call.input, &error);
+    bat_tension_search_options options = bat_tension_search_defaults();
+    options.scheme = *scheme;
+    options.levels = job->refine.levels;
+    options.threads = job->refine.threads;
+    options.progress = report_progress("searching");
+    bat_status status =
+        bat_tension_search(job->coarse.curves, job->truths.curves, job->coarse.count, &options, &scheme->tension, &error);
+    report_progress_end();
+    if (status != BAT_OK)
+        return report_failure(job->call.input, &error);
+    (void)snprintf(job->best_name, sizeof job->best_name, "angle:mu=%.10g%s%s", scheme->tension,
+                   scheme->sign == BAT_CURVE_ANGLE_PRINTED ? ",sign=printed" : "", scheme->adaptive ? ",adaptive=1" : "");
+    job->scheme = job->best_name;
+    return EXIT_DONE;
+}
+
+/// The truth, a curve for each given one.
+static int read_truth(curve_job *job)
+{
+    bat_error error;
+    bat_curve_read_options options = job->read;
+    options.format = BAT_CURVE_FORMAT_AUTO;
+    if (bat_curve_read(job->truth, &options, &job->truths, &error) != BAT_OK)
+        return report_bad_input(job->call.given, job->truth, &error);
+    if (job->truths.count == job->coarse.count)
+        return EXIT_DONE;
+    error.line = 0;
+    (void)snprintf(error.text, sizeof error.text, "%zu curves cannot be compared with the %zu of %.100s", job->truths.count,
+                   job->coarse.count, job->call.input);
+    return report_failure(job->truth, &error);
+}
+
+static int load_model(curve_job *job)
+{
+    bat_error error;
+    if (job->model_file == NULL)
+        return EXIT_DONE;
+    if (bat_curve_model_read(job->model_file, &job->model, &error) != BAT_OK)
+        return report_failure(job->model_file, &error);
+    job->refine.scheme = bat_curve_scheme_of_model(job->model);
+    job->refine.scheme.fairness = job->fairness;
+    return EXIT_DONE;
+}
+
+/// The default scheme.
+static void choose_scheme(curve_job *job)
+{
+    const bat_curve_set *coarse = &job->coarse;
+    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension &&
+                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_ALWAYS &&
+                 !curve_stops(job) && !(job->refine.corner_angle > 0) && coarse->curves[0].corners == NULL;
+    if (!job->is_motion && plain && bat_motion_suits(coarse))
+    {
+        job->is_motion = true;
+        job->hint = bat_motion_has_times(coarse) ? "has times: treated as a motion" : "has velocities: treated as a motion";
+    }
+    if (job->is_motion)
+    {
+        job->scheme = motion_scheme(job);
+        return;
+    }
+    if (job->refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
+        job->refine.scheme = bat_curve_scheme_for(coarse->curves[0].space, &job->scheme);
+    if (job->best_tension && job->scheme != NULL && strcmp(job->scheme, "learned") == 0)
+    {
+        job->scheme = "angle-4";
+        (void)bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, NULL);
+    }
+}
+
+/// Lengths on the sphere are metres on the Earth.
+static void convert_lengths(curve_job *job, const bat_space *space)
+{
+    bool globe = strcmp(space->name, "sphere") == 0 && space->dimension == 2;
+    job->unit = globe ? " m" : "";
+    job->refine.max_segment /= globe ? BAT_EARTH_RADIUS : 1;
+    job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
+    job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
+}
+
+int curve_read(curve_job *job)
+{
+    bat_error error;
+    if (load_model(job) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
+    if (bat_curve_read(job->call.input, &job->read, &job->coarse, &error) != BAT_OK)
+        return report_bad_input(job->call.given, job->call.input, &error);
+    convert_lengths(job, job->coarse.space);
+    if (job->times_file != NULL && motion_read_times(job) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
+    if (job->scheme == NULL)
+        choose_scheme(job);
+    int code = EXIT_DONE;
+    if (job->truth != NULL)
+        code = read_truth(job);
+    return code == EXIT_DONE && job->best_tension ? choose_tension(job) : code;
+}
+
+/// What a streamed job hands to measure_part().
+typedef struct stream_context
+{
+    curve_job *job;
+    int code;
+} stream_context;
+
+static bool measure_part(void *context, const bat_curve_set *coarse, const bat_curve_set *fine)
+{
+    stream_context *stream = context;
+    stream->code = curve_measure_part(stream->job, coarse, fine);
+    (void)report_progress("refining");
+    return stream->code == EXIT_DONE;
+}
+
+int curve_stream(curve_job *job)
+{
+    bat_error error;
+    if (load_model(job) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
+    if (bat_space_by_name(job->read.space != NULL ? job->read.space : "sphere", 0, &job->space, &error) != BAT_OK)
+        return report_failure(job->call.input, &error);
+    convert_lengths(job, &job->space);
+    if (job->scheme == NULL)
+        job->refine.scheme = bat_curve_scheme_for(&job->space, &job->scheme);
+    stream_context stream = {job, EXIT_DONE};
+    bat_curve_refine_file_report report;
+    bat_curve_refine_file_options options = {.read = job->read, .refine = job->refine, .write = job->write};
+    options.refine.progress = report_progress("refining");
+    options.refine.report = &job->findings.done.curves;
+    options.write.report = &job->findings.written;
+    options.visit = job->call.quiet ? NULL : measure_part;
+    options.context = &stream;
+    const char *path = output_path(&job->call.files, "output");
+    bat_status status = bat_curve_refine_file(job->call.input, path != NULL ? path : "-", &options, &report, &error);
+    report_progress_end();
+    if (stream.code != EXIT_DONE)
+        return stream.code;
+    if (status == BAT_FILE_ACCESS && strstr(error.text, "write") != NULL)
+        return report_failure(job->call.output, &error);
+    if (status != BAT_OK)
+        return report_bad_input(job->call.given, job->call.input, &error);
+    job->fine = (bat_curve_set){.space = &job->space, .count = report.curves};
+    return EXIT_DONE;
+}

@@ -1,0 +1,107 @@
+#include "help.h"
+
+#include <string.h>
+
+enum
+{
+    INDENT = 2,       ///< of the name of an option
+    DESCRIPTION = 26, ///< where descriptions begin
+    LINE_SIZE = 400
+};
+
+const char *const HELP_HEADINGS[HELP_GROUPS] = {"Input", "Method", "Result", "Picture", "Processes and threads"};
+
+const char *verb_program(const verb *what)
+{
+    return what->program != NULL ? what->program : "batten";
+}
+
+/// The number of characters of `length` bytes of UTF-8.
+static size_t count_characters(const char *text, size_t length)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < length; i++)
+        count += ((unsigned char)text[i] & 0xC0) != 0x80;
+    return count;
+}
+
+void help_wrap(FILE *out, const char *text, size_t column, size_t indent)
+{
+    bool begins = true;
+    while (*text != '\0')
+    {
+        size_t length = strcspn(text, " \n"), wide = count_characters(text, length);
+        if (!begins && column + 1 + wide > HELP_WIDTH)
+        {
+            (void)fprintf(out, "\n%*s", (int)indent, "");
+            column = indent;
+            begins = true;
+        }
+        (void)fprintf(out, "%s%.*s", begins ? "" : " ", (int)length, text);
+        column += wide + !begins;
+        text += length;
+        begins = *text == '\n';
+        if (begins)
+        {
+            (void)fprintf(out, "\n%*s", (int)indent, "");
+            column = indent;
+        }
+        text += *text != '\0';
+    }
+    (void)fputc('\n', out);
+}
+
+static void print_option(const option_spec *option)
+{
+    char left[LINE_SIZE];
+    (void)snprintf(left, sizeof left, "%*s%s--%s%s%s", INDENT, "", strcmp(option->name, "output") == 0 ? "-o, " : "",
+                   option->name, option->value != NULL ? " " : "", option->value != NULL ? option->value : "");
+    size_t wide = count_characters(left, strlen(left));
+    (void)fputs(left, stdout);
+    if (wide + 2 > DESCRIPTION)
+        (void)printf("\n%*s", DESCRIPTION, "");
+    else
+        (void)printf("%*s", (int)(DESCRIPTION - wide), "");
+    help_wrap(stdout, option->summary, DESCRIPTION, DESCRIPTION);
+}
+
+/// Print the options of a group; returns the number of those that are left out.
+static size_t print_group(const verb *what, option_group group, bool all)
+{
+    size_t left_out = 0;
+    bool begun = false;
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+    {
+        if (option->group != group)
+            continue;
+        if (!all && (option->marks & COMMON) == 0)
+        {
+            left_out++;
+            continue;
+        }
+        if (!begun)
+            (void)printf("\n%s\n", HELP_HEADINGS[group]);
+        begun = true;
+        print_option(option);
+    }
+    return left_out;
+}
+
+void help_print(const verb *what, bool all)
+{
+    char usage[LINE_SIZE];
+    size_t indent =
+        (size_t)snprintf(usage, sizeof usage, "usage: %s %s %s", verb_program(what), what->name, what->arguments) -
+        strlen(what->arguments);
+    help_wrap(stdout, usage, 0, indent);
+    (void)fputc('\n', stdout);
+    help_wrap(stdout, what->about, 0, 0);
+    size_t left_out = 0;
+    for (option_group group = INPUT; group <= CALL; group++)
+        left_out += print_group(what, group, all);
+    if (what->example != NULL)
+        (void)printf("\nExample\n  %s\n", what->example);
+    if (left_out > 0)
+        (void)printf("\n`%s %s --help all` shows %zu more options.\n", verb_program(what), what->name, left_out);
+}
