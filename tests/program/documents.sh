@@ -1,6 +1,7 @@
 #!/bin/sh
 # Check the documents:
-#   - the README has at most 5,000 bytes;
+#   - the README has at most 5,000 bytes, and all pages have at most 60,000 words;
+#   - lines have at most 125 columns outside of tables;
 #   - every page of docs/ can be reached from docs/index.md;
 #   - every relative link, image and anchor of every Markdown file exists;
 #   - the commands of the README, the first steps and the guides run, page by page and in their order;
@@ -159,6 +160,15 @@ done
 tr '\n' ' ' < "$scratch/pages" > "$scratch/list"
 pages=$(cat "$scratch/list")
 # Names of pages contain no blanks.
+# shellcheck disable=SC2086
+words=$(cat $pages | wc -w)
+test "$words" -le 60000 || fail "the pages have $words words, more than 60000"
+# The bytes of a character after its first count for nothing.
+# shellcheck disable=SC2086
+awk '{ gsub(/[\200-\277]/, "") } length > 125 && !/^\|/ { print FILENAME ":" FNR ": the line has " length " columns" }' $pages > "$scratch/wide"
+while read -r line; do
+    fail "$line"
+done < "$scratch/wide"
 # shellcheck disable=SC2086
 links $pages | resolve > "$scratch/links"
 # shellcheck disable=SC2086
