@@ -1,6 +1,5 @@
 #include "reproduce.h"
 
-#include "arguments.h"
 #include "report.h"
 
 #include "batten/research/motion_study.h"
@@ -10,23 +9,10 @@
 
 enum
 {
-    PANELS = BAT_HERMITE_FIGURE_PANELS,
-    CURVES = BAT_HERMITE_FIGURE_CURVES,
     TITLE_SIZE = 128
 };
 
 // The figures
-
-static bat_curve_picture_layer layer_of(const bat_hermite_panel *panel, size_t index)
-{
-    static const char *const LABELS[] = {"refined", "given", "smooth curve"};
-    bat_curve_layer_role role = panel->roles[index];
-    size_t first = 0;
-    while (panel->roles[first] != role)
-        first++;
-    return (bat_curve_picture_layer){
-        .curve = &panel->curves[index], .role = role, .label = index == first ? LABELS[role] : NULL, .colour = 1};
-}
 
 static void scheme_words(const bat_hermite_panel *panel, char *text, size_t size)
 {
@@ -36,38 +22,22 @@ static void scheme_words(const bat_hermite_panel *panel, char *text, size_t size
         (void)snprintf(text, size, "%s", panel->scheme);
 }
 
+/// Add the pictures of a figure, as SVG and as PNG.
 static int draw_figure(const bat_hermite_figure *figure, const reproduce_job *job)
 {
-    bat_curve_picture_layer layers[PANELS][CURVES];
-    bat_curve_picture_panel panels[PANELS];
-    char titles[PANELS][TITLE_SIZE], name[TITLE_SIZE];
-    for (size_t p = 0; p < figure->panel_count; p++)
-    {
-        const bat_hermite_panel *panel = &figure->panels[p];
-        char words[TITLE_SIZE / 2];
-        for (size_t i = 0; i < panel->curve_count; i++)
-            layers[p][i] = layer_of(panel, i);
-        scheme_words(panel, words, sizeof words);
-        (void)snprintf(titles[p], sizeof titles[p], "%s, %zu points: error %.2g", words, panel->samples, panel->error);
-        panels[p] = (bat_curve_picture_panel){layers[p], panel->curve_count, titles[p]};
-    }
-    bat_curve_picture_options how = bat_curve_picture_defaults();
-    how.title = figure->title;
-    how.columns = figure->columns;
-    how.control_polygon = false;
     static const char *const ENDINGS[] = {"svg", "png"};
-    for (size_t i = 0; i < sizeof ENDINGS / sizeof *ENDINGS; i++)
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < sizeof ENDINGS / sizeof *ENDINGS && code == EXIT_DONE; i++)
     {
         bat_error error;
         reproduce_picture picture;
+        char name[TITLE_SIZE];
         (void)snprintf(name, sizeof name, "hermite-%s.%s", figure->name, ENDINGS[i]);
-        int code = reproduce_picture_add(job, name, &picture);
-        if (code != EXIT_DONE)
-            return code;
-        if (bat_curve_picture_write(picture.write_to, panels, figure->panel_count, &how, &error) != BAT_OK)
-            return report_failure(picture.path, &error);
+        code = reproduce_picture_add(job, name, &picture);
+        if (code == EXIT_DONE && bat_hermite_figure_draw(picture.write_to, figure, &error) != BAT_OK)
+            code = report_failure(picture.path, &error);
     }
-    return EXIT_DONE;
+    return code;
 }
 
 static json_t *panel_json(const bat_hermite_panel *panel, size_t number)

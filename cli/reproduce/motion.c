@@ -1,6 +1,5 @@
 #include "reproduce.h"
 
-#include "arguments.h"
 #include "report.h"
 
 #include "batten/research/motion_study.h"

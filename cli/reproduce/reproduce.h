@@ -74,9 +74,6 @@ typedef struct reproduce_picture
 /// Add a picture of that name in the job's folder. Returns the program's exit code.
 int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_picture *picture);
 
-/// Draw the rows of table 1, `count` in all: distance to the truth against fairness, in each space.
-int reproduce_draw_frontier(const reproduce_job *job, const bat_tension_row *rows, size_t count);
-
 /// Read the model that --model names, or take the published one. Returns the program's exit code.
 int reproduce_model(const reproduce_job *job, bat_curve_model **model);
 /// Format a number, followed by its ratio to the published one in brackets if there is one.

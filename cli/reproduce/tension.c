@@ -1,6 +1,5 @@
 #include "reproduce.h"
 
-#include "arguments.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -167,42 +166,13 @@ int reproduce_tension_table1(const reproduce_job *job)
     if (status != BAT_OK)
         return report_failure(NULL, &error);
     const size_t count = sizeof rows / sizeof *rows;
-    int code = job->folder != NULL ? reproduce_draw_frontier(job, rows, count) : EXIT_DONE;
-    if (code != EXIT_DONE)
-        return code;
-    return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
-}
-
-static int draw_iss(const reproduce_job *job)
-{
-    bat_space sphere = bat_sphere(2);
-    bat_curve truth, control, fine = {0};
-    bat_error error;
     reproduce_picture picture;
-    int code = reproduce_picture_add(job, "tension-iss.png", &picture);
+    int code = job->folder != NULL ? reproduce_picture_add(job, "tension-frontier.png", &picture) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
-    if (bat_tension_iss_track(&sphere, &truth, &control, &error) != BAT_OK)
-        return report_failure(NULL, &error);
-    bat_curve_refine_options refine = bat_curve_refine_defaults();
-    refine.scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
-    bat_status status = bat_curve_refine(&control, &refine, &fine, &error);
-    if (status == BAT_OK)
-    {
-        bat_curve_picture_layer layers[] = {
-            {.curve = &control, .role = BAT_CURVE_LAYER_CONTROL, .label = "16 control points"},
-            {.curve = &truth, .role = BAT_CURVE_LAYER_TRUTH, .label = "ground track"},
-            {.curve = &fine, .role = BAT_CURVE_LAYER_CURVE, .label = "four-point, outward"},
-        };
-        bat_curve_picture_panel panel = {.layers = layers, .layer_count = 3};
-        bat_curve_picture_options draw = bat_curve_picture_defaults();
-        draw.projection = BAT_CURVE_PROJECTION_BOTH;
-        status = bat_curve_picture_write(picture.write_to, &panel, 1, &draw, &error);
-    }
-    bat_curve_free(&truth);
-    bat_curve_free(&control);
-    bat_curve_free(&fine);
-    return status == BAT_OK ? EXIT_DONE : report_failure(picture.path, &error);
+    if (job->folder != NULL && bat_tension_frontier_draw(picture.write_to, rows, count, &error) != BAT_OK)
+        return report_failure(picture.path, &error);
+    return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
 }
 
 int reproduce_tension_iss(const reproduce_job *job)
@@ -222,9 +192,12 @@ int reproduce_tension_iss(const reproduce_job *job)
     networks_free(&compared);
     if (status != BAT_OK)
         return report_failure(NULL, &error);
-    int code = job->folder != NULL ? draw_iss(job) : EXIT_DONE;
+    reproduce_picture picture;
+    int code = job->folder != NULL ? reproduce_picture_add(job, "tension-iss.png", &picture) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
+    if (job->folder != NULL && bat_tension_iss_draw(picture.write_to, &error) != BAT_OK)
+        return report_failure(picture.path, &error);
     return print_rows(rows, BAT_TENSION_METHODS + OWN,
                       "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
                       "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "

@@ -1,6 +1,5 @@
 #include "reproduce.h"
 
-#include "arguments.h"
 #include "report.h"
 
 #include "batten/batten.h"
@@ -18,50 +17,6 @@ static const char *const NAMES[SPACES] = {"plane", "sphere", "disk"};
 
 /// Remark 4.
 static const double PUBLISHED_PRODUCT = 2.8;
-
-// The histograms
-
-/// Fraction of the insertions in each bin.
-static void fill_bars(const bat_tension_effective *effective, double *x, double *y)
-{
-    const double width = (BAT_TENSION_EFFECTIVE_MAX - BAT_TENSION_EFFECTIVE_MIN) / BINS;
-    for (size_t i = 0; i < BINS; i++)
-    {
-        x[i] = BAT_TENSION_EFFECTIVE_MIN + ((double)i + 0.5) * width;
-        y[i] = (double)effective->histogram[i] / (double)effective->summary.count;
-    }
-}
-
-static int draw(const reproduce_job *job, const bat_tension_mechanism_report *report)
-{
-    double x[2 * SPACES][BINS], y[2 * SPACES][BINS];
-    bat_chart_series series[2 * SPACES];
-    bat_chart charts[2 * SPACES];
-    char titles[2 * SPACES][40];
-    for (size_t i = 0; i < 2 * (size_t)SPACES; i++)
-    {
-        bool printed = i < SPACES;
-        const bat_tension_mechanism_space *space = &report->spaces[i % SPACES];
-        fill_bars(printed ? &space->printed : &space->outward, x[i], y[i]);
-        (void)snprintf(titles[i], sizeof titles[i], "%s, %s sign", NAMES[i % SPACES], printed ? "printed" : "outward");
-        series[i] =
-            (bat_chart_series){.x = x[i], .y = y[i], .count = BINS, .mark = BAT_CHART_BARS, .colour = printed ? 1 : 2};
-        charts[i] = bat_chart_defaults();
-        charts[i].series = &series[i];
-        charts[i].series_count = 1;
-        charts[i].title = titles[i];
-        charts[i].x_label = "effective tension";
-        charts[i].y_label = "share of the insertions";
-    }
-    bat_curve_picture_options options = bat_curve_picture_defaults();
-    options.columns = SPACES;
-    bat_error error;
-    reproduce_picture picture;
-    int code = reproduce_picture_add(job, "tension-mechanism.png", &picture);
-    if (code == EXIT_DONE && bat_chart_write(picture.write_to, charts, 2 * SPACES, &options, &error) != BAT_OK)
-        code = report_failure(picture.path, &error);
-    return code;
-}
 
 // The figures
 
@@ -172,8 +127,11 @@ int reproduce_tension_mechanism(const reproduce_job *job)
     report_progress_end();
     if (status != BAT_OK)
         return report_failure(status == BAT_BAD_FILE || status == BAT_FILE_ACCESS ? job->model : NULL, &error);
-    int code = job->folder != NULL ? draw(job, &report) : EXIT_DONE;
+    reproduce_picture picture;
+    int code = job->folder != NULL ? reproduce_picture_add(job, "tension-mechanism.png", &picture) : EXIT_DONE;
     if (code != EXIT_DONE)
         return code;
+    if (job->folder != NULL && bat_tension_mechanism_draw(picture.write_to, &report, &error) != BAT_OK)
+        return report_failure(picture.path, &error);
     return job->call.json ? print_json(&report, &options) : print_text(&report, &options, job->folder);
 }

@@ -9,6 +9,7 @@
 #include "research/studies/motion_curves.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -397,4 +398,52 @@ void bat_hermite_figure_free(bat_hermite_figure *figure)
             bat_curve_free(&figure->panels[i].curves[k]);
     free(figure->spaces);
     *figure = (bat_hermite_figure){0};
+}
+
+// The picture
+
+enum
+{
+    TITLE_SIZE = 128
+};
+
+static bat_curve_picture_layer layer_of(const bat_hermite_panel *panel, size_t index)
+{
+    static const char *const LABELS[] = {"refined", "given", "smooth curve"};
+    bat_curve_layer_role role = panel->roles[index];
+    size_t first = 0;
+    while (panel->roles[first] != role)
+        first++;
+    return (bat_curve_picture_layer){
+        .curve = &panel->curves[index], .role = role, .label = index == first ? LABELS[role] : NULL, .colour = 1};
+}
+
+static void scheme_words(const bat_hermite_panel *panel, char *text, size_t size)
+{
+    if (panel->order > 0)
+        (void)snprintf(text, size, "%s, order %zu", panel->scheme, panel->order);
+    else
+        (void)snprintf(text, size, "%s", panel->scheme);
+}
+
+bat_status bat_hermite_figure_draw(const char *path, const bat_hermite_figure *figure, bat_error *error)
+{
+    bat_curve_picture_layer layers[BAT_HERMITE_FIGURE_PANELS][BAT_HERMITE_FIGURE_CURVES];
+    bat_curve_picture_panel panels[BAT_HERMITE_FIGURE_PANELS];
+    char titles[BAT_HERMITE_FIGURE_PANELS][TITLE_SIZE];
+    for (size_t p = 0; p < figure->panel_count; p++)
+    {
+        const bat_hermite_panel *panel = &figure->panels[p];
+        char words[TITLE_SIZE / 2];
+        for (size_t i = 0; i < panel->curve_count; i++)
+            layers[p][i] = layer_of(panel, i);
+        scheme_words(panel, words, sizeof words);
+        (void)snprintf(titles[p], sizeof titles[p], "%s, %zu points: error %.2g", words, panel->samples, panel->error);
+        panels[p] = (bat_curve_picture_panel){layers[p], panel->curve_count, titles[p]};
+    }
+    bat_curve_picture_options how = bat_curve_picture_defaults();
+    how.title = figure->title;
+    how.columns = figure->columns;
+    how.control_polygon = false;
+    return bat_curve_picture_write(path, panels, figure->panel_count, &how, error);
 }

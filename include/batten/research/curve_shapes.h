@@ -56,6 +56,39 @@ BAT_API const bat_curve_shape *bat_curve_shape_at(size_t index);
 BAT_API bat_status bat_curve_shape_curve(const bat_curve_shape *shape, size_t outline, const bat_space *plane,
                                          bat_curve *curve, bat_error *error);
 
+/// The panels of a figure: levels 0, 1, 2, 10 and 20.
+#define BAT_CURVE_FIGURE_PANELS 5
+
+/// A figure of the study made anew: a shape at every level, and its measurements.
+typedef struct bat_curve_figure
+{
+    const bat_curve_shape *shape;
+    const bat_shape_figure *study;
+    bat_curve curves[BAT_CURVE_FIGURE_PANELS][BAT_SHAPE_MAX_OUTLINES];
+    char name[64];           ///< "curve-figures-SCHEME-SHAPE"
+    size_t vertices, points; ///< of the first level and of the last one
+    double seconds;          ///< time to refine to the last level
+    double chord;            ///< largest distance of the points of level 20 from the edges of level 10
+    double middle_off_limit; ///< largest distance of a vertex of level 10 from its limit
+    double last_off_limit;   ///< the same for level 20
+    bat_progress progress;
+} bat_curve_figure;
+
+/// Make a figure.
+///
+/// @param plane  R^2, as bat_euclidean(2) gives it; must outlive the figure
+/// @param figure receives it; release it with bat_curve_figure_free(). Empty on failure
+/// @return BAT_OK, BAT_CANCELLED, BAT_NO_MEMORY or what refining and measuring return
+BAT_API bat_status bat_curve_figure_make(const bat_curve_shape *shape, const bat_shape_figure *study, const bat_space *plane,
+                                         bat_progress progress, bat_curve_figure *figure, bat_error *error);
+/// Release a figure. An empty one is ignored.
+BAT_API void bat_curve_figure_free(bat_curve_figure *figure);
+/// Draw the panels side by side.
+///
+/// @param path .png, .svg or .pdf
+/// @return BAT_OK or the status of bat_curve_picture_write()
+BAT_API bat_status bat_curve_figure_draw(const char *path, const bat_curve_figure *figure, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -330,6 +330,25 @@ BAT_API bat_tension_mechanism_options bat_tension_mechanism_defaults(void);
 BAT_API bat_status bat_tension_mechanism(const char *path, const bat_tension_mechanism_options *options,
                                          bat_tension_mechanism_report *report, bat_error *error);
 
+// Pictures of the tables.
+
+/// Draw the rows of table 1, `count` in all: distance to the truth against fairness, in each space.
+///
+/// @param path .png, .svg or .pdf
+/// @return BAT_OK or the status of bat_chart_write()
+BAT_API bat_status bat_tension_frontier_draw(const char *path, const bat_tension_row *rows, size_t count, bat_error *error);
+/// Draw the effective tensions as histograms, in each space and for both signs.
+///
+/// @param path .png, .svg or .pdf
+/// @return BAT_OK or the status of bat_chart_write()
+BAT_API bat_status bat_tension_mechanism_draw(const char *path, const bat_tension_mechanism_report *report,
+                                              bat_error *error);
+/// Draw the ground track of table 5, its control points and the four-point scheme.
+///
+/// @param path .png, .svg or .pdf
+/// @return BAT_OK or the status of bat_curve_picture_write()
+BAT_API bat_status bat_tension_iss_draw(const char *path, bat_error *error);
+
 BAT_C_END
 
 #endif

@@ -105,6 +105,11 @@ typedef struct bat_hermite_figure
 BAT_API bat_status bat_hermite_figure_make(size_t index, bat_hermite_figure *figure, bat_error *error);
 /// Release a figure and make it empty. An empty figure is ignored.
 BAT_API void bat_hermite_figure_free(bat_hermite_figure *figure);
+/// Draw the panels of a figure.
+///
+/// @param path .png, .svg or .pdf
+/// @return BAT_OK or the status of bat_curve_picture_write()
+BAT_API bat_status bat_hermite_figure_draw(const char *path, const bat_hermite_figure *figure, bat_error *error);
 
 /// A motion of which every `step`th pose is kept: root mean square errors of the poses between, of translations and of
 /// angles in degrees.
