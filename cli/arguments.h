@@ -8,10 +8,9 @@
 
 enum
 {
-    /// The maximum number of names that a verb takes which bounds them, of options of a verb, and of tables.
+    /// The maximum number of names that a verb takes which bounds them, and of options of a verb.
     MAX_POSITIONAL = 64,
     MAX_OPTIONS = 64,
-    MAX_TABLES = 10,
     /// The maximum of --threads.
     MAX_THREADS = 1024,
     /// The maximum number of values in a list.

@@ -2,6 +2,7 @@
 
 #include "report.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,9 +52,13 @@ static void print_name(FILE *out, const verb *what, const char *dash)
         (void)fprintf(out, "%s%.1s", *at == ' ' ? dash : "", *at == ' ' ? "" : at);
 }
 
-static void print_head(FILE *out, const char *title)
+/// The title of a page, as "BATTEN-CURVE"; `what` is null for the page of the program.
+static void print_head(FILE *out, const verb *what)
 {
-    (void)fprintf(out, ".TH %s 1 \"\" \"batten %s\" \"batten manual\"\n.SH NAME\n", title, bat_version());
+    (void)fprintf(out, ".TH BATTEN%s", what != NULL ? "-" : "");
+    for (const char *at = what != NULL ? what->name : ""; *at != '\0'; at++)
+        (void)fputc(*at == ' ' ? '-' : toupper((unsigned char)*at), out);
+    (void)fprintf(out, " 1 \"\" \"batten %s\" \"batten manual\"\n.SH NAME\n", bat_version());
 }
 
 static void print_options(FILE *out, const verb *what)
@@ -87,7 +92,7 @@ static void print_options(FILE *out, const verb *what)
 
 static void print_verb(FILE *out, const verb *what)
 {
-    print_head(out, "BATTEN");
+    print_head(out, what);
     print_name(out, what, "\\-");
     (void)fprintf(out, " \\- ");
     print_text(out, what->summary);
@@ -105,7 +110,7 @@ static void print_verb(FILE *out, const verb *what)
 
 static void print_program(FILE *out)
 {
-    print_head(out, "BATTEN");
+    print_head(out, NULL);
     (void)fprintf(out,
                   "batten \\- turn coarse geometry into fair geometry\n.SH SYNOPSIS\n\\fBbatten\\fR \\fIVERB\\fR "
                   "[arguments]\n.SH DESCRIPTION\nEach verb reads files, makes one thing of them and writes it. "
