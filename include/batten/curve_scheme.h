@@ -48,17 +48,19 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
-    BAT_CURVE_SCHEME_AUTO,        ///< none yet: chosen for the space, bat_curve_scheme_for()
-    BAT_CURVE_SCHEME_LINEAR,      ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_GEODESIC takes its
-                                  ///< place for the masks that it has
-    BAT_CURVE_SCHEME_ANGLE,       ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-    BAT_CURVE_SCHEME_LOG_EXP,     ///< a mask applied in the tangent space of one point; any space
-    BAT_CURVE_SCHEME_GEODESIC,    ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
-                                  ///< cutting at ratios of geodesics; any space
-    BAT_CURVE_SCHEME_FOUR_POINT,  ///< the cubic through four points at bat_curve_parameters, level after level; any space
-    BAT_CURVE_SCHEME_CATMULL_ROM, ///< a cubic over each edge, C1; any space; not a subdivision scheme
-    BAT_CURVE_SCHEME_CUBIC        ///< a cubic over each edge, C2 in R^n; any space; not a subdivision scheme
+    BAT_CURVE_SCHEME_AUTO,       ///< none yet: chosen for the space, bat_curve_scheme_for()
+    BAT_CURVE_SCHEME_LINEAR,     ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_GEODESIC takes its
+                                 ///< place for the masks that it has
+    BAT_CURVE_SCHEME_ANGLE,      ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_CURVE_SCHEME_LOG_EXP,    ///< a mask applied in the tangent space of one point; any space
+    BAT_CURVE_SCHEME_GEODESIC,   ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
+                                 ///< cutting at ratios of geodesics; any space
+    BAT_CURVE_SCHEME_FOUR_POINT, ///< the cubic through four points at bat_curve_parameters, level after level; any space
+    BAT_CURVE_SCHEME_SPLINE      ///< a spline through the points, of the row `spline`; any space; not a subdivision scheme
 } bat_curve_scheme_kind;
+
+/// The kinds by name.
+extern BAT_API const bat_family bat_curve_scheme_kind_family;
 
 /// The parameters at which an interpolating polynomial takes the points: the increment over an edge is its length to the
 /// power alpha.
@@ -78,6 +80,9 @@ typedef enum bat_curve_angle_sign
     BAT_CURVE_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
     BAT_CURVE_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
 } bat_curve_angle_sign;
+
+/// The signs by name.
+extern BAT_API const bat_family bat_curve_angle_sign_family;
 
 /// The farthest reach of an angle rule.
 #define BAT_CURVE_ANGLE_RULE_REACH 64
@@ -130,6 +135,9 @@ typedef enum bat_curve_base
     BAT_CURVE_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
 } bat_curve_base;
 
+/// The bases by name.
+extern BAT_API const bat_family bat_curve_base_family;
+
 /// A rule that refines a curve by one level. The functions below make one; all fields may be changed afterwards.
 typedef struct bat_curve_scheme
 {
@@ -146,7 +154,8 @@ typedef struct bat_curve_scheme
         *rule;           ///< ANGLE: the rule of the angles, in place of eq. (9) and the four fields above; or null
     double fairness;     ///< ANGLE with a rule: an input of the rule, 0 (nearest to the data) … 1 (smoothest)
     bat_curve_base base; ///< LOG_EXP, FOUR_POINT; it has no effect in R^n
-    bat_curve_parameters parameters; ///< FOUR_POINT, CATMULL_ROM, CUBIC
+    bat_curve_parameters parameters; ///< FOUR_POINT, SPLINE
+    const bat_choice *spline;        ///< SPLINE: a row of bat_curve_scheme_family, as bat_curve_scheme_by_name() sets it
 } bat_curve_scheme;
 
 /// The linear scheme of a mask, for Euclidean spaces. In other spaces refinement replaces it by its geodesic analogue, where
@@ -172,16 +181,6 @@ BAT_API bat_curve_scheme bat_curve_scheme_geodesic(size_t order);
 /// logarithms. With uniform parameters it is the linear or log-exp four-point scheme, up to rounding. It keeps the given
 /// points, and channels are interpolated at the same parameters.
 BAT_API bat_curve_scheme bat_curve_scheme_four_point(bat_curve_parameters parameters, double w);
-/// The Catmull-Rom spline (Catmull and Rom 1974; Barry and Goldman 1988 for any parameters). The velocity at a point is that
-/// of the parabola through it and its two neighbours, and a cubic joins the points. 2^levels - 1 new points lie on each
-/// edge, at equal steps of the parameter. In other spaces than R^n the cubics are Bezier curves made of geodesics (Park and
-/// Ravani 1995), which are C1 together. Channels are interpolated by the same cubics.
-BAT_API bat_curve_scheme bat_curve_scheme_catmull_rom(bat_curve_parameters parameters);
-/// The cubic interpolating spline, evaluated as bat_curve_scheme_catmull_rom(). In R^n it is C2: periodic where the curve is
-/// closed, else with de Boor's not-a-knot condition at the ends, and natural through 2 or 3 points. In other spaces the
-/// equations of the velocities (de Boor 1978, chapter IV) hold after parallel transport along the edges; the curve is C1.
-BAT_API bat_curve_scheme bat_curve_scheme_cubic(bat_curve_parameters parameters);
-
 /// Check a scheme: its kind and the fields that the kind uses.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT with the field out of range; BAT_UNSUPPORTED for a mask that the kind cannot use
 BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_error *error);
@@ -196,6 +195,16 @@ BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_er
 ///     log-exp-6 (each also with base=midpoint) learned   learned:fairness=0.8           (bat_curve_scheme_learned())
 ///     log-exp-lane-riesenfeld:order=3          (also with base=midpoint)
 ///     geodesic:order=3
+///
+/// Splines (BAT_CURVE_SCHEME_SPLINE) have 2^levels - 1 new points on each edge, at equal steps of the parameter, and
+/// interpolate channels alike. In other spaces than R^n their pieces are Bezier curves made of geodesics (Park and Ravani
+/// 1995).
+///
+/// - catmull-rom: the velocity at a point is that of the parabola through it and its two neighbours, and cubics join the
+///   points (Catmull and Rom 1974; Barry and Goldman 1988 for any parameters). C1.
+/// - cubic: the cubic spline. In R^n it is C2: periodic where the curve is closed, else with de Boor's not-a-knot condition
+///   at the ends, and natural through 2 or 3 points. In other spaces the equations of the velocities (de Boor 1978, chapter
+///   IV) hold after parallel transport along the edges; the curve is C1.
 ///
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
 BAT_API bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, bat_error *error);

@@ -32,6 +32,9 @@ typedef enum bat_mesh_up
     BAT_MESH_UP_X
 } bat_mesh_up;
 
+/// The axes by name.
+extern BAT_API const bat_family bat_mesh_up_family;
+
 /// Options of pictures. Begin with bat_mesh_picture_defaults().
 typedef struct bat_mesh_picture_options
 {

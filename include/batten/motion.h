@@ -26,6 +26,9 @@ typedef enum bat_motion_method
                        ///< bat_hermite_sample_rate()
 } bat_motion_method;
 
+/// The methods by name.
+extern BAT_API const bat_family bat_motion_method_family;
+
 /// What bat_motion_curves() did, over all curves.
 typedef struct bat_motion_report
 {

@@ -129,6 +129,9 @@ typedef enum bat_hermite_kind
     BAT_HERMITE_TRANSPORT ///< a linear Hermite scheme by logarithms and parallel transport (Moosmüller 2017); derivatives
 } bat_hermite_kind;
 
+/// The kinds by name.
+extern BAT_API const bat_family bat_hermite_kind_family;
+
 /// The highest order of the Lane-Riesenfeld schemes: the highest that is published. Each order averages once more, over
 /// points ever farther away.
 #define BAT_HERMITE_MAX_ORDER 10

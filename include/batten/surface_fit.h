@@ -47,6 +47,9 @@ typedef enum bat_surface_smoothing
     BAT_SURFACE_SMOOTHING_GIVEN             ///< the number in the options
 } bat_surface_smoothing;
 
+/// The choices of the weight by name.
+extern BAT_API const bat_family bat_surface_smoothing_family;
+
 /// Options of the adaptive fit. Begin with bat_surface_fit_defaults().
 typedef struct bat_surface_fit_options
 {

@@ -1,5 +1,6 @@
 #include "base/option.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 
 #include <stdio.h>
@@ -24,8 +25,16 @@ static double value_of(const void *options, const option_field *field)
     }
 }
 
+/// Whether options may have the enumerator of a row.
+static bool is_for_options(const bat_choice *row)
+{
+    return row != NULL && row->use != BAT_CHOICE_RESULT;
+}
+
 static bool is_in_range(const option_field *field, double value)
 {
+    if (field->kind == OPTION_CHOICE)
+        return is_for_options(choice_of_value(field->family, (int)value));
     if (field->kind == OPTION_ANGLE && isnan(value))
         return true;
     if (field->kind == OPTION_ZERO && value == 0)
@@ -36,8 +45,24 @@ static bool is_in_range(const option_field *field, double value)
     return bounded && value >= field->low && value <= field->high;
 }
 
-static void describe_range(const option_field *field, char range[RANGE_SIZE])
+/// The field of an enumeration with the bounds of its rows; others as they are.
+static option_field with_bounds(const option_field *field)
 {
+    option_field made = *field;
+    const bat_choice *row;
+    made.low = field->kind == OPTION_CHOICE ? INFINITY : field->low;
+    made.high = field->kind == OPTION_CHOICE ? -INFINITY : field->high;
+    for (size_t i = 0; field->family != NULL && (row = choice_at(field->family, i)) != NULL; i++)
+    {
+        made.low = is_for_options(row) ? fmin(made.low, row->value) : made.low;
+        made.high = is_for_options(row) ? fmax(made.high, row->value) : made.high;
+    }
+    return made;
+}
+
+static void describe_range(const option_field *given, char range[RANGE_SIZE])
+{
+    const option_field bounded = with_bounds(given), *field = &bounded;
     bool number = field->kind == OPTION_NUMBER || field->kind == OPTION_ABOVE;
     const char *finite = number && isinf(field->high) ? "finite and " : "";
     if (isinf(field->low))

@@ -11,7 +11,7 @@
 /// How a field is stored, and what its range means.
 typedef enum option_kind
 {
-    OPTION_CHOICE, ///< an enumeration from `low` to `high`
+    OPTION_CHOICE, ///< an enumeration: a row of `family` that options may have
     OPTION_INT,    ///< an int from `low` to `high`
     OPTION_SIZE,   ///< a size_t from `low` to `high`; INFINITY: no upper bound
     OPTION_NUMBER, ///< a finite double from `low` to `high`; -INFINITY and INFINITY: no bound
@@ -27,12 +27,18 @@ typedef struct option_field
     size_t offset;
     option_kind kind;
     double low, high;
+    const bat_family *family; ///< OPTION_CHOICE
 } option_field;
 
 /// The row of a field. `type` is the options struct.
 #define OPTION_FIELD(type, field, kind, low, high)                                                                          \
     {                                                                                                                       \
-#field, offsetof(type, field), kind, low, high                                                                      \
+#field, offsetof(type, field), kind, low, high, NULL                                                                \
+    }
+/// The row of an enumeration with names.
+#define OPTION_FAMILY(type, field, family)                                                                                  \
+    {                                                                                                                       \
+#field, offsetof(type, field), OPTION_CHOICE, 0, 0, &(family)                                                       \
     }
 
 /// The largest number of threads that an option may ask for.

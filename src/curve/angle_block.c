@@ -1,11 +1,13 @@
 #include "curve/angle_block.h"
 
 #include "base/lanes.h"
+#include "curve/kernel.h"
 #include "space/disk.h"
 #include "space/known.h"
 #include "space/sphere.h"
 
 #include <float.h>
+#include <math.h>
 
 /// See disk_insert().
 static const double PARALLEL_SHARE = 0.9;
@@ -227,4 +229,18 @@ void angle_block_load(angle_block *block, size_t entry, const double *points, si
 void angle_block_store(const angle_block *block, const double *points, size_t dim, size_t edges, double *restrict fine)
 {
     store_points(block, points, dim, edges, fine);
+}
+
+double kernel_scale(const double *points, size_t count, size_t dim)
+{
+    enum
+    {
+        MOST_EXPONENT = 1000
+    };
+    double largest = 0;
+    for (size_t i = 0; i < count * dim; i++)
+        largest = fmax(largest, fabs(points[i]));
+    int exponent = largest > 0 && isfinite(largest) ? -ilogb(largest) : 0;
+    exponent = exponent > MOST_EXPONENT ? MOST_EXPONENT : exponent < -MOST_EXPONENT ? -MOST_EXPONENT : exponent;
+    return ldexp(1, exponent);
 }

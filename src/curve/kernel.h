@@ -65,8 +65,6 @@ refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *sch
 /// The four-point step at parameters of the points (BAT_CURVE_SCHEME_FOUR_POINT). A row is a point of the space and
 /// `channel_count` numbers, which the step interpolates at the parameters of the points.
 refine_kernel kernel_four_point(const bat_space *space, size_t channel_count, const bat_curve_scheme *scheme);
-/// A stand-in for the splines, which have no step: it has their layout, and run() returns BAT_UNSUPPORTED.
-refine_kernel kernel_of_spline(const bat_space *space);
 /// Doubling followed by `order` rounds of averaging rows of `dim` numbers (Lane and Riesenfeld 1980), centred as
 /// bat_mask_lane_riesenfeld() is.
 refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t order, row_average *average);

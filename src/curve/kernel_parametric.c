@@ -157,20 +157,3 @@ refine_kernel kernel_four_point(const bat_space *space, size_t channel_count, co
     };
     return kernel;
 }
-
-static bat_status run_spline(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                             size_t *fault)
-{
-    (void)kernel;
-    (void)points;
-    (void)pairs;
-    (void)fine;
-    (void)scratch;
-    *fault = 0;
-    return BAT_UNSUPPORTED;
-}
-
-refine_kernel kernel_of_spline(const bat_space *space)
-{
-    return (refine_kernel){.space = space, .dim = space->point_dim, .first = -3, .last = 3, .run = run_spline};
-}

@@ -2,10 +2,9 @@
 #define CURVE_PARAMETRIC_H
 
 #include "batten/curve.h"
-#include "curve/plan.h"
 
 /// @file
-/// What the schemes with parameters of the points share: BAT_CURVE_SCHEME_FOUR_POINT and the two splines.
+/// What the schemes with parameters of the points share: BAT_CURVE_SCHEME_FOUR_POINT and the splines.
 
 /// Points with their channels beside them: a row is a point and `channel_count` numbers, a point of `space`.
 typedef struct row_space
@@ -30,11 +29,5 @@ double parametric_increment(bat_curve_parameters parameters, double length);
 /// polygons, the polynomial through all. The parameters beyond the end are the mirror images of those before it.
 bat_status parametric_extend(const bat_space *rows, const bat_space *points, bat_curve_parameters parameters, double *buffer,
                              size_t count, size_t before, size_t after, bat_error *error);
-
-/// Refine by a Catmull-Rom or cubic spline.
-/// @param channels room for the plan's rows of channels; null: they are not computed
-/// @return as bat_curve_refine()
-bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                         bat_error *error);
 
 #endif

@@ -222,7 +222,7 @@ static bat_status choose_levels(pieces *all, piece *part, void *context, bat_pro
     }
     size_t deepest = stop_deepest(options, part->edges);
     refine_source source;
-    refine_kernel kernel = kernel_for(curve.space, &options->scheme);
+    refine_kernel kernel = scheme_kernel(curve.space, &options->scheme);
     bat_status status = refine_source_make(curve.space, curve.points, &curve, &options->scheme, &kernel, &all->plan, deepest,
                                            &source, error);
     if (status != BAT_OK)
@@ -308,7 +308,7 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
     if (status != BAT_OK)
         return status;
     const bat_curve_scheme *scheme = &all->plan.options.scheme;
-    all->keeps_points = refine_keeps_points(scheme);
+    all->keeps_points = scheme_keeps_points(scheme);
     all->edges = polygon_edges(coarse->count, coarse->closed);
     all->corners = memory_array(coarse->count, 1);
     all->levels = memory_array(all->edges, 1);
@@ -378,14 +378,14 @@ static bat_status run_separate(const pieces *all, const piece *part, const bat_c
     double dim = (double)curve->space->point_dim, share = channels != NULL ? dim / (dim + (double)curve->channel_count) : 1;
     progress_part parts[2] = {{progress, 0, share}, {progress, share, 1 - share}};
     const bat_curve_scheme *scheme = &all->plan.options.scheme;
-    refine_kernel kernel = kernel_for(curve->space, scheme);
+    refine_kernel kernel = scheme_kernel(curve->space, scheme);
     bat_status status = run_stopped(all, part, curve, curve->space, curve->points, scheme, &kernel,
                                     progress_of_part(&parts[0]), points, error);
     if (status != BAT_OK || channels == NULL)
         return status;
     bat_space values = bat_euclidean(curve->channel_count);
-    bat_curve_scheme mask = refine_channel_scheme(scheme);
-    kernel = kernel_for(&values, &mask);
+    bat_curve_scheme mask = scheme_kind_of(scheme)->channels(scheme);
+    kernel = scheme_kernel(&values, &mask);
     return run_stopped(all, part, curve, &values, curve->channels, &mask, &kernel, progress_of_part(&parts[1]), channels,
                        error);
 }
@@ -433,7 +433,7 @@ static bat_status run_rows(const pieces *all, const piece *part, bat_progress pr
     bat_status status = BAT_OK;
     if (part->straight)
         status = run_straight(&curve, all->levels[part->edge], points, has_channels ? channels : NULL, error);
-    else if (all->stops && has_channels && all->plan.options.scheme.kind == BAT_CURVE_SCHEME_FOUR_POINT)
+    else if (all->stops && has_channels && scheme_kind_of(&all->plan.options.scheme)->beside_channels)
         status = run_joined(all, part, &curve, progress, points, channels, error);
     else if (all->stops)
         status = run_separate(all, part, &curve, progress, points, has_channels ? channels : NULL, error);

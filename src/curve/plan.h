@@ -23,7 +23,4 @@ bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, siz
 /// The rows of the last level at parameters from 0 to count - 1, those of an open curve.
 index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t count);
 
-/// The kernel of a scheme in a space that it is made for.
-refine_kernel kernel_for(const bat_space *space, const bat_curve_scheme *scheme);
-
 #endif

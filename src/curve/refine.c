@@ -4,9 +4,8 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "curve/parametric.h"
-#include "curve/pieces.h"
 #include "curve/polygon.h"
-#include "curve/topology/keep_simple.h"
+#include "curve/scheme_row.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -15,17 +14,7 @@
 
 static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rule)
 {
-    if (rule != BAT_CURVE_END_EXTRAPOLATE)
-        return POLYGON_END_REFLECT;
-    if (scheme->kind == BAT_CURVE_SCHEME_ANGLE)
-        return POLYGON_END_MIRROR;
-    return bat_mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
-}
-
-bat_curve_scheme refine_channel_scheme(const bat_curve_scheme *scheme)
-{
-    return bat_curve_scheme_linear(scheme->kind == BAT_CURVE_SCHEME_ANGLE ? bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT)
-                                                                          : scheme->mask);
+    return rule != BAT_CURVE_END_EXTRAPOLATE ? POLYGON_END_REFLECT : scheme_kind_of(scheme)->end(scheme);
 }
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
@@ -62,23 +51,11 @@ static double largest_of(const double *values, size_t count)
     return largest;
 }
 
-double kernel_scale(const double *points, size_t count, size_t dim)
-{
-    enum
-    {
-        MOST_EXPONENT = 1000
-    };
-    double largest = largest_of(points, count * dim);
-    int exponent = largest > 0 && isfinite(largest) ? -ilogb(largest) : 0;
-    exponent = exponent > MOST_EXPONENT ? MOST_EXPONENT : exponent < -MOST_EXPONENT ? -MOST_EXPONENT : exponent;
-    return ldexp(1, exponent);
-}
-
 /// Fill the rows around a polygon by the end rule.
 static bat_status extend(padded_rows *coarse, const refine_kernel *kernel, const bat_curve_scheme *scheme,
                          bat_curve_end_rule ends, bat_error *error)
 {
-    if (scheme->kind == BAT_CURVE_SCHEME_FOUR_POINT && ends == BAT_CURVE_END_EXTRAPOLATE && !coarse->closed)
+    if (scheme_kind_of(scheme)->beside_channels && ends == BAT_CURVE_END_EXTRAPOLATE && !coarse->closed)
         return parametric_extend(coarse->space, kernel->space, scheme->parameters, coarse->rows, coarse->count,
                                  coarse->before, coarse->after, error);
     return polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends), coarse->before,
@@ -121,7 +98,7 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_curve_sche
                                  const double *fine, bat_error *error)
 {
     size_t dim = coarse->space->point_dim, rows = coarse->before + coarse->count + coarse->after;
-    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR ||
+    if (!scheme_kind_of(scheme)->linear ||
         !may_overflow(&scheme->mask, plan->options.levels, largest_of(coarse->buffer, rows * dim)))
         return BAT_OK;
     for (size_t i = 0; i < plan->count; i++)
@@ -167,7 +144,7 @@ static bat_status refine_rows(const refine_input *from, const bat_curve_scheme *
         status = refine_padded(&padded, &task, scheme, options->ends, fine + (plan->ends_added ? dim : 0), error);
     }
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
-    bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_REFLECT && scheme->kind == BAT_CURVE_SCHEME_LINEAR &&
+    bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_REFLECT && scheme_kind_of(scheme)->linear &&
                      bat_mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (plan->ends_added || keep_ends))
     {
@@ -180,30 +157,16 @@ static bat_status refine_rows(const refine_input *from, const bat_curve_scheme *
     return status;
 }
 
-bool refine_needs_whole_polygons(const bat_curve_scheme *scheme)
-{
-    if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
-        return false;
-    return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
-}
-
-/// The number of first levels that the scheme's rule decides; 0 where it decides all levels, or there is no rule.
-static size_t decided_levels(const bat_curve_scheme *scheme)
-{
-    bool is_rule = scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule != NULL;
-    return is_rule ? scheme->rule->levels : 0;
-}
-
 /// The number of levels that must be there as a whole before the next begins.
 static size_t whole_levels(const bat_curve_scheme *scheme, const refine_plan *plan, size_t levels)
 {
-    size_t decided = decided_levels(scheme), first = plan->options.first_level;
+    size_t decided = scheme_decided_levels(scheme), first = plan->options.first_level;
     if (decided > 0)
     {
         size_t left = decided > first ? decided - first : 0;
         return left < levels ? left : levels;
     }
-    return refine_needs_whole_polygons(scheme) ? levels : 0;
+    return scheme_needs_whole_polygons(scheme) ? levels : 0;
 }
 
 /// The scheme of the levels after those that a rule decides.
@@ -227,7 +190,7 @@ static bat_status refine_once(const refine_input *from, size_t level, const refi
                               double *fine, bat_error *error)
 {
     const bat_curve_refine_options *options = &plan->options;
-    refine_kernel kernel = kernel_for(from->space, &options->scheme);
+    refine_kernel kernel = scheme_kernel(from->space, &options->scheme);
     kernel.level = options->first_level + level;
     cascade task = make_task(&kernel, options, from->count, from->closed);
     task.levels = 1;
@@ -288,7 +251,7 @@ static bat_status refine_level_by_level(const bat_curve *coarse, size_t whole, c
     {
         const bat_curve_scheme scheme = scheme_after_rule();
         progress_part part = level_progress(progress, whole, levels, levels);
-        refine_kernel kernel = kernel_for(now.space, &scheme);
+        refine_kernel kernel = scheme_kernel(now.space, &scheme);
         status = refine_rows(&now, &scheme, &kernel, plan, progress_of_part(&part), fine, error);
     }
     free(owned);
@@ -300,10 +263,10 @@ static bat_status refine_points(const bat_curve *coarse, const refine_plan *plan
 {
     const bat_curve_scheme *scheme = &plan->options.scheme;
     size_t levels = plan->options.levels, whole = whole_levels(scheme, plan, levels);
-    if (whole > 0 || (decided_levels(scheme) > 0 && levels > 0))
+    if (whole > 0 || (scheme_decided_levels(scheme) > 0 && levels > 0))
         return refine_level_by_level(coarse, whole, plan, progress, fine, error);
     refine_input all = {coarse->space, coarse->points, coarse->count, coarse->closed, levels, 0};
-    refine_kernel kernel = kernel_for(coarse->space, scheme);
+    refine_kernel kernel = scheme_kernel(coarse->space, scheme);
     return refine_rows(&all, scheme, &kernel, plan, progress, fine, error);
 }
 
@@ -356,12 +319,12 @@ bat_status refine_source_make(const bat_space *space, const double *rows, const 
     refine_input now = {space, rows, coarse->count, coarse->closed, levels, 0};
     size_t whole = whole_levels(scheme, plan, levels);
     *source = (refine_source){.base = whole};
-    if (whole == 0 && decided_levels(scheme) == 0)
+    if (whole == 0 && scheme_decided_levels(scheme) == 0)
         return prepare_source(&now, scheme, kernel, plan, source, error);
     double *owned;
     bat_status status = refine_whole_levels(&now, whole, levels, plan, (bat_progress){0}, NULL, &owned, error);
     source->scheme = scheme_after_rule();
-    refine_kernel late = kernel_for(space, &source->scheme);
+    refine_kernel late = scheme_kernel(space, &source->scheme);
     if (status == BAT_OK)
         status = prepare_source(&now, &source->scheme, &late, plan, source, error);
     free(owned);
@@ -397,8 +360,8 @@ static bat_status refine_channels(const bat_curve *coarse, const refine_plan *pl
                                   bat_error *error)
 {
     bat_space space = bat_euclidean(coarse->channel_count);
-    bat_curve_scheme scheme = refine_channel_scheme(&plan->options.scheme);
-    refine_kernel kernel = kernel_for(&space, &scheme);
+    bat_curve_scheme scheme = scheme_kind_of(&plan->options.scheme)->channels(&plan->options.scheme);
+    refine_kernel kernel = scheme_kernel(&space, &scheme);
     refine_input all = {&space, coarse->channels, coarse->count, coarse->closed, plan->options.levels, 0};
     return refine_rows(&all, &scheme, &kernel, plan, progress, fine, error);
 }
@@ -431,17 +394,15 @@ static bat_status refine_joined(const bat_curve *coarse, const refine_plan *plan
     return status;
 }
 
-/// The share of the work that is refinement, where the result is tested for crossings.
-#define REFINED_SHARE 0.8
-
 bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
                             double *channels, bat_error *error)
 {
     bool has_channels = coarse->channel_count > 0 && channels != NULL;
-    bat_curve_scheme_kind kind = plan->options.scheme.kind;
-    if (kind == BAT_CURVE_SCHEME_CATMULL_ROM || kind == BAT_CURVE_SCHEME_CUBIC)
-        return spline_refine(coarse, plan, points, has_channels ? channels : NULL, error);
-    if (kind == BAT_CURVE_SCHEME_FOUR_POINT && has_channels)
+    const bat_curve_scheme *scheme = &plan->options.scheme;
+    if (!scheme_goes_by_levels(scheme))
+        return ((const scheme_row *)(const void *)scheme->spline)
+            ->refine(coarse, plan, points, has_channels ? channels : NULL, error);
+    if (scheme_kind_of(scheme)->beside_channels && has_channels)
         return refine_joined(coarse, plan, points, channels, error);
     double point_dim = (double)coarse->space->point_dim;
     double share = has_channels ? point_dim / (point_dim + (double)coarse->channel_count) : 1;
@@ -450,81 +411,4 @@ bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, ba
     if (status == BAT_OK && has_channels)
         status = refine_channels(coarse, plan, progress_of_part(&parts[1]), channels, error);
     return status;
-}
-
-/// Everything: rows, and what keeps the curve simple.
-static bat_status carry_out(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                            bat_error *error)
-{
-    double share = wants_simple(coarse, &plan->options) ? REFINED_SHARE : 1;
-    progress_part parts[2] = {{plan->options.progress, 0, share}, {plan->options.progress, share, 1 - share}};
-    bat_status status = refine_carry_out(coarse, plan, progress_of_part(&parts[0]), points, channels, error);
-    if (status != BAT_OK)
-        return status;
-    bat_curve fine = {.space = coarse->space, .points = points, .count = plan->count, .closed = coarse->closed};
-    bat_curve_refine_report report;
-    status = keep_simple(coarse, &plan->options, &fine, NULL, progress_of_part(&parts[1]), &report, error);
-    if (status != BAT_OK)
-        return status;
-    if (share < 1 && plan->options.progress.report != NULL)
-        (void)plan->options.progress.report(plan->options.progress.context, 1); // a wish to stop comes too late
-    report.min_levels = report.max_levels = plan->options.levels;
-    if (plan->options.report != NULL)
-        *plan->options.report = report;
-    return BAT_OK;
-}
-
-bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
-                                   bat_error *error)
-{
-    if (pieces_wanted(coarse, options))
-        return pieces_count(coarse, options, count, error);
-    refine_plan plan;
-    bat_status status = refine_plan_make(coarse, options, &plan, error);
-    if (status == BAT_OK)
-        *count = plan.count;
-    return status;
-}
-
-bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
-                                 double *channels, size_t capacity, bat_error *error)
-{
-    if (pieces_wanted(coarse, options))
-        return pieces_refine_into(coarse, options, points, channels, capacity, error);
-    refine_plan plan;
-    bat_status status = refine_plan_make(coarse, options, &plan, error);
-    if (status != BAT_OK)
-        return status;
-    if (capacity < plan.count)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
-                         plan.count, capacity);
-    return carry_out(coarse, &plan, points, channels, error);
-}
-
-bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
-                            bat_error *error)
-{
-    if (pieces_wanted(coarse, options))
-        return pieces_refine(coarse, options, fine, NULL, error);
-    refine_plan plan;
-    bat_status status = refine_plan_make(coarse, options, &plan, error);
-    if (status != BAT_OK)
-        return status;
-    size_t channel_count = coarse->channel_count, row = coarse->space->point_dim * sizeof(double);
-    bat_curve result = {
-        .space = coarse->space, .count = plan.count, .closed = coarse->closed, .channel_count = channel_count};
-    result.points = memory_array(plan.count, row);
-    if (channel_count > 0)
-        result.channels = memory_array(plan.count, channel_count * sizeof *result.channels);
-    if (result.points == NULL || (channel_count > 0 && result.channels == NULL))
-        status = error_memory(error, plan.count * row);
-    else
-        status = carry_out(coarse, &plan, result.points, result.channels, error);
-    if (status != BAT_OK)
-    {
-        bat_curve_free(&result);
-        return status;
-    }
-    *fine = result;
-    return BAT_OK;
 }

@@ -2,23 +2,10 @@
 #define CURVE_REFINE_H
 
 #include "curve/plan.h"
+#include "curve/scheme_kind.h"
 
 /// @file
 /// Refinement of one piece: a closed curve, or an open one without corners.
-
-/// What a curve's channels are refined by: the scheme's own mask, or the four-point mask beside an angle-based scheme.
-bat_curve_scheme refine_channel_scheme(const bat_curve_scheme *scheme);
-
-/// Whether each level must be there as a whole before the next begins.
-bool refine_needs_whole_polygons(const bat_curve_scheme *scheme);
-
-/// Whether a checked scheme keeps the given points.
-static inline bool refine_keeps_points(const bat_curve_scheme *scheme)
-{
-    bool masked = scheme->kind == BAT_CURVE_SCHEME_LINEAR || scheme->kind == BAT_CURVE_SCHEME_LOG_EXP ||
-                  scheme->kind == BAT_CURVE_SCHEME_GEODESIC;
-    return !masked || bat_mask_is_interpolatory(&scheme->mask);
-}
 
 /// Refine a curve by its plan, all levels everywhere: points first, then channels, with progress by the numbers made.
 /// Nothing keeps the result simple.

@@ -1,16 +1,11 @@
-/// @file
-/// Splines of cubics through the points of a curve. A cubic over an edge is a Bezier curve whose inner control points lie a
-/// third of the increment along the velocities at the ends; between points of a space other than R^n, de Casteljau's
-/// algorithm takes points of geodesics (Park and Ravani 1995). Two such curves with the same velocity at their common point
-/// are C1.
-
-#include "curve/parametric.h"
-#include "curve/polygon.h"
+#include "curve/spline.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
+#include "curve/parametric.h"
+#include "curve/polygon.h"
 #include "space/known.h"
 
 #include <math.h>
@@ -20,278 +15,8 @@
 enum
 {
     /// New points computed at a time.
-    PIECE = 1024,
-    /// A closed curve is continued by this many points on either side to solve for the velocities. The equations are
-    /// diagonally dominant by a factor of 2, so what lies beyond changes a velocity by less than 2^-64 of itself.
-    WRAP = 64
+    PIECE = 1024
 };
-
-typedef struct spline
-{
-    const bat_curve *coarse;
-    const bat_curve_scheme *scheme;
-    const bat_space *space; ///< of the rows
-    size_t channel_count, dim, tangent_dim, count, edges;
-    bool euclidean;
-    double *rows;       ///< count x dim
-    double *increments; ///< of the parameter over each edge
-    double *velocities; ///< count x tangent_dim, by the parameter
-} spline;
-
-static size_t wrapped(const spline *s, ptrdiff_t i)
-{
-    ptrdiff_t count = (ptrdiff_t)s->count;
-    return (size_t)((i % count + count) % count);
-}
-
-static const double *row_at(const spline *s, ptrdiff_t i)
-{
-    return s->rows + wrapped(s, i) * s->dim;
-}
-
-/// The increment over the edge that begins at point i.
-static double increment_at(const spline *s, ptrdiff_t i)
-{
-    return s->increments[wrapped(s, i)];
-}
-
-/// The share of the increment before point i in the sum of both.
-static double share_before(const spline *s, ptrdiff_t i)
-{
-    double before = increment_at(s, i - 1), after = increment_at(s, i);
-    return before / (before + after);
-}
-
-static double share_after(const spline *s, ptrdiff_t i)
-{
-    double before = increment_at(s, i - 1), after = increment_at(s, i);
-    return after / (before + after);
-}
-
-/// The velocity at point i of the geodesic to the next point.
-static bat_status slope_after(const spline *s, ptrdiff_t i, double *slope)
-{
-    bat_status status = s->space->log(s->space, row_at(s, i), row_at(s, i + 1), slope);
-    double increment = increment_at(s, i);
-    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-        slope[c] /= increment;
-    return status;
-}
-
-/// The velocity at point i of the geodesic from the point before.
-static bat_status slope_before(const spline *s, ptrdiff_t i, double *slope)
-{
-    bat_status status = s->space->log(s->space, row_at(s, i), row_at(s, i - 1), slope);
-    double increment = increment_at(s, i - 1);
-    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-        slope[c] /= -increment;
-    return status;
-}
-
-/// sum = before times the slope before point i + after times the slope after it.
-static bat_status weighted_slopes(const spline *s, ptrdiff_t i, double before, double after, double *sum)
-{
-    double slope[BAT_SPACE_MAX_DIM];
-    bat_status status = slope_before(s, i, sum);
-    if (status == BAT_OK)
-        status = slope_after(s, i, slope);
-    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-        sum[c] = before * sum[c] + after * slope[c];
-    return status;
-}
-
-/// Add `factor` times a tangent vector at point `from`, brought to its neighbour `to`.
-static bat_status add_transported(const spline *s, ptrdiff_t from, ptrdiff_t to, double factor, const double *tangent,
-                                  double *sum)
-{
-    double moved[BAT_SPACE_MAX_DIM];
-    bat_status status = s->space->transport(s->space, row_at(s, from), row_at(s, to), tangent, moved);
-    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-        sum[c] += factor * moved[c];
-    return status;
-}
-
-static double *velocity_of(const spline *s, size_t i)
-{
-    return s->velocities + i * s->tangent_dim;
-}
-
-/// The slope of the only edge at an end of an open curve; `end` is 0 or count - 1.
-static bat_status end_slope(const spline *s, ptrdiff_t end, double *slope)
-{
-    return end == 0 ? slope_after(s, 0, slope) : slope_before(s, end, slope);
-}
-
-/// Replace the velocity of an end by factor * slope - share * the velocity of the point beside it.
-static bat_status end_velocity(const spline *s, ptrdiff_t end, double factor, double share)
-{
-    double *velocity = velocity_of(s, (size_t)end);
-    ptrdiff_t beside = end == 0 ? 1 : end - 1;
-    bat_status status = end_slope(s, end, velocity);
-    for (size_t c = 0; c < s->tangent_dim; c++)
-        velocity[c] *= factor;
-    return status == BAT_OK ? add_transported(s, beside, end, -share, velocity_of(s, (size_t)beside), velocity) : status;
-}
-
-// Catmull-Rom
-
-/// The velocity of the parabola through each point and its neighbours. At the ends of an open curve it is that of the edge,
-/// as if the curve went on by point reflection, or with `parabola` that of the parabola through the last three points.
-static bat_status catmull_rom(const spline *s, bool parabola, size_t *fault)
-{
-    bat_status status = BAT_OK;
-    size_t inner = s->coarse->closed ? 0 : 1;
-    for (size_t i = inner; i + inner < s->count && status == BAT_OK; i++)
-    {
-        *fault = i;
-        ptrdiff_t at = (ptrdiff_t)i;
-        status = weighted_slopes(s, at, share_after(s, at), share_before(s, at), velocity_of(s, i));
-    }
-    for (size_t k = 0; k < 2 && !s->coarse->closed && status == BAT_OK; k++)
-    {
-        *fault = k == 0 ? 0 : s->count - 1;
-        ptrdiff_t end = (ptrdiff_t)*fault;
-        status = parabola && s->count > 2 ? end_velocity(s, end, 2, 1) : end_slope(s, end, velocity_of(s, *fault));
-    }
-    return status;
-}
-
-// The cubic spline
-
-/// The tridiagonal system of the velocities m_i at the points begin … end - 1. With a = share_after(i), b = share_before(i):
-///
-///     a m_(i-1) + g m_i + b m_(i+1) = right side,
-///
-/// where the neighbours' velocities are brought to point i by parallel transport. Inside, g = 2 and the right side is 3 (a
-/// slope before + b slope after), which makes second derivatives continuous. In the first and the last equation the velocity
-/// outside is 0 or eliminated.
-typedef struct velocity_system
-{
-    ptrdiff_t begin, end;
-    bool not_a_knot; ///< the first and the last equation are those of not-a-knot ends
-    double *upper;   ///< end - begin coefficients of the next velocity, after elimination
-    double *right;   ///< end - begin tangent vectors
-} velocity_system;
-
-/// The coefficient g and the right side of equation i. At a not-a-knot end, where the first two cubics are one, the velocity
-/// of the end point is eliminated: m_1 + b m_2 = a^2 slope before + (3 - b) b slope after, and likewise at the other end.
-static bat_status equation(const spline *s, const velocity_system *system, ptrdiff_t i, double *diagonal, double *right)
-{
-    double a = share_after(s, i), b = share_before(s, i);
-    bool first = system->not_a_knot && i == system->begin, last = system->not_a_knot && i == system->end - 1;
-    *diagonal = first || last ? 1 : 2;
-    double before = first ? a * a : last ? (3 - a) * a : 3 * a;
-    double after = first ? (3 - b) * b : last ? b * b : 3 * b;
-    return weighted_slopes(s, i, before, after, right);
-}
-
-static bat_status eliminate(const spline *s, const velocity_system *system, size_t *fault)
-{
-    bat_status status = BAT_OK;
-    for (ptrdiff_t i = system->begin; i < system->end && status == BAT_OK; i++)
-    {
-        *fault = wrapped(s, i);
-        size_t at = (size_t)(i - system->begin);
-        double *right = system->right + at * s->tangent_dim, pivot;
-        status = equation(s, system, i, &pivot, right);
-        if (status == BAT_OK && at > 0)
-        {
-            double lower = share_after(s, i);
-            pivot -= lower * system->upper[at - 1];
-            status = add_transported(s, i - 1, i, -lower, right - s->tangent_dim, right);
-        }
-        system->upper[at] = share_before(s, i) / pivot;
-        for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-            right[c] /= pivot;
-    }
-    return status;
-}
-
-/// The solution takes the place of the right sides.
-static bat_status substitute(const spline *s, const velocity_system *system, size_t *fault)
-{
-    bat_status status = BAT_OK;
-    for (ptrdiff_t i = system->end - 2; i >= system->begin && status == BAT_OK; i--)
-    {
-        *fault = wrapped(s, i);
-        size_t at = (size_t)(i - system->begin);
-        double *right = system->right + at * s->tangent_dim;
-        status = add_transported(s, i + 1, i, -system->upper[at], right + s->tangent_dim, right);
-    }
-    return status;
-}
-
-static bat_status solve(const spline *s, ptrdiff_t begin, ptrdiff_t end, size_t *fault)
-{
-    size_t count = (size_t)(end - begin), first = begin < 0 ? (size_t)-begin : 0;
-    velocity_system system = {.begin = begin, .end = end, .not_a_knot = !s->coarse->closed};
-    system.upper = memory_array(count, sizeof *system.upper);
-    system.right = memory_array(count * s->tangent_dim, sizeof *system.right);
-    bat_status status = system.upper != NULL && system.right != NULL ? BAT_OK : BAT_NO_MEMORY;
-    if (status == BAT_OK)
-        status = eliminate(s, &system, fault);
-    if (status == BAT_OK)
-        status = substitute(s, &system, fault);
-    size_t wanted = s->coarse->closed ? s->count : count;
-    if (status == BAT_OK)
-        memcpy(velocity_of(s, s->coarse->closed ? 0 : (size_t)begin), system.right + first * s->tangent_dim,
-               wanted * s->tangent_dim * sizeof *system.right);
-    free(system.upper);
-    free(system.right);
-    return status;
-}
-
-/// The velocity of an end whose first two cubics are one: (2 + b) slope + (b^2 next slope - m_1) / a, as at point 1.
-static bat_status not_a_knot_end(const spline *s, ptrdiff_t end)
-{
-    double next[BAT_SPACE_MAX_DIM], *velocity = velocity_of(s, (size_t)end);
-    ptrdiff_t beside = end == 0 ? 1 : end - 1;
-    double near = end == 0 ? share_before(s, beside) : share_after(s, beside);
-    double far = end == 0 ? share_after(s, beside) : share_before(s, beside);
-    bat_status status = end == 0 ? slope_after(s, beside, next) : slope_before(s, beside, next);
-    if (status == BAT_OK)
-        status = end_slope(s, end, velocity);
-    for (size_t c = 0; c < s->tangent_dim && status == BAT_OK; c++)
-    {
-        velocity[c] *= 2 + near;
-        next[c] = near * near * next[c] - velocity_of(s, (size_t)beside)[c];
-    }
-    return status == BAT_OK ? add_transported(s, beside, end, 1 / far, next, velocity) : status;
-}
-
-/// Natural ends: the second derivative is 0 there. Two points give a straight edge, three one equation for the middle.
-static bat_status natural(const spline *s, size_t *fault)
-{
-    bat_status status = BAT_OK;
-    *fault = 1;
-    if (s->count == 3)
-        status = weighted_slopes(s, 1, share_after(s, 1), share_before(s, 1), velocity_of(s, 1));
-    for (size_t k = 0; k < 2 && status == BAT_OK; k++)
-    {
-        *fault = k == 0 ? 0 : s->count - 1;
-        status = s->count == 3 ? end_velocity(s, (ptrdiff_t)*fault, 1.5, 0.5)
-                               : end_slope(s, (ptrdiff_t)*fault, velocity_of(s, *fault));
-    }
-    return status;
-}
-
-static bat_status cubic(const spline *s, size_t *fault)
-{
-    ptrdiff_t count = (ptrdiff_t)s->count;
-    if (s->coarse->closed)
-        return solve(s, -WRAP, count + WRAP, fault);
-    if (s->count < 4)
-        return natural(s, fault);
-    bat_status status = solve(s, 1, count - 1, fault);
-    for (size_t k = 0; k < 2 && status == BAT_OK; k++)
-    {
-        *fault = k == 0 ? 0 : s->count - 1;
-        status = not_a_knot_end(s, (ptrdiff_t)*fault);
-    }
-    return status;
-}
-
-// The curve
 
 /// Lengths are divided by a power of two near the longest, which changes no digit of the curve.
 static bat_status measure_increments(const spline *s, bat_error *error)
@@ -300,7 +25,7 @@ static bat_status measure_increments(const spline *s, bat_error *error)
     double longest = 0;
     for (size_t i = 0; i < s->edges; i++)
     {
-        s->increments[i] = points->distance(points, row_at(s, (ptrdiff_t)i), row_at(s, (ptrdiff_t)i + 1));
+        s->increments[i] = points->distance(points, spline_row_at(s, (ptrdiff_t)i), spline_row_at(s, (ptrdiff_t)i + 1));
         longest = fmax(longest, s->increments[i]);
     }
     int exponent = longest > 0 && isfinite(longest) ? ilogb(longest) : 0;
@@ -314,69 +39,85 @@ static bat_status measure_increments(const spline *s, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status find_velocities(const spline *s, const bat_curve_refine_options *options, bat_error *error)
+static bat_status find_derivatives(const spline *s, const bat_curve_refine_options *options, bat_error *error)
 {
     size_t fault = 0;
-    bat_status status = s->scheme->kind == BAT_CURVE_SCHEME_CUBIC
-                            ? cubic(s, &fault)
-                            : catmull_rom(s, options->ends == BAT_CURVE_END_EXTRAPOLATE, &fault);
+    bat_status status = s->form->find(s, options, &fault);
     if (status == BAT_NO_MEMORY)
-        return error_memory(error, (s->count + 2 * (size_t)WRAP) * (s->tangent_dim + 1) * sizeof(double));
+        return error_memory(error, s->count * (s->tangent_dim + 1) * sizeof(double));
     if (status != BAT_OK)
         return error_set(error, status, fault, 0, "the spline has no velocity at point %zu (%s)", fault,
                          bat_status_name(status));
     return BAT_OK;
 }
 
-/// The control points of an edge's cubic.
-typedef struct cubic_edge
+/// The control points of an edge.
+typedef struct bezier
 {
-    double points[4][BAT_SPACE_MAX_DIM];
-} cubic_edge;
+    double points[SPLINE_MAX_DEGREE + 1][BAT_SPACE_MAX_DIM];
+} bezier;
 
-/// The inner control point a third of the edge's increment along the velocity at point i; back for a negative sign.
-static bat_status control_point(const spline *s, size_t i, double third, double *control)
+/// Inner control point k, from 1 on, counted from point i. `increment` is that of the edge, negative for one that ends at i:
+/// with h for it, k h / d times the velocity, and for the second one h^2 / (d (d - 1)) times the acceleration.
+static bat_status control_point(const spline *s, size_t i, size_t k, double increment, double *control)
 {
-    double tangent[BAT_SPACE_MAX_DIM];
-    const double *velocity = velocity_of(s, i);
+    double tangent[BAT_SPACE_MAX_DIM], part = increment / (double)s->form->degree;
+    double square = increment * part / (double)(s->form->degree - 1);
     for (size_t c = 0; c < s->tangent_dim; c++)
-        tangent[c] = third * velocity[c];
+    {
+        tangent[c] = (double)k * part * spline_derivative(s, i, 1)[c];
+        if (k == 2)
+            tangent[c] += square * spline_derivative(s, i, 2)[c];
+    }
     return s->space->exp(s->space, s->rows + i * s->dim, tangent, control);
 }
 
-static bat_status cubic_edge_make(const spline *s, size_t i, cubic_edge *edge)
+static bat_status bezier_make(const spline *s, size_t i, bezier *edge)
 {
-    size_t next = i + 1 == s->count ? 0 : i + 1;
-    double third = s->increments[i] / 3;
+    size_t next = i + 1 == s->count ? 0 : i + 1, degree = s->form->degree;
     memcpy(edge->points[0], s->rows + i * s->dim, s->dim * sizeof *s->rows);
-    memcpy(edge->points[3], s->rows + next * s->dim, s->dim * sizeof *s->rows);
-    bat_status status = control_point(s, i, third, edge->points[1]);
-    return status == BAT_OK ? control_point(s, next, -third, edge->points[2]) : status;
+    memcpy(edge->points[degree], s->rows + next * s->dim, s->dim * sizeof *s->rows);
+    bat_status status = BAT_OK;
+    for (size_t k = 1; k <= degree / 2 && status == BAT_OK; k++)
+    {
+        status = control_point(s, i, k, s->increments[i], edge->points[k]);
+        if (status == BAT_OK)
+            status = control_point(s, next, k, -s->increments[i], edge->points[degree - k]);
+    }
+    return status;
 }
 
 /// Bernstein's form. The sums are symmetric, so that reversal changes no bit.
-static bat_status euclidean_value(const spline *s, const cubic_edge *edge, double t, double *row)
+static bat_status euclidean_value(const spline *s, const bezier *edge, double t, double *row)
 {
-    double r = 1 - t, w0 = r * r * r, w3 = t * t * t, w1 = 3 * r * t * r, w2 = 3 * r * t * t;
+    size_t degree = s->form->degree;
+    double weights[SPLINE_MAX_DEGREE + 1];
     bool finite = true;
+    s->form->weights(t, weights);
     for (size_t c = 0; c < s->dim; c++)
     {
-        row[c] = (w0 * edge->points[0][c] + w3 * edge->points[3][c]) + (w1 * edge->points[1][c] + w2 * edge->points[2][c]);
+        row[c] = weights[0] * edge->points[0][c] + weights[degree] * edge->points[degree][c];
+        for (size_t k = 1; k <= degree / 2; k++)
+            row[c] += weights[k] * edge->points[k][c] + weights[degree - k] * edge->points[degree - k][c];
         finite = finite && isfinite(row[c]);
     }
     return finite ? BAT_OK : BAT_INVALID_POINT;
 }
 
 /// De Casteljau's algorithm with geodesics.
-static bat_status geodesic_value(const spline *s, const cubic_edge *edge, double t, double *row)
+static bat_status geodesic_value(const spline *s, const bezier *edge, double t, double *row)
 {
-    double first[3][BAT_SPACE_MAX_DIM], second[2][BAT_SPACE_MAX_DIM];
+    bezier now = *edge;
     bat_status status = BAT_OK;
-    for (size_t k = 0; k < 3 && status == BAT_OK; k++)
-        status = bat_space_geodesic(s->space, edge->points[k], edge->points[k + 1], t, first[k]);
-    for (size_t k = 0; k < 2 && status == BAT_OK; k++)
-        status = bat_space_geodesic(s->space, first[k], first[k + 1], t, second[k]);
-    return status == BAT_OK ? bat_space_geodesic(s->space, second[0], second[1], t, row) : status;
+    for (size_t left = s->form->degree; left > 0; left--)
+        for (size_t k = 0; k < left && status == BAT_OK; k++)
+        {
+            double point[BAT_SPACE_MAX_DIM];
+            status = bat_space_geodesic(s->space, now.points[k], now.points[k + 1], t, point);
+            memcpy(now.points[k], point, s->dim * sizeof *point);
+        }
+    memcpy(row, now.points[0], s->dim * sizeof *row);
+    return status;
 }
 
 static void store(const spline *s, const double *row, size_t at, double *points, double *channels)
@@ -391,7 +132,7 @@ static void store(const spline *s, const double *row, size_t at, double *points,
 static bat_status run_piece(const spline *s, size_t levels, size_t begin, size_t end, double *points, double *channels,
                             size_t *fault)
 {
-    cubic_edge edge;
+    bezier edge;
     size_t mask = ((size_t)1 << levels) - 1;
     bool made = false;
     for (size_t at = begin; at < end; at++)
@@ -404,7 +145,7 @@ static bat_status run_piece(const spline *s, size_t levels, size_t begin, size_t
         if (k == 0)
             continue;
         double row[BAT_SPACE_MAX_DIM], t = ldexp((double)k, -(int)levels);
-        bat_status status = made ? BAT_OK : cubic_edge_make(s, i, &edge);
+        bat_status status = made ? BAT_OK : bezier_make(s, i, &edge);
         made = true;
         if (status == BAT_OK)
             status = s->euclidean ? euclidean_value(s, &edge, t, row) : geodesic_value(s, &edge, t, row);
@@ -436,10 +177,10 @@ static bat_status evaluate(const spline *s, const refine_plan *plan, double *poi
     return shared_work_end(&work, error);
 }
 
-bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, double *points, double *channels,
-                         bat_error *error)
+bat_status spline_make(const spline_form *form, const bat_curve *coarse, const refine_plan *plan, double *points,
+                       double *channels, bat_error *error)
 {
-    spline s = {.coarse = coarse, .scheme = &plan->options.scheme, .count = coarse->count};
+    spline s = {.coarse = coarse, .scheme = &plan->options.scheme, .count = coarse->count, .form = form};
     s.channel_count = channels != NULL ? coarse->channel_count : 0;
     row_space rows;
     bat_status status = row_space_make(coarse->space, s.channel_count, &rows, error);
@@ -451,9 +192,9 @@ bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, doubl
     s.tangent_dim = rows.space.tangent_dim;
     s.edges = polygon_edges(s.count, coarse->closed);
     s.rows = memory_array(s.count * s.dim, sizeof *s.rows);
-    s.velocities = memory_array(s.count * s.tangent_dim, sizeof *s.velocities);
+    s.derivatives = memory_array(s.count * (form->degree / 2) * s.tangent_dim, sizeof *s.derivatives);
     s.increments = memory_array(s.count, sizeof *s.increments);
-    if (s.rows == NULL || s.velocities == NULL || s.increments == NULL)
+    if (s.rows == NULL || s.derivatives == NULL || s.increments == NULL)
         status = error_memory(error, s.count * (s.dim + s.tangent_dim + 1) * sizeof(double));
     if (status == BAT_OK)
     {
@@ -461,11 +202,11 @@ bat_status spline_refine(const bat_curve *coarse, const refine_plan *plan, doubl
         status = measure_increments(&s, error);
     }
     if (status == BAT_OK)
-        status = find_velocities(&s, &plan->options, error);
+        status = find_derivatives(&s, &plan->options, error);
     if (status == BAT_OK)
         status = evaluate(&s, plan, points, channels, error);
     free(s.rows);
-    free(s.velocities);
+    free(s.derivatives);
     free(s.increments);
     return status;
 }

@@ -34,16 +34,16 @@ bat_status stop_check(const refine_plan *plan, bat_error *error)
 {
     const bat_curve_scheme *scheme = &plan->options.scheme;
     const char *fault = NULL;
-    bool keeps = refine_keeps_points(scheme);
+    bool keeps = scheme_keeps_points(scheme);
     bool odd = mask_trimmed(&scheme->mask).count % 2 == 1 && bat_mask_is_symmetric(&scheme->mask);
-    if (refine_needs_whole_polygons(scheme))
+    if (scheme_needs_whole_polygons(scheme))
         fault = "a rule that uses the whole polygon of each level; give a number of levels instead";
-    else if (scheme->kind == BAT_CURVE_SCHEME_CATMULL_ROM || scheme->kind == BAT_CURVE_SCHEME_CUBIC)
+    else if (!scheme_goes_by_levels(scheme))
         fault = "a spline, which has no levels; choose a scheme that keeps the points, such as "
                 "four-point:parameters=centripetal, or give a number of levels";
     else if (plan->options.ends == BAT_CURVE_END_FREE)
         fault = "free ends; choose another rule for the ends";
-    else if (!keeps && scheme->kind != BAT_CURVE_SCHEME_LINEAR)
+    else if (!keeps && !scheme_kind_of(scheme)->linear)
         fault = "a scheme that moves points; choose one that keeps them, such as log-exp-4, or give a number of levels";
     else if (!keeps && !(odd && plan->options.snap))
         fault = odd ? "a scheme that moves points, unless they are moved onto its limit curve (snap)"

@@ -1,5 +1,6 @@
 #include "batten/motion_hermite.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -45,12 +46,18 @@ typedef struct hermite_plan
     double *buffer, *rows; ///< coarse rows; row 0 is `rows`
 } hermite_plan;
 
+static const bat_choice KINDS[] = {
+    {.name = "lane-riesenfeld", .summary = "averages of points with directions", .value = BAT_HERMITE_LANE_RIESENFELD},
+    {.name = "transport", .summary = "linear schemes by parallel transport", .value = BAT_HERMITE_TRANSPORT},
+};
+const bat_family bat_hermite_kind_family = FAMILY("kind of Hermite schemes", KINDS);
+
 bat_status bat_hermite_options_check(const bat_hermite_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_hermite_options, kind, OPTION_CHOICE, 0, BAT_HERMITE_TRANSPORT),
+        OPTION_FAMILY(bat_hermite_options, kind, bat_hermite_kind_family),
         OPTION_FIELD(bat_hermite_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
-        OPTION_FIELD(bat_hermite_options, base, OPTION_CHOICE, 0, BAT_CURVE_BASE_MIDPOINT),
+        OPTION_FAMILY(bat_hermite_options, base, bat_curve_base_family),
         OPTION_FIELD(bat_hermite_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
         OPTION_FIELD(bat_hermite_options, max_points, OPTION_SIZE, 1, INFINITY),
         OPTION_THREADS(bat_hermite_options),

@@ -1,5 +1,6 @@
 #include "batten/motion.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/number_digits.h"
@@ -14,6 +15,13 @@
 
 /// Times are evenly spaced when every step is within this share of the first.
 static const double EVEN_TOLERANCE = 1e-6;
+
+static const bat_choice METHODS[] = {
+    {.name = "auto", .summary = "spline where there are times or a rate, else hermite", .value = BAT_MOTION_AUTO},
+    {.name = "spline", .summary = "a motion in time through its keys", .value = BAT_MOTION_SPLINE},
+    {.name = "hermite", .summary = "a Hermite scheme, level by level", .value = BAT_MOTION_HERMITE},
+};
+const bat_family bat_motion_method_family = FAMILY("method of motions", METHODS);
 
 bat_motion_options bat_motion_defaults(void)
 {
@@ -258,7 +266,7 @@ static bat_status check_times(const bat_motion_options *options, bat_error *erro
 bat_status bat_motion_options_check(const bat_motion_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_motion_options, method, OPTION_CHOICE, BAT_MOTION_AUTO, BAT_MOTION_HERMITE),
+        OPTION_FAMILY(bat_motion_options, method, bat_motion_method_family),
         OPTION_FIELD(bat_motion_options, rate, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_motion_options, tangent_order, OPTION_SIZE, 0, 4),
     };

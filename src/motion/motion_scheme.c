@@ -3,9 +3,9 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
+#include "base/settings.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// The values of the settings of a name.
@@ -67,64 +67,15 @@ static const entry ENTRIES[] = {
 };
 const bat_family bat_motion_scheme_family = FAMILY("scheme", ENTRIES);
 
-/// Whether the entry's settings text begins one of its items with `key=`.
-static bool takes(const entry *e, const char *key, size_t length)
-{
-    for (const char *item = e->choice.settings; item != NULL; item = strchr(item, ','))
-    {
-        item += *item == ',';
-        if (strncmp(item, key, length) == 0 && item[length] == '=')
-            return true;
-    }
-    return false;
-}
-
-static bool is_word(const char *text, size_t length, const char *word)
-{
-    return strlen(word) == length && strncmp(text, word, length) == 0;
-}
-
-static bool read_setting(const char *key, size_t key_length, const char *value, size_t length, settings *s)
-{
-    if (is_word(key, key_length, "base"))
-    {
-        s->base = is_word(value, length, "midpoint") ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
-        return is_word(value, length, "midpoint") || is_word(value, length, "vertex");
-    }
-    double *number = is_word(key, key_length, "order") ? &s->order : is_word(key, key_length, "mu") ? &s->mu : &s->lambda;
-    char *end;
-    *number = strtod(value, &end);
-    return end != value && end == value + length && isfinite(*number);
-}
-
-/// "key=value,key=value"
-static bat_status read_settings(const entry *e, const char *text, settings *s, bat_error *error)
-{
-    for (bool more = *text != '\0'; more;)
-    {
-        size_t key_length = strcspn(text, "=,");
-        if (text[key_length] != '=' || !takes(e, text, key_length))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the scheme %s has no setting '%.*s'; it takes: %s", e->choice.name, (int)key_length, text,
-                             e->choice.settings != NULL ? e->choice.settings : "none");
-        const char *value = text + key_length + 1;
-        size_t length = strcspn(value, ",");
-        if (!read_setting(text, key_length, value, length, s))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "'%.*s' of the scheme %s has no such value: '%.*s'", (int)key_length, text, e->choice.name,
-                             (int)length, value);
-        more = value[length] == ',';
-        text = value + length + more;
-    }
-    static const option_field ORDER[] = {OPTION_FIELD(settings, order, OPTION_NUMBER, 1, BAT_HERMITE_MAX_ORDER)};
-    if (s->order != floor(s->order))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "order is %.10g, but must be a whole number",
-                         s->order);
-    return OPTIONS_CHECK(s, ORDER, error);
-}
-
 bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *options, bat_error *error)
 {
+    static const setting SETTINGS[] = {
+        {"order", SETTING_NUMBER, offsetof(settings, order), NULL},
+        {"lambda", SETTING_NUMBER, offsetof(settings, lambda), NULL},
+        {"mu", SETTING_NUMBER, offsetof(settings, mu), NULL},
+        {"base", SETTING_CHOICE, offsetof(settings, base), &bat_curve_base_family},
+    };
+    static const option_field ORDER[] = {OPTION_FIELD(settings, order, OPTION_NUMBER, 1, BAT_HERMITE_MAX_ORDER)};
     size_t length = strcspn(name, ":");
     const char *text = name[length] == ':' ? name + length + 1 : name + length;
     const entry *e = (const entry *)(const void *)choice_find(&bat_motion_scheme_family, name, length);
@@ -132,7 +83,12 @@ bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *optio
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "there is no scheme '%.*s'; `batten list schemes` names them", (int)length, name);
     settings s = DEFAULTS;
-    bat_status status = read_settings(e, text, &s, error);
+    bat_status status = settings_read(&e->choice, text, SETTINGS, sizeof SETTINGS / sizeof *SETTINGS, &s, error);
+    if (status == BAT_OK && s.order != floor(s.order))
+        status =
+            error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "order is %.10g, but must be a whole number", s.order);
+    if (status == BAT_OK)
+        status = OPTIONS_CHECK(&s, ORDER, error);
     if (status == BAT_OK && e->apply != NULL)
         e->apply(&s, &options->scheme);
     if (status == BAT_OK)

@@ -90,12 +90,11 @@ bat_motion_spline_options bat_motion_spline_defaults(void)
 bat_status bat_motion_spline_options_check(const bat_motion_spline_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_motion_spline_options, ends, OPTION_CHOICE, BAT_MOTION_ENDS_AUTO, BAT_MOTION_ENDS_CLAMPED),
-        OPTION_FIELD(bat_motion_spline_options, shape, OPTION_CHOICE, BAT_MOTION_SHAPE_RESTING, BAT_MOTION_SHAPE_LIMITED),
+        OPTION_FAMILY(bat_motion_spline_options, ends, bat_motion_ends_family),
+        OPTION_FAMILY(bat_motion_spline_options, shape, bat_motion_shape_family),
         OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_spline_options, outliers, OPTION_CHOICE, BAT_MOTION_OUTLIERS_KEPT,
-                     BAT_MOTION_OUTLIERS_TUKEY),
+        OPTION_FAMILY(bat_motion_spline_options, outliers, bat_motion_outliers_family),
         OPTION_THREADS(bat_motion_spline_options),
     };
     if (options == NULL)

@@ -89,8 +89,8 @@ void bat_surface_result_free(bat_surface_result *result)
 bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_surface_options, parameters, OPTION_CHOICE, 0, BAT_SURFACE_PARAMETERS_GIVEN),
-        OPTION_FIELD(bat_surface_options, sides, OPTION_CHOICE, 0, BAT_CLOUD_SIDES_UNIFORM),
+        OPTION_FAMILY(bat_surface_options, parameters, bat_surface_parameters_family),
+        OPTION_FAMILY(bat_surface_options, sides, bat_cloud_sides_family),
         OPTION_FIELD(bat_surface_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
     };
     if (options == NULL)

@@ -53,8 +53,7 @@ static void fields_out_of_range_are_refused(void **state)
     (void)state;
     bat_error error;
     const bat_curve_scheme good[] = {bat_curve_scheme_four_point(BAT_CURVE_PARAMETERS_CHORDAL, 0.05),
-                                     bat_curve_scheme_catmull_rom(BAT_CURVE_PARAMETERS_UNIFORM),
-                                     bat_curve_scheme_cubic(BAT_CURVE_PARAMETERS_CHORDAL)};
+                                     scheme("catmull-rom:parameters=uniform"), scheme("cubic")};
     for (size_t i = 0; i < 3; i++)
     {
         bat_curve_scheme bad = good[i];

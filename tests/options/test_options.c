@@ -1092,56 +1092,6 @@ static void every_space_has_a_default_scheme(void **state)
     }
 }
 
-/// Every table: names are unique, every name is found again, and formats can do something.
-static void tables_are_complete(void **state)
-{
-    (void)state;
-    static const bat_family *const families[] = {&bat_curve_scheme_family,
-                                                 &bat_motion_scheme_family,
-                                                 &bat_mesh_scheme_family,
-                                                 &bat_mesh_boundary_family,
-                                                 &bat_mesh_creasing_family,
-                                                 &bat_mesh_linear_family,
-                                                 &bat_space_family,
-                                                 &bat_curve_format_family,
-                                                 &bat_mesh_format_family,
-                                                 &bat_cloud_format_family,
-                                                 &bat_surface_format_family,
-                                                 &bat_cloud_parameterization_family,
-                                                 &bat_surface_parameters_family,
-                                                 &bat_cloud_sides_family,
-                                                 &bat_curve_end_rule_family,
-                                                 &bat_curve_parameters_family,
-                                                 &bat_curve_simple_family,
-                                                 &bat_curve_projection_family,
-                                                 &bat_curve_model_family,
-                                                 &bat_mesh_decimate_method_family,
-                                                 &bat_motion_ends_family,
-                                                 &bat_motion_shape_family,
-                                                 &bat_motion_outliers_family,
-                                                 &bat_curve_map_topology_family,
-                                                 &bat_surface_unit_family,
-                                                 &bat_analysis_verdict_family};
-    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
-    {
-        const bat_choice *choice, *found;
-        size_t count = 0;
-        for (; (choice = bat_choices(families[f], count)) != NULL; count++)
-        {
-            assert_true(choice->name[0] != '\0' && choice->summary[0] != '\0');
-            assert_true(choice->endings == NULL || choice->reads || choice->writes);
-            check_status(bat_choice_find(families[f], choice->name, &found, NULL), BAT_OK);
-            assert_ptr_equal(found, choice);
-        }
-        assert_true(count > 0);
-    }
-    assert_string_equal(bat_choice_name(&bat_mesh_scheme_family, BAT_MESH_SCHEME_LOOP), "loop");
-    assert_string_equal(bat_choice_name(&bat_mesh_scheme_family, 17), "unknown");
-    const bat_choice *choice;
-    check_status(bat_choice_find(&bat_surface_parameters_family, "given", &choice, NULL), BAT_INVALID_ARGUMENT);
-    check_status(bat_choice_find(&bat_mesh_format_family, "auto", &choice, NULL), BAT_OK);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1150,7 +1100,6 @@ int main(void)
         cmocka_unit_test(memory_is_bounded),
         cmocka_unit_test(targets_exclude_each_other),
         cmocka_unit_test(every_space_has_a_default_scheme),
-        cmocka_unit_test(tables_are_complete),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

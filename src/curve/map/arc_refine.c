@@ -195,15 +195,14 @@ static bool has_stops(const bat_curve_refine_options *options)
 
 static bool keeps_points(const bat_curve_refine_options *options)
 {
-    return refine_keeps_points(&options->scheme) && !options->snap;
+    return scheme_keeps_points(&options->scheme) && !options->snap;
 }
 
 /// Whether the levels are computed and tested one after the other. Splines are not made level by level.
 static bool goes_by_levels(const arc_job *job)
 {
-    bat_curve_scheme_kind kind = job->options->scheme.kind;
     return job->chart != NULL && !has_stops(job->options) && keeps_points(job->options) &&
-           kind != BAT_CURVE_SCHEME_CATMULL_ROM && kind != BAT_CURVE_SCHEME_CUBIC;
+           scheme_goes_by_levels(&job->options->scheme);
 }
 
 static bool move_edge(void *context, size_t curve, size_t edge, size_t begin, size_t end, draw_move move)

@@ -472,7 +472,7 @@ bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_
     area_job job = {.graph = graph, .curves = curves, .count = count, .fine = fine, .chart = chart};
     job.dim = curves[0].space->point_dim;
     job.sphere = space_is_sphere(curves[0].space);
-    job.keeps_points = refine_keeps_points(&options->scheme) && !options->snap;
+    job.keeps_points = scheme_keeps_points(&options->scheme) && !options->snap;
     if (!job.sphere && !space_is_plane(curves[0].space))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "areas can be kept in the plane and on the sphere only");
     bat_status status = prepare(&job, error);

@@ -33,7 +33,7 @@ bat_curve_map_options bat_curve_map_defaults(void)
 bat_status bat_curve_map_options_check(const bat_curve_map_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_map_options, topology, OPTION_CHOICE, 0, BAT_CURVE_MAP_SEPARATE),
+        OPTION_FAMILY(bat_curve_map_options, topology, bat_curve_map_topology_family),
         OPTION_FIELD(bat_curve_map_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_map_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
     };
@@ -123,7 +123,7 @@ static bat_status prepare(map_job *job, const map_chart *chart, double tolerance
     job->report.largest_snap = job->snapped.largest;
     status = find_all_corners(job, failed, error);
     if (status == BAT_OK)
-        status = arc_graph_make(job->curves, job->count, job->corners, refine_keeps_points(&job->refine.scheme), &job->graph,
+        status = arc_graph_make(job->curves, job->count, job->corners, scheme_keeps_points(&job->refine.scheme), &job->graph,
                                 error);
     job->report.arcs = job->graph.arc_count;
     job->report.nodes = job->graph.nodes;
@@ -162,7 +162,7 @@ static size_t row_of_first_point(const map_job *job, size_t curve)
 {
     const arc_graph *graph = &job->graph;
     size_t begin = graph->begins[curve], left = begin > 0 ? job->curves[curve].count - begin : 0, row = 0;
-    for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && refine_keeps_points(&job->refine.scheme);
+    for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && scheme_keeps_points(&job->refine.scheme);
          u++)
     {
         const arc_use *use = &graph->uses[u];

@@ -1,6 +1,5 @@
 #include "batten/curve_picture.h"
 
-#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/common/sheet.h"
@@ -12,16 +11,6 @@
 
 /// @file
 /// Pictures of curves: a page of panels with a legend.
-static const bat_choice PROJECTIONS[] = {
-    {.name = "auto", .summary = "local, map or globe, by what the curves cover", .value = BAT_CURVE_PROJECTION_AUTO},
-    {.name = "globe", .summary = "orthographic, from far away", .value = BAT_CURVE_PROJECTION_GLOBE},
-    {.name = "map", .summary = "the world in the Equal Earth projection", .value = BAT_CURVE_PROJECTION_MAP},
-    {.name = "local",
-     .summary = "azimuthal equal-area about the curves, with a scale bar",
-     .value = BAT_CURVE_PROJECTION_LOCAL},
-    {.name = "both", .summary = "the globe, and the map to its right", .value = BAT_CURVE_PROJECTION_BOTH},
-};
-const bat_family bat_curve_projection_family = FAMILY("projection", PROJECTIONS);
 
 bat_curve_picture_options bat_curve_picture_defaults(void)
 {

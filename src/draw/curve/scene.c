@@ -1,5 +1,6 @@
 #include "draw/curve/scene.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -62,13 +63,24 @@ size_t scene_columns(const bat_curve_picture_options *options, size_t count, dou
     return (count + rows - 1) / rows;
 }
 
+static const bat_choice PROJECTIONS[] = {
+    {.name = "auto", .summary = "local, map or globe, by what the curves cover", .value = BAT_CURVE_PROJECTION_AUTO},
+    {.name = "globe", .summary = "orthographic, from far away", .value = BAT_CURVE_PROJECTION_GLOBE},
+    {.name = "map", .summary = "the world in the Equal Earth projection", .value = BAT_CURVE_PROJECTION_MAP},
+    {.name = "local",
+     .summary = "azimuthal equal-area about the curves, with a scale bar",
+     .value = BAT_CURVE_PROJECTION_LOCAL},
+    {.name = "both", .summary = "the globe, and the map to its right", .value = BAT_CURVE_PROJECTION_BOTH},
+};
+const bat_family bat_curve_projection_family = FAMILY("projection", PROJECTIONS);
+
 bat_status bat_curve_picture_options_check(const bat_curve_picture_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_curve_picture_options, width, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
         OPTION_FIELD(bat_curve_picture_options, height, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
         OPTION_FIELD(bat_curve_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
-        OPTION_FIELD(bat_curve_picture_options, projection, OPTION_CHOICE, 0, BAT_CURVE_PROJECTION_BOTH),
+        OPTION_FAMILY(bat_curve_picture_options, projection, bat_curve_projection_family),
         OPTION_FIELD(bat_curve_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
         OPTION_FIELD(bat_curve_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
         OPTION_FIELD(bat_curve_picture_options, comb_scale, OPTION_NUMBER, 0, INFINITY),

@@ -1,5 +1,6 @@
 #include "batten/mesh_picture.h"
 
+#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -53,13 +54,20 @@ typedef struct mesh_scene
     double value_low, value_high;
 } mesh_scene;
 
+static const bat_choice UP_AXES[] = {
+    {.name = "y", .summary = "the second axis", .value = BAT_MESH_UP_Y},
+    {.name = "z", .summary = "the third axis", .value = BAT_MESH_UP_Z},
+    {.name = "x", .summary = "the first axis", .value = BAT_MESH_UP_X},
+};
+const bat_family bat_mesh_up_family = FAMILY("axis", UP_AXES);
+
 bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_picture_options, width, OPTION_NUMBER, 0, LARGEST_SIDE),
         OPTION_FIELD(bat_mesh_picture_options, height, OPTION_NUMBER, 0, LARGEST_SIDE),
         OPTION_FIELD(bat_mesh_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
-        OPTION_FIELD(bat_mesh_picture_options, up, OPTION_CHOICE, 0, BAT_MESH_UP_X),
+        OPTION_FAMILY(bat_mesh_picture_options, up, bat_mesh_up_family),
         OPTION_FIELD(bat_mesh_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
         OPTION_FIELD(bat_mesh_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
         OPTION_FIELD(bat_mesh_picture_options, value_low, OPTION_ANGLE, -DBL_MAX, DBL_MAX),

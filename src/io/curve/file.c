@@ -193,7 +193,7 @@ bat_curve_write_options bat_curve_write_defaults(void)
 bat_status bat_curve_read_options_check(const bat_curve_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_read_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_GDAL),
+        OPTION_FAMILY(bat_curve_read_options, format, bat_curve_format_family),
         OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
         OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_read_options),
@@ -208,7 +208,7 @@ bat_status bat_curve_read_options_check(const bat_curve_read_options *options, b
 bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_write_options, format, OPTION_CHOICE, 0, BAT_CURVE_FORMAT_GDAL),
+        OPTION_FAMILY(bat_curve_write_options, format, bat_curve_format_family),
         OPTION_FIELD(bat_curve_write_options, precision, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
         OPTION_THREADS(bat_curve_write_options),
     };

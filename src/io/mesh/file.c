@@ -122,11 +122,6 @@ static const mesh_format FORMATS[] = {
 #endif
 };
 
-enum
-{
-    LAST_FORMAT = sizeof FORMATS / sizeof *FORMATS - 1 ///< a row for each enumerator
-};
-
 const bat_family bat_mesh_format_family = FAMILY("mesh format", FORMATS);
 
 static const bat_choice ENCODINGS[] = {
@@ -218,7 +213,7 @@ bat_mesh_write_options bat_mesh_write_defaults(void)
 bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_read_options, format, OPTION_CHOICE, 0, LAST_FORMAT),
+        OPTION_FAMILY(bat_mesh_read_options, format, bat_mesh_format_family),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
@@ -226,10 +221,10 @@ bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat
 bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_write_options, format, OPTION_CHOICE, 0, LAST_FORMAT),
-        OPTION_FIELD(bat_mesh_write_options, encoding, OPTION_CHOICE, 0, BAT_MESH_ENCODING_TEXT),
+        OPTION_FAMILY(bat_mesh_write_options, format, bat_mesh_format_family),
+        OPTION_FAMILY(bat_mesh_write_options, encoding, bat_mesh_encoding_family),
         OPTION_THREADS(bat_mesh_write_options),
-        OPTION_FIELD(bat_mesh_write_options, normals, OPTION_CHOICE, 0, BAT_MESH_NORMALS_AREA),
+        OPTION_FAMILY(bat_mesh_write_options, normals, bat_mesh_normals_family),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }

@@ -375,7 +375,7 @@ bat_cloud_read_options bat_cloud_read_defaults(void)
 bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_cloud_read_options, format, OPTION_CHOICE, 0, BAT_CLOUD_FORMAT_LAS),
+        OPTION_FAMILY(bat_cloud_read_options, format, bat_cloud_format_family),
     };
     if (options == NULL)
         return BAT_OK;

@@ -62,8 +62,8 @@ bat_status bat_surface_write_options_check(const bat_surface_write_options *opti
         MOST_SAMPLES = 1024
     };
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_surface_write_options, format, OPTION_CHOICE, 0, BAT_SURFACE_FORMAT_IGES),
-        OPTION_FIELD(bat_surface_write_options, unit, OPTION_CHOICE, 0, BAT_SURFACE_UNIT_INCH),
+        OPTION_FAMILY(bat_surface_write_options, format, bat_surface_format_family),
+        OPTION_FAMILY(bat_surface_write_options, unit, bat_surface_unit_family),
         OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MOST_SAMPLES),
     };
     if (options == NULL)

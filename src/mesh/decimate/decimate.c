@@ -59,7 +59,7 @@ bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *opti
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, error, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_mesh_decimate_options, method, OPTION_CHOICE, 0, BAT_MESH_DECIMATE_FAST),
+        OPTION_FAMILY(bat_mesh_decimate_options, method, bat_mesh_decimate_method_family),
         OPTION_FIELD(bat_mesh_decimate_options, least_normal, OPTION_NUMBER, -1, 1),
         OPTION_FIELD(bat_mesh_decimate_options, least_quality, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),

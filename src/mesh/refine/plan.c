@@ -33,17 +33,17 @@ static const mesh_scheme *last_scheme(const bat_mesh_refine_options *options)
 bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_refine_options, scheme, OPTION_CHOICE, 0, BAT_MESH_SCHEME_AUTO),
+        OPTION_FAMILY(bat_mesh_refine_options, scheme, bat_mesh_scheme_family),
         OPTION_FIELD(bat_mesh_refine_options, fairness, OPTION_NUMBER, 0, 1),
-        OPTION_FIELD(bat_mesh_refine_options, then, OPTION_CHOICE, 0, BAT_MESH_SCHEME_AUTO),
+        OPTION_FAMILY(bat_mesh_refine_options, then, bat_mesh_scheme_family),
         OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
         OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
         OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
         OPTION_FIELD(bat_mesh_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_mesh_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_mesh_refine_options, rules.boundary, OPTION_CHOICE, 0, BAT_MESH_BOUNDARY_NONE),
-        OPTION_FIELD(bat_mesh_refine_options, rules.creasing, OPTION_CHOICE, 0, BAT_MESH_CREASING_CHAIKIN),
-        OPTION_FIELD(bat_mesh_refine_options, rules.linear, OPTION_CHOICE, 0, BAT_MESH_LINEAR_BOUNDARIES),
+        OPTION_FAMILY(bat_mesh_refine_options, rules.boundary, bat_mesh_boundary_family),
+        OPTION_FAMILY(bat_mesh_refine_options, rules.creasing, bat_mesh_creasing_family),
+        OPTION_FAMILY(bat_mesh_refine_options, rules.linear, bat_mesh_linear_family),
         OPTION_THREADS(bat_mesh_refine_options),
     };
     if (options == NULL)

@@ -7,6 +7,7 @@
 ///             mark and refine cells  (marking.h)
 /// The default criterion for lambda is restricted likelihood. With `robust`, points are re-weighted after every measurement.
 
+#include "base/choice.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -86,6 +87,16 @@ void bat_surface_fit_report_free(bat_surface_fit_report *report)
     *report = (bat_surface_fit_report){0};
 }
 
+static const bat_choice SMOOTHINGS[] = {
+    {.name = "likelihood", .summary = "restricted maximum likelihood", .value = BAT_SURFACE_SMOOTHING_LIKELIHOOD},
+    {.name = "cross-validation", .summary = "generalized cross-validation", .value = BAT_SURFACE_SMOOTHING_CROSS_VALIDATION},
+    {.name = "noise",
+     .summary = "restricted maximum likelihood with the noise that is given",
+     .value = BAT_SURFACE_SMOOTHING_NOISE},
+    {.name = "given", .summary = "the weight of the options", .value = BAT_SURFACE_SMOOTHING_GIVEN},
+};
+const bat_family bat_surface_smoothing_family = FAMILY("choice of smoothing", SMOOTHINGS);
+
 bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
@@ -94,7 +105,7 @@ bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options,
         OPTION_FIELD(bat_surface_fit_options, hold_out, OPTION_INT, 0, MAX_HOLD_OUT),
         OPTION_FIELD(bat_surface_fit_options, iterations, OPTION_INT, 0, MAX_ROUNDS),
         OPTION_FIELD(bat_surface_fit_options, neighbours, OPTION_INT, 0, BAT_SURFACE_FIT_MAX_NEIGHBOURS),
-        OPTION_FIELD(bat_surface_fit_options, smoothing, OPTION_CHOICE, 0, BAT_SURFACE_SMOOTHING_GIVEN),
+        OPTION_FAMILY(bat_surface_fit_options, smoothing, bat_surface_smoothing_family),
         OPTION_FIELD(bat_surface_fit_options, weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_surface_fit_options, noise, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_surface_fit_options, corrections, OPTION_INT, 0, MAX_ROUNDS),

@@ -52,7 +52,7 @@ bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
 bat_status bat_cloud_parameterize_options_check(const bat_cloud_parameterize_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_cloud_parameterize_options, method, OPTION_CHOICE, 0, BAT_CLOUD_PARAMETERIZE_COUNT - 1),
+        OPTION_FAMILY(bat_cloud_parameterize_options, method, bat_cloud_parameterization_family),
         OPTION_FIELD(bat_cloud_parameterize_options, radius, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_cloud_parameterize_options),
     };

@@ -1,0 +1,56 @@
+#ifndef CURVE_SCHEME_KIND_H
+#define CURVE_SCHEME_KIND_H
+
+#include "base/choice.h"
+#include "curve/kernel.h"
+#include "curve/polygon.h"
+
+/// @file
+/// The kinds of schemes: one table of what the drivers of refinement need to know. What differs from kind to kind is a
+/// column of the table; no other file compares kinds.
+
+typedef struct scheme_kind
+{
+    bat_choice choice;    ///< bat_choice::value is the kind
+    bool linear;          ///< a mask on coordinates: points may be moved to their limit, and ends be free
+    bool beside_channels; ///< channels are refined beside the points, by kernel_four_point()
+
+    /// Check the fields that the kind uses.
+    bat_status (*check)(const bat_curve_scheme *scheme, bat_error *error);
+    /// Whether a checked scheme has a meaning in a space.
+    bat_status (*suits)(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error);
+    /// Whether a checked scheme keeps the given points.
+    bool (*keeps_points)(const bat_curve_scheme *scheme);
+    /// How an open polygon goes on beyond its ends by BAT_CURVE_END_EXTRAPOLATE.
+    polygon_end (*end)(const bat_curve_scheme *scheme);
+    /// The scheme of the channels.
+    bat_curve_scheme (*channels)(const bat_curve_scheme *scheme);
+    /// The step of a level; null where the curve is not made by levels but by the row's spline_row::refine.
+    refine_kernel (*kernel)(const bat_space *space, const bat_curve_scheme *scheme);
+} scheme_kind;
+
+/// The kind of a scheme whose kind is in range.
+const scheme_kind *scheme_kind_of(const bat_curve_scheme *scheme);
+/// The kernel of a scheme in a space that it is made for: for a spline its layout alone.
+refine_kernel scheme_kernel(const bat_space *space, const bat_curve_scheme *scheme);
+
+/// Whether a checked scheme keeps the given points.
+static inline bool scheme_keeps_points(const bat_curve_scheme *scheme)
+{
+    return scheme_kind_of(scheme)->keeps_points(scheme);
+}
+
+/// Whether a scheme makes level after level.
+static inline bool scheme_goes_by_levels(const bat_curve_scheme *scheme)
+{
+    return scheme_kind_of(scheme)->kernel != NULL;
+}
+
+/// The scheme that a scheme stands for in a space: BAT_CURVE_SCHEME_GEODESIC for masks that have it outside of R^n.
+bat_curve_scheme scheme_in_space(const bat_curve_scheme *scheme, const bat_space *space);
+/// The number of first levels that the scheme's rule decides; 0 where it decides all levels, or there is no rule.
+size_t scheme_decided_levels(const bat_curve_scheme *scheme);
+/// Whether each level must be there as a whole before the next begins.
+bool scheme_needs_whole_polygons(const bat_curve_scheme *scheme);
+
+#endif
