@@ -33,6 +33,6 @@ typedef struct scheme_row
     spline_refine *refine;                                     ///< of splines; null for other schemes
 } scheme_row;
 
-spline_refine spline_catmull_rom, spline_cubic;
+spline_refine spline_catmull_rom, spline_cubic, spline_quintic;
 
 #endif
