@@ -17,8 +17,6 @@
 /// @file
 /// Reading and writing of meshes in any format, from files and from memory.
 
-const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
-
 /// A format: its reader, its writer, and whether a text begins as it does. OBJ has no mark at its begin: whatever has no
 /// other's is taken for it.
 typedef struct mesh_format
@@ -147,57 +145,6 @@ static bat_status format_for_path(const char *path, bool writes, bat_mesh_format
         status = bat_choice_of_path(&bat_mesh_format_family, path, writes, &row, error);
     *format = row != NULL ? (bat_mesh_format)row->value : wanted;
     return status;
-}
-
-size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
-{
-    size_t count = 0;
-    for (; count < MESH_COLOURS; count++)
-    {
-        size_t i = 0;
-        while (i < mesh->channel_count && strcmp(mesh->channel_names[i], mesh_colour_names[count]) != 0)
-            i++;
-        if (i == mesh->channel_count)
-            break;
-        places[count] = i;
-    }
-    return count >= MESH_COLOURS - 1 ? count : 0;
-}
-
-bool mesh_texture_by_vertex(const bat_mesh *mesh, const uint32_t *offsets)
-{
-    return mesh->texture_faces != NULL && mesh->texture_count == mesh->vertex_count &&
-           memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(offsets, mesh->face_count) * sizeof *mesh->faces) ==
-               0;
-}
-
-enum
-{
-    ROWS_PER_BLOCK = 1 << 14
-};
-
-typedef struct row_job
-{
-    const bat_mesh *mesh;
-    size_t count;
-    mesh_row_format *format;
-    const void *context;
-} row_job;
-
-static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
-{
-    (void)error; // the sink reports a lack of memory
-    const row_job *job = context;
-    size_t begin = block * ROWS_PER_BLOCK, left = job->count - begin;
-    job->format(job->mesh, job->context, begin, begin + (left < ROWS_PER_BLOCK ? left : ROWS_PER_BLOCK), text);
-    return BAT_OK;
-}
-
-bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
-                           text_sink *sink, bat_error *error)
-{
-    row_job job = {mesh, count, format, context};
-    return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), threads, format_block, &job, error);
 }
 
 bat_mesh_read_options bat_mesh_read_defaults(void)

@@ -1,0 +1,61 @@
+#include "io/mesh/formats.h"
+
+#include "mesh/polygon/polygon.h"
+
+#include <string.h>
+
+/// @file
+/// What writers and readers of meshes share: the names of colours, and rows of text that threads format.
+
+const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
+
+size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
+{
+    size_t count = 0;
+    for (; count < MESH_COLOURS; count++)
+    {
+        size_t i = 0;
+        while (i < mesh->channel_count && strcmp(mesh->channel_names[i], mesh_colour_names[count]) != 0)
+            i++;
+        if (i == mesh->channel_count)
+            break;
+        places[count] = i;
+    }
+    return count >= MESH_COLOURS - 1 ? count : 0;
+}
+
+bool mesh_texture_by_vertex(const bat_mesh *mesh, const uint32_t *offsets)
+{
+    return mesh->texture_faces != NULL && mesh->texture_count == mesh->vertex_count &&
+           memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(offsets, mesh->face_count) * sizeof *mesh->faces) ==
+               0;
+}
+
+enum
+{
+    ROWS_PER_BLOCK = 1 << 14
+};
+
+typedef struct row_job
+{
+    const bat_mesh *mesh;
+    size_t count;
+    mesh_row_format *format;
+    const void *context;
+} row_job;
+
+static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
+{
+    (void)error; // the sink reports a lack of memory
+    const row_job *job = context;
+    size_t begin = block * ROWS_PER_BLOCK, left = job->count - begin;
+    job->format(job->mesh, job->context, begin, begin + (left < ROWS_PER_BLOCK ? left : ROWS_PER_BLOCK), text);
+    return BAT_OK;
+}
+
+bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
+                           text_sink *sink, bat_error *error)
+{
+    row_job job = {mesh, count, format, context};
+    return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), threads, format_block, &job, error);
+}
