@@ -92,3 +92,6 @@ export function opener(label, accept, open) {
 
 /** The enumerator of the library for a choice: ("mesh_scheme", "catmull-clark") is BAT_MESH_SCHEME_CATMULL_CLARK. */
 export const enumerator = (family, name) => `BAT_${family}_${name}`.replaceAll("-", "_").toUpperCase();
+
+/** The endings of files of the formats that are read, as a file dialog takes them. */
+export const endings = (formats) => formats.filter(({ reads }) => reads).flatMap((format) => format.endings.split(" ")).filter(Boolean).join(",");

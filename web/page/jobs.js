@@ -3,8 +3,22 @@
 
 const DEGREE = Math.PI / 180;
 
+/** A triangle of the sphere. */
+const RING = { space: "sphere", closed: true, points: [[1, 0, 0], [0.8, 0.6, 0], [0.8, 0, 0.6]] };
+
+/** Whether a scheme refines curves of the sphere and keeps their points, as maps need it. */
+function keepsPoints(batten, scheme) {
+  try {
+    const fine = batten.bat_curve_refine(RING, { scheme, levels: 1, simple: "never" }).points;
+    return RING.points.every((point, i) => point.every((value, c) => Math.abs(fine[6 * i + c] - value) < 1e-12));
+  } catch {
+    return false;
+  }
+}
+
 export function tables(batten) {
-  return { version: batten.bat_version(), lists: batten.bat_choices() };
+  const lists = batten.bat_choices();
+  return { version: batten.bat_version(), lists, map_schemes: lists.curve_scheme.filter(({ name }) => keepsPoints(batten, name)) };
 }
 
 /** Refine a curve by several schemes, with the measures of each. */

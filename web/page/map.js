@@ -182,7 +182,7 @@ export function mapTab(app, section) {
     controls();
     void compute().then(() => app.commit());
   };
-  const scheme = select("Scheme", app.tables.lists.curve_scheme.filter(({ name }) => /^(learned|angle-4|angle-6|catmull-rom|cubic|log-exp-4)$/.test(name)).map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
+  const scheme = select("Scheme", app.tables.map_schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
   const levels = slider("Levels", { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
   const topology = check("Keep borders shared (topology)", true, (value) => change({ topology: value }));
   const area = check("Keep areas", false, (value) => change({ keep_area: value }));

@@ -1,7 +1,7 @@
 // Meshes: refined by a scheme, decimated, and compared with another scheme, in three dimensions.
 import { BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { check, color, digits, download, enumerator, group, h, opener, select, slider, table } from "./dom.js";
+import { check, color, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
 
 /** Meshes made by a formula, as [positions, faces]. */
 const grid = (rows, columns, at) => {
@@ -295,7 +295,7 @@ export function meshTab(app, section) {
   section.append(
     h("div.column", {}, stage, group("Figures", facts)),
     h("div.side", {},
-      group("Mesh", h("div.row", {}, opener("Open file", ".obj,.ply,.stl,.off,.gltf,.glb", open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, keep.element, within.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF, STL or glTF. Drag turns, the wheel zooms.")),
+      group("Mesh", h("div.row", {}, opener("Open file", endings(app.tables.lists.mesh_format), open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, keep.element, within.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF, STL or glTF. Drag turns, the wheel zooms.")),
       group("Refine", scheme.element, fairness.element, levels.element, crease.element, limit.element, wires.element, flat.element, against.element),
       group("Download", h("div.row", {}, ...["obj", "ply", "stl", "glb"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
     ),
