@@ -25,97 +25,98 @@ typedef struct curve_format
     bat_choice choice;
     bat_status (*read)(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
     bat_status (*write)(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+    const char *drivers; ///< without a reader: those of GDAL, as gis_read() takes them; null for all
 } curve_format;
 
 static const curve_format FORMATS[] = {
     {.choice =
          {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
-    {{.name = "csv",
-      .summary = "curves: a row of numbers for each point, with or without names of columns",
-      .endings = ".csv .tsv .txt",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_CSV},
-     csv_read,
-     csv_write},
-    {{.name = "geojson",
-      .summary = "curves: lines and polygons of longitude and latitude in degrees, with their properties",
-      .endings = ".geojson .json",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_GEOJSON},
-     geojson_read,
-     geojson_write},
-    {{.name = "geojsonl",
-      .summary = "curves: GeoJSON, a feature on each line",
-      .endings = ".geojsonl .ndjson .jsonl",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_GEOJSON_LINES},
-     geojson_sequence_read,
-     geojson_lines_write},
-    {{.name = "geojsonseq",
-      .summary = "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
-      .endings = ".geojsons",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_GEOJSON_SEQUENCE},
-     geojson_sequence_read,
-     geojson_sequence_write},
-    {{.name = "obj",
-      .summary = "curves: line elements",
-      .endings = ".obj",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_OBJ},
-     obj_read,
-     obj_write},
-    {{.name = "tum",
-      .summary = "motions: poses in time, timestamp tx ty tz qx qy qz qw",
-      .endings = ".tum",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_TUM},
-     tum_read,
-     tum_write},
-    {{.name = "euroc",
-      .summary = "motions: poses in time, #timestamp [ns], position, quaternion w x y z",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_EUROC},
-     euroc_read,
-     euroc_write},
-    {{.name = "kitti",
-      .summary = "motions: poses without times, 12 numbers of a 3x4 matrix",
-      .reads = true,
-      .writes = true,
-      .value = BAT_CURVE_FORMAT_KITTI},
-     kitti_read,
-     kitti_write},
-// By GDAL, with DRIVERS.
-#define GIS_ROW(format_name, format_value, format_endings, format_summary)                                                  \
+    {.choice = {.name = "csv",
+                .summary = "curves: a row of numbers for each point, with or without names of columns",
+                .endings = ".csv .tsv .txt",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_CSV},
+     .read = csv_read,
+     .write = csv_write},
+    {.choice = {.name = "geojson",
+                .summary = "curves: lines and polygons of longitude and latitude in degrees, with their properties",
+                .endings = ".geojson .json",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_GEOJSON},
+     .read = geojson_read,
+     .write = geojson_write},
+    {.choice = {.name = "geojsonl",
+                .summary = "curves: GeoJSON, a feature on each line",
+                .endings = ".geojsonl .ndjson .jsonl",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_GEOJSON_LINES},
+     .read = geojson_sequence_read,
+     .write = geojson_lines_write},
+    {.choice = {.name = "geojsonseq",
+                .summary = "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
+                .endings = ".geojsons",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_GEOJSON_SEQUENCE},
+     .read = geojson_sequence_read,
+     .write = geojson_sequence_write},
+    {.choice = {.name = "obj",
+                .summary = "curves: line elements",
+                .endings = ".obj",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_OBJ},
+     .read = obj_read,
+     .write = obj_write},
+    {.choice = {.name = "tum",
+                .summary = "motions: poses in time, timestamp tx ty tz qx qy qz qw",
+                .endings = ".tum",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_TUM},
+     .read = tum_read,
+     .write = tum_write},
+    {.choice = {.name = "euroc",
+                .summary = "motions: poses in time, #timestamp [ns], position, quaternion w x y z",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_EUROC},
+     .read = euroc_read,
+     .write = euroc_write},
+    {.choice = {.name = "kitti",
+                .summary = "motions: poses without times, 12 numbers of a 3x4 matrix",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CURVE_FORMAT_KITTI},
+     .read = kitti_read,
+     .write = kitti_write},
+// By GDAL.
+#define GIS_ROW(format_name, format_value, format_endings, drivers_of, format_summary)                                      \
     {                                                                                                                       \
-        .choice = {                                                                                                         \
-            .name = (format_name),                                                                                          \
-            .summary = (format_summary),                                                                                    \
-            .endings = (format_endings),                                                                                    \
-            .reads = true,                                                                                                  \
-            .writes = true,                                                                                                 \
-            .value = (format_value)                                                                                         \
-        }                                                                                                                   \
+        .choice = {.name = (format_name),                                                                                   \
+                   .summary = (format_summary),                                                                             \
+                   .endings = (format_endings),                                                                             \
+                   .reads = true,                                                                                           \
+                   .writes = true,                                                                                          \
+                   .value = (format_value)},                                                                                \
+        .drivers = (drivers_of)                                                                                             \
     }
-    GIS_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL"),
-    GIS_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL"),
-    GIS_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "curves: tracks or routes of GPX, by GDAL"),
-    GIS_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL"),
-    GIS_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL"),
-    GIS_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL"),
+    GIS_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "GPKG", "curves: GeoPackage, by GDAL"),
+    GIS_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "ESRI Shapefile", "curves: Shapefile, by GDAL"),
+    GIS_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "GPX", "curves: tracks or routes of GPX, by GDAL"),
+    GIS_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "LIBKML,KML", "curves: KML, by GDAL"),
+    GIS_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "FlatGeobuf", "curves: FlatGeobuf, by GDAL"),
+    GIS_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "DXF", "curves: drawings in DXF, by GDAL"),
     {.choice = {.name = "topojson",
                 .summary = "curves: TopoJSON, by GDAL",
                 .endings = ".topojson",
                 .reads = true,
-                .value = BAT_CURVE_FORMAT_TOPOJSON}},
-    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed"),
+                .value = BAT_CURVE_FORMAT_TOPOJSON},
+     .drivers = "TopoJSON"},
+    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", NULL, "curves: any vector format of GDAL, also remote or packed"),
 };
 
 /// The row of a path that only GDAL opens: of the ending before ".gz", else that of GDAL.
@@ -132,14 +133,6 @@ static const bat_choice *row_of_virtual_path(const char *path)
 }
 
 const bat_family bat_curve_format_family = FAMILY_OF_PATHS("curve format", FORMATS, row_of_virtual_path);
-
-/// The drivers of the formats without a reader of our own, as gis_read() takes them.
-static const char *const DRIVERS[] = {
-    [BAT_CURVE_FORMAT_GPKG] = "GPKG",         [BAT_CURVE_FORMAT_SHP] = "ESRI Shapefile",
-    [BAT_CURVE_FORMAT_GPX] = "GPX",           [BAT_CURVE_FORMAT_KML] = "LIBKML,KML",
-    [BAT_CURVE_FORMAT_FGB] = "FlatGeobuf",    [BAT_CURVE_FORMAT_DXF] = "DXF",
-    [BAT_CURVE_FORMAT_TOPOJSON] = "TopoJSON", [BAT_CURVE_FORMAT_GDAL] = NULL,
-};
 
 /// The row of a format other than BAT_CURVE_FORMAT_AUTO.
 static const curve_format *row_of(bat_curve_format format)
@@ -277,7 +270,7 @@ static bat_status read_layer(const char *path, bat_curve_format format, const ba
     bat_curve_set made;
     bat_status status = check_format_options(format, options, error);
     if (status == BAT_OK)
-        status = gis_read(path, DRIVERS[format], options, &made, error);
+        status = gis_read(path, row_of(format)->drivers, options, &made, error);
     return status == BAT_OK ? finish_read(&made, options, set, error) : status;
 }
 
@@ -428,7 +421,7 @@ bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat
     bat_curve_write_options chosen = *options;
     chosen.format = format;
     if (row_of(format)->write == NULL)
-        return gis_write(path, DRIVERS[format], set, options, error);
+        return gis_write(path, row_of(format)->drivers, set, options, error);
     if (gis_is_virtual(path))
         return write_compressed(path, set, &chosen, error);
     atomic_file file;

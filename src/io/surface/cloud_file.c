@@ -11,44 +11,81 @@
 /// @file
 /// Reading of clouds in any format: points, an optional file with the boundary, or the vertices of a mesh.
 
-static const bat_choice FORMATS[] = {
-    {.name = "auto", .summary = "by the file's ending", .value = BAT_CLOUD_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED},
-    {.name = "xyz",
-     .summary = "clouds: three numbers a line",
-     .endings = ".xyz .txt .asc",
-     .reads = true,
-     .writes = true,
-     .value = BAT_CLOUD_FORMAT_XYZ},
-    {.name = "csv",
-     .summary = "clouds: x, y, z by their names, or the first three columns",
-     .endings = ".csv .tsv",
-     .reads = true,
-     .writes = true,
-     .value = BAT_CLOUD_FORMAT_CSV},
-    {.name = "ply",
-     .summary = "clouds: vertices; with faces a mesh",
-     .endings = ".ply",
-     .reads = true,
-     .writes = true,
-     .value = BAT_CLOUD_FORMAT_PLY},
-    {.name = "obj",
-     .summary = "clouds: vertices; with faces a mesh",
-     .endings = ".obj",
-     .reads = true,
-     .writes = true,
-     .value = BAT_CLOUD_FORMAT_OBJ},
-    {.name = "pcd",
-     .summary = "clouds: points of the Point Cloud Library; text, binary or compressed",
-     .endings = ".pcd",
-     .reads = true,
-     .value = BAT_CLOUD_FORMAT_PCD},
-    {.name = "las",
-     .summary = "clouds: points of laser scans, versions 1.0 to 1.4, not compressed",
-     .endings = ".las",
-     .reads = true,
-     .value = BAT_CLOUD_FORMAT_LAS},
+/// The line of statement "v" number `point`, counted from 0.
+static size_t obj_line_of_point(const file_text *text, size_t point)
+{
+    word_scan scan = word_scan_start(text->data, text->size);
+    do
+    {
+        if (scan_word(&scan, "v") && point-- == 0)
+            break;
+    } while (scan_next_line(&scan));
+    return scan.line;
+}
+
+/// A format: its reader, either of points or of a mesh that may have faces.
+typedef struct cloud_format
+{
+    bat_choice choice;
+    bat_status (*read)(const file_text *text, point_listing *listing, bat_error *error);
+    mesh_reader *read_mesh;
+    size_t (*line_of_point)(const file_text *text, size_t point); ///< null for formats without lines
+} cloud_format;
+
+static const cloud_format FORMATS[] = {
+    {.choice =
+         {.name = "auto", .summary = "by the file's ending", .value = BAT_CLOUD_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
+    {.choice = {.name = "xyz",
+                .summary = "clouds: three numbers a line",
+                .endings = ".xyz .txt .asc",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CLOUD_FORMAT_XYZ},
+     .read = cloud_xyz_read,
+     .line_of_point = cloud_xyz_line_of_point},
+    {.choice = {.name = "csv",
+                .summary = "clouds: x, y, z by their names, or the first three columns",
+                .endings = ".csv .tsv",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CLOUD_FORMAT_CSV},
+     .read = cloud_csv_read,
+     .line_of_point = cloud_csv_line_of_point},
+    {.choice = {.name = "ply",
+                .summary = "clouds: vertices; with faces a mesh",
+                .endings = ".ply",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CLOUD_FORMAT_PLY},
+     .read_mesh = mesh_ply_read_points},
+    {.choice = {.name = "obj",
+                .summary = "clouds: vertices; with faces a mesh",
+                .endings = ".obj",
+                .reads = true,
+                .writes = true,
+                .value = BAT_CLOUD_FORMAT_OBJ},
+     .read_mesh = mesh_obj_read_points,
+     .line_of_point = obj_line_of_point},
+    {.choice = {.name = "pcd",
+                .summary = "clouds: points of the Point Cloud Library; text, binary or compressed",
+                .endings = ".pcd",
+                .reads = true,
+                .value = BAT_CLOUD_FORMAT_PCD},
+     .read = cloud_pcd_read},
+    {.choice = {.name = "las",
+                .summary = "clouds: points of laser scans, versions 1.0 to 1.4, not compressed",
+                .endings = ".las",
+                .reads = true,
+                .value = BAT_CLOUD_FORMAT_LAS},
+     .read = cloud_las_read},
 };
 const bat_family bat_cloud_format_family = FAMILY("cloud format", FORMATS);
+
+/// The row of a format other than BAT_CLOUD_FORMAT_AUTO.
+static const cloud_format *row_of(bat_cloud_format format)
+{
+    return (const cloud_format *)(const void *)choice_of_value(&bat_cloud_format_family, (int)format);
+}
 
 /// The format of a text. OBJ lines begin with a word; CSV has names, or separators other than blanks.
 bat_cloud_format cloud_format_of_text(const file_text *text)
@@ -76,18 +113,6 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
     return BAT_CLOUD_FORMAT_XYZ;
 }
 
-/// The line of statement "v" number `point`, counted from 0.
-static size_t obj_line_of_point(const file_text *text, size_t point)
-{
-    word_scan scan = word_scan_start(text->data, text->size);
-    do
-    {
-        if (scan_word(&scan, "v") && point-- == 0)
-            break;
-    } while (scan_next_line(&scan));
-    return scan.line;
-}
-
 /// A file and its content: points, or a mesh with faces.
 typedef struct cloud_source
 {
@@ -106,35 +131,20 @@ static void source_free(cloud_source *source)
 /// The line of a point; 0 in binary files.
 static size_t line_of_point(const cloud_source *source, size_t point)
 {
-    switch (source->format)
-    {
-    case BAT_CLOUD_FORMAT_XYZ:
-        return cloud_xyz_line_of_point(source->text, point);
-    case BAT_CLOUD_FORMAT_CSV:
-        return cloud_csv_line_of_point(source->text, point);
-    case BAT_CLOUD_FORMAT_OBJ:
-        return obj_line_of_point(source->text, point);
-    default:
-        return 0;
-    }
+    const cloud_format *row = row_of(source->format);
+    return row->line_of_point != NULL ? row->line_of_point(source->text, point) : 0;
 }
 
 static bat_status source_read(cloud_source *source, bat_error *error)
 {
     point_listing *listing = &source->listing;
     bat_mesh *mesh = &source->mesh;
-    if (source->format == BAT_CLOUD_FORMAT_XYZ)
-        return cloud_xyz_read(source->text, listing, error);
-    if (source->format == BAT_CLOUD_FORMAT_CSV)
-        return cloud_csv_read(source->text, listing, error);
-    if (source->format == BAT_CLOUD_FORMAT_PCD)
-        return cloud_pcd_read(source->text, listing, error);
-    if (source->format == BAT_CLOUD_FORMAT_LAS)
-        return cloud_las_read(source->text, listing, error);
+    const cloud_format *row = row_of(source->format);
+    if (row->read != NULL)
+        return row->read(source->text, listing, error);
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = true;
-    bat_status status = source->format == BAT_CLOUD_FORMAT_PLY ? mesh_ply_read_points(source->text, &options, mesh, error)
-                                                               : mesh_obj_read_points(source->text, &options, mesh, error);
+    bat_status status = row->read_mesh(source->text, &options, mesh, error);
     if (status != BAT_OK || mesh->face_count > 0)
         return status;
     *listing = (point_listing){mesh->positions, mesh->vertex_count, 3 * mesh->vertex_count};

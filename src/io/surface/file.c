@@ -10,36 +10,53 @@
 /// @file
 /// Reading and writing of spline surfaces in any format.
 
-static const bat_choice FORMATS[] = {
-    {.name = "auto", .summary = "by the file's ending", .value = BAT_SURFACE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED},
-    {.name = "xml",
-     .summary = "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines",
-     .endings = ".xml",
-     .reads = true,
-     .writes = true,
-     .value = BAT_SURFACE_FORMAT_XML},
-    {.name = "step",
-     .summary = "surfaces: one shell of B-spline patches for CAD",
-     .endings = ".step .stp",
-     .writes = true,
-     .value = BAT_SURFACE_FORMAT_STEP},
-    {.name = "vtk",
-     .summary = "surfaces: a grid in each cell, and the data points with their errors",
-     .endings = ".vtk",
-     .writes = true,
-     .value = BAT_SURFACE_FORMAT_VTK},
-    {.name = "obj", .summary = "surfaces: triangles", .endings = ".obj", .writes = true, .value = BAT_SURFACE_FORMAT_OBJ},
-    {.name = "json",
-     .summary = "surfaces: degrees, boxes, functions and control points",
-     .endings = ".json",
-     .reads = true,
-     .writes = true,
-     .value = BAT_SURFACE_FORMAT_JSON},
-    {.name = "iges",
-     .summary = "surfaces: one B-spline surface (128) or trimmed surface (144) for CAD",
-     .endings = ".iges .igs",
-     .writes = true,
-     .value = BAT_SURFACE_FORMAT_IGES},
+typedef struct surface_format
+{
+    bat_choice choice;
+    surface_writer *write;
+} surface_format;
+
+static const surface_format FORMATS[] = {
+    {.choice =
+         {.name = "auto", .summary = "by the file's ending", .value = BAT_SURFACE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
+    {.choice = {.name = "xml",
+                .summary = "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines",
+                .endings = ".xml",
+                .reads = true,
+                .writes = true,
+                .value = BAT_SURFACE_FORMAT_XML},
+     .write = surface_xml_write},
+    {.choice = {.name = "step",
+                .summary = "surfaces: one shell of B-spline patches for CAD",
+                .endings = ".step .stp",
+                .writes = true,
+                .value = BAT_SURFACE_FORMAT_STEP},
+     .write = surface_step_write},
+    {.choice = {.name = "vtk",
+                .summary = "surfaces: a grid in each cell, and the data points with their errors",
+                .endings = ".vtk",
+                .writes = true,
+                .value = BAT_SURFACE_FORMAT_VTK},
+     .write = surface_vtk_write},
+    {.choice = {.name = "obj",
+                .summary = "surfaces: triangles",
+                .endings = ".obj",
+                .writes = true,
+                .value = BAT_SURFACE_FORMAT_OBJ},
+     .write = surface_obj_write},
+    {.choice = {.name = "json",
+                .summary = "surfaces: degrees, boxes, functions and control points",
+                .endings = ".json",
+                .reads = true,
+                .writes = true,
+                .value = BAT_SURFACE_FORMAT_JSON},
+     .write = surface_json_write},
+    {.choice = {.name = "iges",
+                .summary = "surfaces: one B-spline surface (128) or trimmed surface (144) for CAD",
+                .endings = ".iges .igs",
+                .writes = true,
+                .value = BAT_SURFACE_FORMAT_IGES},
+     .write = surface_iges_write},
 };
 const bat_family bat_surface_format_family = FAMILY("surface format", FORMATS);
 
@@ -113,24 +130,9 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
 bat_status surface_write_text(const bat_spline_surface *surface, bat_surface_format format,
                               const bat_surface_write_options *options, text_sink *sink, bat_error *error)
 {
-    switch (format)
-    {
-    case BAT_SURFACE_FORMAT_XML:
-        return surface_xml_write(surface, sink, error);
-    case BAT_SURFACE_FORMAT_STEP:
-        return surface_step_write(surface, options->unit, sink, error);
-    case BAT_SURFACE_FORMAT_IGES:
-        return surface_iges_write(surface, options->unit, sink, error);
-    case BAT_SURFACE_FORMAT_VTK:
-        return surface_vtk_write(surface, options, sink, error);
-    case BAT_SURFACE_FORMAT_OBJ:
-        return surface_obj_write(surface, options, sink, error);
-    case BAT_SURFACE_FORMAT_JSON:
-        return surface_json_write(surface, sink, error);
-    case BAT_SURFACE_FORMAT_AUTO:
-        break;
-    }
-    return BAT_INVALID_ARGUMENT;
+    const surface_format *row =
+        (const surface_format *)(const void *)choice_of_value(&bat_surface_format_family, (int)format);
+    return row != NULL && row->write != NULL ? row->write(surface, options, sink, error) : BAT_INVALID_ARGUMENT;
 }
 
 bat_status bat_surface_write(const char *path, const bat_spline_surface *surface, const bat_surface_write_options *options,

@@ -9,14 +9,10 @@
 /// Readers and writers of surface formats. Surfaces and options for writers have passed surface_check(). Readers leave
 /// `surface` untouched on failure.
 
-bat_status surface_xml_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
-bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error);
-bat_status surface_step_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error);
-bat_status surface_iges_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error);
-bat_status surface_vtk_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
-                             bat_error *error);
-bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
-                             bat_error *error);
+typedef bat_status surface_writer(const bat_spline_surface *surface, const bat_surface_write_options *options,
+                                  text_sink *sink, bat_error *error);
+surface_writer surface_xml_write, surface_json_write, surface_step_write, surface_iges_write, surface_vtk_write,
+    surface_obj_write;
 
 bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, bat_error *error);
 bat_status surface_json_read(const file_text *text, bat_spline_surface *surface, bat_error *error);

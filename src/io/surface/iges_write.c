@@ -290,7 +290,8 @@ static unsigned append_global(text_buffer *text, bat_surface_unit unit, const tr
     return records;
 }
 
-bat_status surface_iges_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error)
+bat_status surface_iges_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
+                              bat_error *error)
 {
     trimmed_model model;
     iges_file file = {0};
@@ -300,7 +301,7 @@ bat_status surface_iges_write(const bat_spline_surface *surface, bat_surface_uni
     if (status != BAT_OK)
         return status;
     append_record(&head, "B-spline surface", 'S', 1);
-    unsigned global = append_global(&head, unit, &model);
+    unsigned global = append_global(&head, options->unit, &model);
     unsigned number = write_surface(&file, &model.surface, model.piece_count > 0);
     if (model.piece_count > 0)
         status = write_trimmed(&file, &model, number, error);

@@ -457,8 +457,10 @@ static void append_control(text_buffer *text, const bat_spline_surface *surface)
     text_append_string(text, "]\n}\n");
 }
 
-bat_status surface_json_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error)
+bat_status surface_json_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
+                              bat_error *error)
 {
+    (void)options;
     text_buffer text = {0};
     append_head(&text, surface);
     bat_status status = append_boxes(&text, surface->space, error);

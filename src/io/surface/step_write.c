@@ -386,10 +386,11 @@ static bat_status write_trimmed(const bat_spline_surface *surface, bat_surface_u
     return step_finish(&step, status, error);
 }
 
-bat_status surface_step_write(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error)
+bat_status surface_step_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
+                              bat_error *error)
 {
     if (surface->trim.loop_count > 0)
-        return write_trimmed(surface, unit, sink, error);
+        return write_trimmed(surface, options->unit, sink, error);
     step_model model = {0};
     step_entities entities = {0};
     step_text step = {.sink = sink};
@@ -402,7 +403,7 @@ bat_status surface_step_write(const bat_spline_surface *surface, bat_surface_uni
     if (status == BAT_OK)
         status = write_product(&step, &entities, error);
     if (status == BAT_OK)
-        status = write_context(&step, unit, model.tolerance, &entities, error);
+        status = write_context(&step, options->unit, model.tolerance, &entities, error);
     if (status == BAT_OK)
         status = write_vertices(&step, &model, &entities, error);
     if (status == BAT_OK)

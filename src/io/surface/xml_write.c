@@ -108,8 +108,10 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
         }
 }
 
-bat_status surface_xml_write(const bat_spline_surface *surface, text_sink *sink, bat_error *error)
+bat_status surface_xml_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
+                             bat_error *error)
 {
+    (void)options;
     text_buffer text = {0};
     text_append_string(&text, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<xml>\n");
     bat_status status = append_basis(&text, surface, error);
