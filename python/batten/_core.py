@@ -192,9 +192,10 @@ def _fields(kind: str) -> dict[str, tuple[tuple[str, ...], Any]]:
 
 
 @functools.cache
-def _family(name: str) -> Any:
+def family_of(name: str) -> Any:
     """The table of a type of the library, or of a subject such as ``"bat_space"``; None where there is none."""
-    return ffi.addressof(lib, f"{name}_family") if hasattr(lib, f"{name}_family") else None
+    table = getattr(lib, f"{name}_family", None)
+    return None if table is None else ffi.new("bat_family *", table)
 
 
 def chosen(family: Any, name: str) -> Any:
@@ -208,7 +209,7 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
     """Set a field. A text chooses a row of the table that belongs to the field's type."""
     for name in path[:-1]:
         struct = getattr(struct, name)
-    family = _family(kind.cname.split()[-1])
+    family = family_of(kind.cname.split()[-1])
     try:
         if isinstance(value, str) and "\0" in value:
             raise ValueError("a text without null characters is needed")
@@ -367,7 +368,7 @@ def report(struct: Any) -> Report:
     for name, field in ffi.typeof(struct).fields if ffi.typeof(struct).kind == "struct" else ffi.typeof(struct[0]).fields:
         value, kind = getattr(struct, name), field.type
         if kind.kind == "enum":
-            family = _family(kind.cname.split()[-1])
+            family = family_of(kind.cname.split()[-1])
             value = _constant(kind, value) if family is None else ffi.string(lib.bat_choice_name(family, value)).decode()
         elif kind.kind == "array" and kind.item.cname == "char":
             value = ffi.string(value).decode()
@@ -397,7 +398,7 @@ def choices(family: str) -> list[Report]:
     >>> [row.name for row in batten.choices("mesh_scheme")][:5]
     ['learned', 'loop', 'catmull-clark', 'butterfly', 'midpoint']
     """
-    table = _family(f"bat_{family}")
+    table = family_of(f"bat_{family}")
     if table is None:
         known = sorted(name[4:-7] for name in dir(lib) if name.startswith("bat_") and name.endswith("_family"))
         raise InvalidArgument(f"no family '{family}'; there are {', '.join(known)}")

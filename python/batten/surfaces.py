@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import (Floats, Progress, Report, array, call, chosen, ffi, lib, options, pointer, report, shown, take,
+from batten._core import (Floats, Progress, Report, array, call, chosen, family_of, ffi, lib, options, pointer, report, shown, take,
                           written)  # fmt: skip
 from batten.curves import axes_of
 from batten.meshes import Mesh
@@ -166,7 +166,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
         cloud.points, cloud.count, cloud.boundary_count = ffi.cast("double *", _owned(given)), len(given), boundary
     how = options("bat_surface_options", settings)
     if isinstance(parameters, str):
-        how.parameters = chosen(ffi.addressof(lib, "bat_surface_parameters_family"), parameters).value
+        how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     if corners is not None:
         four = array(corners, "corners", None, np.uint64)
         if four.shape != (4,):
