@@ -143,7 +143,7 @@ void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *f
     }
 }
 
-static void map_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude)
+static void graticule_line(cairo_t *cairo, const draw_view *view, double longitude, double latitude)
 {
     enum
     {
@@ -174,11 +174,11 @@ void grid_map_lines(cairo_t *cairo, const draw_view *view)
     {
         double longitude = remainder(degrees - middle, 360.0);
         if (fabs(longitude) < 179.5)
-            map_line(cairo, view, longitude, NAN);
+            graticule_line(cairo, view, longitude, NAN);
         if (abs(degrees) <= 60 && degrees != 0)
-            map_line(cairo, view, 0.0, degrees);
+            graticule_line(cairo, view, 0.0, degrees);
     }
-    map_line(cairo, view, 0.0, 0.0);
+    graticule_line(cairo, view, 0.0, 0.0);
     style_use_line(cairo, (line_style){COLOUR_GRATICULE, LINE_GRATICULE, 0.0, 0.0});
     cairo_stroke(cairo);
 }
