@@ -107,10 +107,7 @@ static bool check_sweep(analyze_job *job)
     options->analysis = job->options;
     job->family.scheme = job->call.input;
     if (!read_sweep(argument(given, "sweep"), &job->family, options))
-    {
-        (void)usage_error(given, "--sweep takes NAME=A:B, as in w=0:0.25, not '%s'", argument(given, "sweep"));
-        return false;
-    }
+        return argument_refused(given, "sweep", "NAME=A:B, as in w=0:0.25");
     if (!usage_accepts(given, bat_mask_sweep_options_check(options, &error), &error))
         return false;
     double ends[] = {options->begin, options->end};

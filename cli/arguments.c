@@ -4,6 +4,7 @@
 #include "terminal.h"
 #include "verb.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -22,13 +23,6 @@ int usage_error(const arguments *given, const char *format, ...)
     (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
     va_end(list);
     return EXIT_BAD_USAGE;
-}
-
-bool usage_accepts(const arguments *given, bat_status status, const bat_error *error)
-{
-    if (status != BAT_OK)
-        (void)usage_error(given, "%s", error->text);
-    return status == BAT_OK;
 }
 
 const option_spec *option_at(const verb *what, size_t index, size_t *offset)
@@ -52,6 +46,79 @@ static int find(const verb *what, const char *name, size_t length)
         if (strlen(option->name) == length && strncmp(option->name, name, length) == 0)
             return (int)i;
     return -1;
+}
+
+/// Whether a text is a number, which a message names without quotes.
+static bool is_number(const char *text)
+{
+    char *end;
+    (void)strtod(text, &end);
+    return end != text && *end == '\0';
+}
+
+bool argument_refused(const arguments *given, const char *name, const char *range, ...)
+{
+    char wanted[400];
+    va_list list;
+    va_start(list, range);
+    (void)vsnprintf(wanted, sizeof wanted, range, list);
+    va_end(list);
+    const char *text = argument(given, name), *quote = is_number(text) ? "" : "'";
+    (void)usage_error(given, "--%s is %s%s%s, but must be %s", name, quote, text, quote, wanted);
+    return false;
+}
+
+/// Fields that no option has the name of.
+static const struct
+{
+    const char *field, *option;
+} OPTION_NAMES[] = {
+    {"angle_sigma", "sigma"},           {"least_normal", "min-normal"}, {"least_quality", "min-quality"},
+    {"limit_normals", "normals"},       {"max_degree", "degree"},       {"max_levels", "levels"},
+    {"max_points", "points"},           {"max_vertices", "vertices"},   {"min_degree", "degree"},
+    {"min_points", "points"},           {"min_vertices", "vertices"},   {"on_sphere", "on"},
+    {"parameters", "parameterization"}, {"read.format", "from"},        {"shape", "tangents"},
+    {"tangent_order", "tangents"},      {"write.format", "to"},
+};
+
+/// The option that sets a field, as "min_quality", "rules.boundary" or "degree[0]"; null for none.
+static const option_spec *option_of_field(const arguments *given, const char *field)
+{
+    const char *inner = strrchr(field, '.');
+    char name[sizeof((bat_error *)0)->option];
+    (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(inner != NULL ? inner + 1 : field, "["),
+                   inner != NULL ? inner + 1 : field);
+    for (size_t i = 0; i < sizeof OPTION_NAMES / sizeof *OPTION_NAMES; i++)
+        if (strcmp(OPTION_NAMES[i].field, name) == 0 || strcmp(OPTION_NAMES[i].field, field) == 0)
+            (void)snprintf(name, sizeof name, "%s", OPTION_NAMES[i].option);
+    for (char *at = name; *at != '\0'; at++)
+        *at = *at == '_' ? '-' : *at;
+    int index = find(given->verb, name, strlen(name));
+    return index < 0 ? NULL : option_at(given->verb, (size_t)index, NULL);
+}
+
+void argument_wording(const arguments *given, const bat_error *error, char text[WORDING_SIZE])
+{
+    const option_spec *option = option_of_field(given, error->option), *remedy = option_of_field(given, error->remedy);
+    bool typed = option != NULL && argument(given, option->name) != NULL;
+    int used = snprintf(text, WORDING_SIZE, "%s%s%s", typed ? "--" : "", typed ? option->name : "",
+                        error->text + (typed ? strlen(error->option) : 0));
+    if (remedy == NULL || (remedy->value == NULL && argument_flag(given, remedy->name)))
+        return;
+    // A value in small letters is the only one.
+    bool only = remedy->value != NULL && islower((unsigned char)remedy->value[0]);
+    (void)snprintf(text + used, WORDING_SIZE - (size_t)used, "; --%s%s%s %s", remedy->name, only ? " " : "",
+                   only ? remedy->value : "", error->remedy_effect);
+}
+
+bool usage_accepts(const arguments *given, bat_status status, const bat_error *error)
+{
+    char text[WORDING_SIZE];
+    if (status == BAT_OK)
+        return true;
+    argument_wording(given, error, text);
+    (void)usage_error(given, "%s", text);
+    return false;
 }
 
 /// One option at argv[at], which begins with a dash; *at moves to its last word.
@@ -166,8 +233,7 @@ bool argument_whole(const arguments *given, const char *name, long low, long hig
     *value = strtol(text, &end, 10);
     if (end != text && *end == '\0' && errno == 0 && *value >= low && *value <= high)
         return true;
-    (void)usage_error(given, "--%s takes a whole number from %ld to %ld, not '%s'", name, low, high, text);
-    return false;
+    return argument_refused(given, name, "a whole number from %ld to %ld", low, high);
 }
 
 bool argument_number(const arguments *given, const char *name, double absent, double *value)
@@ -180,8 +246,7 @@ bool argument_number(const arguments *given, const char *name, double absent, do
     *value = strtod(text, &end);
     if (end != text && *end == '\0' && isfinite(*value))
         return true;
-    (void)usage_error(given, "--%s takes a number, not '%s'", name, text);
-    return false;
+    return argument_refused(given, name, "a finite number");
 }
 
 bool argument_word(const arguments *given, const char *name, const char *const *words, int absent, int *index)
@@ -199,8 +264,7 @@ bool argument_word(const arguments *given, const char *name, const char *const *
         size_t used = strlen(known);
         (void)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", words[i]);
     }
-    (void)usage_error(given, "--%s takes one of %s, not '%s'", name, known, text);
-    return false;
+    return argument_refused(given, name, "one of %s", known);
 }
 
 bool argument_list(const arguments *given, const char *name, double low, double high, bool whole, number_list *list)
@@ -224,9 +288,8 @@ bool argument_list(const arguments *given, const char *name, double low, double 
         }
         at = end + 1;
     }
-    (void)usage_error(given, "--%s takes up to %d %snumbers from %g to %g like %g,%g, not '%s'", name, MAX_LISTED,
-                      whole ? "whole " : "", low, high, low, high, text);
-    return false;
+    return argument_refused(given, name, "up to %d %snumbers from %g to %g, as in %g,%g", MAX_LISTED, whole ? "whole " : "",
+                            low, high, low, high);
 }
 
 bool argument_choice(const arguments *given, const char *name, const bat_family *family, void *value)
@@ -250,17 +313,11 @@ static bool store_number(const arguments *given, const option_spec *option, doub
     if (!argument_number(given, name, 0, field))
         return false;
     if (how->kind == FIELD_POSITIVE && !(*field > 0))
-        (void)usage_error(given, "--%s takes a positive number, not '%s'", name, argument(given, name));
-    else if (how->kind == FIELD_DEGREES && !(*field <= (double)how->high && *field >= 0 && (*field > 0 || how->low == 0)))
-        (void)usage_error(given, "--%s takes %s degrees%s, not '%s'", name,
-                          how->low == 0 ? "0 to 180" : "a positive number of", how->low == 0 ? "" : " up to 180",
-                          argument(given, name));
-    else
-    {
-        *field *= how->kind == FIELD_DEGREES ? DEGREE : 1;
-        return true;
-    }
-    return false;
+        return argument_refused(given, name, "finite and above 0");
+    if (how->kind == FIELD_DEGREES && !(*field <= (double)how->high && *field >= 0 && (*field > 0 || how->low == 0)))
+        return argument_refused(given, name, how->low == 0 ? "from 0 to 180" : "above 0 and at most 180");
+    *field *= how->kind == FIELD_DEGREES ? DEGREE : 1;
+    return true;
 }
 
 /// A whole number, or an enumerator, into a field of any size. False after a message.

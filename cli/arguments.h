@@ -162,7 +162,19 @@ bool argument_ending(const arguments *given, const bat_family *formats, int to);
 
 /// Print "batten: message" and the usage line of the verb to standard error, and return EXIT_BAD_USAGE.
 int usage_error(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/// Refuse options that the library refuses, unless `status` is BAT_OK. True where it is.
+/// Refuse an option that the user gave: "--NAME is VALUE, but must be RANGE". Returns false.
+bool argument_refused(const arguments *given, const char *name, const char *range, ...)
+    __attribute__((format(printf, 3, 4)));
+/// Refuse options that the library refuses, in the words of argument_wording(), unless `status` is BAT_OK. True where it is.
 bool usage_accepts(const arguments *given, bat_status status, const bat_error *error);
+
+enum
+{
+    WORDING_SIZE = 2 * BAT_ERROR_TEXT_SIZE
+};
+
+/// The text of a failure for the user: it names the option of the command line that is at fault, and the one that leads
+/// out, where the verb has it and it was not given.
+void argument_wording(const arguments *given, const bat_error *error, char text[WORDING_SIZE]);
 
 #endif

@@ -134,11 +134,8 @@ static bool read_panels(curve_job *job)
         long level = strtol(at, &end, 10);
         if (end == at || (*end != '\0' && *end != ',') || errno != 0 || level < 0 || level > CURVE_MAX_LEVELS ||
             job->panel_count == CURVE_MAX_PANELS)
-        {
-            (void)usage_error(job->call.given, "--panel takes up to %d levels from 0 to %d, as in 0,1,2,5", CURVE_MAX_PANELS,
-                              CURVE_MAX_LEVELS);
-            return false;
-        }
+            return argument_refused(job->call.given, "panel", "up to %d levels from 0 to %d, as in 0,1,2,5",
+                                    CURVE_MAX_PANELS, CURVE_MAX_LEVELS);
         job->panels[job->panel_count++] = (size_t)level;
         at = end + (*end == ',');
     }
@@ -184,7 +181,7 @@ static bool check_exclusions(const curve_job *job)
     else if (job->map.topology == BAT_CURVE_MAP_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
         (void)usage_error(given, "--topology separate does not go with --keep-area and --snap-tolerance");
     else if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
-        (void)usage_error(given, "--on takes sphere, not '%s'", argument(given, "on"));
+        return argument_refused(given, "on", "sphere");
     else if (job->best_tension && job->scheme != NULL &&
              (job->model_file != NULL || !curve_has_tension(&job->refine.scheme)))
         (void)usage_error(given, "--best-tension goes with angle-based schemes, not '%s'", job->scheme);

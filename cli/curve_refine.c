@@ -174,10 +174,8 @@ int curve_stream(curve_job *job)
     report_progress_end();
     if (stream.code != EXIT_DONE)
         return stream.code;
-    if (status == BAT_FILE_ACCESS && strstr(error.text, "write") != NULL)
-        return report_failure(job->call.output, &error);
     if (status != BAT_OK)
-        return report_bad_input(job->call.given, job->call.input, &error);
+        return report_bad_input(job->call.given, error.operand == 1 ? job->call.output : job->call.input, &error);
     job->fine = (bat_curve_set){.space = &job->space, .count = report.curves};
     return EXIT_DONE;
 }

@@ -15,23 +15,18 @@ int curve_failure(const curve_job *job, size_t failed, const bat_error *error)
     const bat_curve_set *set = &job->coarse;
     bat_error whole = *error;
     char place[160];
-    bool too_few = failed < set->count && strstr(error->text, " points, not ") != NULL;
-    if (error->index != BAT_NO_INDEX || too_few)
+    bool whole_curve = failed < set->count && error->operand == 0; // and no point of it
+    if (error->index != BAT_NO_INDEX || whole_curve)
     {
         if (failed < set->count && whole.line == 0)
-            whole.line = bat_curve_set_line(set, failed, too_few ? 0 : error->index);
+            whole.line = bat_curve_set_line(set, failed, whole_curve ? 0 : error->index);
         bat_curve_set_place(set, failed, error->index, place, sizeof place);
         int length = snprintf(whole.text, sizeof whole.text, "%s%s", place, place[0] != '\0' ? ": " : "");
         (void)snprintf(whole.text + length, sizeof whole.text - (size_t)length, "%.*s", (int)sizeof whole.text - length - 1,
                        error->text);
     }
-    if (curve_stops(job) && error->status == BAT_TOO_LARGE && error->index != BAT_NO_INDEX)
-    {
-        size_t used = strlen(whole.text);
-        (void)snprintf(whole.text + used, sizeof whole.text - used, "; --levels allows more");
-    }
     bool pair = error->status == BAT_CUT_LOCUS && error->index != BAT_NO_INDEX && error->index > 0 && whole.line > 0;
-    if (pair && strstr(error->text, "lines") == NULL)
+    if (pair)
     {
         size_t used = strlen(whole.text);
         (void)snprintf(whole.text + used, sizeof whole.text - used, " (line %zu)",

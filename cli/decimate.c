@@ -97,18 +97,15 @@ static bool read_tolerance(const arguments *given, bat_mesh_decimate_options *op
         options->error /= 100;
     if (end != text && (*end == '\0' || options->relative_error) && isfinite(options->error) && options->error > 0)
         return true;
-    (void)usage_error(given, "--tolerance takes a length or a share of the diagonal as 0.1%%, above 0, not '%s'", text);
-    return false;
+    return argument_refused(given, "tolerance", "a length or a share of the diagonal as 0.1%%, above 0");
 }
 
 static bool read_target(const arguments *given, bat_mesh_decimate_options *options)
 {
     if (find_target(given) == NULL || !read_tolerance(given, options))
         return false;
-    if (argument(given, "ratio") == NULL || (options->ratio > 0 && options->ratio <= 1))
-        return true;
-    (void)usage_error(given, "ratio is %.10g, but must be above 0 and at most 1", options->ratio);
-    return false;
+    return argument(given, "ratio") == NULL || (options->ratio > 0 && options->ratio <= 1) ||
+           argument_refused(given, "ratio", "above 0 and at most 1");
 }
 
 static void begin(void *to)
@@ -167,7 +164,7 @@ static int write_mesh(void *of, const char *path)
     bat_error error;
     return bat_mesh_write(path, &job->coarse, &job->files.write, &error) == BAT_OK
                ? EXIT_DONE
-               : report_failure(job->call.output, &error);
+               : report_bad_input(job->call.given, job->call.output, &error);
 }
 
 /// Whether the result has as few vertices or faces as wanted.

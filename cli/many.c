@@ -214,7 +214,10 @@ static int name_outputs(many *all)
     const char *folder = argument(all->given, "output"), *format = argument(all->given, "to");
     const char *ending = format != NULL ? endings_of(format, formats) : NULL;
     if (format != NULL && ending == NULL)
-        return usage_error(all->given, "--to takes a format with an ending, see `batten list formats`, not '%s'", format);
+    {
+        (void)argument_refused(all->given, "to", "a format with an ending, see `batten list formats`");
+        return EXIT_BAD_USAGE;
+    }
     for (size_t i = 0; i < all->count; i++)
     {
         const char *name = base_name(all->tasks[i].input);

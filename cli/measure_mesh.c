@@ -194,8 +194,7 @@ static int draw_distances(measure_job *job)
 
 const char *measure_file_at_fault(const char *const paths[2], const bat_error *error)
 {
-    bool first = strstr(error->text, "first") != NULL && strstr(error->text, "second") == NULL;
-    return first || paths[1] == NULL ? paths[0] : paths[1];
+    return error->operand == 0 || paths[1] == NULL ? paths[0] : paths[1];
 }
 
 static int compare(measure_job *job)

@@ -40,8 +40,8 @@ static const option_spec OPTIONS[] = {
     {"levels", "K", METHOD, COMMON, "how often to refine; default 2", WHOLE(mesh_job, refine.levels, 0, MAX_LEVELS)},
     {"tolerance", "E", METHOD, COMMON,
      "loop, catmull-clark: refine where needed, until faces are within E of the limit surface",
-     NUMBER(mesh_job, refine.tolerance)},
-    {"max-edge", "L", METHOD, 0, "the same, until no edge is longer than L", NUMBER(mesh_job, refine.max_edge)},
+     POSITIVE(mesh_job, refine.tolerance)},
+    {"max-edge", "L", METHOD, 0, "the same, until no edge is longer than L", POSITIVE(mesh_job, refine.max_edge)},
     {"crease-angle", "DEG", METHOD, COMMON,
      "learned, loop, catmull-clark: keep edges sharp at which faces meet at a greater angle",
      DEGREES(mesh_job, refine.crease_angle, 0)},
@@ -124,10 +124,7 @@ static bool check(void *of)
     if (job->refine.scheme == BAT_MESH_SCHEME_AUTO && argument_first(given, of_learned) != NULL)
         job->refine.scheme = BAT_MESH_SCHEME_LEARNED;
     if (job->gigabytes > 1e9)
-    {
-        (void)usage_error(given, "--max-memory takes a number of gigabytes up to 1e9");
-        return false;
-    }
+        return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");
     job->refine.max_memory = (size_t)(1e9 * job->gigabytes);
     if (!usage_accepts(given, bat_mesh_refine_options_check(&job->refine, &error), &error))
         return false;
@@ -147,15 +144,11 @@ static bool takes_polygons(const mesh_job *job)
 static int report_bad_mesh(const mesh_job *job, const bat_error *error)
 {
     bat_error whole = *error;
-    const char *end = strstr(error->text, "; --triangulate cuts");
-    if (end != NULL && !takes_polygons(job))
-    {
-        (void)snprintf(whole.text, sizeof whole.text,
-                       "%.*s; --triangulate cuts it into triangles, and --scheme catmull-clark refines it as it is",
-                       (int)(end - error->text), error->text);
-        return report_failure(job->call.input, &whole);
-    }
-    return report_bad_input(job->call.given, job->call.input, error);
+    size_t used = strlen(whole.remedy_effect);
+    if (strcmp(error->remedy, "triangulate") == 0 && !takes_polygons(job))
+        (void)snprintf(whole.remedy_effect + used, sizeof whole.remedy_effect - used,
+                       ", and --scheme catmull-clark refines it as it is");
+    return report_bad_input(job->call.given, job->call.input, &whole);
 }
 
 static int read_coarse(mesh_job *job)
@@ -299,7 +292,7 @@ static int write_mesh(void *of, const char *path)
                                             : bat_mesh_write(path, &job->fine, &options, &error);
     if (status == BAT_OK)
         return EXIT_DONE;
-    return report_failure(job->call.output, &error);
+    return report_bad_input(job->call.given, job->call.output, &error);
 }
 
 /// The numbers of vertices and faces of a mesh.

@@ -67,10 +67,7 @@ static bool read_tangents(const arguments *given, curve_job *job)
         return true;
     }
     if (strcmp(how, "2") != 0 && strcmp(how, "4") != 0)
-    {
-        (void)usage_error(given, "--tangents takes resting, smooth, limited, 2 or 4, not '%s'", how);
-        return false;
-    }
+        return argument_refused(given, "tangents", "resting, smooth, limited, 2 or 4");
     motion->tangent_order = (size_t)(how[0] - '0');
     return true;
 }
@@ -91,10 +88,7 @@ static bool read_sigma(const arguments *given, curve_job *job)
         spline->angle_sigma = strtod(second, &end);
         good = end != second && spline->angle_sigma >= 0 && isfinite(spline->angle_sigma);
     }
-    if (good && *end == '\0')
-        return true;
-    (void)usage_error(given, "--sigma takes a number, or two as in 0.01,0.002, not '%s'", text);
-    return false;
+    return (good && *end == '\0') || argument_refused(given, "sigma", "a number, or two as in 0.01,0.002");
 }
 
 static bool read_units(const arguments *given, curve_job *job)
@@ -103,10 +97,7 @@ static bool read_units(const arguments *given, curve_job *job)
     if (units == NULL)
         return true;
     if (comma == NULL || strlen(comma + 1) >= sizeof job->units[1] || comma - units >= (ptrdiff_t)sizeof job->units[0])
-    {
-        (void)usage_error(given, "--units takes a unit of length and one of time, as in m,s, not '%s'", units);
-        return false;
-    }
+        return argument_refused(given, "units", "a unit of length and one of time, as in m,s");
     (void)snprintf(job->units[0], sizeof job->units[0], "%.*s", (int)(comma - units), units);
     (void)snprintf(job->units[1], sizeof job->units[1], "%s", comma + 1);
     return true;

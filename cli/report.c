@@ -17,50 +17,27 @@ static struct
     int percent;      ///< the one drawn last; -1 for none
 } work;
 
-int(report_failure)(const char *file, const bat_error *error)
+static int report_text(const char *file, size_t line, const char *text)
 {
     (void)fputs("batten: ", stderr);
     if (file != NULL)
         terminal_print(stderr, "%s:", file);
-    if (error->line > 0)
-        (void)fprintf(stderr, "%zu:", error->line);
-    terminal_print(stderr, "%s%s\n", file != NULL || error->line > 0 ? " " : "", error->text);
+    if (line > 0)
+        (void)fprintf(stderr, "%zu:", line);
+    terminal_print(stderr, "%s%s\n", file != NULL || line > 0 ? " " : "", text);
     return EXIT_BAD_INPUT;
 }
 
-/// Options that lead out of a failure, by its status and a part of its text.
-static const struct
+int(report_failure)(const char *file, const bat_error *error)
 {
-    bat_status status;
-    const char *part;
-    const char *option, *effect;
-} WAYS_OUT[] = {
-    {BAT_NOT_MANIFOLD, "", "repair", "cuts the mesh there"},
-    {BAT_BAD_FILE, "twice", "repair", "drops the face"},
-    {BAT_BAD_FILE, "unit length", "project", "moves points onto the space"},
-    {BAT_BAD_FILE, "a latitude outside", "space", "plane takes plane coordinates"},
-    {BAT_BAD_FILE, "a longitude outside", "space", "plane takes plane coordinates"},
-    {BAT_UNSUPPORTED, "option `crs`", "crs", "NAME names their system, as in --crs EPSG:25833"},
-    {BAT_INVALID_ARGUMENT, "option extrapolate", "extrapolate", "goes on with constant velocity"},
-    {BAT_NO_CONVERGENCE, "acceleration continuous", "tangents", "limited does without"},
-    {BAT_INVALID_POINT, "rounding makes", "precision", "N keeps more decimals"},
-};
+    return report_text(file, error->line, error->text);
+}
 
 int report_bad_input(const arguments *given, const char *file, const bat_error *error)
 {
-    bat_error whole = *error;
-    for (size_t i = 0; i < sizeof WAYS_OUT / sizeof *WAYS_OUT; i++)
-    {
-        const char *option = WAYS_OUT[i].option, *end;
-        if (error->status != WAYS_OUT[i].status || strstr(error->text, WAYS_OUT[i].part) == NULL ||
-            !argument_exists(given, option) || argument_flag(given, option))
-            continue;
-        end = strchr(error->text, ';');
-        int length = end != NULL ? (int)(end - error->text) : (int)strlen(error->text);
-        (void)snprintf(whole.text, sizeof whole.text, "%.*s; --%s %s", length, error->text, option, WAYS_OUT[i].effect);
-        break;
-    }
-    return report_failure(file, &whole);
+    char text[WORDING_SIZE];
+    argument_wording(given, error, text);
+    return report_text(file, error->line, text);
 }
 
 void report_notes(const bat_mesh_notes *notes, FILE *stream)

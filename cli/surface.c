@@ -103,17 +103,12 @@ static bool read_input(surface_job *job)
     const arguments *given = job->call.given;
     const char *boundary = argument(given, "boundary"), *corners = argument(given, "corners");
     if (corners != NULL && !read_corners(corners, job->corners))
-    {
-        (void)usage_error(given, "--corners takes four numbers of points like 0,33,66,99, not '%s'", corners);
-        return false;
-    }
+        return argument_refused(given, "corners", "four numbers of points, as in 0,33,66,99");
     job->read.corners = corners != NULL ? job->corners : NULL;
     if (boundary != NULL)
         read_boundary(boundary, &job->read);
-    if (boundary == NULL || job->read.boundary_path != NULL || job->read.boundary >= 4)
-        return true;
-    (void)usage_error(given, "--boundary takes a file, or a number of points from 4, not '%s'", boundary);
-    return false;
+    return boundary == NULL || job->read.boundary_path != NULL || job->read.boundary >= 4 ||
+           argument_refused(given, "boundary", "a file, or a number of points from 4");
 }
 
 /// A name, or the file of given parameters, which has a dot or a slash in its name.
@@ -280,7 +275,7 @@ static int write_surface(void *of, const char *path)
     }
     if (bat_surface_write(path, &job->result.surface, &write, &error) == BAT_OK)
         return EXIT_DONE;
-    return report_failure(job->call.output, &error);
+    return report_bad_input(job->call.given, job->call.output, &error);
 }
 
 static int make_fit(surface_job *job)

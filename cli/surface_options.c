@@ -10,7 +10,7 @@ enum
 
 const option_spec SURFACE_FIT_OPTIONS[] = {
     {"tolerance", "T", METHOD, COMMON, "refine where points are farther off than this, in their units",
-     NUMBER(bat_surface_fit_options, tolerance)},
+     POSITIVE(bat_surface_fit_options, tolerance)},
     {"functions", "N", METHOD, COMMON,
      "the maximum number of functions, which is that of control points; default: as many as bring held-out points nearer",
      WHOLE(bat_surface_fit_options, functions, 1, MAX_FUNCTIONS)},
@@ -58,12 +58,9 @@ static bool read_degrees(const arguments *given, int degree[2])
     }
     good = good && *end == '\0' && first >= 1 && first <= BAT_SPLINE_MAX_DEGREE && second >= 1 &&
            second <= BAT_SPLINE_MAX_DEGREE;
-    if (!good)
-        (void)usage_error(given, "--degree takes a number from 1 to %d, or two like 3,2, not '%s'", BAT_SPLINE_MAX_DEGREE,
-                          argument(given, "degree"));
     degree[0] = (int)first;
     degree[1] = (int)second;
-    return good;
+    return good || argument_refused(given, "degree", "a number from 1 to %d, or two as in 3,2", BAT_SPLINE_MAX_DEGREE);
 }
 
 bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit)
@@ -75,9 +72,7 @@ bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit)
         fit->smoothing = BAT_SURFACE_SMOOTHING_NOISE;
     if (!read_degrees(given, fit->space.degree) || !usage_accepts(given, bat_surface_fit_options_check(fit, &error), &error))
         return false;
-    if (fit->tolerance == 0 && argument(given, "tolerance") != NULL)
-        (void)usage_error(given, "--tolerance takes a number above 0");
-    else if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
+    if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
         (void)usage_error(given, "--noise and --smoothing exclude each other");
     else if (argument(given, "share") != NULL && argument(given, "tolerance") == NULL)
         (void)usage_error(given, "--share needs --tolerance");

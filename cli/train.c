@@ -103,9 +103,7 @@ static bool read_range(const arguments *given, const char *name, long max, long 
     if (text == NULL)
         return false;
     *failed = !parse_range(text, true, low, high) || *low < 1 || *high < *low || *high > max;
-    if (*failed)
-        (void)usage_error(given, "--%s is a number, or two like 2-5, of 1 to %ld, not '%s'", name, max, text);
-    return !*failed;
+    return !*failed || argument_refused(given, name, "a number, or two as in 2-5, from 1 to %ld", max);
 }
 
 // Reports
@@ -250,7 +248,7 @@ static int train_curve(void *of)
     job->curve.run.progress = report_progress("training");
     bat_status status = bat_curve_train(&job->curve, &job->curve_report, &error);
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, NULL, &error);
 }
 
 static int report_curve(void *of)
@@ -322,10 +320,7 @@ static bool read_vertices(const arguments *given, bat_mesh_train_options *option
     if (text == NULL)
         return true;
     if (!parse_range(text, false, &low, &high) || low < 4 || high < low || high > BAT_MESH_TRAIN_MAX_VERTICES)
-    {
-        (void)usage_error(given, "--vertices is two numbers like 150-300, of 4 or more, not '%s'", text);
-        return false;
-    }
+        return argument_refused(given, "vertices", "two numbers of 4 or more, as in 150-300");
     options->min_vertices = (size_t)low;
     options->max_vertices = (size_t)high;
     return true;
@@ -393,7 +388,7 @@ static int train_mesh(void *of)
     job->mesh.run.progress = report_progress("training");
     bat_status status = bat_mesh_train(job->shapes, count, &job->mesh, &job->mesh_report, &error);
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, NULL, &error);
 }
 
 static int report_mesh(void *of)
@@ -510,7 +505,7 @@ static int train_surface(void *of)
     job->surface.run.progress = report_progress("training");
     bat_status status = bat_surface_train(&job->surface, &job->surface_report, &error);
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, NULL, &error);
 }
 
 static int report_surface(void *of)

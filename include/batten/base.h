@@ -60,12 +60,19 @@ BAT_API const char *bat_status_name(bat_status status);
 #define BAT_NO_INDEX ((size_t)-1)
 #define BAT_ERROR_TEXT_SIZE 280
 
-/// The text and the place of a failure. Only failing calls fill it. Every call takes null instead.
+/// A failure as data: its cause, its place, and what leads out. Only failing calls fill it. Every call takes null instead.
+/// A program decides by the fields; `text` is for people alone. A program with names of its own for options prints them
+/// for `option` and `remedy`.
 typedef struct bat_error
 {
-    bat_status status;
-    size_t index;                   ///< the point, curve or coefficient at fault, counted from 0; or BAT_NO_INDEX
-    size_t line;                    ///< the line of the file at fault, counted from 1; 0 when there is none
+    bat_status status;      ///< the cause
+    size_t operand;         ///< the input of the call at fault, counted from 0; or BAT_NO_INDEX
+    size_t index;           ///< the point, curve or coefficient at fault, counted from 0; or BAT_NO_INDEX
+    size_t index_at;        ///< where `text` names the index, for a caller that numbers otherwise; 0: nowhere, or unknown
+    size_t line;            ///< the line of the file at fault, counted from 1; 0 when there is none
+    char option[32];        ///< the field of an options struct at fault, with which `text` begins; "" for none
+    char remedy[32];        ///< the field of an options struct that leads out, as in "repair"; "" for none
+    char remedy_effect[96]; ///< what it does, to follow its name, as in "cuts the mesh there"
     char text[BAT_ERROR_TEXT_SIZE]; ///< one line without a full stop; it names the index itself where there is one
 } bat_error;
 

@@ -142,7 +142,9 @@ BAT_API bat_status bat_curve_refine_file_options_check(const bat_curve_refine_fi
 /// @param output  "-" is standard output; it may be the input file
 /// @param options null for the defaults
 /// @param report  receives counts when the call succeeds; may be null
-/// @param error   `line` is the line that the failing feature begins on, and the text names the feature
+/// @param error   `operand` is 1 where the output is at fault; `line` is the line that the failing feature begins on, and
+/// the
+///                text names the feature
 /// @return as bat_curve_read(), bat_curves_refine() and bat_curve_write()
 BAT_API bat_status bat_curve_refine_file(const char *input, const char *output, const bat_curve_refine_file_options *options,
                                          bat_curve_refine_file_report *report, bat_error *error);

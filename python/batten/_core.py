@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import math
 import os
-import re
 import tempfile
 import threading
 import weakref
@@ -38,12 +37,18 @@ class BattenError(Exception):
         Of several curves, the one at fault.
     line : int or None
         The line of the file at fault, counted from 1.
+    option : str or None
+        The argument at fault.
+    remedy : str or None
+        The argument that leads out.
     """
 
     status: str = ""
     index: int | None = None
     curve: int | None = None
     line: int | None = None
+    option: str | None = None
+    remedy: str | None = None
 
 
 class BattenWarning(UserWarning):
@@ -115,14 +120,24 @@ def call(function: Callable[..., int], *arguments: Any, failed: Any = None) -> N
         return
     if _thread.raised is not None:
         raise _thread.raised
-    text = ffi.string(error.text).decode(errors="replace")
-    text = re.sub(r"--([a-z]+(?:-[a-z]+)*)", lambda option: f"'{option[1].replace('-', '_')}'", text)  # an option of the program
+    text, option, remedy, effect = (
+        ffi.string(part).decode(errors="replace") for part in (error.text, error.option, error.remedy, error.remedy_effect)
+    )
+    text = _argument(option) + text[len(option) :]
+    if remedy:
+        text += f"; {_argument(remedy)}= {effect}"
     curve = None if failed is None or failed[0] == NO_INDEX else int(failed[0])
     exception = _ERRORS.get(status, BattenError)(text if curve is None else f"curve {curve}: {text}")
     exception.status, exception.curve = ffi.string(lib.bat_status_name(status)).decode(), curve
     exception.index = None if error.index == NO_INDEX else error.index
     exception.line = error.line or None
+    exception.option, exception.remedy = _argument(option) or None, _argument(remedy) or None
     raise exception
+
+
+def _argument(field: str) -> str:
+    """The argument that sets a field, which may be in a struct inside, as "rules.boundary"."""
+    return field.rpartition(".")[2]
 
 
 def keep_exception(_: Any, exception: BaseException, __: Any) -> None:

@@ -91,7 +91,7 @@ bat_status bat_cloud_bezier_options_check(const bat_cloud_bezier_options *option
     if (options == NULL)
         return BAT_OK;
     if (options->side == 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "side is 1, but must be 0 or at least 2");
+        return error_option(error, "side", "is 1, but must be 0 or at least 2");
     return OPTIONS_CHECK(options, FIELDS, error);
 }
 

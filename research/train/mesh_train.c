@@ -111,7 +111,7 @@ static bat_status check(const void *context, bat_error *error)
     const bat_mesh_train_options *o = t->options;
     size_t shapes = count_shapes(t);
     if (o->begin != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "begin is of the recipe batten");
+        return error_option(error, "begin", "is of the recipe batten");
     if (shapes == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "training needs at least 1 shape");
     size_t whole = BAT_MESH_TRAIN_MAX_PAIRS / shapes;

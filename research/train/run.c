@@ -39,10 +39,10 @@ bat_status train_check_ranges(const train_range *ranges, size_t count, bat_error
         if (in_range(r))
             continue;
         if (isinf(r->max))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s is %.15g: it must be finite and %s %.15g",
-                             r->field, r->value, r->above ? "above" : "at least", r->min);
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s is %.15g: it must be %s%.15g %s %.15g", r->field,
-                         r->value, r->above ? "above " : "", r->min, r->below ? "to below" : "to", r->max);
+            return error_option(error, r->field, "is %.15g, but must be finite and %s %.15g", r->value,
+                                r->above ? "above" : "at least", r->min);
+        return error_option(error, r->field, "is %.15g, but must be %s%.15g %s %.15g", r->value, r->above ? "above " : "",
+                            r->min, r->below ? "to below" : "to", r->max);
     }
     return BAT_OK;
 }

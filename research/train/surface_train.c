@@ -68,8 +68,7 @@ static bat_status check(const void *context, bat_error *error)
         {"rate", o->rate, 0, INFINITY, true, false},
     };
     if (o->uninformed && o->recipe != BAT_RECIPE_PUBLISHED)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "uninformed must be false: only the published recipe has it");
+        return error_option(error, "uninformed", "must be false: only the published recipe has it");
     return train_check_ranges(ranges, sizeof ranges / sizeof *ranges, error);
 }
 

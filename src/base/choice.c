@@ -120,10 +120,18 @@ bat_status bat_choice_of_path(const bat_family *family, const char *path, bool w
     for (size_t i = 0; i < sizeof HINTS / sizeof *HINTS; i++)
         if (has_ending(HINTS[i].endings, ending))
             hint = HINTS[i].text;
-    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                     "no %s that is %s has the ending '%.20s'%s; there are %s; --%s names one", family->what,
-                     writes ? "written" : "read", ending, hint, choice_endings(family, writes, known, sizeof known),
-                     writes ? "to" : "from");
+    (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "no %s that is %s has the ending '%.20s'%s; there are %s",
+                    family->what, writes ? "written" : "read", ending, hint,
+                    choice_endings(family, writes, known, sizeof known));
+    return error_remedy(error, BAT_INVALID_ARGUMENT, writes ? "write.format" : "read.format", "names one");
+}
+
+bat_status choice_unnamed_output(const bat_family *family, bat_error *error)
+{
+    char known[2 * BAT_ERROR_TEXT_SIZE / 3];
+    (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "cannot tell what format to write; the endings are %s",
+                    choice_endings(family, true, known, sizeof known));
+    return error_remedy(error, BAT_INVALID_ARGUMENT, "write.format", "names one");
 }
 
 const bat_choice *bat_choices(const bat_family *family, size_t index)

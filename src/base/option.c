@@ -87,8 +87,7 @@ bat_status options_check(const void *options, const option_field *fields, size_t
             continue;
         char range[RANGE_SIZE];
         describe_range(&fields[i], range);
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s is %.10g, but must be %s", fields[i].name, value,
-                         range);
+        return error_option(error, fields[i].name, "is %.10g, but must be %s", value, range);
     }
     return BAT_OK;
 }

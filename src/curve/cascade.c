@@ -198,8 +198,7 @@ static void run_chunks(const cascade *task, const double *root, double *fine, pt
         if (ready && status != BAT_OK)
         {
             size_t point = point_at_fault(task, fault) >> task->base;
-            (void)error_set(&error, status, point, 0, "there is no new point after point %zu (%s)", point,
-                            bat_status_name(status));
+            (void)error_point(&error, status, point, "there is no new point after point", " (%s)", bat_status_name(status));
         }
         shared_work_finish(work, i, status, &error);
     }

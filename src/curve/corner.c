@@ -18,7 +18,7 @@ bat_status corners_find(const bat_curve *curve, double angle, unsigned char *fla
             bat_status status = polygon_exterior_angle(curve->space, p + (i == 0 ? n - 1 : i - 1) * dim, p + i * dim,
                                                        p + (i + 1 == n ? 0 : i + 1) * dim, &turn);
             if (status != BAT_OK)
-                return error_set(error, status, i, 0, "there is no angle at point %zu (%s)", i, bat_status_name(status));
+                return error_point(error, status, i, "there is no angle at point", " (%s)", bat_status_name(status));
             flags[i] = turn > angle;
         }
         *count += flags[i];

@@ -34,8 +34,11 @@ bat_status bat_curve_check(const bat_curve *curve, bat_error *error)
 {
     size_t least = curve->closed ? 3 : 2;
     if (curve->count < least)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %zu points, not %zu",
-                         curve->closed ? "a closed" : "an open", least, curve->count);
+        return error_operand(error,
+                             error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                                       "%s curve needs at least %zu points, not %zu", curve->closed ? "a closed" : "an open",
+                                       least, curve->count),
+                             0);
     if (curve->channel_count > BAT_SPACE_MAX_DIM || (curve->channel_count > 0 && curve->channels == NULL))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "a curve carries up to %d channels, and has their values", BAT_SPACE_MAX_DIM);

@@ -109,7 +109,7 @@ bat_status parametric_extend(const bat_space *rows, const bat_space *points, bat
         status = extend_end(rows, points, parameters, buffer + (ptrdiff_t)at * step, -step, count, after);
     }
     if (status != BAT_OK)
-        return error_set(error, status, at, 0, "the open curve cannot be continued beyond its end point %zu (%s)", at,
-                         bat_status_name(status));
+        return error_point(error, status, at, "the open curve cannot be continued beyond its end point", " (%s)",
+                           bat_status_name(status));
     return BAT_OK;
 }

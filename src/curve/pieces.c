@@ -77,22 +77,6 @@ static size_t vertex_of(const pieces *all, size_t edge)
     return (all->first + edge) % all->vertices;
 }
 
-/// Replace the number of a point of a piece by that of the whole curve, in the index and in the text.
-static void renumber(const pieces *all, const piece *part, bat_error *error)
-{
-    char local[32], number[32], rest[BAT_ERROR_TEXT_SIZE];
-    if (error->index == BAT_NO_INDEX)
-        return;
-    int length = snprintf(local, sizeof local, "point %zu", error->index);
-    error->index = vertex_of(all, part->edge + error->index);
-    (void)snprintf(number, sizeof number, "point %zu", error->index);
-    char *at = strstr(error->text, local);
-    if (at == NULL)
-        return;
-    (void)snprintf(rest, sizeof rest, "%s", at + length);
-    (void)snprintf(at, sizeof error->text - (size_t)(at - error->text), "%s%s", number, rest);
-}
-
 /// The piece as a curve of its own.
 static bat_curve curve_of(const pieces *all, const piece *part)
 {
@@ -192,8 +176,8 @@ static bat_status for_each(pieces *all, piece_work *work_on, void *context, bat_
         progress_part part = {progress, (double)i / (double)all->count, 1 / (double)all->count};
         bat_progress inner = all->team > 1 ? (bat_progress){0} : progress_of_part(&part);
         bat_status status = work_on(all, &all->list[i], context, inner, &own);
-        if (status != BAT_OK)
-            renumber(all, &all->list[i], &own);
+        if (status != BAT_OK && own.index != BAT_NO_INDEX)
+            error_renumber(&own, vertex_of(all, all->list[i].edge + own.index));
         shared_work_finish(&work, i, status, &own);
     }
     return shared_work_end(&work, error);
@@ -215,10 +199,7 @@ static bat_status choose_levels(pieces *all, piece *part, void *context, bat_pro
     {
         size_t needed = stop_levels_of_geodesic(options, edge_length(&curve));
         levels[0] = (unsigned char)needed;
-        return needed != SIZE_MAX ? BAT_OK
-                                  : error_set(error, BAT_TOO_LARGE, 0, 0,
-                                              "the edge after point 0 needs more than the %zu levels that max_levels allows",
-                                              options->max_levels);
+        return needed != SIZE_MAX ? BAT_OK : stop_needs_more(0, options->max_levels, error);
     }
     size_t deepest = stop_deepest(options, part->edges);
     refine_source source;
@@ -346,7 +327,7 @@ static bat_status run_straight(const bat_curve *curve, size_t levels, double *po
         if (i > 0 && i < last)
             status = bat_space_geodesic(space, p, p + dim, share, points + i * dim);
         if (status != BAT_OK)
-            return error_set(error, status, 0, 0, "there is no new point after point 0 (%s)", bat_status_name(status));
+            return error_point(error, status, 0, "there is no new point after point", " (%s)", bat_status_name(status));
         for (size_t c = 0; channels != NULL && c < channel_count; c++)
             channels[i * channel_count + c] = (1 - share) * u[c] + share * u[channel_count + c];
     }

@@ -171,8 +171,8 @@ bat_status polygon_extend(const bat_space *space, double *points, size_t count, 
             status = point_beyond(space, end, last, -step, count, distance, last + (ptrdiff_t)distance * step);
         }
         if (status != BAT_OK)
-            return error_set(error, status, at, 0, "the open curve cannot be continued beyond its end point %zu (%s)", at,
-                             bat_status_name(status));
+            return error_point(error, status, at, "the open curve cannot be continued beyond its end point", " (%s)",
+                               bat_status_name(status));
     }
     return BAT_OK;
 }

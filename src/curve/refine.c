@@ -106,8 +106,7 @@ static bat_status check_overflow(const padded_rows *coarse, const bat_curve_sche
             if (!isfinite(fine[i * dim + c]))
             {
                 size_t point = i >> plan->options.levels;
-                return error_set(error, BAT_INVALID_POINT, point, 0, "new points after point %zu are too large for doubles",
-                                 point);
+                return error_point(error, BAT_INVALID_POINT, point, "new points after point", " are too large for doubles");
             }
     return BAT_OK;
 }

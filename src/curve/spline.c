@@ -33,8 +33,8 @@ static bat_status measure_increments(const spline *s, bat_error *error)
     {
         s->increments[i] = parametric_increment(s->scheme->parameters, ldexp(s->increments[i], -exponent));
         if (!(s->increments[i] > 0 && isfinite(s->increments[i])))
-            return error_set(error, BAT_INVALID_POINT, i, 0, "the edge after point %zu is too %s beside the others", i,
-                             s->increments[i] > 0 ? "long" : "short");
+            return error_point(error, BAT_INVALID_POINT, i, "the edge after point", " is too %s beside the others",
+                               s->increments[i] > 0 ? "long" : "short");
     }
     return BAT_OK;
 }
@@ -46,8 +46,7 @@ static bat_status find_derivatives(const spline *s, const bat_curve_refine_optio
     if (status == BAT_NO_MEMORY)
         return error_memory(error, s->count * (s->tangent_dim + 1) * sizeof(double));
     if (status != BAT_OK)
-        return error_set(error, status, fault, 0, "the spline has no velocity at point %zu (%s)", fault,
-                         bat_status_name(status));
+        return error_point(error, status, fault, "the spline has no velocity at point", " (%s)", bat_status_name(status));
     return BAT_OK;
 }
 
@@ -170,8 +169,7 @@ static bat_status evaluate(const spline *s, const refine_plan *plan, double *poi
         size_t end = (i + 1) * PIECE < plan->count ? (i + 1) * PIECE : plan->count, fault = 0;
         bat_status status = run_piece(s, options->levels, i * PIECE, end, points, channels, &fault);
         if (status != BAT_OK)
-            (void)error_set(&own, status, fault, 0, "there is no new point after point %zu (%s)", fault,
-                            bat_status_name(status));
+            (void)error_point(&own, status, fault, "there is no new point after point", " (%s)", bat_status_name(status));
         shared_work_finish(&work, i, status, &own);
     }
     return shared_work_end(&work, error);

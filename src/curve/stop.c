@@ -239,8 +239,7 @@ static bat_status decide(level_search *search, size_t edge, const piece_maxima *
         const piece_maxima *at = &maxima[level - test.from];
         double distance = options->tolerance > 0 ? limit_distance(at) : 0;
         if (!isfinite(at->length) || !isfinite(distance))
-            return error_set(error, BAT_INVALID_POINT, edge, 0, "new points after point %zu are too large for doubles",
-                             edge);
+            return error_point(error, BAT_INVALID_POINT, edge, "new points after point", " are too large for doubles");
         if (options->max_segment > 0 && !(at->length <= options->max_segment))
             continue;
         if (options->tolerance > 0 && !(distance <= options->tolerance))
@@ -314,14 +313,18 @@ static size_t collect_runs(const level_search *search, size_t edges, edge_run *r
     return list.count;
 }
 
+bat_status stop_needs_more(size_t edge, size_t most, bat_error *error)
+{
+    (void)error_point(error, BAT_TOO_LARGE, edge, "the edge after point", " needs more than the %zu levels allowed", most);
+    return error_remedy(error, BAT_TOO_LARGE, "max_levels", "allows more");
+}
+
 /// The first edge that needs too many levels is at fault.
 static bat_status find_failure(const level_search *search, size_t edges, bat_error *error)
 {
     for (size_t i = 0; i < edges; i++)
         if (search->levels[i] == FAILED)
-            return error_set(error, BAT_TOO_LARGE, i, 0,
-                             "the edge after point %zu needs more than the %zu levels that max_levels allows", i,
-                             search->most);
+            return stop_needs_more(i, search->most, error);
     return BAT_OK;
 }
 

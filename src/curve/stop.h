@@ -25,6 +25,9 @@ static inline bool stop_wanted(const bat_curve_refine_options *options)
 /// the limit curve.
 /// @return BAT_OK, or BAT_UNSUPPORTED with the way out
 bat_status stop_check(const refine_plan *plan, bat_error *error);
+/// The failure of an edge that needs more levels than are allowed.
+/// @return BAT_TOO_LARGE
+bat_status stop_needs_more(size_t edge, size_t most, bat_error *error);
 
 /// The deepest level from which points may be wanted for `edges` edges: options->max_levels and the lookahead, less where
 /// indices would overflow.

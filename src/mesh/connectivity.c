@@ -177,7 +177,7 @@ static bat_status connect_corners(const corner_list *list, bat_mesh_connectivity
     if (status != BAT_OK)
     {
         bat_mesh_connectivity_free(&made);
-        return status;
+        return status == BAT_NOT_MANIFOLD ? error_remedy(error, status, "repair", "cuts the mesh there") : status;
     }
     *connectivity = made;
     return BAT_OK;

@@ -37,8 +37,11 @@ static bat_status check_counts(const bat_hermite_curve *curve, bat_error *error)
 {
     size_t minimum = curve->closed ? 3 : 2;
     if (curve->count < minimum)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %zu points, not %zu",
-                         curve->closed ? "a closed" : "an open", minimum, curve->count);
+        return error_operand(error,
+                             error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                                       "%s curve needs at least %zu points, not %zu", curve->closed ? "a closed" : "an open",
+                                       minimum, curve->count),
+                             0);
     if (curve->points == NULL || curve->tangents == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a Hermite curve has points and tangents");
     return BAT_OK;

@@ -233,8 +233,11 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     bat_motion_method method = bat_motion_method_for(set, options);
     bat_status status = keys->times != NULL ? take_times(from, channels->time, keys, error) : BAT_OK;
     if (status == BAT_OK && keys->count < (keys->closed ? 3U : 2U))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s curve needs at least %d points, not %zu",
-                           keys->closed ? "a closed" : "an open", keys->closed ? 3 : 2, keys->count);
+        status = error_operand(error,
+                               error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                                         "%s curve needs at least %d points, not %zu", keys->closed ? "a closed" : "an open",
+                                         keys->closed ? 3 : 2, keys->count),
+                               0);
     if (status == BAT_OK)
         status = check_neighbours(set, curve, keys, takes_directions(method, options), error);
     if (status == BAT_OK && given)
@@ -247,14 +250,12 @@ static bat_status check_times(const bat_motion_options *options, bat_error *erro
 {
     char digits[2][NUMBER_DIGITS_SIZE];
     if (options->times == NULL && options->time_count > 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "time_count is %zu, but times is null",
-                         options->time_count);
+        return error_option(error, "time_count", "is %zu, but times is null", options->time_count);
     if (options->times != NULL && (options->time_count == 0 || options->rate > 0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         options->rate > 0 ? "times and rate exclude each other"
-                                           : "time_count is 0, but must be at least 1");
+        return options->rate > 0 ? error_option(error, "times", "and rate exclude each other")
+                                 : error_option(error, "time_count", "is 0, but must be at least 1");
     if (options->times != NULL && options->method == BAT_MOTION_HERMITE)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "times go with splines, not with Hermite schemes");
+        return error_option(error, "times", "go with splines, not with Hermite schemes");
     for (size_t i = 0; i < options->time_count; i++)
         if (!isfinite(options->times[i]) || (i > 0 && !(options->times[i] > options->times[i - 1])))
             return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "time %zu, %s, does not come after %s", i,
@@ -274,8 +275,7 @@ bat_status bat_motion_options_check(const bat_motion_options *options, bat_error
         return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options->tangent_order % 2 == 1)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangent_order is %zu, but must be 0, 2 or 4",
-                           options->tangent_order);
+        status = error_option(error, "tangent_order", "is %zu, but must be 0, 2 or 4", options->tangent_order);
     if (status == BAT_OK)
         status = check_times(options, error);
     if (status == BAT_OK)
@@ -663,14 +663,9 @@ static bat_status add_report(const bat_motion_spline *spline, size_t curve, bat_
 /// Tell in a message about times what they count from.
 static void name_origin(int64_t origin, bat_error *error)
 {
-    char text[BAT_ERROR_TEXT_SIZE];
-    const char *end = strchr(error->text, ';');
-    size_t length = end != NULL ? (size_t)(end - error->text) : strlen(error->text);
-    if (origin == 0)
-        return;
-    (void)snprintf(text, sizeof text, "%.*s, from %" PRId64 " on%s", (int)length, error->text, origin,
-                   end != NULL ? end : "");
-    memcpy(error->text, text, sizeof text);
+    size_t used = strlen(error->text);
+    if (origin != 0)
+        (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
 }
 
 static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_options *options,

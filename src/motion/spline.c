@@ -106,9 +106,8 @@ bat_status bat_motion_spline_options_check(const bat_motion_spline_options *opti
                          bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));
     bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
     if (status == BAT_OK && given && options->ends != BAT_MOTION_ENDS_CLAMPED)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "begin_velocity and end_velocity go with clamped ends, not %s",
-                         bat_choice_name(&bat_motion_ends_family, (int)options->ends));
+        return error_option(error, "begin_velocity", "and end_velocity go with clamped ends, not %s",
+                            bat_choice_name(&bat_motion_ends_family, (int)options->ends));
     return status;
 }
 
@@ -200,8 +199,8 @@ static bat_status check_sigma(const bat_hermite_curve *keys, const bat_motion_sp
     bool rigid = space_is_rigid(space);
     const char *fault = NULL;
     if (!rigid && options->angle_sigma > 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "angle_sigma is of rigid motions, not of the space %s, which takes sigma alone", space->name);
+        return error_option(error, "angle_sigma", "is of rigid motions, not of the space %s, which takes sigma alone",
+                            space->name);
     if (!(options->sigma > 0) && !(options->angle_sigma > 0))
         return BAT_OK;
     if (!rigid && !space_is_euclidean(space) && !space_is_rotation(space))
@@ -453,9 +452,9 @@ static bat_status no_place(const bat_motion_spline *spline, double time, size_t 
     double begin, end;
     bat_motion_spline_range(spline, &begin, &end);
     char digits[3][NUMBER_DIGITS_SIZE];
-    return error_set(error, BAT_INVALID_ARGUMENT, index, 0,
-                     "time %s is not within those of the motion, %s to %s; the option extrapolate goes on",
-                     number_digits(time, digits[0]), number_digits(begin, digits[1]), number_digits(end, digits[2]));
+    (void)error_set(error, BAT_INVALID_ARGUMENT, index, 0, "time %s is not within those of the motion, %s to %s",
+                    number_digits(time, digits[0]), number_digits(begin, digits[1]), number_digits(end, digits[2]));
+    return error_remedy(error, BAT_INVALID_ARGUMENT, "extrapolate", "goes on with constant velocity");
 }
 
 /// Beyond the keys: the geodesic from the nearest one with its velocity.

@@ -484,11 +484,10 @@ static bat_status iterate(spline_system *system, bat_motion_ends ends, double *d
             share = fmax(0.5 * share, LEAST_SHARE);
         before = change;
     }
-    return error_set(
+    (void)error_set(
         error, BAT_NO_CONVERGENCE, key, 0,
-        "no velocities near point %zu make the acceleration continuous: points turn too far from one to the next; the shape "
-        "limited does without",
-        key);
+        "no velocities near point %zu make the acceleration continuous: points turn too far from one to the next", key);
+    return error_remedy(error, BAT_NO_CONVERGENCE, "shape", "limited does without");
 }
 
 /// Mean velocities before and after a key, at the key; zeros where there is no interval.

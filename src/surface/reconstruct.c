@@ -101,19 +101,17 @@ bat_status bat_surface_options_check(const bat_surface_options *options, bat_err
     if (status != BAT_OK)
         return status;
     if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "given is null, but must hold the parameters where these are given");
+        return error_option(error, "given", "is null, but must hold the parameters where these are given");
     if (options->trim && options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "parameters must be auto where trim is set, because a trimmed surface has a chart of its own");
+        return error_option(error, "parameters",
+                            "must be auto where trim is set, because a trimmed surface has a chart of its own");
     if (options->fill_holes > 0 && !options->trim)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "fill_holes goes with trim, which is not set");
+        return error_option(error, "fill_holes", "goes with trim, which is not set");
     const bat_hierarchical_options *space = &options->fit.space;
     size_t minimum = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
     if (options->fit.functions > 0 && options->fit.functions < minimum)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "functions is %zu, but must be 0 or at least the %zu of the coarsest spline",
-                         options->fit.functions, minimum);
+        return error_option(error, "functions", "is %zu, but must be 0 or at least the %zu of the coarsest spline",
+                            options->fit.functions, minimum);
     return BAT_OK;
 }
 
@@ -396,8 +394,9 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool 
         return tell_one_sided(error);
     bat_error wrong = {0};
     (void)bat_surface_verdict_check(verdict, &wrong);
-    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s; %s--force writes it nevertheless", wrong.text,
-                     trimmed ? "" : "--trim fits concave outlines and holes, ");
+    (void)error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s%s", wrong.text,
+                    trimmed ? "" : "; a trimmed surface fits concave outlines and holes");
+    return error_remedy(error, BAT_NO_CONVERGENCE, "force", "writes it nevertheless");
 }
 
 /// Count folds of the parameters of the part.
@@ -647,7 +646,8 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *
     else
     {
         bat_surface_result_free(&made);
-        (void)error_set(error, status, failure.index, failure.line, "%s", failure.text);
+        if (error != NULL)
+            *error = failure;
     }
     return status;
 }

@@ -25,8 +25,8 @@ static void refuse(const char *path, const bat_curve_read_options *options, bat_
     bat_curve_set set = {0};
     bat_error error = {0};
     assert_int_equal(bat_curve_read(path, options, &set, &error), status);
-    if (strstr(error.text, words) == NULL)
-        fail_msg("message '%s' instead of one with '%s'", error.text, words);
+    if (strstr(error_words(&error), words) == NULL)
+        fail_msg("message '%s' instead of one with '%s'", error_words(&error), words);
     assert_null(set.curves);
     assert_int_equal(bat_curve_read(path, options, &set, NULL), status);
 }
@@ -345,7 +345,7 @@ static void a_file_with_several_layers_needs_a_choice(void **state)
         {"roads", "EPSG:4326", wkbLineString}, {"stops", "EPSG:4326", wkbPoint}, {"rails", "EPSG:4326", wkbLineString}};
     bat_curve_read_options options = bat_curve_read_defaults();
     make_layers("a.gpkg", "GPKG", layers, 3);
-    refuse("a.gpkg", NULL, BAT_INVALID_ARGUMENT, "there are 2 layers, choose one by --layer: roads, rails");
+    refuse("a.gpkg", NULL, BAT_INVALID_ARGUMENT, "there are 2 layers: roads, rails; layer chooses one");
     options.layer = "trams";
     refuse("a.gpkg", &options, BAT_INVALID_ARGUMENT, "there is no layer 'trams'; there are roads, stops, rails");
     options.layer = "stops";
@@ -388,7 +388,7 @@ static void projected_data_stay_in_their_plane(void **state)
     bat_curve_set_free(&set);
     bat_curve_read_options options = bat_curve_read_defaults();
     options.space = "sphere";
-    refuse("a.gpkg", &options, BAT_UNSUPPORTED, "--on sphere");
+    refuse("a.gpkg", &options, BAT_UNSUPPORTED, "; on_sphere transforms them");
 }
 
 static void projected_data_go_to_the_sphere_and_back(void **state)
@@ -470,7 +470,7 @@ static void topojson_keeps_shared_borders(void **state)
     assert_int_equal(set.curves[0].count, 5);
     bat_curve_set_free(&set);
     put("b.json", TEXT);
-    refuse("b.json", NULL, BAT_UNSUPPORTED, "--from topojson");
+    refuse("b.json", NULL, BAT_UNSUPPORTED, "; read.format topojson");
 }
 
 static void points_of_the_globe_have_the_written_decimals(void **state)

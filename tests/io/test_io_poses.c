@@ -93,9 +93,9 @@ static void turns_follow_the_order(void **state)
 static void doubtful_poses_are_refused(void **state)
 {
     (void)state;
-    assert_bad("time,roll,pitch,yaw\n0,10,20,30\n", AUTO, NULL, 1, "--euler");
+    assert_bad("time,roll,pitch,yaw\n0,10,20,30\n", AUTO, NULL, 1, "; euler names it");
     assert_bad("time,roll_deg,pitch_deg,yaw_rad\n0,10,20,30\n", AUTO, NULL, 1, "different units");
-    assert_bad("0,1,2,3,1,0,0,0\n1,1,2,3,1,0,0,0\n", AUTO, NULL, 0, "--from tum");
+    assert_bad("0,1,2,3,1,0,0,0\n1,1,2,3,1,0,0,0\n", AUTO, NULL, 0, "; read.format tum");
     assert_bad("1 0 0 1 0 1 0 2 0 0 1 3\n\n1 0 0 1 0 1 0 2 0 0 1.1 3\n", AUTO, NULL, 3, "no rotation");
     assert_bad("1 0 0 1 0 1 0 2 0 0 1 3\n1 0 0 1 0 1 0 2\n", AUTO, NULL, 2, "12 numbers");
     assert_bad("sec,nsec,x,y,z,qw,qx,qy,qz\n1,1000000000,1,2,3,1,0,0,0\n", AUTO, NULL, 2, "out of range");

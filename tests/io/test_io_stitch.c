@@ -453,7 +453,7 @@ static void plane_coordinates_need_a_crs(void **state)
     char *text = NULL;
     size_t size;
     assert_int_equal(bat_curve_write_memory(&set, &options, &text, &size, &error), BAT_UNSUPPORTED);
-    assert_non_null(strstr(error.text, "option `crs`"));
+    assert_string_equal(error.remedy, "crs");
     options.crs = "EPSG:25833";
     assert_int_equal(bat_curve_write_memory(&set, &options, &text, &size, &error), BAT_OK);
     assert_string_equal(text, "{\"type\":\"FeatureCollection\"," CRS(
@@ -498,7 +498,7 @@ static void topojson_is_named(void **state)
     bat_error error;
     assert_int_equal(read_string("{\"type\":\"Topology\",\"objects\":{},\"arcs\":[]}", GEOJSON, NULL, &set, &error),
                      BAT_UNSUPPORTED);
-    assert_non_null(strstr(error.text, "ogr2ogr"));
+    assert_non_null(strstr(error.remedy_effect, "ogr2ogr"));
 }
 
 static void the_countries_of_the_world_are_joined(void **state)

@@ -112,7 +112,7 @@ static void columns_are_chosen(void **state)
 {
     (void)state;
     const char *text = "station,a,b,c,d\nS1,1,2,3,4\nS2,2,3,4,5\n";
-    assert_bad(text, CSV, NULL, 1, "--columns");
+    assert_bad(text, CSV, NULL, 1, "; columns names them");
     const struct
     {
         const char *columns, *space, *name;
@@ -315,11 +315,11 @@ static void gaps_and_numbers_are_told_apart(void **state)
     assert_string_equal(written, "id,x,y\n1,0,0\n2,0.5,0\n3,1,0\n\n1,2,0\n2,2.5,0\n3,3,0\n");
     free(written);
     bat_curve_set_free(&set);
-    assert_bad("lon,lat,v\n1,2,3\n,3,4\n", CSV, NULL, 3, "column 1: '' is empty; --columns");
+    assert_bad("lon,lat,v\n1,2,3\n,3,4\n", CSV, NULL, 3, "column 1: '' is empty; columns chooses");
     assert_bad("lon,lat\n1,2\n1,NA\n", CSV, NULL, 3, "column 2: 'NA' is not a number");
-    assert_bad("lon,lat\n500000,5600000\n", CSV, NULL, 2, "--space plane");
+    assert_bad("lon,lat\n500000,5600000\n", CSV, NULL, 2, "; space plane");
     assert_bad("lon,lat,n\n1,2,\"a\n", CSV, NULL, 2, "quote");
-    assert_bad("name,time,v\na,b,1\n", CSV, NULL, 1, "--columns");
+    assert_bad("name,time,v\na,b,1\n", CSV, NULL, 1, "; columns names them");
     set = must_read("x,y,\n1,2,\n3,4,,\n,,\n5,6,\n7,8,\n", CSV, NULL); // trailing separators, an empty row
     assert_int_equal(set.count, 2);
     bat_curve_set_free(&set);

@@ -147,7 +147,7 @@ static void test_polygons(void **state)
 {
     (void)state;
     static const char quad[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n";
-    assert_bad(quad, OBJ, 9, "face 0 has 4 corners; --triangulate cuts it");
+    assert_bad(quad, OBJ, 9, "face 0 has 4 corners; triangulate cuts it");
     bat_mesh mesh = must_cut(quad, OBJ);
     assert_int_equal(mesh.face_count, 2);
     assert_memory_equal(mesh.faces, mesh.texture_faces, 6 * sizeof(uint32_t));

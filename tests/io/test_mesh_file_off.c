@@ -44,7 +44,7 @@ static void test_polygons(void **state)
 {
     (void)state;
     static const char text[] = "OFF\n4 2 0\n" TRIANGLE "1 1 0\n3 0 1 2\n\n# quad\n4 0 1 3 2\n";
-    assert_bad(text, OFF, 10, "face 1 has 4 corners; --triangulate cuts it");
+    assert_bad(text, OFF, 10, "face 1 has 4 corners; triangulate cuts it");
     bat_mesh mesh = must_cut(text, OFF);
     assert_int_equal(mesh.face_count, 3);
     bat_mesh_free(&mesh);

@@ -227,7 +227,7 @@ static void test_polygons(void **state)
     static const char text[] =
         ASCII "element vertex 4\n" XYZ "element face 2\nproperty list uchar int vertex_indices\nend_header\n" TRIANGLE
               "1 1 0\n3 0 1 2\n\n4 0 1 3 2\n";
-    assert_bad(text, PLY, 16, "face 1 has 4 corners; --triangulate cuts it");
+    assert_bad(text, PLY, 16, "face 1 has 4 corners; triangulate cuts it");
     bat_mesh mesh = must_cut(text, PLY);
     assert_int_equal(mesh.face_count, 3);
     bat_mesh_free(&mesh);

@@ -184,7 +184,7 @@ bad)
     head -c 100000 in.ply > short.ply
     bad "ends before the last vertex" 1 short.ply
     bad "the surface is wrong" 1 $given --smoothing 1e6
-    bad "tolerance takes a number above 0" 2 $given --tolerance 0
+    bad "tolerance is 0, but must be finite and above 0" 2 $given --tolerance 0
     ranks 2 2 $given -o out.what
     check "no ending" grep -q "names no format" stderr
     : > state

@@ -1054,7 +1054,8 @@ static void memory_is_bounded(void **state)
         assert_true(with == without);
         options.max_memory = 1;
         check_status(calls[i](&options, &with, &error), BAT_TOO_LARGE);
-        assert_non_null(strstr(error.text, "--max-memory"));
+        assert_non_null(strstr(error.text, " GB allowed"));
+        assert_string_equal(error.remedy, "levels");
     }
 }
 

@@ -70,6 +70,9 @@ printf '{"type":"FeatureCollection","features":[]}' > none.in.geojson
 printf '{"type":"LineString","coordinates":[[0,0],[1,1]' > cut.in.geojson
 printf '{"type":"LineString","coordinates":[[0,0],[1,"a"]]}' > text.in.geojson
 printf '{"type":"LineString","coordinates":[[0,0],[0,95]]}' > latitude.in.geojson
+printf '{"type":"LineString","coordinates":[[0,0],[1e-4,0]]}' > short.in.geojson
+printf '0,0\n1,0\n2,1\n' > plane.in.csv
+printf '{"type":"LineString","coordinates":[[0,0],[400,5]]}' > longitude.in.geojson
 printf '{"type":"LineString","coordinates":[[0,0],[180,0]]}' > antipodal.in.geojson
 printf '{"type":"LineString","coordinates":[[0,0],[0,0],[1,1]]}' > repeated.in.geojson
 printf '{"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1],[0,1]]]}' > unclosed.in.geojson
@@ -84,7 +87,7 @@ curve 'word\.in\.csv:3: ' word.in.csv
 curve 'overflow\.in\.csv:3: ' overflow.in.csv
 refused 1 'repeated\.in\.csv:3: curve 0, point 2: the point repeats' curve repeated.in.csv --strict -o out.csv --picture out.png
 curve 'antipodal\.in\.csv:3: .*antipodal' antipodal.in.csv sphere
-curve 'long\.in\.csv:2: .*unit length' long.in.csv sphere
+curve 'long\.in\.csv:2: .*unit length; --project moves points onto the space$' long.in.csv sphere
 curve 'rim\.in\.csv:3: .*disk' rim.in.csv disk
 curve 'unsorted\.in\.csv:4: the time 1 does not come after 2' unsorted.in.csv
 curve 'equal\.in\.csv:6: the time 1 does not come after 1' equal.in.csv
@@ -101,7 +104,10 @@ curve 'cut\.in\.geojsonl:3: ' cut.in.geojsonl
 refused 1 'cut\.in\.geojsonl:3: ' curve cut.in.geojsonl --topology separate -o out.geojsonl
 curve 'cut\.in\.geojson:1: ' cut.in.geojson
 curve 'text\.in\.geojson.*position 1' text.in.geojson
-curve 'latitude\.in\.geojson.*position 1.*--space plane' latitude.in.geojson
+curve 'latitude\.in\.geojson.*position 1.*a latitude outside.*; --space plane takes plane coordinates$' latitude.in.geojson
+curve 'longitude\.in\.geojson.*a longitude outside.*; --space plane takes plane coordinates$' longitude.in.geojson
+refused 1 'the name of their system; --crs names their system, as in EPSG:25833$' curve plane.in.csv --to geojson -o out.csv
+refused 1 'no extent at 2 decimals; --precision can keep more decimals$' curve short.in.geojson --precision 2 -o out.csv --to geojson
 curve 'antipodal\.in\.geojson.*antipodal' antipodal.in.geojson
 refused 1 'repeated\.in\.geojson.*repeats' curve repeated.in.geojson --strict -o out.csv --picture out.png
 curve 'unclosed\.in\.geojson' unclosed.in.geojson
@@ -128,7 +134,7 @@ refused 1 'quad\.in\.obj:5: face 0 has 4 corners; --triangulate cuts it' mesh qu
 refused 1 'bare\.in\.gltf: there is no accessor 0' mesh bare.in.gltf -o out.csv --to obj
 refused 1 'cycle\.in\.gltf: node 1: .*descendant' mesh cycle.in.gltf -o out.csv --to obj
 refused 1 'short\.in\.glb: the file has 20 bytes, but its header tells 255' mesh short.in.glb -o out.csv --to obj
-refused 1 'one\.in\.obj: .*GB of --max-memory; --levels [0-9]+ fits' mesh one.in.obj --levels 15 --max-memory 1 -o out.csv --to obj
+refused 1 'one\.in\.obj: .*more than the 1 GB allowed; --levels [0-9]+ fits' mesh one.in.obj --levels 15 --max-memory 1 -o out.csv --to obj
 # Keyframes.
 key() { printf 'time,qw,qx,qy,qz\n0,1,0,0,0\n'; printf "$@"; }
 key '1,nan,0,0,1\n' > keynan.in.csv
@@ -161,7 +167,7 @@ keyframe 'short\.in\.tum:3: 7 columns' short.in.tum rigid 10
 keyframe 'not rotation' short.in.tum rotation 10
 keyframe 'too many' keygood.in.csv rotation 1e300
 refused 1 'out\.csv: .*rigid' curve keygood.in.csv --rate 10 -o out.csv --to tum
-refused 2 'positive' curve keygood.in.csv --rate 0 -o out.csv
+refused 2 '--rate is 0, but must be finite and above 0' curve keygood.in.csv --rate 0 -o out.csv
 refused 2 'exclude' curve keygood.in.csv --rate 10 --levels 3 -o out.csv
 refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme log-exp-4 -o out.csv
 refused 2 'rate goes with' curve keygood.in.csv --rate 10 --scheme hermite:order=2 -o out.csv
@@ -169,18 +175,18 @@ refused 2 'velocities goes with' curve keygood.in.csv --velocities --scheme log-
 refused 2 'order' curve keygood.in.csv --scheme hermite:order=0 -o out.csv
 refused 2 'order is 99, but must be from 1 to 10' curve keygood.in.csv --scheme hermite:order=99 -o out.csv
 refused 2 'no scheme' curve keygood.in.csv --scheme hermite-spline -o out.csv
-refused 2 'takes resting, smooth, limited, 2 or 4' motion keygood.in.csv --tangents 3 -o out.csv
+refused 2 '--tangents is 3, but must be resting, smooth, limited, 2 or 4' motion keygood.in.csv --tangents 3 -o out.csv
 refused 2 'goes with --scheme spline' motion keygood.in.csv --scheme hermite --ends natural -o out.csv
 refused 2 'by name goes with --scheme spline' motion keygood.in.csv --scheme hermite --tangents limited -o out.csv
 printf '0\n1e6\n' > late.in.txt
-refused 1 'time 1000000 is not within .*--extrapolate' motion keygood.in.csv --times late.in.txt -o out.csv
+refused 1 'time 1000000 is not within .*; --extrapolate goes on with constant velocity$' motion keygood.in.csv --times late.in.txt -o out.csv
 printf '1\n0\n' > falling.in.txt
 refused 1 'falling\.in\.txt:2: the time 0 does not come after 1' motion keygood.in.csv --times falling.in.txt -o out.csv
 refused 2 'rate and --times exclude' motion keygood.in.csv --times late.in.txt --rate 2 -o out.csv
 refused 1 'lower rate' motion keygood.in.csv --rate 1e14 -o out.csv
 refused 2 'ends does not go with' curve keygood.in.csv --scheme hermite --ends free -o out.csv
 refused 2 '2 or 4' curve keygood.in.csv --tangents 3 -o out.csv
-refused 2 'weight takes a positive' curve keygood.in.csv --translation-weight 0 -o out.csv
+refused 2 '--translation-weight is 0, but must be finite and above 0' curve keygood.in.csv --translation-weight 0 -o out.csv
 printf '0,0\n1,0\n1,1\n' > good.in.csv
 printf "0,0\n0.5,0\n0.5,0.5\n" > small.in.csv
 printf '0,0\n1,0\n\n0,0\n0,0\n' > two.in.csv
@@ -200,12 +206,12 @@ refused 2 'no option' curve good.in.csv --level 3
 refused 2 'needs a value' curve good.in.csv --levels
 refused 2 'whole number' curve good.in.csv --levels 2.5
 refused 2 'whole number' curve good.in.csv --levels -1
-refused 2 'max-edge takes a positive number' curve good.in.csv --max-edge -1 -o out.csv
-refused 2 'tolerance takes a positive number' curve good.in.csv --tolerance 0 -o out.csv
-refused 2 'tolerance takes a number' curve good.in.csv --tolerance nan -o out.csv
-refused 2 'corner-angle takes a positive number' curve good.in.csv --corner-angle 0 -o out.csv
-refused 2 'degrees up to 180' curve good.in.csv --corner-angle 181 -o out.csv
-refused 2 'max_levels is 41, but must be from 0 to 40' curve good.in.csv --tolerance 1 --levels 41 -o out.csv
+refused 2 '--max-edge is -1, but must be finite and above 0' curve good.in.csv --max-edge -1 -o out.csv
+refused 2 '--tolerance is 0, but must be finite and above 0' curve good.in.csv --tolerance 0 -o out.csv
+refused 2 '--tolerance is nan, but must be a finite number' curve good.in.csv --tolerance nan -o out.csv
+refused 2 '--corner-angle is 0, but must be finite and above 0' curve good.in.csv --corner-angle 0 -o out.csv
+refused 2 '--corner-angle is 181, but must be above 0 and at most 180' curve good.in.csv --corner-angle 181 -o out.csv
+refused 2 '--levels is 41, but must be from 0 to 40' curve good.in.csv --tolerance 1 --levels 41 -o out.csv
 refused 2 'panel' curve good.in.csv --tolerance 1 --panel 1,2 --picture out.png
 refused 2 'best-tension' curve good.in.csv --corner-angle 30 --best-tension --truth good.in.csv -o out.csv
 refused 2 'max-edge does not go with' curve keygood.in.csv --scheme hermite --max-edge 1 -o out.csv
@@ -333,10 +339,10 @@ refused 1 'none.in.obj: cannot open' train mesh none.in.obj
 refused 1 'folded.in.obj: faces 0 and 1' train mesh triangle.in.obj folded.in.obj
 refused 1 'folder' train mesh triangle.in.obj --output good.in.csv/folder
 refused 2 'one of published' train surface --recipe unpublished
-refused 2 'two like 2-5' train surface --degree 5-2
-refused 2 'two like 2-5' train surface --points 50-
+refused 2 'number, or two as in 2-5' train surface --degree 5-2
+refused 2 'number, or two as in 2-5' train surface --points 50-
 refused 2 'only the published recipe' train surface --recipe batten --uninformed
-refused 1 'it must be 4' train surface --points 3
+refused 1 '--points is 3, but must be 4' train surface --points 3
 refused 1 'noise' train surface --noise -1
 refused 1 'folder' train surface --output good.in.csv/folder
 refused 2 'no scheme' analyze spline
@@ -346,17 +352,18 @@ refused 1 'even|odd|sum' analyze mask:1,1,1,1 --picture out.png
 full --help
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > mesh.in.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.in.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n' > repeated.in.obj
 refused 2 '-o OUT is missing' decimate mesh.in.obj --vertices 3
 refused 2 '--tolerance E is missing' decimate mesh.in.obj -o out.csv
 refused 2 '--vertices and --tolerance exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --tolerance 1
 refused 2 'vertices' decimate mesh.in.obj -o out.csv --to obj --vertices 0
-refused 2 "above 0, not 'nan'" decimate mesh.in.obj -o out.csv --to obj --tolerance nan
-refused 2 'ratio is 2, but must be above 0' decimate mesh.in.obj -o out.csv --to obj --ratio 2
+refused 2 '--tolerance is nan, but must be .* above 0' decimate mesh.in.obj -o out.csv --to obj --tolerance nan
+refused 2 '--ratio is 2, but must be above 0 and at most 1' decimate mesh.in.obj -o out.csv --to obj --ratio 2
 refused 1 'fewer than the 999 wanted' decimate mesh.in.obj -o out.csv --to obj --faces 999
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
-refused 2 'least_quality is 2, but must be from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
-refused 1 'fins.in.obj: .*third at the edge' decimate fins.in.obj -o out.csv --to obj --vertices 3
+refused 2 '--min-quality is 2, but must be from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
+refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' decimate fins.in.obj -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 
 refused 2 'missing' mesh
@@ -370,7 +377,9 @@ refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
 refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
 refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --quiet
 refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels 32
-refused 1 'fins.in.obj: .*third at the edge' mesh fins.in.obj -o out.csv --to obj
+refused 1 'repeated.in.obj:4: face 0 has vertex 1, counted from 0, twice; --repair drops the face$' decimate repeated.in.obj -o out.csv --to obj --vertices 3
+refused 1 'repeated.in.obj:4: face 0 has vertex 1 twice; --repair drops the face$' mesh repeated.in.obj -o out.csv --to obj
+refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' mesh fins.in.obj -o out.csv --to obj
 refused 2 'needs --picture' mesh mesh.in.obj -o out.csv --to obj --beside loop
 refused 2 'there is no mesh scheme' mesh mesh.in.obj --picture out.png --beside chaikin
 refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj
@@ -379,7 +388,7 @@ refused 1 'mesh.in.obj: ' mesh mesh.in.obj -o out.csv --to obj --scheme learned 
 refused 2 'missing' shape
 refused 2 '--to is for meshes' shape hull -o out.csv --to obj
 refused 2 'unknown kind of shape' shape unicorn -o out.csv --to obj
-refused 2 '--vertices takes a whole number from 200' shape stone -o out.csv --to obj --vertices 100
+refused 2 '--vertices is 100, but must be a whole number from 200' shape stone -o out.csv --to obj --vertices 100
 refused 2 'whole number' shape stone -o out.csv --to obj --seed -1
 refused 2 'there is no output' shape stone --quiet
 refused 2 'exclude each other' shape cage -o out.csv --to obj --json --quiet
@@ -416,8 +425,8 @@ surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
 surface 'closed.in.obj: .*closed' closed.in.obj
 surface 'none.in.xyz: cannot open' none.in.xyz
 surface '^batten: cloud.in.xyz: the weight of smoothing 1e\+308 is out of range' cloud.in.xyz --parameterization uniform --smoothing 1e308
-surface 'functions is 8, but must be 0 or at least the 16' cloud.in.xyz --functions 8
-surface 'functions is 15, but must be 0 or at least the 16' cloud.in.xyz --functions 15 --degree 3
+surface '--functions is 8, but must be 0 or at least the 16' cloud.in.xyz --functions 8
+surface '--functions is 15, but must be 0 or at least the 16' cloud.in.xyz --functions 15 --degree 3
 surface 'boundary of 301 points' cloud.in.xyz --boundary 301
 surface "boundary's file: cannot open" cloud.in.xyz --boundary none.in.xyz
 surface 'corner 1000 is not a boundary point' cloud.in.xyz --corners 1000,0,1,2
@@ -433,18 +442,18 @@ surface 'empty.in.xml: cannot open' empty.in.xml
 refused 1 'no/such' surface cloud.in.xyz --parameterization uniform -o no/such/fit.step
 refused 1 'no/such' surface cloud.in.xyz --parameterization uniform --parameters no/such/fit.uv
 refused 2 'missing' surface
-refused 2 'tolerance is -1, but must be' surface cloud.in.xyz --tolerance -1
-refused 2 'tolerance takes a number above 0' surface cloud.in.xyz --tolerance 0
+refused 2 '--tolerance is -1, but must be finite and above 0' surface cloud.in.xyz --tolerance -1
+refused 2 '--tolerance is 0, but must be finite and above 0' surface cloud.in.xyz --tolerance 0
 refused 2 'fill-holes goes with --trim' surface cloud.in.xyz --fill-holes 1
 refused 2 'exclude each other' surface cloud.in.xyz --trim --parameterization learned
 refused 2 'unit' surface cloud.in.xyz --unit cubit
-refused 2 'takes a number, not' surface cloud.in.xyz --tolerance x
-refused 2 'share is 1.5, but must be' surface cloud.in.xyz --tolerance 1 --share 1.5
+refused 2 "--tolerance is 'x', but must be a finite number" surface cloud.in.xyz --tolerance x
+refused 2 '--share is 1.5, but must be' surface cloud.in.xyz --tolerance 1 --share 1.5
 refused 2 'share needs' surface cloud.in.xyz --share 0.9
 refused 2 'exclude each other' surface cloud.in.xyz --noise 1 --smoothing 1
-refused 2 'two like 3,2' surface cloud.in.xyz --degree 0
-refused 2 'two like 3,2' surface cloud.in.xyz --degree 3,
-refused 2 'two like 3,2' surface cloud.in.xyz --degree 3,16
+refused 2 'two as in 3,2' surface cloud.in.xyz --degree 0
+refused 2 'two as in 3,2' surface cloud.in.xyz --degree 3,
+refused 2 'two as in 3,2' surface cloud.in.xyz --degree 3,16
 refused 2 'number of points from 4' surface cloud.in.xyz --boundary 3
 refused 2 'four numbers' surface cloud.in.xyz --corners 1,2,3
 refused 2 'there is no parameterization .fancy.; there are auto' surface cloud.in.xyz --parameterization fancy
@@ -463,8 +472,8 @@ refused 1 'no/such/nefertiti-532.xyz: cannot open' reproduce surface-nefertiti -
 refused 2 'makes its clouds itself' reproduce surface-shapes --data .
 refused 2 'needs both --model and --uninformed' reproduce surface-ablation --model good.in.csv
 refused 2 'uninformed goes with' reproduce surface-clouds --uninformed good.in.csv
-refused 2 'points takes up to' reproduce surface-clouds --points 50,x
-refused 2 'degrees takes up to' reproduce surface-clouds --degrees 16
+refused 2 "--points is '50,x', but must be up to" reproduce surface-clouds --points 50,x
+refused 2 '--degrees is 16, but must be up to' reproduce surface-clouds --degrees 16
 refused 2 'go with surface-clouds' reproduce surface-shapes --noise 0
 refused 2 'clouds goes with' reproduce mesh-style --clouds 3
 refused 1 'good.in.csv: ' reproduce surface-clouds --model good.in.csv

@@ -99,7 +99,7 @@ refused 'would both be written' curve in/1.csv in/1.csv -o new
 refused 'standard input' curve in/1.csv - -o new
 refused 'names one file' curve in/1.csv in/2.csv -o new --picture new.png
 refused 'names no format' curve in/1.csv stdout-one -o new
-refused 'not .nonsense' curve in/1.csv in/2.csv -o new --to nonsense
+refused 'nonsense., but must be a format' curve in/1.csv in/2.csv -o new --to nonsense
 refused 'from 1 to' curve in/1.csv in/2.csv -o new --jobs 0
 many 1 curve in/1.csv in/2.csv -o no/such
 check "a folder that cannot be made" grep -q 'no/such: cannot make' stderr

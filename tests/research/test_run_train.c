@@ -251,13 +251,13 @@ static void ranges_are_told(void **state)
     } cases[] = {
         {{"a", 1, 1, 2, false, false}, NULL},
         {{"a", 2, 1, 2, false, false}, NULL},
-        {{"a", 3, 1, 2, false, false}, "a is 3: it must be 1 to 2"},
-        {{"a", 1, 1, 2, true, false}, "a is 1: it must be above 1 to 2"},
-        {{"a", 2, 1, 2, false, true}, "a is 2: it must be 1 to below 2"},
+        {{"a", 3, 1, 2, false, false}, "a is 3, but must be 1 to 2"},
+        {{"a", 1, 1, 2, true, false}, "a is 1, but must be above 1 to 2"},
+        {{"a", 2, 1, 2, false, true}, "a is 2, but must be 1 to below 2"},
         {{"a", 1e300, 0, INFINITY, true, false}, NULL},
-        {{"a", 0, 0, INFINITY, true, false}, "a is 0: it must be finite and above 0"},
-        {{"a", INFINITY, 0, INFINITY, false, false}, "a is inf: it must be finite and at least 0"},
-        {{"a", NAN, 0, 1, false, false}, "a is nan: it must be 0 to 1"},
+        {{"a", 0, 0, INFINITY, true, false}, "a is 0, but must be finite and above 0"},
+        {{"a", INFINITY, 0, INFINITY, false, false}, "a is inf, but must be finite and at least 0"},
+        {{"a", NAN, 0, 1, false, false}, "a is nan, but must be 0 to 1"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {

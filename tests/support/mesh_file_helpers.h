@@ -4,6 +4,7 @@
 // Mesh files in memory: random meshes, reading, writing, comparison, refusals.
 
 #include "check.h"
+#include "error_helpers.h"
 
 #include "batten/mesh_file.h"
 
@@ -123,7 +124,7 @@ static inline void assert_refused(const void *bytes, size_t size, const bat_mesh
     bat_status status = bat_mesh_read_memory(copy, size, options, &mesh, &error);
     assert_int_equal(bat_mesh_read_memory(copy, size, options, &mesh, NULL), status);
     free(copy);
-    if (status != expected || strstr(error.text, words) == NULL || error.line != line)
+    if (status != expected || strstr(error_words(&error), words) == NULL || error.line != line)
         fail_msg("status \"%s\", line %zu, \"%s\" instead of \"%s\", line %zu, \"%s\"", bat_status_name(status), error.line,
                  error.text, bat_status_name(expected), line, words);
     assert_null(strchr(error.text, '\n'));

@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 
+#include "error_helpers.h"
+
 #include "batten/curve_file.h"
 
 #include <math.h>
@@ -42,8 +44,8 @@ static inline void assert_bad(const char *text, bat_curve_format format, const c
         fail_msg("status %s for: %s", bat_status_name(status), text);
     if (error.line != line)
         fail_msg("line %zu instead of %zu: %s", error.line, line, error.text);
-    if (strstr(error.text, words) == NULL || strchr(error.text, '\n') != NULL)
-        fail_msg("message '%s' instead of one with '%s'", error.text, words);
+    if (strstr(error_words(&error), words) == NULL || strchr(error.text, '\n') != NULL)
+        fail_msg("message '%s' instead of one with '%s'", error_words(&error), words);
     assert_int_equal(error.status, BAT_BAD_FILE);
     assert_null(set.curves);
     assert_null(set.space);

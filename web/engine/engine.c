@@ -24,7 +24,7 @@ static bat_error failure;
 
 bat_status engine_fail(bat_error *error, bat_status status, const char *text, const char *name)
 {
-    *error = (bat_error){.status = status, .index = BAT_NO_INDEX};
+    *error = (bat_error){.status = status, .operand = BAT_NO_INDEX, .index = BAT_NO_INDEX};
     // The texts above are short; names may have any length.
     size_t used = 0;
     for (; *text != 0 && used + 1 < sizeof error->text; text++)
@@ -214,6 +214,9 @@ EMSCRIPTEN_KEEPALIVE char *engine_failure(void)
     engine_set(json, "index", engine_size(failure.index));
     engine_set(json, "line", engine_size(failure.line));
     engine_set(json, "text", json_string(failure.text));
+    engine_set(json, "option", json_string(failure.option));
+    engine_set(json, "remedy", json_string(failure.remedy));
+    engine_set(json, "effect", json_string(failure.remedy_effect));
     char *text = json_dumps(json, JSON_COMPACT);
     json_decref(json);
     return text;

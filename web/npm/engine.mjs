@@ -1,14 +1,19 @@
 // The library as JavaScript functions with the names of the C functions. Arrays go into the memory of the WebAssembly module
 // and results are copied out of it, so that no result changes or has to be released.
 
-/** A failure of the library: `status` is the name of the C status, `index` and `line` tell the place where there is one. */
+/** A failure of the library: `status` is the name of the C status, `index` and `line` tell the place where there is one,
+ * `option` the option at fault, and `remedy` the one that leads out. */
 export class BattenError extends Error {
   constructor(failure) {
-    super(failure.text);
+    super(failure.remedy ? `${failure.text}; the option ${failure.remedy} ${failure.effect}` : failure.text);
     this.name = "BattenError";
     this.status = failure.name;
     this.index = failure.index ?? null;
     this.line = failure.line || null;
+    this.option = failure.option || null;
+    this.remedy = failure.remedy || null;
+    this.text = failure.text; // without the remedy, for pages that name it by a control
+    this.effect = failure.effect;
   }
 }
 

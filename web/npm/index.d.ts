@@ -9,6 +9,13 @@ export class BattenError extends Error {
   index: number | null;
   /** The line of the file at fault, counted from 1. */
   line: number | null;
+  /** The option at fault. */
+  option: string | null;
+  /** The option that leads out, and what it does. */
+  remedy: string | null;
+  effect: string;
+  /** The message without the remedy. */
+  text: string;
 }
 
 /** A polyline in a space. */

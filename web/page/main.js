@@ -26,14 +26,15 @@ const app = {
   say(text) {
     $("said").textContent = text;
   },
-  /** Tell a failure as the program does: file:line: what. */
-  fail(error, file) {
+  /** Tell a failure as the program does: file:line: what. `controls` has the labels of options that may lead out. */
+  fail(error, file, controls = {}) {
     if (error instanceof Cancelled) {
       if (error.message === "cancelled") app.say("Cancelled");
       return;
     }
     const place = [file, error.line].filter((part) => part).join(":");
-    alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${error.message}`;
+    const control = controls[error.remedy];
+    alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${control ? `${error.text}; “${control}” ${error.effect}` : error.message}`;
   },
   /** Results clear the message; that of a broken link stays until the user does something. */
   clear() {

@@ -65,6 +65,8 @@ const EXAMPLES = {
 /** Colours from 0 to 1, readable on light and dark (Viridis, sampled). */
 const RAMP = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map((c) => new Color(c));
 
+/** The controls of options that lead out of failures. */
+const CONTROLS = { repair: "Weld and repair first", scheme: "Scheme" };
 /** Decimation: nothing where `keep` is 100 and `within` is 0. */
 const FIRST = { example: "knot", scheme: "auto", fairness: 0.25, levels: 2, limit: false, crease: 0, keep: 100, within: 0, against: "", wires: true, flat: false, repair: false };
 /** Of the camera, in degrees. */
@@ -132,7 +134,7 @@ export function meshTab(app, section) {
       build();
       figures();
     } catch (error) {
-      app.fail(error, state.example ? undefined : file);
+      app.fail(error, state.example ? undefined : file, CONTROLS);
     }
   }
 
@@ -239,7 +241,7 @@ export function meshTab(app, section) {
     coarse = EXAMPLES[name][1]();
     void change({ example: name, ...(name === "bracket" ? { crease: 40 } : {}), keep: 100, within: 0 });
   });
-  const scheme = select("Scheme", schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
+  const scheme = select(CONTROLS.scheme, schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
   const against = select("Colour by distance from", [["", "nothing"], ...schemes.map(({ name }) => [name])], "", (value) => change({ against: value }));
   const levels = slider("Levels", { min: 0, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
   const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: state.fairness, format: (value) => value.toFixed(2), change: () => {}, commit: () => change({ fairness: Number(fairness.input.value) }) });
@@ -249,7 +251,7 @@ export function meshTab(app, section) {
   const limit = check("On the limit surface", false, (value) => change({ limit: value }));
   const wires = check("Wires of the coarse mesh", true, (value) => change({ wires: value }));
   const flat = check("Flat normals", false, (value) => change({ flat: value }));
-  const repair = check("Weld and repair first", false, (value) => change({ repair: value }));
+  const repair = check(CONTROLS.repair, false, (value) => change({ repair: value }));
   function controls() {
     example.set(state.example);
     scheme.set(state.scheme);
@@ -281,7 +283,7 @@ export function meshTab(app, section) {
       await compute();
       app.commit();
     } catch (error) {
-      app.fail(error, chosen.name);
+      app.fail(error, chosen.name, CONTROLS);
     }
   }
   async function save(format) {

@@ -24,7 +24,7 @@ self.onmessage = async ({ data }) => {
     const result = jobs[job](await engine, args, progress);
     self.postMessage({ id, result });
   } catch (error) {
-    const { status = "failure", index = null, line = null, message, curve = null } = error;
-    self.postMessage({ id, error: { status, index, line, message, curve } });
+    const { status = "failure", index = null, line = null, message, curve = null, text, remedy, effect } = error;
+    self.postMessage({ id, error: { status, index, line, message, curve, text, remedy, effect } });
   }
 };

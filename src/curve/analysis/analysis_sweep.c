@@ -354,8 +354,7 @@ bat_status bat_mask_sweep_options_check(const bat_mask_sweep_options *options, b
         return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && !(options->begin < options->end))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "end is %.10g, but must be above begin, %.10g",
-                           options->end, options->begin);
+        status = error_option(error, "end", "is %.10g, but must be above begin, %.10g", options->end, options->begin);
     return status == BAT_OK ? bat_analysis_options_check(&options->analysis, error) : status;
 }
 

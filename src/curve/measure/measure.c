@@ -258,8 +258,8 @@ static bat_status check_pair(const bat_curve *first, const bat_curve *second, co
     if (options->geodesic && (a->distance != b->distance || a->parameters != b->parameters))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the first curve lies in the space %s and the second in %s", a->name, b->name);
-    bat_status status = check_points(first, "first", options->geodesic, error);
-    return status == BAT_OK ? check_points(second, "second", options->geodesic, error) : status;
+    bat_status status = error_operand(error, check_points(first, "first", options->geodesic, error), 0);
+    return status == BAT_OK ? error_operand(error, check_points(second, "second", options->geodesic, error), 1) : status;
 }
 
 bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, const bat_curve_measure_options *options,

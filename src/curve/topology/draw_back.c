@@ -220,10 +220,13 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
             counts->allowed = job->allowed;
         }
         if (job->stuck.curve != BAT_NO_INDEX)
-            return error_set(
-                error, BAT_INVALID_POINT, job->stuck.edge, 0,
-                "the edge after point %zu comes so near to another one that rounding makes their new points cross",
-                job->stuck.edge);
+        {
+            (void)error_set(error, BAT_INVALID_POINT, job->stuck.edge, 0,
+                            "the edge after point %zu comes so near to another one that rounding makes their new points "
+                            "cross",
+                            job->stuck.edge);
+            return error_remedy(error, BAT_INVALID_POINT, "precision", "can keep more decimals");
+        }
         if (job->crossings == 0)
             return BAT_OK;
         double fraction = 1 - 1 / ((double)round + 2);

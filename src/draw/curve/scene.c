@@ -87,21 +87,19 @@ bat_status bat_curve_picture_options_check(const bat_curve_picture_options *opti
     };
     bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options != NULL && !text_is_valid(options->title))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "title must be UTF-8 without control characters");
+        status = error_option(error, "title", "must be UTF-8 without control characters");
     if (status == BAT_OK && options != NULL && !text_is_valid(options->unit))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "unit must be UTF-8 without control characters");
+        status = error_option(error, "unit", "must be UTF-8 without control characters");
     return status;
 }
 
 static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel, size_t index, bat_error *error)
 {
-    bat_error inner = {0};
-    bat_status status = view_check(layer->curve, &inner);
+    bat_status status = view_check(layer->curve, error);
+    if (status != BAT_OK && error != NULL && error->index == BAT_NO_INDEX)
+        error->index = index;
     if (status != BAT_OK)
-    {
-        return error_set(error, status, inner.index != BAT_NO_INDEX ? inner.index : index, 0, "panel %zu, layer %zu: %s",
-                         panel, index, inner.text);
-    }
+        return error_prefix(error, status, "panel %zu, layer %zu: ", panel, index);
     if (layer->role < BAT_CURVE_LAYER_CURVE || layer->role > BAT_CURVE_LAYER_TRUTH || layer->colour < 0)
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: no such role or colour", panel,

@@ -80,26 +80,17 @@ bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *option
     if (status != BAT_OK)
         return status;
     if (options->value_low >= options->value_high)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "value_low is %.10g, but must be below value_high",
-                         options->value_low);
+        return error_option(error, "value_low", "is %.10g, but must be below value_high", options->value_low);
     const char *wrong = !text_is_valid(options->title)         ? "title"
                         : !text_is_valid(options->value_label) ? "value_label"
                                                                : NULL;
-    return wrong == NULL ? BAT_OK
-                         : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                                     "%s must be UTF-8 without control characters", wrong);
+    return wrong == NULL ? BAT_OK : error_option(error, wrong, "must be UTF-8 without control characters");
 }
 
 /// Prefix the text of an error with the number of its panel.
 static bat_status name_panel(bat_error *error, bat_status status, size_t panel)
 {
-    if (error != NULL)
-    {
-        char text[BAT_ERROR_TEXT_SIZE];
-        memcpy(text, error->text, sizeof text);
-        return error_set(error, status, error->index, error->line, "panel %zu: %s", panel, text);
-    }
-    return status;
+    return error_prefix(error, status, "panel %zu: ", panel);
 }
 
 static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index, bat_error *error)

@@ -77,8 +77,7 @@ bat_status bat_motion_picture_options_check(const bat_motion_picture_options *op
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK &&
         !(text_is_valid(options->title) && text_is_valid(options->length_unit) && text_is_valid(options->time_unit)))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                           "title and units must be UTF-8 without control characters");
+        status = error_option(error, "title", "and units must be UTF-8 without control characters");
     return status;
 }
 

@@ -46,8 +46,7 @@ bat_status bat_surface_picture_options_check(const bat_surface_picture_options *
     if (options == NULL)
         return BAT_OK;
     if (options->width != 0 && (options->width < MIN_WIDTH || options->width > MAX_WIDTH))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "width is %d, but must be 0 or from %d to %d",
-                         options->width, MIN_WIDTH, MAX_WIDTH);
+        return error_option(error, "width", "is %d, but must be 0 or from %d to %d", options->width, MIN_WIDTH, MAX_WIDTH);
     return OPTIONS_CHECK(options, FIELDS, error);
 }
 

@@ -55,6 +55,16 @@ const char *builder_admit(curve_builder *builder)
     return NULL;
 }
 
+bat_status builder_refuse(const curve_builder *builder, bat_status status, bat_error *error)
+{
+    const bat_space *space = &builder->space;
+    double point[BAT_SPACE_MAX_DIM];
+    bool helps = !builder->project &&
+                 space->project(space, builder->points + builder->point_count * space->point_dim, point) == BAT_OK &&
+                 space->fault(space, point) == NULL;
+    return helps ? error_remedy(error, status, "project", "moves points onto the space") : status;
+}
+
 bool builder_corner(curve_builder *builder, bool corner)
 {
     void *corners = builder->corners;

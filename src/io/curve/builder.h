@@ -47,6 +47,8 @@ double *builder_next(curve_builder *builder, size_t channel_count, double **chan
 
 /// Check or project the point of builder_next() and count it. Returns null, or an error text.
 const char *builder_admit(curve_builder *builder);
+/// Name the option that leads out of an error about a point that builder_admit() has not taken. Returns the status.
+bat_status builder_refuse(const curve_builder *builder, bat_status status, bat_error *error);
 
 /// Store whether the last point of builder_next() is a corner; for all points of a file or for none. False when out of
 /// memory.

@@ -166,9 +166,10 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
         {
             char excerpt[EXCERPT_SIZE];
             bool others = reader->attributes->csv.names != NULL && !reader->strict && !reader->tum;
-            return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s%s",
-                             csv_column_number(reader, i), text_excerpt(excerpt, field->begin, field->end), fault,
-                             others ? "; --columns chooses the columns of the coordinates" : "");
+            (void)error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s",
+                            csv_column_number(reader, i), text_excerpt(excerpt, field->begin, field->end), fault);
+            return others ? error_remedy(error, BAT_BAD_FILE, "columns", "chooses the columns of the coordinates")
+                          : BAT_BAD_FILE;
         }
         state->has_number = state->has_number || fault == NULL;
         if (state->is_watched && fault == NULL)
@@ -216,6 +217,17 @@ static const char *make_point(csv_reader *reader, double *point)
     return fault;
 }
 
+/// Fail for a point that make_point() does not make.
+static bat_status refuse_point(csv_reader *reader, const char *fault, const text_line *line, double *point, bat_error *error)
+{
+    const csv_columns *columns = &reader->attributes->csv;
+    bat_status status = error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "%s", fault);
+    if (columns->degrees)
+        return error_remedy(error, status, "space", "plane takes plane coordinates");
+    bool helps = !reader->builder.project && point_form_read(columns->form, reader->numbers, true, point) == NULL;
+    return helps ? error_remedy(error, status, "project", "moves points onto the space") : status;
+}
+
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
@@ -243,8 +255,7 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
         return error_memory(error, builder->point_capacity * sizeof(double));
     const char *fault = make_point(reader, point);
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, builder->point_count, line->number, "%s%s", fault,
-                         reader->attributes->csv.degrees ? "; --space plane takes other units" : "");
+        return refuse_point(reader, fault, line, point, error);
     if (channel_count > 0)
         memcpy(channels, reader->numbers + coordinates, channel_count * sizeof *channels);
     for (size_t i = 0; i < CSV_PLACE_CHANNELS && has_places; i++)
@@ -253,7 +264,7 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     reader->row_count++;
     fault = builder_admit(builder);
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, index, line->number, "the point is %s", fault);
+        return builder_refuse(builder, error_set(error, BAT_BAD_FILE, index, line->number, "the point is %s", fault), error);
     bool dropped = false;
     fault = reader->motion ? NULL : builder_drop_repeat(builder, false, &dropped);
     if (dropped && reader->cells.columns > 0)

@@ -415,8 +415,9 @@ static bat_status check_guess(const csv_reader *reader, const text_line *line, b
         others = others || (columns->kinds[i] != CSV_NUMBER && columns->kinds[i] != CSV_EMPTY);
     if (!choice->by_place || !others || (choice->count >= 2 && (choice->count <= MOST_GUESSED || named_space)))
         return BAT_OK;
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line > 0 ? reader->header_line : line->number,
-                     "cannot tell which of %zu columns hold the coordinates; --columns names them", reader->column_count);
+    (void)error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line > 0 ? reader->header_line : line->number,
+                    "cannot tell which of %zu columns hold the coordinates", reader->column_count);
+    return error_remedy(error, BAT_BAD_FILE, "columns", "names them");
 }
 
 static bat_status check_counts(const csv_reader *reader, const text_line *line, bat_error *error)
@@ -425,9 +426,10 @@ static bat_status check_counts(const csv_reader *reader, const text_line *line, 
     const char *name = choice->space;
     bool two = strcmp(name, "plane") == 0 || strcmp(name, "disk") == 0;
     if (strcmp(name, "sphere") == 0 && !choice->degrees && choice->count < 3)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                         "a point of the sphere needs 3 or more columns, or a header with lon and lat; --columns names "
-                         "columns of longitude and latitude");
+        return error_remedy(error,
+                            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
+                                      "a point of the sphere needs 3 or more columns, or a header with lon and lat"),
+                            "columns", "names columns of longitude and latitude");
     if (two && choice->count != 2)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "a point of the %s needs 2 columns", name);
     return BAT_OK;

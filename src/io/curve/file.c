@@ -236,8 +236,8 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
             return status;
     }
     if (options->key_times != NULL && format != BAT_CURVE_FORMAT_KITTI)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "key_times go with KITTI poses, not the format %s",
-                         bat_choice_name(&bat_curve_format_family, (int)format));
+        return error_option(error, "key_times", "go with KITTI poses, not the format %s",
+                            bat_choice_name(&bat_curve_format_family, (int)format));
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
     if (row_of(format)->read == NULL)
@@ -332,7 +332,7 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
     if (status != BAT_OK)
         return status;
     if (options->crs != NULL && options->crs[0] == '\0')
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "crs must not be empty");
+        return error_option(error, "crs", "must not be empty");
     if (set->count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no curves to write");
     for (size_t i = 0; i < set->count; i++)
@@ -369,14 +369,7 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
     }
     if (*format == BAT_CURVE_FORMAT_AUTO && attributes != NULL)
         *format = attributes->format;
-    if (*format == BAT_CURVE_FORMAT_AUTO)
-    {
-        char known[2 * BAT_ERROR_TEXT_SIZE / 3];
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "cannot tell what format to write; the endings are %s, and --to names a format",
-                         choice_endings(&bat_curve_format_family, true, known, sizeof known));
-    }
-    return BAT_OK;
+    return *format == BAT_CURVE_FORMAT_AUTO ? choice_unnamed_output(&bat_curve_format_family, error) : BAT_OK;
 }
 
 /// Whether curves were taken from a plane to the sphere for the time between reading and writing.

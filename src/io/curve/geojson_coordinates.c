@@ -119,7 +119,7 @@ static bat_status add_point(geojson_reader *reader, const double *numbers, doubl
 {
     const char *fault = reader->degrees ? degrees_fault(numbers[0], numbers[1]) : NULL;
     if (fault != NULL)
-        return geojson_fault(reader, "%s; the option `space` can be the plane", fault);
+        return error_remedy(reader->error, geojson_fault(reader, "%s", fault), "space", "plane takes plane coordinates");
     if (reader->degrees)
         degrees_to_point(numbers[0], numbers[1], point);
     else
@@ -128,7 +128,7 @@ static bat_status add_point(geojson_reader *reader, const double *numbers, doubl
         return drop_repeat(reader);
     fault = builder_admit(&reader->builder);
     if (fault != NULL)
-        return geojson_fault(reader, "the point is %s", fault);
+        return builder_refuse(&reader->builder, geojson_fault(reader, "the point is %s", fault), reader->error);
     return !reader->degrees || keep_degrees(reader, numbers) ? BAT_OK : geojson_no_memory(reader);
 }
 

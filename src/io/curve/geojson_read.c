@@ -292,8 +292,9 @@ static const char *crs_name_of(const json_t *root, bool *unnamed)
 static bat_status choose_space(geojson_reader *reader, const json_t *root, const bat_curve_read_options *options)
 {
     if (geojson_has_type(root, "Topology"))
-        return error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the file is TopoJSON; --from topojson reads it, ogr2ogr converts it");
+        return error_remedy(reader->error,
+                            error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the file is TopoJSON"),
+                            "read.format", "topojson reads it, ogr2ogr converts it");
     const char *crs = crs_name_of(root, &reader->unnamed_crs);
     if (crs != NULL)
     {

@@ -60,8 +60,8 @@ static bool shows_extent(const globe_curve *curve, bool ring)
 
 static bat_status no_extent(const geojson_style *style, size_t curve, bat_error *error)
 {
-    return error_set(error, BAT_UNSUPPORTED, curve, 0,
-                     "curve %zu has no extent at %d decimals; the option `precision` writes more", curve, style->decimals);
+    (void)error_set(error, BAT_UNSUPPORTED, curve, 0, "curve %zu has no extent at %d decimals", curve, style->decimals);
+    return error_remedy(error, BAT_UNSUPPORTED, "precision", "can keep more decimals");
 }
 
 /// `ring_counts` and `poles` are null for lines.

@@ -387,8 +387,9 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
                          "a sequence of GeoJSON cannot name the system of plane coordinates; a .geojson file can");
     if (globe || geojson || writer->crs.size > 0)
         return BAT_OK;
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                     "GeoJSON holds plane coordinates only with the name of their system; the option `crs` names it");
+    (void)error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                    "GeoJSON holds plane coordinates only with the name of their system");
+    return error_remedy(error, BAT_UNSUPPORTED, "crs", "names their system, as in EPSG:25833");
 }
 
 /// Make a writer without a member "crs".

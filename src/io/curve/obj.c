@@ -201,7 +201,8 @@ static bat_status build_curve(const obj_reader *reader, const obj_element *eleme
         memcpy(point, coordinates, builder->space.point_dim * sizeof *point);
         const char *fault = builder_admit(builder);
         if (fault != NULL)
-            return error_set(error, BAT_BAD_FILE, place, vertex->line, "the point is %s", fault);
+            return builder_refuse(builder, error_set(error, BAT_BAD_FILE, place, vertex->line, "the point is %s", fault),
+                                  error);
         bool dropped;
         fault = builder_drop_repeat(builder, false, &dropped);
         if (fault == NULL && closed && i + 1 == end)

@@ -268,6 +268,12 @@ static bat_status refine_set(file_job *job, const bat_curve_set *coarse, bat_pro
     return status;
 }
 
+/// Tell that a failure is of the output, the second file of the call.
+static bat_status of_output(const file_job *job, bat_status status)
+{
+    return error_operand(job->error, status, 1);
+}
+
 /// Refine the records of a part and write them.
 static bat_status refine_part(file_job *job, bat_progress progress)
 {
@@ -282,7 +288,8 @@ static bat_status refine_part(file_job *job, bat_progress progress)
     if (status == BAT_OK)
         status = refine_set(job, &coarse, progress, &fine, &failed);
     if (status == BAT_OK)
-        status = geojson_part_write(&fine, job->format, before == 0, &job->options->write, &job->sink, job->error);
+        status = of_output(
+            job, geojson_part_write(&fine, job->format, before == 0, &job->options->write, &job->sink, job->error));
     else if (failed < coarse.count)
         status = fail_in_feature(&coarse, failed, before, job->error);
     if (status == BAT_OK)
@@ -297,7 +304,7 @@ static bat_status write_text(file_job *job, const char *text)
 {
     if (job->format != BAT_CURVE_FORMAT_GEOJSON || fputs(text, job->sink.stream) >= 0)
         return BAT_OK;
-    return error_set(job->error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
+    return of_output(job, error_set(job->error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno)));
 }
 
 /// The part of the file that a part of it is, for progress; all zero where the size is unknown.
@@ -341,12 +348,14 @@ static bat_status refine_streamed(file_job *job, const char *input, const char *
         return status;
     status = stream_open(input, &job->stream, job->error);
     if (status == BAT_OK)
-        status = atomic_file_begin(output, &file, job->error);
+        status = of_output(job, atomic_file_begin(output, &file, job->error));
     if (status == BAT_OK)
     {
         job->sink = (text_sink){.stream = file.stream};
         job->report.streamed = true;
-        status = atomic_file_end(&file, refine_parts(job), job->error);
+        bat_status refined = refine_parts(job);
+        status = atomic_file_end(&file, refined, job->error);
+        status = refined == BAT_OK ? of_output(job, status) : status;
     }
     stream_close(&job->stream);
     geojson_reader_free(&job->reader);
@@ -384,7 +393,7 @@ static bat_status refine_whole(file_job *job, const char *input, const char *out
         return status;
     status = refine_set(job, &coarse, job->options->refine.progress, &fine, &failed);
     if (status == BAT_OK)
-        status = bat_curve_write(output, &fine, &job->options->write, job->error);
+        status = of_output(job, bat_curve_write(output, &fine, &job->options->write, job->error));
     else if (failed < coarse.count && attributes_are_geojson(coarse.attributes))
         status = fail_in_feature(&coarse, failed, 0, job->error);
     bat_curve_set_free(&coarse);

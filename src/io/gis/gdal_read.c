@@ -436,8 +436,11 @@ static bat_status choose_layer(GDALDatasetH dataset, const bat_curve_read_option
     if (count == 0)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
     if (count > 1 && !gpx)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are %zu layers, choose one by --layer: %s",
-                         count, layer_names(dataset, false, names, sizeof names));
+    {
+        (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are %zu layers: %s", count,
+                        layer_names(dataset, false, names, sizeof names));
+        return error_remedy(error, BAT_INVALID_ARGUMENT, "layer", "chooses one");
+    }
     return BAT_OK;
 }
 
@@ -477,9 +480,11 @@ static bat_status find_system(layer_reader *reader, bool drawing, const char *sp
     if (found->name == NULL)
         return error_memory(error, 1);
     if (sphere && !degrees)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the coordinates are not degrees but of the system %.60s; --on sphere transforms them",
-                         found->name);
+    {
+        (void)error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the coordinates are not degrees but of the system %.60s",
+                        found->name);
+        return error_remedy(error, BAT_UNSUPPORTED, "on_sphere", "transforms them");
+    }
     OGRSpatialReferenceH wgs84 = sphere ? system_by_name("OGC:CRS84") : NULL;
     if (wgs84 != NULL && (strcmp(found->name, "EPSG:4326") == 0 || gdal.OSRIsSame(system, wgs84)))
     {

@@ -180,8 +180,8 @@ static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat
         if (size < 3)
             return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners, fewer than 3", f, size);
         if (size > 3 && !triangulate)
-            return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners; --triangulate cuts it into triangles", f,
-                             size);
+            return error_remedy(error, error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners", f, size),
+                                "triangulate", "cuts it into triangles");
         for (size_t i = begin; i < begin + size; i++)
         {
             if (builder->corners[i] >= builder->vertex_count)
@@ -323,8 +323,10 @@ static bat_status check_triangles(const mesh_builder *builder, bat_error *error)
     for (size_t f = 0; f < builder->face_count; f++)
         for (size_t i = 2; i < builder->sizes[f]; i++, corner += 3)
             if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
-                return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has vertex %u, counted from 0, twice", f,
-                                 corner[0] == corner[1] ? corner[0] : corner[2]);
+                return error_remedy(error,
+                                    error_set(error, BAT_BAD_FILE, f, 0, "face %zu has vertex %u, counted from 0, twice", f,
+                                              corner[0] == corner[1] ? corner[0] : corner[2]),
+                                    "repair", "drops the face");
     return BAT_OK;
 }
 

@@ -326,11 +326,8 @@ static bat_status check_write(bat_mesh_format format, const bat_mesh_write_optio
     bat_status status = bat_mesh_write_options_check(options, error);
     if (status != BAT_OK)
         return status;
-    char known[2 * BAT_ERROR_TEXT_SIZE / 3];
     if (format == BAT_MESH_FORMAT_AUTO)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "cannot tell what format to write; the endings are %s",
-                         choice_endings(&bat_mesh_format_family, true, known, sizeof known));
+        return choice_unnamed_output(&bat_mesh_format_family, error);
     if (options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN && format != BAT_MESH_FORMAT_PLY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only PLY supports the big-endian encoding");
     return BAT_OK;

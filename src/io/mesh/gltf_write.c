@@ -528,8 +528,7 @@ static bat_status add_definitions(const gltf_writer *writer, bat_error *error)
     if (status != BAT_OK)
     {
         json_decref(used);
-        return status == BAT_NO_MEMORY ? status
-                                       : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "material_json is no JSON");
+        return status == BAT_NO_MEMORY ? status : error_option(error, "material_json", "is no JSON");
     }
     bool room = json_is_object(definitions) && collect_extensions(definitions, used);
     json_object_foreach(definitions, key, member)

@@ -54,11 +54,14 @@ static bat_status translate_matrix(pose_translation *work, const text_line *line
         return pose_fail(error, line->number, "a row of KITTI poses has 12 numbers, a matrix of 3 rows and 4 columns");
     double deviation = pose_matrix_deviation(numbers, quaternion);
     if (!(deviation <= POSE_MATRIX_TOLERANCE) && !(work->options->project && deviation < INFINITY))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
-                         deviation < INFINITY ? "the matrix is no rotation: an entry is off by %.3g; --project takes the "
-                                                "nearest rotation"
-                                              : "the matrix is no rotation",
-                         deviation);
+    {
+        (void)error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number,
+                        deviation < INFINITY ? "the matrix is no rotation: an entry is off by %.3g"
+                                             : "the matrix is no rotation",
+                        deviation);
+        return deviation < INFINITY ? error_remedy(error, BAT_BAD_FILE, "project", "takes the nearest rotation")
+                                    : BAT_BAD_FILE;
+    }
     if (deviation > *worst)
     {
         *worst = deviation;

@@ -79,11 +79,10 @@ static bat_status choose_angles(pose_translation *work, const pose_header *names
         return pose_fail(error, line, "roll, pitch and yaw have different units in their names");
     bool named = found == UNIT_DEGREES || found == UNIT_RADIANS;
     if (!named && asked == UNIT_NONE)
-        return pose_fail(
-            error, line,
-            "roll, pitch and yaw have no unit in their names: --euler zyx,degrees or --euler zyx,radians tells it");
+        return error_remedy(error, pose_fail(error, line, "roll, pitch and yaw have no unit in their names"), "euler",
+                            "names it, as in zyx,degrees or zyx,radians");
     if (named && asked != UNIT_NONE && asked != found)
-        return pose_fail(error, line, "the names of roll, pitch and yaw tell another unit than --euler");
+        return pose_fail(error, line, "the names of roll, pitch and yaw tell another unit than the option euler");
     work->angle_unit = named ? found : asked;
     return BAT_OK;
 }
@@ -209,8 +208,10 @@ static bat_status check_table(pose_translation *work, const pose_header *names, 
 {
     size_t places = count_roles(work, X, 3), speeds = count_roles(work, VX, 3), turns = count_roles(work, WX, 3);
     if (names->twice != BAT_NO_INDEX)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line,
-                         "column %zu has the meaning of another one; --columns names the coordinates", names->twice + 1);
+        return error_remedy(error,
+                            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "column %zu has the meaning of another one",
+                                      names->twice + 1),
+                            "columns", "names the coordinates");
     if ((work->columns[SECONDS] != BAT_NO_INDEX) != (work->columns[NANOSECONDS] != BAT_NO_INDEX))
         return pose_fail(error, line, "of seconds and nanoseconds, only one column is there");
     if (places != 0 && places != 3)

@@ -198,9 +198,11 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
         return pose_translate_euroc(work, false, error);
     if (separator != ' ' && separator != '\t')
         return space != NULL ? BAT_OK
-                             : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
-                                         "the rows look like times, positions and quaternions, but nothing names their "
-                                         "order; --from tum takes quaternions as x y z w, --space euclidean takes numbers");
+                             : error_remedy(error,
+                                            error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
+                                                      "the rows look like times, positions and quaternions, but nothing "
+                                                      "names their order, or the space euclidean for plain numbers"),
+                                            "read.format", "tum takes quaternions as x y z w");
     work->reader = work->format = BAT_CURVE_FORMAT_TUM;
     work->as_it_is = true;
     pose_note(work,

@@ -390,9 +390,9 @@ bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, b
     if (options == NULL)
         return BAT_OK;
     if (options->boundary > 0 && options->boundary_path != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "boundary is %zu, but must be 0 beside a boundary_path: it is the first points or a file",
-                         options->boundary);
+        return error_option(error, "boundary",
+                            "is %zu, but must be 0 beside a boundary_path: it is the first points or a file",
+                            options->boundary);
     return OPTIONS_CHECK(options, FIELDS, error);
 }
 

@@ -89,8 +89,7 @@ bat_status bat_surface_write_options_check(const bat_surface_write_options *opti
     if (status != BAT_OK)
         return status;
     if (options->point_count > 0 && options->points == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "points is null, but must hold the point_count data points");
+        return error_option(error, "points", "is null, but must hold the point_count data points");
     for (size_t i = 0; i < options->point_count; i++)
     {
         const double *point = options->points + 3 * i;
@@ -108,9 +107,7 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
     if (status != BAT_OK)
         return status;
     if (format == BAT_SURFACE_FORMAT_AUTO)
-        return error_set(
-            error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-            "cannot tell what format to write; the endings are .xml, .step, .stp, .vtk, .obj, .json, .iges, .igs");
+        return choice_unnamed_output(&bat_surface_format_family, error);
     if (surface->space == NULL || surface->control == NULL || surface->dimension == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the surface is empty");
     if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)

@@ -331,10 +331,9 @@ static bat_mesh_distance put_together(const compare_way ways[2], double diagonal
 /// Check a mesh, and that differences of its coordinates do not overflow.
 static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error *error)
 {
-    bat_error own;
-    bat_status status = bat_mesh_check(mesh, &own);
+    bat_status status = bat_mesh_check(mesh, error);
     if (status != BAT_OK)
-        return error_set(error, status, own.index, 0, "the %s mesh: %.200s", which, own.text);
+        return error_prefix(error, status, "the %s mesh: ", which);
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
         if (fabs(mesh->positions[i]) > DBL_MAX / 4)
             return error_set(error, BAT_INVALID_POINT, i / 3, 0, "the %s mesh: vertex %zu is too far from the origin", which,
@@ -359,18 +358,18 @@ bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const
     options = options == NULL ? &defaults : options;
     bat_status status = bat_mesh_compare_options_check(options, error);
     if (status == BAT_OK)
-        status = check_side(first, "first", error);
+        status = error_operand(error, check_side(first, "first", error), 0);
     if (status == BAT_OK)
-        status = check_side(second, "second", error);
+        status = error_operand(error, check_side(second, "second", error), 1);
     if (status != BAT_OK)
         return status;
     double largest = closest_largest(first->positions, 3 * first->vertex_count, 0);
     double scale = closest_scale(closest_largest(second->positions, 3 * second->vertex_count, largest));
     compare_side sides[2] = {0};
     compare_way ways[2];
-    status = side_make(first, "first", scale, options, &sides[0], error);
+    status = error_operand(error, side_make(first, "first", scale, options, &sides[0], error), 0);
     if (status == BAT_OK)
-        status = side_make(second, "second", scale, options, &sides[1], error);
+        status = error_operand(error, side_make(second, "second", scale, options, &sides[1], error), 1);
     if (status == BAT_OK)
         status = measure_ways(sides, options, ways, error);
     if (status == BAT_OK)

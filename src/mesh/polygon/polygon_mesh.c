@@ -148,7 +148,9 @@ static bat_status check_face(const bat_polygon_mesh *mesh, uint32_t face, uint32
             return error_set(error, BAT_INVALID_POINT, face, 0, "face %u names texture coordinate %u, but there are %zu",
                              face, mesh->texture_faces[i], mesh->texture_count);
         if (seen[vertex] == face + 1)
-            return error_set(error, BAT_INVALID_POINT, face, 0, "face %u has vertex %u twice", face, vertex);
+            return error_remedy(error,
+                                error_set(error, BAT_INVALID_POINT, face, 0, "face %u has vertex %u twice", face, vertex),
+                                "repair", "drops the face");
         seen[vertex] = face + 1;
     }
     return BAT_OK;

@@ -52,14 +52,12 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
     if (status != BAT_OK)
         return status;
     if (!mesh_scheme_of(options->then)->continues)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "then is %s, but only midpoint, loop or butterfly can follow learned levels",
-                         bat_choice_name(&bat_mesh_scheme_family, (int)options->then));
+        return error_option(error, "then", "is %s, but only midpoint, loop or butterfly can follow learned levels",
+                            bat_choice_name(&bat_mesh_scheme_family, (int)options->then));
     if (options->rule != NULL && (options->rule->levels == 0 || options->rule->refine == NULL))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "rule has no levels or no function");
+        return error_option(error, "rule", "has no levels or no function");
     if (options->limit_normals != NULL && (!options->limit || !last_scheme(options)->creases))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "limit_normals need --limit and Loop's or Catmull and Clark's scheme at the end");
+        return error_option(error, "limit_normals", "need limit and Loop's or Catmull and Clark's scheme at the end");
     return BAT_OK;
 }
 
@@ -73,8 +71,7 @@ static bat_status check_support(const bat_mesh_refine_options *options, bat_erro
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "adaptive refinement needs a scheme with a limit surface: loop or catmull-clark");
     if ((options->tolerance > 0 || options->max_edge > 0) && options->limit_normals != NULL)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "adaptive refinement has no limit normals: --normals without --limit writes those of the faces");
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "adaptive refinement has no limit normals");
     const bat_mesh_rules *rules = &options->rules;
     if ((rules->boundary != BAT_MESH_BOUNDARY_AUTO || rules->creasing != BAT_MESH_CREASING_AUTO ||
          rules->linear != BAT_MESH_LINEAR_AUTO) &&
@@ -253,10 +250,10 @@ static bat_status check_memory(const mesh_plan *plan, const bat_mesh *coarse, co
     size_t fitting = levels;
     while (fitting > 0 && bytes_of_levels(plan, coarse, sizes, fitting) > most)
         fitting--;
-    return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                     "%zu levels take %.3g GB of memory for %.3g faces, more than the %.3g GB %s; --levels %zu fits", levels,
-                     bytes / gigabyte, (double)sizes[levels].mesh.faces, most / gigabyte,
-                     given > 0 ? "of --max-memory" : "available", fitting);
+    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                    "%zu levels take %.3g GB of memory for %.3g faces, more than the %.3g GB %s", levels, bytes / gigabyte,
+                    (double)sizes[levels].mesh.faces, most / gigabyte, given > 0 ? "allowed" : "available");
+    return error_remedy(error, BAT_TOO_LARGE, "levels", "%zu fits", fitting);
 }
 
 bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const mesh_sides *sides,
@@ -273,10 +270,13 @@ bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, c
         mesh = size_of_next(scheme, mesh, level);
         texture = size_of_next(scheme, texture, 0);
         if (!is_numbered(mesh) || !is_numbered(texture))
-            return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                             "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "
-                             "faces already; --levels %zu is possible",
-                             level + 1, plan->options.levels, coarse->face_count, level);
+        {
+            (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                            "level %zu of %zu has more faces or vertices than 32-bit indices can number: the mesh has %zu "
+                            "faces already",
+                            level + 1, plan->options.levels, coarse->face_count);
+            return error_remedy(error, BAT_TOO_LARGE, "levels", "%zu is possible", level);
+        }
         sizes[level + 1] = (level_size){mesh, texture};
     }
     return check_memory(plan, coarse, sizes, error);

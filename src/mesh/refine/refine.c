@@ -773,11 +773,11 @@ static bat_status refine_triangles(const bat_polygon_mesh *coarse, const bat_mes
     bat_mesh view = polygon_mesh_view(coarse), made;
     for (size_t f = 0; f < coarse->face_count; f++)
         if (coarse->offsets[f + 1] - coarse->offsets[f] != 3)
-            return error_set(error, BAT_UNSUPPORTED, f, 0,
-                             "face %zu has %u corners, but the scheme %s refines triangles: --triangulate cuts polygons "
-                             "into triangles, and --scheme catmull-clark refines them as they are",
-                             f, coarse->offsets[f + 1] - coarse->offsets[f],
-                             bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
+        {
+            (void)error_set(error, BAT_UNSUPPORTED, f, 0, "face %zu has %u corners, but the scheme %s refines triangles", f,
+                            coarse->offsets[f + 1] - coarse->offsets[f], bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
+            return error_remedy(error, BAT_UNSUPPORTED, "scheme", "catmull-clark refines polygons as they are");
+        }
     bat_status status = bat_mesh_refine(&view, options, &made, fallback, error);
     if (status != BAT_OK)
         return status;

@@ -96,9 +96,9 @@ static bat_status fail_without_loop(const alpha_boundary_cloud *cloud, loop_sear
                                           "fit the parts"
                                         : "there are only small gaps between points: the surface seems closed; cut it open "
                                           "and fit the parts");
-    return no_loop(error,
-                   "there are points at an edge, but no polygon closes around the others; leave out outliers, or give "
-                   "the loop by --boundary");
+    return error_remedy(
+        error, no_loop(error, "there are points at an edge, but no polygon closes around the others; leave out outliers"),
+        "boundary", "gives the loop");
 }
 
 /// Select the longest polygon; fail if another one may be a boundary too.
@@ -122,11 +122,11 @@ static bat_status choose(const alpha_boundary_cloud *cloud, const alpha_boundary
             runs_along(cloud->points, other, longest))
             continue;
         search->several = true;
-        return error_set(
-            error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-            "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one: --trim cuts "
-            "the holes out, --boundary gives its outer loop",
-            longest->count, other->count);
+        (void)error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                        "the cloud has several boundary loops, one of %zu points and another of %zu; a patch has one, the "
+                        "boundary that is given",
+                        longest->count, other->count);
+        return error_remedy(error, BAT_NO_CONVERGENCE, "trim", "cuts the holes out");
     }
     *chosen = longest;
     return BAT_OK;

@@ -97,7 +97,7 @@ bat_status diagnose_sheets(const double *points, const neighbour_tree *tree, dou
     if (kurtoses[made / 2] > MAX_KURTOSIS)
         return BAT_OK;
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                     "the points lie on two sheets, about %.3g apart; leave one out, or give the loop by --boundary to fit "
+                     "the points lie on two sheets, about %.3g apart; leave one out, or give the boundary to fit "
                      "the surface between them",
                      2 * noise * unit);
 }

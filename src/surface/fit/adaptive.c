@@ -116,11 +116,9 @@ bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options,
     if (status != BAT_OK || options == NULL)
         return status;
     if (options->smoothing == BAT_SURFACE_SMOOTHING_NOISE && !(options->noise > 0))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "noise is %.10g, but must be finite and above 0",
-                         options->noise);
+        return error_option(error, "noise", "is %.10g, but must be finite and above 0", options->noise);
     if (options->hold_out == 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "hold_out is 1, but must be 0 or 2 to %d",
-                         MAX_HOLD_OUT);
+        return error_option(error, "hold_out", "is 1, but must be 0 or 2 to %d", MAX_HOLD_OUT);
     return bat_hierarchical_options_check(&options->space, error);
 }
 

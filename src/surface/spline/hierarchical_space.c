@@ -33,7 +33,7 @@ bat_status bat_hierarchical_options_check(const bat_hierarchical_options *option
     };
     bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options != NULL && options->admissible == 1)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "admissible is 1, but must be 0 or at least 2");
+        status = error_option(error, "admissible", "is 1, but must be 0 or at least 2");
     return status;
 }
 
