@@ -8,59 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/// The kind of a file.
-typedef enum kind
-{
-    KIND_UNCLEAR,
-    KIND_CURVES,
-    KIND_MESH
-} kind;
-
-/// The kind that a line of an OBJ file, or the first line of another format, indicates by its first word.
-static kind kind_by_line(const char *word, bool first)
-{
-    static const char *const FORMATS[] = {"ply", "OFF"};
-    bool ended = word[0] != '\0' && (word[1] == ' ' || word[1] == '\t');
-    for (size_t i = 0; i < sizeof FORMATS / sizeof FORMATS[0]; i++)
-        if (first && strncmp(word, FORMATS[i], strlen(FORMATS[i])) == 0)
-            return KIND_MESH;
-    return !ended || strchr("fl", word[0]) == NULL ? KIND_UNCLEAR : word[0] == 'f' ? KIND_MESH : KIND_CURVES;
-}
-
-/// The kind that the first telling line indicates. A pipe is not read: its content would be lost.
-static kind kind_by_content(const char *path)
-{
-    char text[256];
-    struct stat about;
-    FILE *file = stat(path, &about) == 0 && S_ISREG(about.st_mode) ? fopen(path, "rb") : NULL;
-    if (file == NULL)
-        return KIND_UNCLEAR;
-    kind found = KIND_UNCLEAR;
-    bool line_begins = true, first = true;
-    while (found == KIND_UNCLEAR && fgets(text, sizeof text, file) != NULL)
-    {
-        if (line_begins)
-            found = kind_by_line(text + strspn(text, " \t"), first);
-        first = false;
-        line_begins = strchr(text, '\n') != NULL;
-    }
-    (void)fclose(file);
-    return found;
-}
-
-static kind kind_of_file(const char *path)
-{
-    const bat_choice *mesh, *curves;
-    (void)bat_choice_of_path(&bat_mesh_format_family, path, false, &mesh, NULL);
-    (void)bat_choice_of_path(&bat_curve_format_family, path, false, &curves, NULL);
-    if (strcmp(path, "-") == 0)
-        return KIND_UNCLEAR;
-    if (mesh != NULL && curves == NULL)
-        return KIND_MESH;
-    return mesh == NULL && curves != NULL ? KIND_CURVES : kind_by_content(path);
-}
 
 bool measure_means_meshes(const arguments *given)
 {
@@ -71,10 +18,18 @@ bool measure_means_meshes(const arguments *given)
     if (from != NULL && bat_choice_find(&bat_mesh_format_family, from, &row, NULL) == BAT_OK &&
         bat_choice_find(&bat_curve_format_family, from, &row, NULL) != BAT_OK)
         return true;
-    kind found = KIND_UNCLEAR;
-    for (size_t i = 0; i < given->positional_count && found == KIND_UNCLEAR; i++)
-        found = kind_of_file(given->positional[i]);
-    return found == KIND_MESH;
+    for (size_t i = 0; i < given->positional_count; i++)
+    {
+        const char *path = given->positional[i];
+        const bat_choice *mesh, *curves;
+        (void)bat_choice_of_path(&bat_mesh_format_family, path, false, &mesh, NULL);
+        (void)bat_choice_of_path(&bat_curve_format_family, path, false, &curves, NULL);
+        if (mesh == NULL && curves != NULL)
+            return false;
+        if (bat_mesh_format_of_file(path) != BAT_MESH_FORMAT_AUTO)
+            return true;
+    }
+    return false;
 }
 
 static json_t *row_json(const bat_measure *at, const char *base)

@@ -24,6 +24,10 @@ typedef enum bat_mesh_format
 
 /// The formats by name.
 extern BAT_API const bat_family bat_mesh_format_family;
+/// The format of a file that holds a mesh: by its ending, else by its content. An OBJ file holds one where its first element
+/// is a face, not a line. Only regular files are read.
+/// @return BAT_MESH_FORMAT_AUTO for a file that holds no mesh, or cannot be read
+BAT_API bat_mesh_format bat_mesh_format_of_file(const char *path);
 
 /// Remarks on what a file holds and a mesh cannot, or a mesh holds and a format cannot, and on guesses. All zero: none.
 typedef struct bat_mesh_notes

@@ -32,6 +32,40 @@ static void test_formats_by_name_and_ending(void **state)
     assert_int_equal(choice_value_of_path(&bat_mesh_format_family, "-"), BAT_MESH_FORMAT_AUTO);
 }
 
+/// Of the content alone where the name has no ending; an OBJ file of lines is none of a mesh.
+static void test_files_are_recognized(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/batten-test-XXXXXX", path[64];
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/mesh", folder);
+    bat_mesh mesh = must_read(TRIANGLE, BAT_MESH_FORMAT_OBJ);
+    const bat_choice *row;
+    for (size_t i = 0; (row = bat_choices(&bat_mesh_format_family, i)) != NULL; i++)
+    {
+        bat_mesh_write_options options = bat_mesh_write_defaults();
+        options.format = (bat_mesh_format)row->value;
+        if (row->value == BAT_MESH_FORMAT_AUTO)
+            continue;
+        assert_int_equal(bat_mesh_write(path, &mesh, &options, NULL), BAT_OK);
+        assert_int_equal(bat_mesh_format_of_file(path), row->value);
+    }
+    static const char *const others[] = {
+        "v 0 0 0\nv 1 0 0\nl 1 2\n", "{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,\"asset\"]]}", "0,0\n1,0\n", ""};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+    {
+        FILE *file = fopen(path, "w");
+        (void)fputs(others[i], file);
+        (void)fclose(file);
+        assert_int_equal(bat_mesh_format_of_file(path), BAT_MESH_FORMAT_AUTO);
+    }
+    assert_int_equal(bat_mesh_format_of_file(folder), BAT_MESH_FORMAT_AUTO);
+    assert_int_equal(remove(path), 0);
+    assert_int_equal(bat_mesh_format_of_file(path), BAT_MESH_FORMAT_AUTO);
+    assert_int_equal(remove(folder), 0);
+    bat_mesh_free(&mesh);
+}
+
 static void test_options_are_checked(void **state)
 {
     (void)state;
@@ -303,6 +337,7 @@ static void test_bad_polygons(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_formats_by_name_and_ending),
+                                       cmocka_unit_test(test_files_are_recognized),
                                        cmocka_unit_test(test_options_are_checked),
                                        cmocka_unit_test(test_reading_can_repair),
                                        cmocka_unit_test(test_files),

@@ -114,6 +114,15 @@ printf 'OFF\n4 2 0\n0 0 3\n1 0 3\n1 1 3\n0 1 3\n3 0 1 2\n3 0 2 3\n' > square.off
 "$batten" measure pyramid.obj --json > pyramid.json
 check "an OBJ file of faces is a mesh" json pyramid.json '"genus": 0'
 check "a mesh has its figures" sh -c '"$1" measure square.off | grep -q "boundary loops  *1$"' sh "$batten"
+for ending in $("$batten" list formats | sed -n 's/^\([a-z0-9]*\) .*meshes: .*/\1/p'); do
+    "$batten" mesh pyramid.obj --scheme midpoint --levels 0 -o "whole.$ending" --quiet
+    cp "whole.$ending" whole
+    "$batten" measure "whole.$ending" --json > known.json
+    "$batten" measure whole --json > recognized.json
+    check "measure recognizes the content of $ending" same known.json recognized.json
+done
+printf '{"type":"LineString","coordinates":[[0,0],[1,1],[2,1]]}' > line
+check "GeoJSON is no glTF" sh -c '"$1" measure line | grep -q "bending energy"' sh "$batten"
 "$batten" measure pyramid.obj square.off --json > distance.json
 check "the distance of two meshes" json distance.json '"hausdorff_there": 3.0'
 "$batten" measure --mesh - square.off --json < pyramid.obj > again.json

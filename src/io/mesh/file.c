@@ -12,6 +12,7 @@
 
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /// @file
@@ -183,6 +184,35 @@ static bat_mesh_format format_of_text(const file_text *text)
         if (FORMATS[i].resembles != NULL && FORMATS[i].resembles(text))
             return (bat_mesh_format)FORMATS[i].choice.value;
     return BAT_MESH_FORMAT_AUTO;
+}
+
+/// Whether the first element of an OBJ text is a face.
+static bool begins_with_face(const file_text *text)
+{
+    text_line line = text_line_start(text);
+    while (text_line_next(text, &line))
+        if (line.end - line.begin > 1 && (line.begin[1] == ' ' || line.begin[1] == '\t') &&
+            (*line.begin == 'f' || *line.begin == 'l'))
+            return *line.begin == 'f';
+    return false;
+}
+
+bat_mesh_format bat_mesh_format_of_file(const char *path)
+{
+    const bat_choice *row;
+    struct stat about;
+    file_text text;
+    (void)bat_choice_of_path(&bat_mesh_format_family, path, false, &row, NULL);
+    bat_mesh_format format = row != NULL ? (bat_mesh_format)row->value : BAT_MESH_FORMAT_AUTO;
+    if (format != BAT_MESH_FORMAT_AUTO && format != BAT_MESH_FORMAT_OBJ)
+        return format;
+    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode) || file_text_read(path, &text, NULL) != BAT_OK)
+        return BAT_MESH_FORMAT_AUTO;
+    format = format_of_text(&text);
+    if (format == BAT_MESH_FORMAT_AUTO && begins_with_face(&text))
+        format = BAT_MESH_FORMAT_OBJ;
+    file_text_free(&text);
+    return format;
 }
 
 /// Choose the format of a text: that of the options, else by its signature, else by the file's ending, else OBJ.

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 #include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "io/common/base64.h"
 #include "io/common/number_text.h"
 
@@ -29,10 +30,18 @@ bool mesh_glb_resembles(const file_text *text)
     return text->size >= 4 && word_at(text->data) == GLB_MAGIC;
 }
 
+/// An object whose member "asset" tells glTF from GeoJSON.
 bool mesh_gltf_resembles(const file_text *text)
 {
-    size_t blanks = strspn(text->data, " \t\r\n");
-    return text->data[blanks] == '{';
+    json_scanner scan = {text->data, text->data + text->size}, key;
+    if (!json_scan_take(&scan, '{'))
+        return false;
+    while (json_scan_key(&scan, &key))
+        if (json_scan_is(&key, "asset"))
+            return true;
+        else if (!json_scan_value(&scan) || !json_scan_take(&scan, ','))
+            return false;
+    return false;
 }
 
 bat_status gltf_fault(gltf_place place, bat_error *error, const char *format, ...)
@@ -187,7 +196,8 @@ bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *
     const char *json = NULL;
     size_t size = 0;
     bool binary = mesh_glb_resembles(text);
-    if (!binary && !mesh_gltf_resembles(text))
+    json_scanner begin = {text->data, text->data + text->size};
+    if (!binary && !json_scan_at(&begin, '{'))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file begins neither as GLB, with 'glTF', nor as JSON");
     bat_status status = BAT_OK;
     if (binary)
