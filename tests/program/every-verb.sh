@@ -168,9 +168,11 @@ works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --relative --sur
 works train mesh cage.obj --pairs 1 --epochs 1 --vertices 20-40 --learn-loop --without correspondence --output mesh-loop
 works mesh sheet.obj --model mesh/model.safetensors --levels 1 -o out.obj
 works surface hull.xyz --parameterization learned --model uninformed/model.safetensors --functions 20 -o out.obj
-begins 10 train mesh cage.obj --recipe batten --pairs 1 --resampled 1 --epochs 1 --vertices 20-40 --output mesh-batten
+if [ -n "${BATTEN_LONG_TESTS:-}" ]; then
+    begins 10 train mesh cage.obj --recipe batten --pairs 1 --resampled 1 --epochs 1 --vertices 20-40 --output mesh-batten
+    begins 20 train curve --recipe batten --epochs 1 --output tension-batten
+fi
 begins 10 train curve --epochs 1 --output tension
-begins 20 train curve --recipe batten --epochs 1 --output tension-batten
 for result in tension-iss tension-mechanism hermite-figures; do
     works reproduce $result --json
 done

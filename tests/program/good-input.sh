@@ -133,8 +133,10 @@ check "vertices alone prove nothing" json vertices.json '"hausdorff_most": null'
 check "analyze prints JSON" json analyze.json '"mask"'
 "$batten" list schemes --json > list.json
 check "list prints JSON" json list.json '"log-exp-4"'
-"$batten" reproduce hermite-order --json > order.json
-check "reproduce hermite-order prints JSON" json order.json '"sphere x disk"'
+if [ -n "${BATTEN_LONG_TESTS:-}" ]; then
+    "$batten" reproduce hermite-order --json > order.json
+    check "reproduce hermite-order prints JSON" json order.json '"sphere x disk"'
+fi
 "$batten" reproduce hermite-figures --json -o hermite > hermite.json
 check "reproduce hermite-figures prints JSON" json hermite.json '"transport of directions"'
 for figure in tensors orders spiral rotations; do
@@ -143,7 +145,7 @@ done
 "$batten" reproduce tension-iss --json > iss.json
 check "reproduce prints JSON" json iss.json '"four-point-outward"'
 # Minutes under sanitizers, where test_tension_table runs the same.
-if [ -z "${BATTEN_SANITIZED:-}" ]; then
+if [ -n "${BATTEN_LONG_TESTS:-}" ]; then
     "$batten" reproduce tension-table1 --set unseen --json > unseen.json
     check "a table is taken on other curves" json unseen.json '"curves": 300'
     check "other curves have no published figures" sh -c '! grep -q published_mean_nn unseen.json'
@@ -316,8 +318,10 @@ check "a small shape is left out and said to be" sh -c 'grep -q "small.obj: left
 check "mesh-table2 draws a picture" sh -c 'head -c 4 table/ring.png | grep -q PNG'
 "$batten" reproduce mesh-table2 round.obj --vertices 300 > table.txt
 check "mesh-table2 shows the published ratios" grep -q '^Victoria ' table.txt
-"$batten" reproduce mesh-ablations torus.obj torus.obj -o ablations --epochs 1 --pairs 1 --json > ablations.json
-check "mesh-ablations --json has every variant" json ablations.json '"learn-loop"'
+if [ -n "${BATTEN_LONG_TESTS:-}" ]; then
+    "$batten" reproduce mesh-ablations torus.obj torus.obj -o ablations --epochs 1 --pairs 1 --json > ablations.json
+    check "mesh-ablations --json has every variant" json ablations.json '"learn-loop"'
+fi
 "$batten" reproduce mesh-style torus.obj torus.obj -o style --epochs 1 --pairs 1 > style.txt
 check "mesh-style draws a picture" sh -c 'head -c 4 style/style.png | grep -q PNG'
 check "mesh --repair splits what is no manifold" "$batten" mesh fins.obj -o fine.obj --repair --quiet
