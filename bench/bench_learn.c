@@ -2,9 +2,9 @@
 
 #include "timing.h"
 
-#include "curve/network/tension_network.h"
 #include "learn/blas.h"
-#include "learn/train.h"
+#include "research/learn/train.h"
+#include "research/networks/tension_network.h"
 
 #include <stdio.h>
 

@@ -4,8 +4,10 @@
 #include "timing.h"
 
 #include "batten/mesh_refine.h"
+#include "batten/research/networks.h"
 #include "learn/blas.h"
 #include "mesh/network/flap.h"
+#include "research/learn/parameters.h"
 #include "research/train/mesh_network_tape.h"
 
 #include <math.h>
@@ -64,7 +66,7 @@ static bat_mesh_model *random_model(void)
     mesh_network_start(&parameters, 1);
     (void)close(file);
     if (learn_parameters_write(&parameters, path, NULL, 0, NULL) != BAT_OK ||
-        bat_mesh_model_read(path, &model, NULL) != BAT_OK)
+        bat_mesh_model_read_published(path, &model, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
     (void)unlink(path);
     learn_parameters_free(&parameters);
@@ -162,7 +164,7 @@ static void time_learned(const bat_mesh_model *published, const bat_mesh *coarse
     bat_mesh fine = {.positions = calloc(3 * 16 * coarse->vertex_count, sizeof(double))};
     double *seconds = calloc((size_t)rounds, sizeof *seconds), *theirs = calloc((size_t)rounds, sizeof *theirs);
     bat_mesh_model *model;
-    if (fine.positions == NULL || seconds == NULL || theirs == NULL || bat_mesh_model_builtin(&model, NULL) != BAT_OK)
+    if (fine.positions == NULL || seconds == NULL || theirs == NULL || bat_mesh_model_read(NULL, &model, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
     for (int round = 0; round < rounds; round++)
     {

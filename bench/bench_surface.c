@@ -151,7 +151,7 @@ int main(int argc, char **argv)
 {
     bat_error error;
     bat_surface_model *model;
-    must(argc > 1 ? bat_surface_model_read(argv[1], &model, &error) : bat_surface_model_builtin(&model, &error), &error);
+    must(bat_surface_model_read_published(argc > 1 ? argv[1] : NULL, &model, &error), &error);
     compare_parameters(model);
     bat_surface_model_free(model);
     compare_fits(SCAN_POINTS, SCAN_FUNCTIONS, SLOW_ROUNDS);

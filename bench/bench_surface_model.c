@@ -3,9 +3,9 @@
 #include "timing.h"
 
 #include "learn/blas.h"
+#include "research/networks/bidgcn.h"
 #include "research/train/surface_network_tape.h"
 #include "research/train/surface_sample.h"
-#include "surface/network/bidgcn.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -37,7 +37,7 @@ static surface_sample sample_of(size_t points)
 static learn_parameters weights(int argc, char **argv)
 {
     learn_parameters parameters = {0};
-    if (surface_tape_published.kind->make(&parameters, NULL) != BAT_OK)
+    if (surface_tape_published.kind->make(NULL, &parameters, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
     surface_tape_published.start(&parameters, 1);
     safetensors content;
@@ -79,7 +79,7 @@ static void time_inference(const learn_parameters *parameters, size_t points)
     surface_sample sample = sample_of(points);
     double inference[ROUNDS], bare[ROUNDS], *interior = calloc(points, 2 * sizeof *interior);
     void *network;
-    if (interior == NULL || surface_inference_make(parameters, &network, NULL) != BAT_OK)
+    if (interior == NULL || surface_inference_make(NULL, parameters, &network, NULL) != BAT_OK)
         exit(EXIT_FAILURE);
     for (int round = 0; round < ROUNDS; round++)
     {

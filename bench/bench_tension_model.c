@@ -5,9 +5,10 @@
 
 #include "batten/curve.h"
 #include "batten/curve_scheme.h"
+#include "batten/research/networks.h"
 #include "curve/network/learned_network.h"
-#include "curve/network/tension_network.h"
 #include "learn/blas.h"
+#include "research/networks/tension_network.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -149,7 +150,7 @@ int main(void)
     bat_curve_model *published = NULL;
     contender contenders[] = {{.name = "learned", .scheme = bat_curve_scheme_learned(0.5)},
                               {.name = "learned-published", .transposed = true}};
-    if (bat_curve_model_published(&published, NULL) != BAT_OK ||
+    if (bat_curve_model_read_published(NULL, &published, NULL) != BAT_OK ||
         learned_network_make(&contenders[0].parameters, NULL) != BAT_OK ||
         tension_network_make(&contenders[1].parameters, NULL) != BAT_OK)
         return EXIT_FAILURE;

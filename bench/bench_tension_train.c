@@ -3,8 +3,8 @@
 
 #include "timing.h"
 
-#include "curve/network/tension_network.h"
 #include "learn/blas.h"
+#include "research/networks/tension_network.h"
 #include "research/train/tension_sample.h"
 
 #include <math.h>

@@ -3,6 +3,7 @@
 #include "report.h"
 
 #include "batten/research/curve_study.h"
+#include "batten/research/networks.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -75,7 +76,7 @@ static int load_model(curve_job *job)
     bat_error error;
     if (job->model_file == NULL)
         return EXIT_DONE;
-    if (bat_curve_model_read(job->model_file, &job->model, &error) != BAT_OK)
+    if (bat_curve_model_read_published(job->model_file, &job->model, &error) != BAT_OK)
         return report_failure(job->model_file, &error);
     job->refine.scheme = bat_curve_scheme_of_model(job->model);
     job->refine.scheme.fairness = job->fairness;

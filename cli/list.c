@@ -44,6 +44,14 @@ static bool map_shape_row(size_t index, bat_choice *choice)
     return index == 0;
 }
 
+static bool published_model_row(size_t index, bat_choice *choice)
+{
+    *choice = (bat_choice){
+        .name = "learned-published",
+        .summary = "the network of Ugail and Howard (2026), 140,505 weights, to compare with; weights/tension-published.md"};
+    return index == 0;
+}
+
 static bool result_row(size_t index, bat_choice *choice)
 {
     *choice = (bat_choice){0};
@@ -69,7 +77,7 @@ static const listing LISTINGS[] = {
     {"formats",
      {&bat_curve_format_family, &bat_mesh_format_family, &bat_cloud_format_family, &bat_surface_format_family},
      {NULL}},
-    {"models", {&bat_curve_model_family}, {NULL}},
+    {"models", {&bat_curve_model_family}, {published_model_row}},
     {"parameterizations", {&bat_surface_parameters_family}, {NULL}},
     {"shapes", {NULL}, {mesh_shape_row, cloud_shape_row, map_shape_row}},
     {"results", {NULL}, {result_row}},

@@ -3,6 +3,7 @@
 #include "terminal.h"
 
 #include "batten/batten.h"
+#include "batten/research/networks.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -187,7 +188,7 @@ static int refine(mesh_job *job)
     bat_mesh_refine_options options = job->refine;
     if (job->model_file != NULL)
     {
-        if (bat_mesh_model_read(job->model_file, &job->model, &error) != BAT_OK)
+        if (bat_mesh_model_read_published(job->model_file, &job->model, &error) != BAT_OK)
             return report_failure(job->model_file, &error);
         options.rule = bat_mesh_model_rule(job->model);
     }

@@ -5,6 +5,7 @@
 #include "verb.h"
 
 #include "batten/batten.h"
+#include "batten/research/networks.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -204,7 +205,7 @@ static int read_model_and_parameters(const surface_job *job, const bat_cloud *cl
                                      double **given)
 {
     bat_error error;
-    if (job->model_file != NULL && bat_surface_model_read(job->model_file, model, &error) != BAT_OK)
+    if (job->model_file != NULL && bat_surface_model_read_published(job->model_file, model, &error) != BAT_OK)
         return report_failure(job->model_file, &error);
     if (job->parameter_file != NULL && bat_cloud_parameters_read(job->parameter_file, cloud, given, &error) != BAT_OK)
         return report_failure(job->parameter_file, &error);

@@ -1,4 +1,4 @@
-# cmake -DFROM=weights.safetensors -DTO=source.c -DNAME=variable -P weights.cmake
+# cmake -DFROM=weights.safetensors -DTO=source.c -DNAME=variable -DHEADER=header -P weights.cmake
 #
 # Writes a safetensors file of single-precision arrays as C: the constant NAME of type `safetensors`, with a table of arrays
 # and one of notes. So the library needs no parser for its own weights.
@@ -57,7 +57,7 @@ string(LENGTH ${elements} word_count)
 math(EXPR word_count "${word_count} / 8")
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1,\n" words ${elements})
 
-file(WRITE ${TO} "#include \"learn/weights.h\"
+file(WRITE ${TO} "#include \"${HEADER}\"
 
 static _Alignas(64) const union
 {

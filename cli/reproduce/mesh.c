@@ -320,7 +320,7 @@ static int print_table(table *t, const file_list *files)
 static int add_learned(table *t, const char *name, const char *path, bat_mesh_model **model)
 {
     bat_error error;
-    bat_status status = path != NULL ? bat_mesh_model_read(path, model, &error) : bat_mesh_model_builtin(model, &error);
+    bat_status status = bat_mesh_model_read_published(path, model, &error);
     if (status != BAT_OK)
         return report_failure(path, &error);
     t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(*model)};

@@ -114,7 +114,7 @@ int reproduce_real_meshes(const reproduce_job *job)
     bat_real_meshes_row *rows;
     size_t count;
     bat_error error;
-    if (job->model != NULL && bat_mesh_model_read(job->model, &model, &error) != BAT_OK)
+    if (job->model != NULL && bat_mesh_model_read_published(job->model, &model, &error) != BAT_OK)
         return report_failure(job->model, &error);
     options.model = model;
     options.progress = report_progress("measuring meshes");

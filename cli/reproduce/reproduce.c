@@ -2,6 +2,7 @@
 
 #include "report.h"
 
+#include "batten/research/networks.h"
 #include "batten/spline.h"
 
 #include <errno.h>
@@ -435,8 +436,7 @@ const verb VERB_REPRODUCE = {
 int reproduce_model(const reproduce_job *job, bat_curve_model **model)
 {
     bat_error error;
-    bat_status status =
-        job->model != NULL ? bat_curve_model_read(job->model, model, &error) : bat_curve_model_published(model, &error);
+    bat_status status = bat_curve_model_read_published(job->model, model, &error);
     return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
 }
 

@@ -57,7 +57,7 @@ static int get_network(const reproduce_job *job, size_t which, bat_surface_model
     if (code != EXIT_DONE)
         return code;
     path = path != NULL ? path : trained;
-    return bat_surface_model_read(path, model, &error) == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+    return bat_surface_model_read_published(path, model, &error) == BAT_OK ? EXIT_DONE : report_failure(path, &error);
 }
 
 static int print_ablation(const reproduce_job *job, const bat_surface_case *what, const bat_surface_score *scores)

@@ -150,8 +150,7 @@ int reproduce_surface_clouds(const reproduce_job *job)
     table t = {.job = job, .options = study_options(job)};
     bat_surface_model *model = NULL;
     bat_error error;
-    bat_status status =
-        job->model != NULL ? bat_surface_model_read(job->model, &model, &error) : bat_surface_model_builtin(&model, &error);
+    bat_status status = bat_surface_model_read_published(job->model, &model, &error);
     if (status != BAT_OK)
         return report_failure(job->model, &error);
     memcpy(t.methods, METHODS, sizeof METHODS);

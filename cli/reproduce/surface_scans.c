@@ -42,7 +42,7 @@ static int study_begin(const reproduce_job *job, scan_study *study)
 {
     bat_error error;
     *study = (scan_study){.job = job, .clouds = json_array(), .fits = json_array(), .ratios = json_array()};
-    bat_status status = job->model != NULL ? bat_surface_model_read(job->model, &study->model, &error) : BAT_OK;
+    bat_status status = job->model != NULL ? bat_surface_model_read_published(job->model, &study->model, &error) : BAT_OK;
     return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
 }
 

@@ -87,13 +87,13 @@ static int read_networks(const reproduce_job *job, networks *n)
     bat_error error;
     bat_curve_model *given = NULL;
     *n = (networks){0};
-    if (job->model != NULL && bat_curve_model_read(job->model, &given, &error) != BAT_OK)
+    if (job->model != NULL && bat_curve_model_read_published(job->model, &given, &error) != BAT_OK)
         return report_failure(job->model, &error);
     if (given != NULL && bat_curve_model_has_fairness(given))
         n->own = given;
     else
         n->published = given;
-    if (n->published == NULL && bat_curve_model_published(&n->published, &error) != BAT_OK)
+    if (n->published == NULL && bat_curve_model_read_published(NULL, &n->published, &error) != BAT_OK)
     {
         networks_free(n);
         return report_failure(NULL, &error);

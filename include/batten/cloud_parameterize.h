@@ -90,18 +90,17 @@ BAT_API bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const doub
 BAT_API bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters,
                                                bat_cloud_parameters_report *report, bat_error *error);
 
-// Learned parameters: the network of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), and our own network.
+// Learned parameters.
 
 /// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_surface_model bat_surface_model;
 
-/// Read a model of either network from a safetensors file of bat_surface_train(). Of a checkpoint, the best weights are
-/// taken.
+/// Read a model from a safetensors file of `batten train surface --recipe batten`. Of a checkpoint, the best weights are
+/// taken. batten/research/networks.h reads published networks too.
+/// @param path  null: the model that comes with the library (weights/surface.md)
 /// @param model receives the model; release it with bat_surface_model_free()
 /// @return BAT_OK; BAT_BAD_FILE, BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
 BAT_API bat_status bat_surface_model_read(const char *path, bat_surface_model **model, bat_error *error);
-/// The model that comes with the library (weights/surface.md).
-BAT_API bat_status bat_surface_model_builtin(bat_surface_model **model, bat_error *error);
 /// Does nothing to null.
 BAT_API void bat_surface_model_free(bat_surface_model *model);
 
@@ -110,8 +109,8 @@ BAT_API void bat_surface_model_free(bat_surface_model *model);
 /// @param threads    0: as many as OpenMP gives; the result does not depend on it
 /// @param parameters receives count x 2, the boundary's first
 /// @return BAT_OK; the failures of bat_cloud_check(); BAT_INVALID_ARGUMENT for a cloud whose size is not finite;
-///         BAT_NO_MEMORY. Our network also returns BAT_INVALID_ARGUMENT for a cloud without boundary or boundary parameters
-///         that are not finite, and BAT_NO_CONVERGENCE for parameters that overflow
+///         BAT_NO_MEMORY. Batten's network also returns BAT_INVALID_ARGUMENT for a cloud without boundary or boundary
+///         parameters that are not finite, and BAT_NO_CONVERGENCE for parameters that overflow
 BAT_API bat_status bat_surface_model_parameterize(const bat_surface_model *model, const bat_cloud *cloud,
                                                   const double *boundary, int threads, double *parameters, bat_error *error);
 

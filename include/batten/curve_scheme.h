@@ -231,21 +231,14 @@ BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
 /// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_curve_model bat_curve_model;
 
-/// Read a model from a safetensors file: a file of bat_curve_train(), or one with the arrays of the
-/// published program ("geom_embed.weight", …) in single or double precision. Of a checkpoint, the best weights are taken, or
-/// those of its last step. The arrays tell the variants of table 3 without a learned embedding.
+/// Read a model from a safetensors file of `batten train curve --recipe batten`. Of a checkpoint, the best weights are taken,
+/// or those of its last step. batten/research/networks.h reads published networks too.
 ///
+/// @param path  null: the model that comes with the library (weights/batten.md), that of bat_curve_scheme_learned()
 /// @param model receives the model; release it with bat_curve_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
 ///         BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
 BAT_API bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_error *error);
-/// The model that comes with the library (weights/batten.md): the one of bat_curve_scheme_learned().
-/// @param model receives the model; release it with bat_curve_model_free()
-/// @return BAT_OK or BAT_NO_MEMORY
-BAT_API bat_status bat_curve_model_builtin(bat_curve_model **model, bat_error *error);
-/// The network of the published recipe that the library's project trained (weights/tension-published.md), to compare with.
-/// @return BAT_OK or BAT_NO_MEMORY
-BAT_API bat_status bat_curve_model_published(bat_curve_model **model, bat_error *error);
 /// The models that come with the library.
 extern BAT_API const bat_family bat_curve_model_family;
 /// Whether a model uses bat_curve_scheme's fairness.
@@ -254,7 +247,6 @@ BAT_API bool bat_curve_model_has_fairness(const bat_curve_model *model);
 BAT_API void bat_curve_model_free(bat_curve_model *model);
 
 /// The scheme whose insertion angles are a model's, for the plane, the sphere S^2 and the disk. The model must outlive it.
-/// The published network's features are four exterior angles and two edge lengths, relative to the polygon's mean (eq. 17).
 /// Angles stay below BAT_CURVE_ANGLE_LIMIT for all weights (Theorem 1). `scheme.fairness` begins as 1/2; only models of the
 /// library's own recipe use it.
 BAT_API bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model);

@@ -156,19 +156,14 @@ BAT_API bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, dou
 /// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_mesh_model bat_mesh_model;
 
-/// Read a model from a safetensors file in single or double precision: a file of bat_mesh_train() by either recipe, or one
-/// with the arrays of the published program ("net_init.layerIn.weight", …). Of a checkpoint, the best weights are taken, or
-/// the last ones by batten's recipe. The arrays tell batten's network, the published one and its ablations; the file's
-/// recipe tells whether frames are fixed and lengths are relative.
+/// Read a model from a safetensors file of `batten train mesh --recipe batten`, in single or double precision. Of a
+/// checkpoint, the last weights are taken. batten/research/networks.h reads the published network too.
 ///
+/// @param path  null: the model that comes with the library (weights/mesh.md)
 /// @param model receives the model; release it with bat_mesh_model_free()
 /// @return BAT_OK; BAT_BAD_FILE (an array is missing, has another shape, or holds a number that is not finite);
 ///         BAT_FILE_ACCESS, BAT_UNSUPPORTED or BAT_NO_MEMORY; `*model` is untouched on failure
 BAT_API bat_status bat_mesh_model_read(const char *path, bat_mesh_model **model, bat_error *error);
-/// The model that comes with the library (weights/mesh.md).
-/// @param model receives the model; release it with bat_mesh_model_free()
-/// @return BAT_OK or BAT_NO_MEMORY
-BAT_API bat_status bat_mesh_model_builtin(bat_mesh_model **model, bat_error *error);
 /// Does nothing to null.
 BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 
@@ -178,11 +173,6 @@ BAT_API void bat_mesh_model_free(bat_mesh_model *model);
 /// motions, reflections, scaling, renumbering and turning all faces over change the result alike, up to roundings of single
 /// precision; planes stay planes; boundaries depend on their own vertices alone; creases and corners follow Loop's rules. It
 /// moves given vertices that are neither on a boundary nor sharp.
-///
-/// The published network (Liu et al., "Neural Subdivision", 2020) works on the mesh scaled into the unit box, (v - min) /
-/// max. Its results turn and scale with the mesh only as that box does. It also moves given vertices. An edge whose two
-/// faces have no area or are folded onto each other gets its midpoint. At a boundary, a missing opposite vertex is replaced
-/// by i + j - k.
 BAT_API const bat_mesh_rule *bat_mesh_model_rule(const bat_mesh_model *model);
 
 BAT_C_END

@@ -159,7 +159,7 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 /// @param options null for the defaults
 /// @param result  untouched on failure
 /// @return BAT_OK; the failures of bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(),
-///         bat_surface_model_builtin() and bat_surface_fit()
+///         bat_surface_model_read() and bat_surface_fit()
 BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
                                            bat_error *error);
 

@@ -1,8 +1,8 @@
 #ifndef RESEARCH_DATA_TENSION_CURVES_H
 #define RESEARCH_DATA_TENSION_CURVES_H
 
-#include "base/mersenne.h"
 #include "batten/research/curve_data.h"
+#include "research/data/mersenne.h"
 
 /// @file
 /// The closed curves of the data set of Ugail and Howard (2026), section 6.1, before rounding.

@@ -11,6 +11,7 @@
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_picture.h"
+#include "batten/research/networks.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -109,7 +110,7 @@ bat_status mesh_study_train(const bat_mesh *shapes, size_t count, const bat_mesh
         return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the name of the folder is too long");
     recipe.run.folder = folder;
     bat_status status = bat_mesh_train(shapes, count, &recipe, report, error);
-    return status == BAT_OK ? bat_mesh_model_read(path, model, error) : status;
+    return status == BAT_OK ? bat_mesh_model_read_published(path, model, error) : status;
 }
 
 // Scores

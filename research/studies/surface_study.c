@@ -234,7 +234,7 @@ static bat_status ready_make(const bat_surface_method *methods, size_t count, re
         if (methods[m].parameters != BAT_SURFACE_PARAMETERS_LEARNED || methods[m].model != NULL)
             continue;
         if (ready->builtin == NULL)
-            status = bat_surface_model_builtin(&ready->builtin, error);
+            status = bat_surface_model_read(NULL, &ready->builtin, error);
         ready->methods[m].model = ready->builtin;
     }
     if (status != BAT_OK)

@@ -7,11 +7,10 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/network/tension_network.h"
-#include "curve/network/tension_weights.h"
 #include "learn/blas.h"
-#include "learn/operations.h"
-#include "linalg/spectral_norm.h"
+#include "research/learn/operations.h"
+#include "research/networks/tension_network.h"
+#include "research/studies/spectral_norm.h"
 #include "research/train/geometry_insert.h"
 #include "research/train/tension_sample.h"
 
@@ -301,12 +300,10 @@ bat_status bat_tension_mechanism(const char *path, const bat_tension_mechanism_o
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the mechanism is looked at on 1 to %d curves and 1 to %d levels", BAT_TENSION_CURVES, MAX_LEVELS);
     learn_parameters parameters;
-    tension_embedding kind;
-    bat_status status = tension_weights_read(path, &parameters, &kind, error);
-    bat_tension_embedding embedding = (bat_tension_embedding)kind;
+    bat_status status = tension_network_read(path, &parameters, error);
     if (status != BAT_OK)
         return status;
-    status = analyze(&parameters, embedding, options, report, error);
+    status = analyze(&parameters, (bat_tension_embedding)tension_network_embedding(&parameters), options, report, error);
     learn_parameters_free(&parameters);
     return status;
 }

@@ -1,3 +1,4 @@
+#include "research/learn/operations.h"
 #include "research/train/curve_train.h"
 
 #include "base/error.h"

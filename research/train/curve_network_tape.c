@@ -1,7 +1,9 @@
 #include "research/train/curve_network_tape.h"
 
 #include "batten/curve_scheme.h"
-#include "curve/network/learned_network.h"
+#include "research/learn/klein_layers.h"
+#include "research/learn/operations.h"
+#include "research/learn/parameters.h"
 
 #include <assert.h>
 
@@ -198,6 +200,49 @@ static learn_array *insertion_angles(learn_tape *tape, edge_features *edges, lea
     if (differentiated)
         learn_tape_record(tape, angles, angles_back, c);
     return angles;
+}
+
+// The network
+
+void learned_network_start(learn_parameters *parameters, uint64_t seed)
+{
+    bat_random random = bat_random_seed(seed);
+    for (size_t i = 0; i < LEARNED_AT_OUTPUT; i++)
+    {
+        const learn_parameter *weight = &parameters->list[i];
+        // A block's second layer begins small: the blocks change little at first.
+        size_t layer = i / LEARNED_LAYER_SIZE;
+        double gain = layer > 0 && layer % 2 == 0 ? 0.1 : 1;
+        if (weight->rank == 2)
+            learn_parameter_fill_normal(parameters, i, gain * sqrt(2.0 / (double)weight->rows), &random);
+    }
+}
+
+static learn_array *linear_at(learn_tape *tape, learn_array *x, size_t layer)
+{
+    learn_array *weights[KLEIN_COUNT];
+    size_t place = layer * LEARNED_LAYER_SIZE;
+    for (size_t k = 0; k < KLEIN_COUNT; k++)
+        weights[k] = learn_parameter_array(tape, place + k);
+    return learn_klein_linear(tape, x, layer == 0 ? learned_widths() : klein_equal(LEARNED_CHANNELS),
+                              klein_equal(LEARNED_CHANNELS), weights, learn_parameter_array(tape, place + KLEIN_COUNT));
+}
+
+learn_array *learned_network_apply(learn_tape *tape, learn_array *features)
+{
+    learn_array *x = learn_klein_gelu(tape, linear_at(tape, features, 0));
+    for (size_t layer = 1; layer < LEARNED_LAYERS; layer += 2)
+    {
+        learn_array *inner = learn_klein_gelu(tape, linear_at(tape, x, layer));
+        x = learn_add(tape, x, linear_at(tape, inner, layer + 1));
+    }
+    x = learn_klein_gelu(tape, x);
+    static const klein_character BLOCKS[LEARNED_OUTPUTS] = {KLEIN_FIRST, KLEIN_KEPT};
+    learn_array *outputs[LEARNED_OUTPUTS];
+    for (size_t i = 0; i < LEARNED_OUTPUTS; i++)
+        outputs[i] = learn_linear(tape, learn_slice_columns(tape, x, BLOCKS[i] * LEARNED_CHANNELS, LEARNED_CHANNELS),
+                                  learn_parameter_array(tape, LEARNED_AT_OUTPUT + i), NULL);
+    return learn_concatenate_columns(tape, outputs, LEARNED_OUTPUTS);
 }
 
 tape_polygon *curve_network_step(learn_tape *tape, tape_polygon *polygon, size_t level, double fairness)

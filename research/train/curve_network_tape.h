@@ -1,10 +1,19 @@
 #ifndef RESEARCH_TRAIN_CURVE_NETWORK_TAPE_H
 #define RESEARCH_TRAIN_CURVE_NETWORK_TAPE_H
 
+#include "curve/network/learned_network.h"
 #include "research/train/tension_sample.h"
 
 /// @file
 /// The network of the shipped curve rule on a tape, and the loss of one training sample.
+
+/// Draw weights.
+void learned_network_start(learn_parameters *parameters, uint64_t seed);
+
+/// Evaluate a batch of edges. The tape must have begun with the network's parameters.
+/// @param features rows x LEARNED_FEATURES
+/// @return rows x LEARNED_OUTPUTS
+learn_array *learned_network_apply(learn_tape *tape, learn_array *features);
 
 /// One step of the learned rule. The tape must have begun with the weights of learned_network_make().
 /// @param level levels before this one; from LEARNED_LEVELS on the step is the six-point rule in turns

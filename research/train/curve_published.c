@@ -5,8 +5,8 @@
 #include "base/threads.h"
 #include "batten/curve_measure.h"
 #include "batten/research/curve_study.h"
-#include "curve/network/tension_network.h"
 #include "learn/blas.h"
+#include "research/networks/tension_network.h"
 #include "research/train/geometry_loss.h"
 #include "research/train/tension_sample.h"
 

@@ -1,7 +1,7 @@
 #ifndef RESEARCH_TRAIN_LOG_H
 #define RESEARCH_TRAIN_LOG_H
 
-#include "learn/train.h"
+#include "research/learn/train.h"
 
 #include <stdio.h>
 

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
+#include "research/learn/parameters.h"
 
 #include <assert.h>
 #include <stdlib.h>

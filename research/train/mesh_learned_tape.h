@@ -1,8 +1,8 @@
 #ifndef RESEARCH_TRAIN_MESH_LEARNED_TAPE_H
 #define RESEARCH_TRAIN_MESH_LEARNED_TAPE_H
 
-#include "learn/operations.h"
 #include "mesh/network/learned_network.h"
+#include "research/learn/operations.h"
 
 /// @file
 /// The mesh network of src/mesh/network/learned_network.h on a tape, for training.

@@ -1,13 +1,13 @@
 #ifndef RESEARCH_TRAIN_MESH_NETWORK_TAPE_H
 #define RESEARCH_TRAIN_MESH_NETWORK_TAPE_H
 
-#include "learn/operations.h"
 #include "mesh/network/flap.h"
-#include "mesh/network/frame.h"
-#include "mesh/network/network.h"
+#include "research/learn/operations.h"
+#include "research/networks/mesh_frame.h"
+#include "research/networks/mesh_network.h"
 
 /// @file
-/// The mesh network of src/mesh/network/network.h on a tape, for training, and its operations on half-flaps. A *state* has
+/// The mesh network of research/networks/mesh_network.h on a tape, for training, and its operations on half-flaps. A *state* has
 /// a row per vertex: the position, then any number of vectors that rotate with the mesh, then features that do not. All
 /// derivatives are complete, those through edges and frames too. Half-flaps are not copied and must stay until the step has
 /// been differentiated.

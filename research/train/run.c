@@ -1,6 +1,7 @@
 #include "research/train/run.h"
 
 #include "base/error.h"
+#include "research/learn/parameters.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,3 +1,4 @@
+#include "research/learn/parameters.h"
 #include "research/train/surface_network_tape.h"
 #include "surface/network/chart_network.h"
 

@@ -1,10 +1,10 @@
 #ifndef RESEARCH_TRAIN_SURFACE_NETWORK_TAPE_H
 #define RESEARCH_TRAIN_SURFACE_NETWORK_TAPE_H
 
+#include "research/networks/bidgcn.h"
+#include "research/networks/radius_graph.h"
 #include "research/train/surface_sample.h"
-#include "surface/network/bidgcn.h"
 #include "surface/network/model.h"
-#include "surface/network/radius_graph.h"
 
 /// @file
 /// Networks that parameterize clouds, on a tape, for training; and the operations of the published one along the edges of
@@ -13,7 +13,7 @@
 /// What training needs of a network, beside its kind.
 typedef struct surface_network_tape
 {
-    const surface_network_kind *kind;
+    const learn_network *kind;
 
     /// Draw the initial weights.
     void (*start)(learn_parameters *parameters, uint64_t seed);

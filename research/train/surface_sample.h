@@ -2,7 +2,7 @@
 #define RESEARCH_TRAIN_SURFACE_SAMPLE_H
 
 #include "batten/cloud.h"
-#include "learn/operations.h"
+#include "research/learn/operations.h"
 
 /// @file
 /// Clouds to train on, and the loss of Giannelli et al., "BIDGCN" (2023), section 4.4.

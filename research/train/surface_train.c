@@ -88,9 +88,9 @@ static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
     const training *t = context;
     const bat_surface_train_options *o = t->options;
     (void)snprintf(text, TRAIN_TEXT_SIZE,
-                   "surface %s, %llu epochs of %zu steps, batch %zu, %zu to %zu points, bidegree %d to %d, noise %.9g "
+                   "%s, %llu epochs of %zu steps, batch %zu, %zu to %zu points, bidegree %d to %d, noise %.9g "
                    "(a share of %.9g without), %s, rate %.9g",
-                   t->network->kind->name, (unsigned long long)o->run.epochs, o->steps, o->batch, o->min_points,
+                   t->network->kind->recipe, (unsigned long long)o->run.epochs, o->steps, o->batch, o->min_points,
                    o->max_points, o->min_degree, o->max_degree, o->noise, o->clean, o->adam ? "Adam" : "gradient descent",
                    o->rate);
 }
@@ -120,7 +120,7 @@ static bat_status make(void *context, bat_error *error)
     t->samples = calloc(t->options->batch, sizeof *t->samples);
     if (t->samples == NULL)
         return error_memory(error, t->options->batch * sizeof *t->samples);
-    bat_status status = t->network->kind->make(&t->base.parameters, error);
+    bat_status status = t->network->kind->make(NULL, &t->base.parameters, error);
     if (status != BAT_OK)
         return status;
     t->network->start(&t->base.parameters, t->options->run.seed);

@@ -1,7 +1,7 @@
 #ifndef RESEARCH_TRAIN_TAPE_POLYGON_H
 #define RESEARCH_TRAIN_TAPE_POLYGON_H
 
-#include "learn/tape.h"
+#include "research/learn/tape.h"
 #include "research/train/geometry_polygon.h"
 
 /// @file

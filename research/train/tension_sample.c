@@ -1,6 +1,6 @@
 #include "research/train/tension_sample.h"
 
-#include "curve/network/tension_network.h"
+#include "research/networks/tension_network.h"
 #include "research/train/geometry_insert.h"
 #include "research/train/geometry_polygon.h"
 

@@ -1,7 +1,9 @@
 #ifndef LEARN_KLEIN_H
 #define LEARN_KLEIN_H
 
-#include "learn/tape.h"
+#include "learn/real.h"
+
+#include <stddef.h>
 
 /// @file
 /// Layers that commute with two reflections.
@@ -37,17 +39,6 @@ static inline size_t klein_total(klein_widths widths)
 {
     return widths.of[0] + widths.of[1] + widths.of[2] + widths.of[3];
 }
-
-/// Block k of the result is x_k W_k, for the first block plus `bias`.
-/// @param x       R x klein_total(in)
-/// @param weights four, in.of[k] x out.of[k]
-/// @param bias    1 x out.of[KLEIN_KEPT], or null
-/// @return R x klein_total(out)
-learn_array *learn_klein_linear(learn_tape *tape, learn_array *x, klein_widths in, klein_widths out,
-                                learn_array *const weights[KLEIN_COUNT], learn_array *bias);
-
-/// GELU in the regular representation. R x 4 width; every block has `width` columns.
-learn_array *learn_klein_gelu(learn_tape *tape, learn_array *x);
 
 /// GELU in the regular representation for `width` numbers of each block, in place.
 __attribute__((always_inline)) static inline void klein_gelu_forward(size_t width, const real *restrict x, real *restrict y)

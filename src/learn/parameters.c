@@ -50,44 +50,6 @@ void learn_parameters_free(learn_parameters *set)
     *set = (learn_parameters){0};
 }
 
-static size_t parameter_size(const learn_parameter *parameter)
-{
-    return parameter->rows * parameter->columns;
-}
-
-void learn_parameter_fill(learn_parameters *set, size_t index, real value)
-{
-    real *values = learn_parameter_values(set, index);
-    for (size_t i = 0; i < parameter_size(&set->list[index]); i++)
-        values[i] = value;
-}
-
-void learn_parameter_fill_normal(learn_parameters *set, size_t index, double deviation, bat_random *random)
-{
-    real *values = learn_parameter_values(set, index);
-    for (size_t i = 0; i < parameter_size(&set->list[index]); i++)
-        values[i] = (real)(deviation * bat_random_normal(random));
-}
-
-void learn_parameters_describe(const learn_parameters *set, const real *block, const char *prefix, safetensors_array *arrays,
-                               char (*names)[2 * LEARN_NAME_SIZE])
-{
-    for (size_t i = 0; i < set->count; i++)
-    {
-        const learn_parameter *parameter = &set->list[i];
-        (void)snprintf(names[i], sizeof names[i], "%s%s", prefix, parameter->name);
-        bool matrix = parameter->rank == 2;
-        arrays[i] = (safetensors_array){
-            .name = names[i],
-            .type = sizeof(real) == sizeof(float) ? SAFETENSORS_F32 : SAFETENSORS_F64,
-            .rank = parameter->rank,
-            .shape = {matrix ? parameter->rows : parameter->columns, matrix ? parameter->columns : 0},
-            .count = parameter_size(parameter),
-            .values = block + parameter->offset,
-        };
-    }
-}
-
 static bat_status extract_parameter(const learn_parameter *parameter, const safetensors_array *array, real *values,
                                     bat_error *error)
 {

@@ -44,24 +44,10 @@ static inline real *learn_parameter_values(const learn_parameters *set, size_t i
     return set->values + set->list[index].offset;
 }
 
-void learn_parameter_fill(learn_parameters *set, size_t index, real value);
-/// Independent normal numbers of mean 0, drawn row by row.
-void learn_parameter_fill_normal(learn_parameters *set, size_t index, double deviation, bat_random *random);
-
-/// Describe the arrays with the values of a block laid out like this one, for safetensors_write(). The descriptions refer to
-/// `block`; names are `prefix` and the parameter's, written into `names`.
-/// @param arrays,names room for set->count
-void learn_parameters_describe(const learn_parameters *set, const real *block, const char *prefix, safetensors_array *arrays,
-                               char (*names)[2 * LEARN_NAME_SIZE]);
 /// Fill a block laid out like this one from the arrays named `prefix` and the parameter's name, of single or double
 /// precision and the same shapes. Arrays of other names are left alone.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY; `block` may be half filled on failure
 bat_status learn_parameters_extract(const learn_parameters *set, const safetensors *content, const char *prefix, real *block,
                                     bat_error *error);
-
-/// Write the values alone into a safetensors file, with notes about their origin.
-/// @return BAT_OK, BAT_NO_MEMORY or BAT_FILE_ACCESS
-bat_status learn_parameters_write(const learn_parameters *set, const char *path, const safetensors_note *notes,
-                                  size_t note_count, bat_error *error);
 
 #endif

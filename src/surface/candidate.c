@@ -57,7 +57,7 @@ static bat_status parameterize_learned(const bat_cloud *cloud, const double *bou
                                        double *parameters, bat_error *error)
 {
     bat_surface_model *builtin = NULL;
-    bat_status status = options->model != NULL ? BAT_OK : bat_surface_model_builtin(&builtin, error);
+    bat_status status = options->model != NULL ? BAT_OK : bat_surface_model_read(NULL, &builtin, error);
     if (status == BAT_OK)
         status = bat_surface_model_parameterize(options->model != NULL ? options->model : builtin, cloud, boundary,
                                                 options->fit.threads, parameters, error);

@@ -4,7 +4,10 @@
 #include "learned_helpers.h"
 
 #include "batten/curve_scheme.h"
+#include "batten/research/networks.h"
 #include "learn/weights.h"
+#include "research/learn/parameters.h"
+#include "research/networks/weights.h"
 
 #include <unistd.h>
 
@@ -137,7 +140,7 @@ static void shipped_models_are_those_of_the_files(void **state)
         assert_same_scheme(&own, &read);
     }
     bat_curve_model *builtin = NULL;
-    check_status(bat_curve_model_builtin(&builtin, NULL), BAT_OK);
+    check_status(bat_curve_model_read(NULL, &builtin, NULL), BAT_OK);
     assert_true(bat_curve_model_has_fairness(builtin));
     bat_curve_scheme of_builtin = bat_curve_scheme_of_model(builtin), of_file = bat_curve_scheme_of_model(file);
     assert_same_scheme(&of_builtin, &of_file);
@@ -145,8 +148,8 @@ static void shipped_models_are_those_of_the_files(void **state)
     bat_curve_model_free(file);
 
     bat_curve_model *published = NULL;
-    file = read_model(WEIGHTS_FOLDER "/tension-published.safetensors");
-    check_status(bat_curve_model_published(&published, NULL), BAT_OK);
+    check_status(bat_curve_model_read_published(WEIGHTS_FOLDER "/tension-published.safetensors", &file, NULL), BAT_OK);
+    check_status(bat_curve_model_read_published(NULL, &published, NULL), BAT_OK);
     assert_false(bat_curve_model_has_fairness(published));
     assert_false(bat_curve_model_has_fairness(file));
     bat_curve_scheme own = bat_curve_scheme_of_model(published), read = bat_curve_scheme_of_model(file);
@@ -250,11 +253,15 @@ static void bad_arrays_are_named(void **state)
         write_file(f, LEARNED_PARAMETERS);
         check_refused("output.kept");
     }
-    // Without its first array a file is taken for one of the published network.
+    // Research takes a file without the first array for one of the published network.
     f->parameters.values[f->parameters.total - 3] = 0;
     f->arrays[0].name = "layer.0.keeps";
     write_file(f, LEARNED_PARAMETERS);
-    check_refused("geom_embed.weight");
+    check_refused("layer.0.kept");
+    bat_curve_model *model = NULL;
+    bat_error error = {0};
+    check_status(bat_curve_model_read_published(path, &model, &error), BAT_BAD_FILE);
+    assert_non_null(strstr(error.text, "geom_embed.weight"));
     free_file(f);
 }
 

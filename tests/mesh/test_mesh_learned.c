@@ -8,6 +8,7 @@
 #include "batten/mesh_measure.h"
 #include "batten/research/mesh_shapes.h"
 #include "linalg/vector3.h"
+#include "research/learn/parameters.h"
 #include "research/train/mesh_learned_tape.h"
 
 #include <unistd.h>
@@ -63,7 +64,7 @@ static int make_models(void **state)
     static fixture f;
     for (size_t i = 0; i < 2; i++)
         f.models[i] = random_model(i + 1, i == 0 ? 1 : 1.2, &f.parameters[i]);
-    check_status(bat_mesh_model_builtin(&f.models[SHIPPED], NULL), BAT_OK);
+    check_status(bat_mesh_model_read(NULL, &f.models[SHIPPED], NULL), BAT_OK);
     *state = &f;
     return 0;
 }

@@ -23,15 +23,15 @@ static void models_are_not_read(void **state)
 static void built_in_models_refine(void **state)
 {
     (void)state;
-    bat_curve_model *published = NULL;
+    bat_curve_model *curve = NULL;
     bat_mesh_model *builtin = NULL;
-    check_status(bat_curve_model_published(&published, NULL), BAT_OK);
-    check_status(bat_mesh_model_builtin(&builtin, NULL), BAT_OK);
+    check_status(bat_curve_model_read(NULL, &curve, NULL), BAT_OK);
+    check_status(bat_mesh_model_read(NULL, &builtin, NULL), BAT_OK);
 
     const bat_space plane = bat_euclidean(2);
     double corners[] = {0, 0, 16, 0, 16, 16, 0, 16};
     const bat_curve square = {.space = &plane, .points = corners, .count = 4, .closed = true};
-    const bat_curve_scheme schemes[] = {bat_curve_scheme_learned(0.5), bat_curve_scheme_of_model(published)};
+    const bat_curve_scheme schemes[] = {bat_curve_scheme_learned(0.5), bat_curve_scheme_of_model(curve)};
     for (size_t i = 0; i < 2; i++)
     {
         bat_curve_refine_options options = bat_curve_refine_defaults();
@@ -42,7 +42,7 @@ static void built_in_models_refine(void **state)
         assert_int_equal(fine.count, 32);
         bat_curve_free(&fine);
     }
-    bat_curve_model_free(published);
+    bat_curve_model_free(curve);
     bat_mesh_model_free(builtin);
 }
 

@@ -6,6 +6,7 @@
 #include "batten/curve_measure.h"
 #include "curve/network/learned_network.h"
 #include "learn/safetensors.h"
+#include "research/train/curve_network_tape.h"
 #include "research/train/curve_train.h"
 
 static const bool DOUBLE = sizeof(real) == sizeof(double);

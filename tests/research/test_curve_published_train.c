@@ -1,8 +1,8 @@
 #include "train_helpers.h"
 
 #include "batten/curve_measure.h"
-#include "curve/network/tension_network.h"
 #include "learn/blas.h"
+#include "research/networks/tension_network.h"
 #include "research/train/curve_train.h"
 #include "research/train/tension_sample.h"
 

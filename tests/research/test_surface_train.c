@@ -4,6 +4,7 @@
 #include "train_helpers.h"
 
 #include "batten/cloud_parameterize.h"
+#include "batten/research/networks.h"
 #include "batten/research/surface_train.h"
 #include "learn/safetensors.h"
 
@@ -107,7 +108,7 @@ static void models_say_what_they_are(void **state)
         assert_non_null(recipe);
         assert_int_equal(strncmp(recipe, options.uninformed ? "surface uninformed," : "surface published,", 18), 0);
         safetensors_free(&content);
-        check_status(bat_surface_model_read(path, &model, NULL), BAT_OK);
+        check_status(bat_surface_model_read_published(path, &model, NULL), BAT_OK);
         bat_surface_model_free(model);
     }
 }

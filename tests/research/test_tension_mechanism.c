@@ -1,8 +1,9 @@
 #include "check.h"
 
 #include "batten/research/curve_study.h"
-#include "curve/network/tension_network.h"
-#include "linalg/spectral_norm.h"
+#include "research/learn/parameters.h"
+#include "research/networks/tension_network.h"
+#include "research/studies/spectral_norm.h"
 #include "research/train/tension_sample.h"
 
 #include <unistd.h>

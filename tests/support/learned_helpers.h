@@ -8,6 +8,8 @@
 
 #include "curve/network/learned_network.h"
 #include "curve/network/learned_rule.h"
+#include "research/learn/parameters.h"
+#include "research/train/curve_network_tape.h"
 
 /// As training would draw them, with a last layer and biases that are not zero.
 static inline learn_parameters random_weights(uint64_t seed)

@@ -3,7 +3,8 @@
 
 #include "check.h"
 
-#include "learn/operations.h"
+#include "research/learn/operations.h"
+#include "research/learn/parameters.h"
 #include "research/train/run.h"
 
 // A small regression: y = sin(3 x) by a network of one hidden layer with dropout, on points that are drawn anew for every

@@ -4,6 +4,7 @@
 #include "patch_clouds.h"
 
 #include "batten/cloud_parameterize.h"
+#include "research/learn/parameters.h"
 #include "research/train/surface_network_tape.h"
 #include "surface/network/chart_network.h"
 
@@ -34,7 +35,7 @@ static learn_parameters random_weights(double deviation, uint64_t seed)
 {
     learn_parameters parameters = {0};
     bat_random random = bat_random_seed(seed);
-    check_status(TRAINING->kind->make(&parameters, NULL), BAT_OK);
+    check_status(TRAINING->kind->make(NULL, &parameters, NULL), BAT_OK);
     TRAINING->start(&parameters, seed);
     for (size_t i = 0; i < parameters.total; i++)
         parameters.values[i] += (real)(deviation * bat_random_normal(&random));
@@ -155,9 +156,11 @@ static void first_weights_leave_the_chart(void **state)
 static void infer(const learn_parameters *parameters, const surface_sample *sample, int threads, double *interior)
 {
     void *network;
-    check_status(TRAINING->kind->make_network(parameters, &network, NULL), BAT_OK);
-    check_status(TRAINING->kind->infer(network, &sample->cloud, sample->parameters, threads, interior, NULL), BAT_OK);
-    TRAINING->kind->free_network(network);
+    check_status(TRAINING->kind->pack(NULL, parameters, &network, NULL), BAT_OK);
+    check_status(((const surface_rule *)TRAINING->kind->rule)
+                     ->infer(network, &sample->cloud, sample->parameters, threads, interior, NULL),
+                 BAT_OK);
+    TRAINING->kind->free(network);
 }
 
 static void inference_says_the_same_on_any_number_of_threads(void **state)

@@ -52,7 +52,7 @@ typedef struct bat_surface_score
 /// Evaluate methods on random Bézier clouds with true boundary parameters (figures 4 to 9). Cases with equal degree and
 /// number of points differ only in noise.
 /// @param scores receives `count` scores
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_CANCELLED; what bat_cloud_bezier() and bat_surface_model_builtin() return
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_CANCELLED; what bat_cloud_bezier() and bat_surface_model_read() return
 BAT_API bat_status bat_surface_study_clouds(const bat_surface_case *what, const bat_surface_method *methods, size_t count,
                                             const bat_surface_study_options *options, bat_surface_score *scores,
                                             bat_error *error);

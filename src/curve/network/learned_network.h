@@ -2,7 +2,7 @@
 #define CURVE_NETWORK_LEARNED_NETWORK_H
 
 #include "curve/network/learned_features.h"
-#include "learn/operations.h"
+#include "learn/parameters.h"
 
 /// @file
 /// The network of the learned curve rule. Every layer commutes with mirror and reversal (learn/klein.h):
@@ -36,12 +36,5 @@ enum
 /// @param parameters all zero before the call; release it with learn_parameters_free()
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status learned_network_make(learn_parameters *parameters, bat_error *error);
-/// Draw weights.
-void learned_network_start(learn_parameters *parameters, uint64_t seed);
-
-/// Evaluate a batch of edges. The tape must have begun with the network's parameters.
-/// @param features rows x LEARNED_FEATURES
-/// @return rows x LEARNED_OUTPUTS
-learn_array *learned_network_apply(learn_tape *tape, learn_array *features);
 
 #endif

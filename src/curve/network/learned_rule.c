@@ -6,6 +6,7 @@
 #include "space/known.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 const char *learned_rule_fault(const bat_curve_angle_rule *rule, const bat_space *space)
 {
@@ -50,13 +51,35 @@ static const bat_curve_angle_rule SHIPPED = {
     .angles = shipped_angles,
 };
 
+static const bat_curve_angle_rule GIVEN = {
+    .name = "learned",
+    .reach = LEARNED_RANGE,
+    .levels = LEARNED_LEVELS,
+    .scratch_size = sizeof(learned_scratch),
+    .fault = learned_rule_fault,
+    .angles = given_angles,
+};
+
 bat_curve_angle_rule learned_rule(const real *weights)
 {
-    bat_curve_angle_rule rule = SHIPPED;
+    bat_curve_angle_rule rule = GIVEN;
     rule.parameters = weights;
-    rule.angles = given_angles;
     return rule;
 }
+
+static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
+{
+    (void)source;
+    return learned_network_make(parameters, error);
+}
+
+const learn_network curve_network_learned = {
+    .array = "layer.0.kept",
+    .rule = &GIVEN,
+    .make = make,
+    .pack = learn_model_copy,
+    .free = free,
+};
 
 bat_curve_scheme bat_curve_scheme_learned(double fairness)
 {

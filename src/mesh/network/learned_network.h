@@ -73,9 +73,6 @@ static inline size_t learned_parameter_of(size_t level, learned_parameter which)
     return level * LEARNED_LEVEL_PARAMETERS + (size_t)which;
 }
 
-/// The name of the first parameter, which tells such a file from one of the published network.
-#define LEARNED_FIRST_NAME "level.0.vertex_in.weight"
-
 /// The weights' names and shapes, all zero.
 /// @param parameters all zero before the call; release it with learn_parameters_free()
 /// @return BAT_OK or BAT_NO_MEMORY

@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/measure/closest.h"
+#include "mesh/network/flap.h"
+#include "mesh/network/learned_inference.h"
 #include "mesh/refine/sharpness.h"
 #include "mesh/refine/split.h"
 
@@ -147,9 +149,9 @@ static bat_status run(const mesh_learned *network, const mesh_levels *levels, co
     return status;
 }
 
-bat_status mesh_learned_rule(const mesh_learned *network, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
-                             size_t levels, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
-                             bat_error *error)
+static bat_status refine(const bat_mesh_rule *rule, const bat_mesh *coarse, const bat_mesh_connectivity *connectivity,
+                         size_t levels, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
+                         bat_error *error)
 {
     mesh_levels all;
     sharp_level sharp = {0};
@@ -168,7 +170,7 @@ bat_status mesh_learned_rule(const mesh_learned *network, const bat_mesh *coarse
     {
         for (size_t i = 0; i < 3 * coarse->vertex_count; i++)
             from[i] = scale * coarse->positions[i];
-        status = run(network, &all, options, &sharp, from, fine->positions, fallback, error);
+        status = run(rule->context, &all, options, &sharp, from, fine->positions, fallback, error);
     }
     for (size_t i = 0; i < 3 * all.vertex_count && status == BAT_OK; i++)
         fine->positions[i] /= scale;
@@ -177,3 +179,38 @@ bat_status mesh_learned_rule(const mesh_learned *network, const bat_mesh *coarse
     mesh_levels_free(&all);
     return status;
 }
+
+static const bat_mesh_rule RULE = {.levels = LEARNED_LEVELS_OF_MESH, .refine = refine};
+
+static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
+{
+    (void)source;
+    return mesh_learned_make(parameters, error);
+}
+
+static bat_status pack(const learn_source *source, const learn_parameters *parameters, void **network, bat_error *error)
+{
+    (void)source;
+    mesh_learned *made = malloc(sizeof *made);
+    bat_status status = made == NULL ? error_memory(error, sizeof *made) : mesh_learned_pack(parameters, made, error);
+    if (status == BAT_OK)
+        *network = made;
+    else
+        free(made);
+    return status;
+}
+
+static void release(void *network)
+{
+    if (network != NULL)
+        mesh_learned_free(network);
+    free(network);
+}
+
+const learn_network mesh_network_learned = {
+    .array = "level.0.vertex_in.weight",
+    .rule = &RULE,
+    .make = make,
+    .pack = pack,
+    .free = release,
+};

@@ -700,7 +700,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
         how.scheme = choose_scheme(&how, bat_mesh_scheme_for(coarse));
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
     {
-        status = bat_mesh_model_builtin(&model, error);
+        status = bat_mesh_model_read(NULL, &model, error);
         how.rule = status == BAT_OK ? bat_mesh_model_rule(model) : NULL;
     }
     if (status == BAT_OK)

@@ -128,8 +128,9 @@ static size_t outputs_of(size_t layer)
     return layer + 1 == CHART_LAYERS ? (size_t)CHART_MOVES : (size_t)CHART_WIDTH;
 }
 
-static bat_status make(learn_parameters *parameters, bat_error *error)
+static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
 {
+    (void)source;
     for (size_t layer = 0; layer < CHART_LAYERS; layer++)
     {
         char name[LEARN_NAME_SIZE];
@@ -142,16 +143,6 @@ static bat_status make(learn_parameters *parameters, bat_error *error)
     if (status != BAT_OK)
         learn_parameters_free(parameters);
     return status;
-}
-
-static bat_status make_network(const learn_parameters *parameters, void **network, bat_error *error)
-{
-    real *weights = memory_array(parameters->total, sizeof *weights);
-    if (weights == NULL)
-        return error_memory(error, parameters->total * sizeof *weights);
-    memcpy(weights, parameters->values, parameters->total * sizeof *weights);
-    *network = weights;
-    return BAT_OK;
 }
 
 static void evaluate_layers(const real *weights, const double *features, double *moves)
@@ -230,10 +221,13 @@ static bat_status infer(const void *network, const bat_cloud *cloud, const doubl
     return status;
 }
 
-const surface_network_kind surface_network_batten = {
-    .name = "batten",
+static const surface_rule RULE = {infer};
+
+const learn_network surface_network_batten = {
+    .array = "layer.0.weight",
+    .recipe = "surface batten",
+    .rule = &RULE,
     .make = make,
-    .make_network = make_network,
-    .free_network = free,
-    .infer = infer,
+    .pack = learn_model_copy,
+    .free = free,
 };

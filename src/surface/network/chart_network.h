@@ -58,6 +58,6 @@ enum
     CHART_LAYERS = 4
 };
 
-extern const surface_network_kind surface_network_batten;
+extern const learn_network surface_network_batten;
 
 #endif
