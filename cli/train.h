@@ -2,6 +2,7 @@
 #define CLI_TRAIN_H
 
 #include "batten/base.h"
+#include "batten/distributed.h"
 
 /// The verb `train`, with its command line, divided among the processes of a group. Rank 0 prints failures.
 /// @param processes null for a process alone

@@ -301,7 +301,7 @@ static void locate(const shared_chart *shared, file_part *part)
 static void number_rows(const shared_chart *shared, file_part *part)
 {
     const double *points, *parameters;
-    size_t loop = bat_surface_chart_loop(shared->chart, &points, &parameters), before = 0;
+    size_t loop = bat_surface_chart_loop(shared->chart, &points, &parameters, NULL), before = 0;
     loop_place *places = share_loop(shared, loop);
     for (size_t i = 0; i < part->count; i++)
     {
@@ -338,7 +338,8 @@ static void add_samples(const bat_surface_border *border, size_t total, file_par
 }
 
 bat_status shared_chart_distribute(const shared_chart *shared, file_part *part, const bat_surface_fit_options *options,
-                                   size_t relief, fit_input *input, bat_surface_border **border, bat_error *error)
+                                   size_t relief, fit_input *input, bat_surface_border **border, size_t *functions,
+                                   bat_error *error)
 {
     const double *points, *parameters;
     unsigned long long mine = part->count, total = 0;
@@ -346,7 +347,7 @@ bat_status shared_chart_distribute(const shared_chart *shared, file_part *part, 
     locate(shared, part);
     number_rows(shared, part);
     bat_surface_fit_data loop = {.dimension = 3};
-    loop.boundary_count = loop.count = bat_surface_chart_loop(shared->chart, &points, &parameters);
+    loop.boundary_count = loop.count = bat_surface_chart_loop(shared->chart, &points, &parameters, functions);
     loop.points = points;
     loop.parameters = ranks_allocate(loop.count, 2 * sizeof(double));
     memcpy(loop.parameters, parameters, loop.count * 2 * sizeof(double));

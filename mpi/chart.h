@@ -3,6 +3,7 @@
 
 #include "points.h"
 
+#include "batten/distributed.h"
 #include "batten/surface.h"
 
 /// @file
@@ -37,7 +38,8 @@ bat_status shared_chart_find(const file_part *part, const bat_surface_options *o
 /// Give points their parameters and their numbers in the fit, and distribute them. Empties the part.
 /// @param border receives the border curves of this rank's fit
 bat_status shared_chart_distribute(const shared_chart *shared, file_part *part, const bat_surface_fit_options *options,
-                                   size_t relief, fit_input *input, bat_surface_border **border, bat_error *error);
+                                   size_t relief, fit_input *input, bat_surface_border **border, size_t *functions,
+                                   bat_error *error);
 /// Judge a surface on rank 0.
 /// @param result has the surface and the report of this rank; receives, on rank 0, what bat_surface_chart_finish() gives
 bat_status shared_chart_finish(const shared_chart *shared, const fit_input *input, bat_surface_result *result,

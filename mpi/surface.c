@@ -252,16 +252,17 @@ static bat_status reconstruct_together(const fit_job *job, file_part *part, cons
 {
     bat_surface_options options = job->options;
     bat_surface_border *border = NULL;
+    size_t functions = 0;
     if (ranks_rank() == 0)
         options.fit.progress = report_progress("boundary and parameters");
     bat_status status = shared_chart_find(part, &options, again, shared, error);
     report_progress_end();
     if (status == BAT_OK)
         status = shared_chart_distribute(shared, part, &job->options.fit, POINTS_PER_FUNCTION * job->options.fit.functions,
-                                         &made->input, &border, error);
+                                         &made->input, &border, &functions, error);
     made->input.duplicates = part->duplicates;
     if (status == BAT_OK)
-        status = fit_together(job, checkpoint, border, bat_surface_chart_functions(shared->chart), made, error);
+        status = fit_together(job, checkpoint, border, functions, made, error);
     bat_surface_border_free(border);
     if (status == BAT_OK)
         status = shared_chart_finish(shared, &made->input, &made->result, error);

@@ -85,38 +85,6 @@ typedef struct bat_progress
     void *context; ///< handed to `report`
 } bat_progress;
 
-/// The processes that make one call together, and how they exchange messages. All of them make the same calls in the same
-/// order, and must be of the same build, on machines of the same kind. The program batten-mpi has such a group over MPI. A
-/// call that takes a group takes null for a process alone. A failure of a function ends the call of the process that sees
-/// it.
-typedef struct bat_group
-{
-    size_t rank;   ///< of this process, 0 to count - 1
-    size_t count;  ///< processes, at least 1
-    void *context; ///< handed to the functions
-    /// Send bytes to another process. Returns when `bytes` may be changed; it may wait until the other receives them.
-    bat_status (*send)(void *context, size_t to, const void *bytes, size_t size, bat_error *error);
-    /// Wait for the bytes of one send() of another process, which come in the order of its calls. `size` is that of the
-    /// send.
-    bat_status (*receive)(void *context, size_t from, void *bytes, size_t size, bat_error *error);
-
-    // What an engine may do faster than by messages. Null: it is made of send() and receive().
-
-    /// Rank 0 receives the bytes of all ranks, in their order.
-    /// @param sizes [count], receives the number of bytes of each; rank 0 alone
-    /// @param all   receives an array from malloc(); rank 0 alone
-    bat_status (*gather)(void *context, const void *bytes, size_t size, size_t *sizes, void **all, bat_error *error);
-    /// All ranks receive the bytes of one.
-    bat_status (*broadcast)(void *context, size_t root, void *bytes, size_t size, bat_error *error);
-} bat_group;
-
-/// The first failure, by rank, of what each process did: every process receives it, with its text.
-/// @param group  null for a process alone
-/// @param status of this process
-/// @param error  of this process, then the one agreed on
-/// @return BAT_OK where all processes succeeded
-BAT_API bat_status bat_group_agree(const bat_group *group, bat_status status, bat_error *error);
-
 /// Who may use a choice.
 typedef enum bat_choice_use
 {

@@ -1,9 +1,9 @@
 #ifndef RESEARCH_LEARN_TRAIN_H
 #define RESEARCH_LEARN_TRAIN_H
 
-#include "base/group.h"
 #include "research/learn/optimizer.h"
 #include "research/learn/tape.h"
+#include "surface/group.h"
 
 /// @file
 /// The training loop: the pieces of a step in parallel, one update per step, validation, checkpoints.

@@ -25,13 +25,11 @@ void chart_free_shared(bat_surface_chart *chart)
     free(chart->loop_parameters);
 }
 
-size_t bat_surface_chart_functions(const bat_surface_chart *chart)
+size_t bat_surface_chart_loop(const bat_surface_chart *chart, const double **points, const double **parameters,
+                              size_t *functions)
 {
-    return chart->functions;
-}
-
-size_t bat_surface_chart_loop(const bat_surface_chart *chart, const double **points, const double **parameters)
-{
+    if (functions != NULL)
+        *functions = chart->functions;
     *points = chart->loop;
     *parameters = chart->loop_parameters;
     return chart->loop_count;

@@ -1,6 +1,7 @@
 #ifndef SURFACE_CHART_H
 #define SURFACE_CHART_H
 
+#include "batten/distributed.h"
 #include "batten/surface.h"
 #include "surface/cloud/local_plane.h"
 

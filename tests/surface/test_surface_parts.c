@@ -2,6 +2,7 @@
 
 #include "surface_fit_helpers.h"
 
+#include "batten/distributed.h"
 #include "batten/surface.h"
 
 enum
@@ -35,13 +36,14 @@ static void other_processes_locate_points_alike(void **state)
     check_status(bat_surface_chart_pack(chart, &bytes, &size, NULL), BAT_OK);
     check_status(bat_surface_chart_unpack(bytes, size, &other, NULL), BAT_OK);
     const double *points, *parameters, *points_there, *parameters_there;
-    size_t loop = bat_surface_chart_loop(chart, &points, &parameters);
+    size_t functions = 1;
+    size_t loop = bat_surface_chart_loop(chart, &points, &parameters, &functions);
     assert_int_equal(loop, cloud.boundary_count);
-    assert_int_equal(bat_surface_chart_loop(other, &points_there, &parameters_there), loop);
+    assert_int_equal(bat_surface_chart_loop(other, &points_there, &parameters_there, NULL), loop);
     assert_memory_equal(points, cloud.points, 3 * loop * sizeof(double));
     assert_memory_equal(points, points_there, 3 * loop * sizeof(double));
     assert_memory_equal(parameters, parameters_there, 2 * loop * sizeof(double));
-    assert_int_equal(bat_surface_chart_functions(chart), 0);
+    assert_int_equal(functions, 0);
     double *here = calloc(POINTS, 2 * sizeof *here), *there = calloc(POINTS, 2 * sizeof *there);
     check_status(bat_surface_chart_locate(chart, cloud.points, POINTS, here, NULL), BAT_OK);
     // In two parts.

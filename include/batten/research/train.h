@@ -2,6 +2,7 @@
 #define BATTEN_RESEARCH_TRAIN_H
 
 #include "batten/base.h"
+#include "batten/distributed.h"
 
 BAT_C_BEGIN
 

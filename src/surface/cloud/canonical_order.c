@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/distributed.h"
 #include "batten/surface.h"
 #include "surface/cloud/spatial_order.h"
 

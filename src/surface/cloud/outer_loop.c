@@ -3,6 +3,7 @@
 /// bat_surface_loop_outermost(). A random sample leaves a strip outside its loop, about half a spacing wide. The outermost
 /// of the points near each point of the loop is near the edge.
 
+#include "batten/distributed.h"
 #include "batten/surface.h"
 
 #include "base/error.h"

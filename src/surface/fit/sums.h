@@ -1,7 +1,7 @@
 #ifndef SURFACE_FIT_SUMS_H
 #define SURFACE_FIT_SUMS_H
 
-#include "base/group.h"
+#include "surface/group.h"
 
 #include "batten/surface_fit.h"
 

@@ -1,7 +1,7 @@
-#ifndef BASE_GROUP_H
-#define BASE_GROUP_H
+#ifndef SURFACE_GROUP_H
+#define SURFACE_GROUP_H
 
-#include "batten/base.h"
+#include "batten/distributed.h"
 
 /// @file
 /// Work that the processes of a group share. A null group is a process alone: then nothing is exchanged.

@@ -1,4 +1,4 @@
-#include "base/group.h"
+#include "surface/group.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,0 +1,205 @@
+#ifndef BATTEN_DISTRIBUTED_H
+#define BATTEN_DISTRIBUTED_H
+
+#include "batten/surface.h"
+
+BAT_C_BEGIN
+
+/// @file
+/// Fits and reconstructions that several processes make together, as the program batten-mpi does. batten.h does not include
+/// this header.
+
+/// The processes that make one call together, and how they exchange messages. All of them make the same calls in the same
+/// order, and must be of the same build, on machines of the same kind. The program batten-mpi has such a group over MPI. A
+/// call that takes a group takes null for a process alone. A failure of a function ends the call of the process that sees
+/// it.
+typedef struct bat_group
+{
+    size_t rank;   ///< of this process, 0 to count - 1
+    size_t count;  ///< processes, at least 1
+    void *context; ///< handed to the functions
+    /// Send bytes to another process. Returns when `bytes` may be changed; it may wait until the other receives them.
+    bat_status (*send)(void *context, size_t to, const void *bytes, size_t size, bat_error *error);
+    /// Wait for the bytes of one send() of another process, which come in the order of its calls. `size` is that of the
+    /// send.
+    bat_status (*receive)(void *context, size_t from, void *bytes, size_t size, bat_error *error);
+
+    // What an engine may do faster than by messages. Null: it is made of send() and receive().
+
+    /// Rank 0 receives the bytes of all ranks, in their order.
+    /// @param sizes [count], receives the number of bytes of each; rank 0 alone
+    /// @param all   receives an array from malloc(); rank 0 alone
+    bat_status (*gather)(void *context, const void *bytes, size_t size, size_t *sizes, void **all, bat_error *error);
+    /// All ranks receive the bytes of one.
+    bat_status (*broadcast)(void *context, size_t root, void *bytes, size_t size, bat_error *error);
+} bat_group;
+
+/// The first failure, by rank, of what each process did: every process receives it, with its text.
+/// @param group  null for a process alone
+/// @param status of this process
+/// @param error  of this process, then the one agreed on
+/// @return BAT_OK where all processes succeeded
+BAT_API bat_status bat_group_agree(const bat_group *group, bat_status status, bat_error *error);
+
+// Fits that several processes make together.
+
+/// Points of one block, along the curve of bat_surface_fit_order(). Sums over points are sums of blocks, in their order.
+#define BAT_SURFACE_FIT_BLOCK 768
+
+/// The place of a parameter on the Morton curve: the bits of u and v in turn (Morton, 1966).
+/// @param parameter u and v in [0, 1]
+BAT_API uint32_t bat_surface_fit_order(const double parameter[2]);
+
+/// Columns of numbers of the points of this process.
+typedef struct bat_surface_fit_column
+{
+    double *values; ///< count x width
+    size_t width;
+} bat_surface_fit_column;
+
+/// What the processes of a fit use beside messages: a solver that all of them run, and a store of the state between rounds.
+typedef struct bat_surface_fit_backend
+{
+    void *context; ///< handed to the functions
+
+    // A solver of symmetric positive definite systems that all ranks run. All null: that of the library, on rank 0.
+
+    /// Rank 0: factor the matrix whose lower triangle is in compressed columns, rows ascending.
+    /// @param regular receives false for a matrix that is singular in double precision
+    bat_status (*factor)(void *context, size_t size, const int *first, const int *row, const double *values, bool *regular,
+                         bat_error *error);
+    /// Rank 0: solve by the last factorization.
+    /// @param right    size x columns
+    /// @param solution receives as many; not `right`
+    bat_status (*solve)(void *context, size_t columns, const double *right, double *solution, bat_error *error);
+    /// Other ranks: take part in what rank 0 calls, until that calls `release`.
+    bat_status (*attend)(void *context, bat_error *error);
+    /// Rank 0: the systems of this round are solved.
+    bat_status (*release)(void *context, bat_error *error);
+
+    // The state of the fit between two rounds; null where it is not kept.
+
+    /// Keep the state.
+    /// @param head the same bytes on all ranks
+    bat_status (*save)(void *context, const void *head, size_t size, const bat_surface_fit_column *columns,
+                       size_t column_count, bat_error *error);
+    /// Fetch the last state that was saved.
+    /// @param head    receives an array from malloc(), on all ranks; null for none
+    /// @param columns receive the values
+    bat_status (*load)(void *context, void **head, size_t *size, const bat_surface_fit_column *columns, size_t column_count,
+                       bat_error *error);
+} bat_surface_fit_backend;
+
+/// Make the border curves of a fit by several processes. Each process makes the same.
+/// @param data   the boundary points of the whole fit, in order, with their parameters: `boundary_count` of them
+/// @param border receives the curves, without samples where a side has fewer than six points; release it with
+///               bat_surface_border_free(), also after the fit
+/// @return the failures of bat_surface_fit(); `border` is untouched on failure
+BAT_API bat_status bat_surface_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
+                                           bat_surface_border **border, bat_error *error);
+/// Free border curves; null is allowed.
+BAT_API void bat_surface_border_free(bat_surface_border *border);
+/// Places of the curves and their parameters, which hold the border of the surface. They are among the points of
+/// bat_surface_fit_together(); their numbers follow those of the points of the cloud.
+/// @param points     receives an array of count x dimension
+/// @param parameters receives one of count x 2
+/// @return their number
+BAT_API size_t bat_surface_border_samples(const bat_surface_border *border, const double **points,
+                                          const double **parameters);
+
+/// bat_surface_fit() by several processes: each has a part of the points. With the library's solver the surface is that of
+/// bat_surface_fit() to the last bit, for any number of processes.
+/// @param group   null for a process alone
+/// @param backend null for the solver of the library, without a store
+/// @param data    the points of this process, along the curve: ascending by bat_surface_fit_order(), equal ones by
+///                number, and after those of lower ranks. All ranks but the last with points have whole blocks; a rank may
+///                have none. `boundary_count` is that of all points: those of lower numbers
+/// @param numbers count: the place of each point among all points, from 0; counts all points, each once
+/// @param options the same in all processes, but for `progress`: that of rank 0 may stop the fit
+/// @param report  distances are those of this process, also of samples of border curves; all else is of all points of the
+///                cloud, `worst` a number
+/// @return as bat_surface_fit(), and the failures of the functions of the group and of the backend
+BAT_API bat_status bat_surface_fit_together(const bat_group *group, const bat_surface_fit_backend *backend,
+                                            bat_surface_fit_data *data, const uint32_t *numbers,
+                                            const bat_surface_fit_options *options, bat_spline_surface *surface,
+                                            bat_surface_fit_report *report, bat_error *error);
+
+// Reconstructions that several processes make together. The first process has all points, or a sample of them. It finds
+// boundary, corners, parameters of a part, and the surface of this part, as bat_surface_reconstruct() does. Each process
+// then locates its points, and bat_surface_fit_together() fits the surface. With all points in the first process, the
+// surface is that of bat_surface_reconstruct() to the last bit.
+
+/// Clouds with more points are parameterized and fitted in part first; only these have charts.
+#define BAT_SURFACE_ALL_POINTS 20000
+
+/// The parameters that a part of a cloud tells for all its points.
+typedef struct bat_surface_chart bat_surface_chart;
+
+/// Half the distance from the centre of the bounding box, by which bat_surface_reconstruct() sorts points; those at the same
+/// distance by their coordinates.
+/// @param centre half the sum of the least and the largest coordinates: low * 0.5 + high * 0.5
+BAT_API double bat_surface_chart_order(const double point[3], const double centre[3]);
+/// bat_cloud_find_boundary() as bat_surface_reconstruct() calls it.
+/// @param again by the smaller disc that is tried where the first surface is wrong
+/// @return as that call, or BAT_CANCELLED
+BAT_API bat_status bat_surface_chart_boundary(bat_cloud *cloud, bool again, bat_progress progress, bat_error *error);
+/// Move the boundary loop of a sample outwards to the points of a larger cloud. Each point of the loop has the points that
+/// are nearer to it than to the others; the outermost of them takes its place. The first process makes the frames of the
+/// loop's points.
+/// @param cloud  with its boundary loop
+/// @param frames receives boundary_count x BAT_SURFACE_LOOP_FRAME numbers
+/// @return BAT_OK; BAT_INVALID_ARGUMENT without a boundary; BAT_NO_MEMORY
+BAT_API bat_status bat_surface_loop_frames(const bat_cloud *cloud, double *frames, bat_error *error);
+/// Numbers of a frame: place, outward and normal direction, and how far points may be.
+#define BAT_SURFACE_LOOP_FRAME 10
+/// Find the outermost of some points at each point of a loop.
+/// @param frames   loop x BAT_SURFACE_LOOP_FRAME
+/// @param points   count x 3
+/// @param outwards receives the distance of each, [loop]; 0 for none beyond the point of the loop
+/// @param outer    receives their indices, [loop]
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_surface_loop_outermost(const double *frames, size_t loop, const double *points, size_t count,
+                                              double *outwards, size_t *outer, bat_error *error);
+
+/// Find a chart: all that bat_surface_reconstruct() does before its fit to all points.
+/// @param cloud   stays in use until the chart is freed; its points are sorted as by bat_surface_reconstruct()
+/// @param options parameters are automatic, neither published nor trimmed; null for the defaults
+/// @param chart   receives the chart; release it with bat_surface_chart_free()
+/// @return as bat_surface_reconstruct(); BAT_INVALID_ARGUMENT also for other options, and for clouds with few points
+BAT_API bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_options *options, bat_surface_chart **chart,
+                                          bat_error *error);
+/// Free a chart; null is allowed.
+BAT_API void bat_surface_chart_free(bat_surface_chart *chart);
+/// A chart as bytes, for other processes of the same build.
+/// @param bytes receives an array from malloc()
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_surface_chart_pack(const bat_surface_chart *chart, void **bytes, size_t *size, bat_error *error);
+/// The chart of these bytes.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY; `chart` is untouched on failure
+BAT_API bat_status bat_surface_chart_unpack(const void *bytes, size_t size, bat_surface_chart **chart, bat_error *error);
+/// The parameters of points that are not on the boundary: those of their feet on the surface of the part.
+/// @param points     count x 3
+/// @param parameters receives count x 2
+/// @return BAT_OK, BAT_NO_MEMORY or the failures of bat_spline_correct()
+BAT_API bat_status bat_surface_chart_locate(const bat_surface_chart *chart, const double *points, size_t count,
+                                            double *parameters, bat_error *error);
+/// The boundary loop, with its parameters: the first points of the cloud.
+/// @param functions receives the budget of the fit to all points: bat_surface_fit_options::functions, unless that is 0; may
+///                  be null
+/// @return the number of its points
+BAT_API size_t bat_surface_chart_loop(const bat_surface_chart *chart, const double **points, const double **parameters,
+                                      size_t *functions);
+/// Judge the surface that all processes have fitted, in the process that has found the chart.
+/// @param surface    belongs to the result
+/// @param report     belongs to the result; its distances are of any points
+/// @param parameters of the points of the cloud after the fit, [cloud->count x 2]
+/// @param distances  of these points, [cloud->count]
+/// @param result     as by bat_surface_reconstruct(), of a surface that is right or wrong
+/// @return BAT_OK; BAT_NO_CONVERGENCE for a one-sided surface; BAT_CANCELLED; BAT_NO_MEMORY
+BAT_API bat_status bat_surface_chart_finish(bat_surface_chart *chart, bat_spline_surface *surface,
+                                            bat_surface_fit_report *report, const double *parameters,
+                                            const double *distances, bat_surface_result *result, bat_error *error);
+
+BAT_C_END
+
+#endif
