@@ -7,56 +7,19 @@
 
 #include <stdatomic.h>
 
-/// What a CSV column holds.
-typedef enum csv_kind
-{
-    CSV_NUMBER, ///< a coordinate or a channel
-    CSV_ID,     ///< running numbers, which are written anew
-    CSV_GROUP,  ///< one text for each curve
-    CSV_TEXT,   ///< texts; new points take that of the point before
-    CSV_TIME,   ///< ISO 8601 times; new points get times between
-    CSV_GAPS,   ///< numbers and empty cells; new points get numbers between where both sides have one
-    CSV_EMPTY   ///< nothing
-} csv_kind;
-
-/// The cells of the columns that are neither coordinates nor channels nor running numbers.
-typedef struct csv_cells
-{
-    size_t columns; ///< with cells, in the order of the file
-    size_t curves;
-    size_t *first_rows;    ///< the row that each curve begins with, then the number of all rows
-    unsigned char *closed; ///< whether each curve was closed
-    size_t *offsets;       ///< rows x columns, into `text`
-    char *text;            ///< cells with a zero after each
-} csv_cells;
-
 enum
 {
-    /// Channels at the end of a row that tell a point's place between the rows of the file, where there are cells: the row k
-    /// of an open curve and 0, or cos and sin of 2 pi k / n for a closed one of n rows.
-    CSV_PLACE_CHANNELS = 2
+    /// The most numbers of a velocity.
+    MAX_VELOCITIES = 6
 };
 
-/// The columns of a CSV file that had a header, or other columns than numbers.
-typedef struct csv_columns
+/// The channels of a curve that hold times and velocities.
+typedef struct motion_channels
 {
-    char **names;   ///< one block: the pointers, then the text; null without a header
-    size_t *places; ///< what each column of numbers holds: coordinate `place`, or channel `place - coordinates`; null: in
-                    ///< their order
-    unsigned char *kinds; ///< a csv_kind for each column; null: all are numbers
-    size_t count;
-    size_t other_count;     ///< columns that are no numbers
-    csv_cells cells;        ///< all zero without such columns
-    bool has_places;        ///< each point has CSV_PLACE_CHANNELS
-    int64_t first_id;       ///< of CSV_ID
-    bool ids_begin_anew;    ///< with each curve
-    bool degrees;           ///< the coordinates are longitude and latitude
-    bool radians;           ///< they are written in radians
-    const point_form *form; ///< how points are written, where not by their coordinates as they are
-    size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
-    size_t corner;          ///< where the file has its column of corners, which is not in `names`; or BAT_NO_INDEX
-    char *chosen;           ///< the columns of coordinates, by their numbers from 1, where they were chosen; else null
-} csv_columns;
+    size_t time; ///< BAT_NO_INDEX without times
+    size_t velocity[MAX_VELOCITIES];
+    size_t velocity_count; ///< 0 without velocities
+} motion_channels;
 
 enum
 {
@@ -84,8 +47,13 @@ typedef struct curve_ring
 struct bat_curve_attributes
 {
     atomic_size_t owners;
-    bat_curve_format format; ///< what the file was
-    csv_columns csv;
+    bat_curve_format format;  ///< what the file was
+    bool degrees;             ///< a table has the coordinates as longitude and latitude
+    const point_form *form;   ///< how a table has points, where not by their coordinates as they are; else null
+    motion_channels channels; ///< times and velocities in a table whose curves have channel_count channels
+    size_t channel_count;
+    struct csv_columns *csv;                       ///< all columns, known to io alone; null for other formats; owned
+    void (*free_csv)(struct csv_columns *columns); ///< of them
     file_remainder remainder;
     curve_ring *rings; ///< one for each curve of the set; null when the file knows no polygons
     size_t ring_count;

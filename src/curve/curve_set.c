@@ -1,7 +1,6 @@
 #include "batten/curve_set.h"
 
 #include "base/error.h"
-#include "curve/csv_columns.h"
 #include "curve/curve_attributes.h"
 #include "space/degrees.h"
 
@@ -17,8 +16,7 @@ bat_curve_attributes *attributes_new(bat_curve_format format)
     {
         atomic_init(&attributes->owners, 1);
         attributes->format = format;
-        attributes->csv.altitude = BAT_NO_INDEX;
-        attributes->csv.corner = BAT_NO_INDEX;
+        attributes->channels.time = BAT_NO_INDEX;
     }
     return attributes;
 }
@@ -37,7 +35,8 @@ void attributes_release(bat_curve_attributes *attributes)
         free(attributes->notes[i]);
     free(attributes->notes);
     free(attributes->crs);
-    csv_columns_free(&attributes->csv);
+    if (attributes->csv != NULL)
+        attributes->free_csv(attributes->csv);
     free(attributes->rings);
     if (attributes->remainder.content != NULL)
         attributes->remainder.free(attributes->remainder.content);
@@ -162,7 +161,7 @@ bool bat_curve_set_polygon(const bat_curve_set *set, size_t curve, size_t *polyg
     curve_ring ring = {.polygon = BAT_NO_INDEX};
     if (attributes->rings != NULL && curve < attributes->ring_count)
         ring = attributes->rings[curve];
-    else if (attributes->rings == NULL && attributes->csv.degrees)
+    else if (attributes->rings == NULL && attributes->degrees)
         ring = (curve_ring){curve, curve};
     if (ring.polygon == BAT_NO_INDEX || !set->curves[curve].closed)
         return false;

@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/number_digits.h"
 #include "base/option.h"
-#include "curve/csv_columns.h"
+#include "curve/curve_attributes.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -31,7 +31,7 @@ bat_motion_options bat_motion_defaults(void)
 /// The form in which the points and velocities of a set are written.
 static const point_form *form_of(const bat_curve_set *set)
 {
-    const point_form *form = set->attributes != NULL ? set->attributes->csv.form : NULL;
+    const point_form *form = set->attributes != NULL ? set->attributes->form : NULL;
     return form != NULL ? form : point_form_first(set->space->name, set->space->point_dim);
 }
 
@@ -39,23 +39,17 @@ static const point_form *form_of(const bat_curve_set *set)
 static bool is_nameless(const bat_curve_set *set)
 {
     const bat_curve_attributes *attributes = set->attributes;
-    if (attributes != NULL && (attributes_are_geojson(attributes) || attributes->csv.degrees))
+    if (attributes != NULL && (attributes_are_geojson(attributes) || attributes->degrees))
         return attributes_are_geojson(attributes);
     return form_of(set) == NULL;
 }
 
 static motion_channels channels_of(const bat_curve_set *set)
 {
-    motion_channels channels = {.time = BAT_NO_INDEX};
     const bat_curve_attributes *attributes = set->attributes;
-    if (attributes == NULL || attributes->csv.names == NULL)
-        return channels;
-    const csv_columns *columns = &attributes->csv;
-    const point_form *form = form_of(set);
-    size_t coordinates = columns->degrees ? 2 : columns->form != NULL ? columns->form->count : set->space->point_dim;
-    if (csv_columns_fit(columns, coordinates, set->curves[0].channel_count))
-        csv_columns_channels(columns, coordinates, columns->degrees ? NULL : form, &channels);
-    return channels;
+    if (attributes == NULL || attributes->channel_count != set->curves[0].channel_count)
+        return (motion_channels){.time = BAT_NO_INDEX};
+    return attributes->channels;
 }
 
 bool bat_motion_has_times(const bat_curve_set *set)
@@ -297,7 +291,7 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_optio
         if (set->curves[i].corners != NULL)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "motions have no corners: a column of corners has no place");
-    bool degrees = set->attributes != NULL && set->attributes->csv.degrees;
+    bool degrees = set->attributes != NULL && set->attributes->degrees;
     if (options->velocities && (is_nameless(set) || degrees))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",
                          set->space->name, degrees ? " in degrees" : "");
@@ -401,30 +395,6 @@ typedef struct result_columns
     size_t channel_count;
 } result_columns;
 
-/// Name the columns of points, and of times and velocities where they are wanted.
-static bool name_columns(const bat_curve_set *set, const point_form *form, const motion_channels *wanted,
-                         csv_columns *columns)
-{
-    static const char *const degrees[] = {"lon", "lat", NULL}, *const none[] = {NULL};
-    bool globe = set->attributes != NULL && set->attributes->csv.degrees;
-    const char *const *points = globe ? degrees : form->names, *const *velocities = globe ? none : form->velocities;
-    csv_field fields[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
-    const char *names[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
-    size_t count = 0;
-    if (wanted->time != BAT_NO_INDEX)
-        names[count++] = "time";
-    while (*points != NULL)
-        names[count++] = *points++;
-    for (size_t i = 0; i < wanted->velocity_count; i++)
-        names[count++] = velocities[i];
-    for (size_t i = 0; i < count; i++)
-        fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
-    if (!csv_columns_name(columns, fields, count))
-        return false;
-    size_t first = wanted->time != BAT_NO_INDEX;
-    return globe ? csv_columns_use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form);
-}
-
 /// The columns of the keyframes where they suffice, else columns in the order times, points, velocities.
 static bat_status choose_columns(const bat_curve_set *set, const bat_motion_options *options, result_columns *result,
                                  bat_error *error)
@@ -450,7 +420,14 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_opti
                                   ? BAT_CURVE_FORMAT_TUM
                                   : BAT_CURVE_FORMAT_CSV;
     *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0)};
-    bool good = result->attributes != NULL && name_columns(set, form, &wanted, &result->attributes->csv);
+    bool good = result->attributes != NULL;
+    if (good)
+    {
+        result->attributes->degrees = set->attributes != NULL && set->attributes->degrees;
+        result->attributes->form = result->attributes->degrees ? NULL : form;
+        result->attributes->channels = wanted;
+        result->attributes->channel_count = result->channel_count;
+    }
     if (good && set->attributes != NULL)
     {
         result->attributes->time_origin = set->attributes->time_origin;

@@ -60,8 +60,8 @@ static void choose_units(const bat_motion_picture_options *options, film *made)
     bat_curve_format format = attributes != NULL ? attributes->format : BAT_CURVE_FORMAT_AUTO;
     bool metric = format == BAT_CURVE_FORMAT_TUM || format == BAT_CURVE_FORMAT_EUROC;
     bool seconds = metric || (attributes != NULL && (attributes->time_origin != 0 || attributes->time_text[0] != '\0'));
-    bool earth = space_is_sphere(made->space) && attributes != NULL &&
-                 (attributes_are_geojson(attributes) || attributes->csv.degrees);
+    bool earth =
+        space_is_sphere(made->space) && attributes != NULL && (attributes_are_geojson(attributes) || attributes->degrees);
     bool metres = metric || format == BAT_CURVE_FORMAT_KITTI || earth;
     made->length_unit = options->length_unit != NULL ? options->length_unit : metres ? "m" : "";
     made->time_unit = options->time_unit != NULL         ? options->time_unit

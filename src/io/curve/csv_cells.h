@@ -2,7 +2,7 @@
 #define IO_CURVE_CSV_CELLS_H
 
 #include "base/text_buffer.h"
-#include "curve/csv_columns.h"
+#include "io/curve/csv_columns.h"
 
 /// @file
 /// Cells of CSV columns that are carried along: texts, times, and numbers with gaps.

@@ -64,7 +64,7 @@ static size_t take_corner_column(csv_reader *reader, size_t count)
             strncasecmp(field->begin + quotes, name, length) != 0)
             continue;
         memmove(field, field + 1, (count - i - 1) * sizeof *field);
-        reader->attributes->csv.corner = i;
+        reader->attributes->csv->corner = i;
         return count - 1;
     }
     return count;
@@ -81,7 +81,7 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     count = take_corner_column(reader, count);
     if (count == 0)
         return bad_row(error, line, "there are no columns beside that of the corners");
-    if (!csv_columns_name(&reader->attributes->csv, reader->fields, count))
+    if (!csv_columns_name(reader->attributes->csv, reader->fields, count))
         return error_memory(error, count);
     reader->column_count = count;
     reader->header_line = line->number;
@@ -92,16 +92,16 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
 static void find_times(csv_reader *reader)
 {
     motion_channels channels;
-    csv_columns_channels(&reader->attributes->csv, reader->coordinate_count, NULL, &channels);
+    csv_columns_channels(reader->attributes->csv, reader->coordinate_count, NULL, &channels);
     reader->time_channel = channels.time;
-    csv_columns_channels(&reader->attributes->csv, reader->coordinate_count, reader->attributes->csv.form, &channels);
+    csv_columns_channels(reader->attributes->csv, reader->coordinate_count, reader->attributes->csv->form, &channels);
     reader->motion = channels.time != BAT_NO_INDEX || channels.velocity_count > 0;
 }
 
 /// Whether a row is of a corner: 0 or 1 in the column of the corners, which is taken out of the fields.
 static bat_status read_corner(csv_reader *reader, const text_line *line, bool *corner, bat_error *error)
 {
-    size_t column = reader->attributes->csv.corner;
+    size_t column = reader->attributes->csv->corner;
     csv_field *field = &reader->fields[column], given = *field;
     char excerpt[EXCERPT_SIZE];
     double value = 0;
@@ -146,7 +146,7 @@ static bool read_time(csv_reader *reader, size_t column, double *seconds)
 
 static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_error *error)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     for (size_t i = 0; i < reader->column_count; i++)
     {
         const csv_field *field = &reader->fields[i];
@@ -165,7 +165,7 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
         if (fault != NULL && !csv_change_kind(reader, i))
         {
             char excerpt[EXCERPT_SIZE];
-            bool others = reader->attributes->csv.names != NULL && !reader->strict && !reader->tum;
+            bool others = reader->attributes->csv->names != NULL && !reader->strict && !reader->tum;
             (void)error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "column %zu: '%s' %s",
                             csv_column_number(reader, i), text_excerpt(excerpt, field->begin, field->end), fault);
             return others ? error_remedy(error, BAT_BAD_FILE, "columns", "chooses the columns of the coordinates")
@@ -184,7 +184,7 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
 /// Check the number of fields in a row. Empty fields at its end do not count.
 static bat_status check_width(const csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
-    size_t wanted = reader->column_count + (reader->attributes->csv.corner != BAT_NO_INDEX ? 1 : 0);
+    size_t wanted = reader->column_count + (reader->attributes->csv->corner != BAT_NO_INDEX ? 1 : 0);
     while (count > wanted && reader->fields[count - 1].begin == reader->fields[count - 1].end)
         count--;
     if (count == wanted)
@@ -200,7 +200,7 @@ static bat_status check_width(const csv_reader *reader, const text_line *line, s
 static const char *make_point(csv_reader *reader, double *point)
 {
     static const double DEGREES = 57.295779513082320876798154814105;
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     double *numbers = reader->numbers;
     if (!columns->degrees)
     {
@@ -220,7 +220,7 @@ static const char *make_point(csv_reader *reader, double *point)
 /// Fail for a point that make_point() does not make.
 static bat_status refuse_point(csv_reader *reader, const char *fault, const text_line *line, double *point, bat_error *error)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     bat_status status = error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number, "%s", fault);
     if (columns->degrees)
         return error_remedy(error, status, "space", "plane takes plane coordinates");
@@ -231,7 +231,7 @@ static bat_status refuse_point(csv_reader *reader, const char *fault, const text
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
-    bool has_corner = reader->attributes->csv.corner != BAT_NO_INDEX, corner = false;
+    bool has_corner = reader->attributes->csv->corner != BAT_NO_INDEX, corner = false;
     bat_status status = check_width(reader, line, count, error);
     if (status == BAT_OK && has_corner)
         status = read_corner(reader, line, &corner, error);
@@ -247,7 +247,7 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
         status = csv_take_cells(reader, line, error);
     if (status != BAT_OK || reader->again)
         return status;
-    bool has_places = reader->attributes->csv.has_places;
+    bool has_places = reader->attributes->csv->has_places;
     size_t coordinates = reader->coordinate_count, channel_count = reader->number_count - coordinates;
     double *channels;
     double *point = builder_next(builder, channel_count + (has_places ? CSV_PLACE_CHANNELS : 0), &channels);
@@ -349,7 +349,7 @@ static bat_status check_times(const csv_reader *reader, bool closed, bat_error *
 static void set_places(csv_reader *reader, bool closed)
 {
     const curve_builder *builder = &reader->builder;
-    for (size_t i = 0; i < builder->point_count && reader->attributes->csv.has_places; i++)
+    for (size_t i = 0; i < builder->point_count && reader->attributes->csv->has_places; i++)
         cells_place(i, builder->point_count, closed,
                     builder->channels + (i + 1) * builder->channel_count - CSV_PLACE_CHANNELS);
 }
@@ -361,7 +361,7 @@ static bool cells_return(const csv_reader *reader)
     size_t begin = (cells->row_count - reader->builder.point_count) * cells->columns;
     for (size_t i = 0, cell = 0; i < reader->column_count && cells->columns > 0; i++)
     {
-        csv_kind kind = (csv_kind)reader->attributes->csv.kinds[i];
+        csv_kind kind = (csv_kind)reader->attributes->csv->kinds[i];
         if (kind == CSV_NUMBER || kind == CSV_ID)
             continue;
         size_t first = cells->offsets[begin + cell], last = cells->offsets[cells->offset_count - cells->columns + cell];
@@ -646,7 +646,7 @@ static bool reader_begin(csv_reader *reader, bat_curve_format format)
     *reader = (csv_reader){.text = before.text,
                            .options = before.options,
                            .builder = {.project = before.options->project, .strict = before.options->strict, .check = true},
-                           .attributes = attributes_new(format),
+                           .attributes = csv_attributes_new(format),
                            .group = BAT_NO_INDEX,
                            .kinds_known = before.kinds_known,
                            .tum = format == BAT_CURVE_FORMAT_TUM};
@@ -689,8 +689,10 @@ static bat_status read_as(bat_curve_format format, const file_text *text, const 
     if (status == BAT_OK)
     {
         if (reader->cells.columns > 0)
-            cells_finish(&reader->cells, &reader->attributes->csv.cells);
+            cells_finish(&reader->cells, &reader->attributes->csv->cells);
         status = builder_finish(&reader->builder, reader->attributes, set, error);
+        if (status == BAT_OK)
+            csv_attributes_describe(set->attributes, set->space);
     }
     else
         reader_release(reader);

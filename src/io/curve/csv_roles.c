@@ -1,5 +1,5 @@
-#include "curve/csv_names.h"
 #include "io/common/iso_time.h"
+#include "io/curve/csv_names.h"
 #include "io/curve/csv_reader.h"
 
 #include <math.h>
@@ -11,12 +11,12 @@
 
 size_t csv_column_number(const csv_reader *reader, size_t column)
 {
-    return column + 1 + (column >= reader->attributes->csv.corner ? 1 : 0);
+    return column + 1 + (column >= reader->attributes->csv->corner ? 1 : 0);
 }
 
 const char *csv_column_label(const csv_reader *reader, size_t column, char label[EXCERPT_SIZE + 16])
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     const char *name = columns->names != NULL ? columns->names[column] : "";
     csv_field inner = csv_unquoted((csv_field){name, name + strlen(name)});
     if (inner.begin == inner.end)
@@ -44,7 +44,7 @@ static bool reads_as_number(const csv_reader *reader, csv_field field)
 /// The column whose name, or whose name without its unit, is a text; or BAT_NO_INDEX.
 static size_t find_by_name(const csv_reader *reader, const char *name, size_t length)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     char wanted[EXCERPT_SIZE * 4];
     if (columns->names == NULL || length >= sizeof wanted)
         return BAT_NO_INDEX;
@@ -67,7 +67,7 @@ static size_t find_by_name(const csv_reader *reader, const char *name, size_t le
 bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, size_t *column,
                            bat_error *error)
 {
-    size_t corner = reader->attributes->csv.corner;
+    size_t corner = reader->attributes->csv->corner;
     *column = find_by_name(reader, name, length);
     int64_t number;
     if (*column == BAT_NO_INDEX && csv_read_whole((csv_field){name, name + length}, &number) && number >= 1 &&
@@ -112,7 +112,7 @@ static bat_status find_chosen(csv_reader *reader, const char *list, size_t *chos
 
 static bool is_nameless(const csv_reader *reader, size_t column)
 {
-    const char *name = reader->attributes->csv.names[column];
+    const char *name = reader->attributes->csv->names[column];
     csv_field inner = csv_unquoted((csv_field){name, name + strlen(name)});
     return inner.begin == inner.end;
 }
@@ -128,7 +128,7 @@ static bool is_storable(csv_field field)
 
 bool csv_takes_dates(const csv_reader *reader, size_t column)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     column_names names = {columns->names, columns->count};
     return reader->options->dates && columns->names != NULL && column_find_time(&names) == column;
 }
@@ -137,7 +137,7 @@ bool csv_takes_dates(const csv_reader *reader, size_t column)
 static csv_kind first_kind(const csv_reader *reader, size_t column)
 {
     csv_field field = reader->fields[column];
-    bool named = reader->attributes->csv.names != NULL;
+    bool named = reader->attributes->csv->names != NULL;
     if (named && column > 0 && is_nameless(reader, column))
         return CSV_EMPTY;
     if (reads_as_number(reader, field))
@@ -145,7 +145,7 @@ static csv_kind first_kind(const csv_reader *reader, size_t column)
         double value = 0.5;
         bool comma;
         (void)csv_read_number(field, reader->separator, &value, &comma);
-        bool code = named && name_is_code(reader->attributes->csv.names[column]) && value == floor(value);
+        bool code = named && name_is_code(reader->attributes->csv->names[column]) && value == floor(value);
         return code ? CSV_TEXT : CSV_NUMBER;
     }
     if (is_iso_time(field))
@@ -159,7 +159,7 @@ static csv_kind first_kind(const csv_reader *reader, size_t column)
 /// Whether the first column numbers the rows, as far as the first row tells.
 static bool begins_as_index(const csv_reader *reader)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     int64_t value;
     size_t numbers = 0;
     for (size_t i = 1; i < reader->column_count; i++)
@@ -198,7 +198,7 @@ bool csv_change_kind(csv_reader *reader, size_t column)
 /// Whether a running number is the next one. Numbers may begin anew with each curve.
 static bool is_next_id(csv_reader *reader, csv_field field)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     int64_t value;
     if (!csv_read_whole(field, &value))
         return false;
@@ -278,7 +278,7 @@ static bool store_cell(csv_reader *reader, size_t column)
 
 bat_status csv_take_cells(csv_reader *reader, const text_line *line, bat_error *error)
 {
-    if (reader->attributes->csv.kinds == NULL)
+    if (reader->attributes->csv->kinds == NULL)
         return BAT_OK;
     for (size_t i = 0; i < reader->column_count; i++)
     {
@@ -311,7 +311,7 @@ bool csv_name_tum_columns(csv_reader *reader)
     for (size_t i = 0; i < TUM_COLUMNS; i++)
         fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
     reader->column_count = TUM_COLUMNS;
-    return csv_columns_name(&reader->attributes->csv, fields, TUM_COLUMNS);
+    return csv_columns_name(reader->attributes->csv, fields, TUM_COLUMNS);
 }
 
 /// The form of a rotation, pose or tensor, in a space that may be null; null for plain coordinates. Without a named space,
@@ -335,7 +335,7 @@ static const point_form *find_form(const char *space, const column_names *names)
 
 static bat_status use_form(csv_reader *reader, const point_form *form, bat_error *error)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     free(columns->kinds);
     columns->kinds = NULL;
     reader->strict = true;
@@ -355,9 +355,9 @@ static bat_status use_chosen(csv_reader *reader, const char *list, const char *s
     bat_status status = find_chosen(reader, list, chosen, &count, error);
     if (status != BAT_OK)
         return status;
-    column_names sub = {reader->attributes->csv.names != NULL ? names : NULL, count};
+    column_names sub = {reader->attributes->csv->names != NULL ? names : NULL, count};
     for (size_t i = 0; i < count && sub.names != NULL; i++)
-        names[i] = reader->attributes->csv.names[chosen[i]];
+        names[i] = reader->attributes->csv->names[chosen[i]];
     named_coordinates named = names_find_coordinates(&sub);
     bool sphere = space != NULL && strcmp(space, "sphere") == 0;
     *choice = (csv_choice){.space = space, .count = count, .altitude = BAT_NO_INDEX, .times = BAT_NO_INDEX};
@@ -383,7 +383,7 @@ static bat_status use_chosen(csv_reader *reader, const char *list, const char *s
 /// The list of the chosen columns by their numbers, for a directive in what is written.
 static bool keep_choice(csv_reader *reader)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     text_buffer text = {0};
     size_t altitude = reader->choice.altitude;
     for (size_t i = 0; i < reader->choice.count + (altitude != BAT_NO_INDEX ? 1 : 0); i++)
@@ -408,7 +408,7 @@ static bat_status check_guess(const csv_reader *reader, const text_line *line, b
     {
         MOST_GUESSED = 3
     };
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     const csv_choice *choice = &reader->choice;
     bool others = choice->times != BAT_NO_INDEX;
     for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
@@ -438,7 +438,7 @@ static bat_status check_counts(const csv_reader *reader, const text_line *line, 
 /// Use the chosen columns as coordinates.
 static bat_status use_choice(csv_reader *reader, const text_line *line, bool named_space, bat_error *error)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     const csv_choice *choice = &reader->choice;
     bat_space any;
     bat_status status = check_guess(reader, line, named_space, error);
@@ -484,7 +484,7 @@ static bat_status use_choice(csv_reader *reader, const text_line *line, bool nam
 /// Set the kinds of the columns, where not all are numbers.
 static bat_status set_kinds(csv_reader *reader, bat_error *error)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     columns->count = reader->column_count;
     columns->other_count = 0;
     for (size_t i = 0; i < reader->column_count; i++)
@@ -502,7 +502,7 @@ static bat_status set_kinds(csv_reader *reader, bat_error *error)
 /// Count the columns that are left after the choice, and those that have cells.
 static void count_columns(csv_reader *reader)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     columns->other_count = 0;
     reader->cells.columns = 0;
     for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
@@ -520,7 +520,7 @@ static void count_columns(csv_reader *reader)
 
 bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *error)
 {
-    csv_columns *columns = &reader->attributes->csv;
+    csv_columns *columns = reader->attributes->csv;
     const char *space = reader->options->space;
     if (space == NULL && reader->space_name[0] != '\0')
         space = reader->space_name;
@@ -596,7 +596,7 @@ static bool list_columns(const csv_reader *reader, csv_kind kind, char *text, si
 /// Name the columns of coordinates where that was a guess.
 static bool note_coordinates(csv_reader *reader)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     const csv_choice *choice = &reader->choice;
     motion_channels known;
     csv_columns_channels(columns, reader->coordinate_count,
@@ -632,7 +632,7 @@ static bool note_coordinates(csv_reader *reader)
 /// Name a column that may tell curves apart.
 static bool note_group(csv_reader *reader)
 {
-    const csv_columns *columns = &reader->attributes->csv;
+    const csv_columns *columns = reader->attributes->csv;
     if (reader->group != BAT_NO_INDEX || columns->names == NULL || reader->strict || reader->builder.curve_count != 1)
         return true;
     for (size_t i = 0; i < reader->column_count; i++)

@@ -1,8 +1,8 @@
 #ifndef IO_CURVE_CSV_SPLIT_H
 #define IO_CURVE_CSV_SPLIT_H
 
-#include "curve/csv_columns.h"
 #include "io/common/file_text.h"
+#include "io/curve/csv_columns.h"
 
 /// @file
 /// Rows of CSV text: separators, quotes and numbers.

@@ -1,10 +1,10 @@
 #include "base/error.h"
-#include "curve/csv_columns.h"
-#include "curve/csv_names.h"
 #include "io/common/exact_time.h"
 #include "io/common/iso_time.h"
 #include "io/common/number_text.h"
 #include "io/curve/csv_cells.h"
+#include "io/curve/csv_columns.h"
+#include "io/curve/csv_names.h"
 #include "io/curve/csv_split.h"
 #include "io/curve/formats.h"
 #include "io/curve/rows.h"
@@ -31,6 +31,7 @@ typedef struct csv_layout
     size_t coordinate_count;
     size_t channel_count;       ///< that are written
     const csv_columns *columns; ///< names and order of the columns in the input file; or null
+    csv_columns made;           ///< those of a result that came from no file with columns
     const point_form *form;     ///< the form of the points; null for plain coordinates
     bool degrees;
     int decimals;             ///< of degrees
@@ -52,8 +53,8 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
                              i, set->curves[i].channel_count, channels);
     const bat_curve_attributes *attributes = set->attributes;
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
-    bool degrees = globe && attributes != NULL && (attributes_are_geojson(attributes) || attributes->csv.degrees);
-    const point_form *form = attributes != NULL ? attributes->csv.form : NULL;
+    bool degrees = globe && attributes != NULL && (attributes_are_geojson(attributes) || attributes->degrees);
+    const point_form *form = attributes != NULL ? attributes->form : NULL;
     size_t coordinates = degrees ? 2 : form != NULL ? form->count : set->space->point_dim;
     *layout = (csv_layout){.column_count = coordinates + channels,
                            .coordinate_count = coordinates,
@@ -64,7 +65,14 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
                            .corner = BAT_NO_INDEX,
                            .time_place = BAT_NO_INDEX,
                            .origin = bat_curve_set_time_origin(set)};
-    const csv_columns *columns = attributes != NULL ? &attributes->csv : NULL;
+    const csv_columns *columns = attributes != NULL ? attributes->csv : NULL;
+    if (attributes != NULL && columns == NULL &&
+        (attributes->channels.time != BAT_NO_INDEX || attributes->channels.velocity_count > 0))
+    {
+        columns = &layout->made;
+        if (!csv_columns_of_motion(attributes, &layout->made))
+            return error_memory(error, sizeof *columns);
+    }
     if (columns != NULL && (columns->names != NULL || columns->places != NULL) && columns->degrees == degrees &&
         csv_columns_fit(columns, coordinates, channels))
     {
@@ -337,7 +345,10 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
     if (status == BAT_OK)
         status = row_blocks_begin(set, &blocks, error);
     if (status != BAT_OK)
+    {
+        csv_columns_free(&layout.made);
         return status;
+    }
     text_buffer header = {0};
     write_header(&layout, set, &header);
     status = find_places(set, &blocks, &layout, error);
@@ -346,6 +357,7 @@ bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *op
     if (status == BAT_OK)
         status = row_blocks_write(&blocks, sink, options->threads, format_rows, &layout, error);
     free(layout.places);
+    csv_columns_free(&layout.made);
     text_free(&header);
     row_blocks_end(&blocks);
     return status;
@@ -430,12 +442,9 @@ static bat_status format_poses(const void *context, const row_span *span, text_b
 static size_t time_channel(const bat_curve_set *set)
 {
     const bat_curve_attributes *attributes = set->attributes;
-    if (attributes == NULL || attributes->csv.names == NULL)
+    if (attributes == NULL)
         return BAT_NO_INDEX;
-    const point_form *form = attributes->csv.form;
-    motion_channels channels;
-    csv_columns_channels(&attributes->csv, form != NULL ? form->count : set->space->point_dim, NULL, &channels);
-    return channels.time < set->curves[0].channel_count ? channels.time : BAT_NO_INDEX;
+    return attributes->channels.time < set->curves[0].channel_count ? attributes->channels.time : BAT_NO_INDEX;
 }
 
 static bat_status write_poses(const bat_curve_set *set, pose_layout layout, const bat_curve_write_options *options,

@@ -3,6 +3,7 @@
 #include "curve/curve_attributes.h"
 #include "io/common/json.h"
 #include "io/curve/crs_name.h"
+#include "io/curve/csv_columns.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson_sequence.h"
 #include "io/curve/geojson_shape.h"
@@ -337,7 +338,7 @@ static size_t altitude_channel(const bat_curve_set *set)
 {
     const bat_curve_attributes *attributes = set->attributes;
     if (attributes != NULL && attributes->format == BAT_CURVE_FORMAT_CSV)
-        return attributes->csv.altitude;
+        return attributes->csv != NULL ? attributes->csv->altitude : BAT_NO_INDEX;
     return set->count == 0 || attributes_are_geojson(attributes) || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
 }
 

@@ -1,5 +1,5 @@
-#ifndef CURVE_CSV_NAMES_H
-#define CURVE_CSV_NAMES_H
+#ifndef IO_CURVE_CSV_NAMES_H
+#define IO_CURVE_CSV_NAMES_H
 
 #include "curve/point_form.h"
 

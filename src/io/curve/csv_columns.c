@@ -1,8 +1,8 @@
-#include "curve/csv_columns.h"
+#include "io/curve/csv_columns.h"
 
 #include "base/memory.h"
-#include "curve/csv_names.h"
 #include "curve/point_form.h"
+#include "io/curve/csv_names.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -176,4 +176,61 @@ void csv_columns_channels(const csv_columns *columns, size_t coordinates, const 
             return;
     }
     channels->velocity_count = form != NULL ? form->velocity_count : 0;
+}
+
+static void free_columns(csv_columns *columns)
+{
+    csv_columns_free(columns);
+    free(columns);
+}
+
+bat_curve_attributes *csv_attributes_new(bat_curve_format format)
+{
+    bat_curve_attributes *attributes = attributes_new(format);
+    csv_columns *columns = malloc(sizeof *columns);
+    if (attributes == NULL || columns == NULL)
+    {
+        attributes_release(attributes);
+        free(columns);
+        return NULL;
+    }
+    *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
+    attributes->csv = columns;
+    attributes->free_csv = free_columns;
+    return attributes;
+}
+
+void csv_attributes_describe(bat_curve_attributes *attributes, const bat_space *space)
+{
+    const csv_columns *columns = attributes->csv;
+    const point_form *form = columns->form != NULL ? columns->form : point_form_first(space->name, space->point_dim);
+    size_t coordinates = columns->degrees ? 2 : columns->form != NULL ? columns->form->count : space->point_dim;
+    size_t numbers = columns->count - columns->other_count + (columns->has_places ? CSV_PLACE_CHANNELS : 0);
+    attributes->degrees = columns->degrees;
+    attributes->form = columns->form;
+    if (columns->names == NULL || numbers < coordinates)
+        return;
+    attributes->channel_count = numbers - coordinates;
+    csv_columns_channels(columns, coordinates, columns->degrees ? NULL : form, &attributes->channels);
+}
+
+bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *columns)
+{
+    static const char *const degrees[] = {"lon", "lat", NULL};
+    const point_form *form = attributes->form;
+    const motion_channels *channels = &attributes->channels;
+    const char *names[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
+    csv_field fields[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
+    size_t count = 0, first = channels->time != BAT_NO_INDEX;
+    *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
+    if (first > 0)
+        names[count++] = "time";
+    for (const char *const *point = attributes->degrees ? degrees : form->names; *point != NULL; point++)
+        names[count++] = *point;
+    for (size_t i = 0; i < channels->velocity_count; i++)
+        names[count++] = form->velocities[i];
+    for (size_t i = 0; i < count; i++)
+        fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
+    return csv_columns_name(columns, fields, count) &&
+           (attributes->degrees ? csv_columns_use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form));
 }
