@@ -5,7 +5,7 @@ set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)
 set(system_folders ${CMAKE_C_IMPLICIT_LINK_DIRECTORIES})
 list(FILTER system_folders INCLUDE REGEX "^(/usr)?/lib(64)?(/${CMAKE_LIBRARY_ARCHITECTURE})?$")
 foreach(library ${CAIRO_LINK_LIBRARIES} ${EXPAT_LINK_LIBRARIES} ${JANSSON_LINK_LIBRARIES} ${QHULL_LINK_LIBRARIES}
-                ${LAPACKE_LINK_LIBRARIES} ${OPENBLAS_LINK_LIBRARIES} ${OpenMP_C_LIBRARIES} ${MPI_C_LIBRARIES}
+                ${OPENBLAS_LINK_LIBRARIES} ${OpenMP_C_LIBRARIES} ${MPI_C_LIBRARIES}
                 ${BATTEN_PETSC_LIBRARY} ${BATTEN_DEPENDENCIES})
   get_filename_component(folder "${library}" DIRECTORY)
   get_filename_component(name "${library}" NAME)

@@ -4,8 +4,7 @@
 #include "batten/base.h"
 
 /// @file
-/// The decompositions of dense matrices that linalg/dense.h rests on: LAPACK's where the library was built with it
-/// (decompose_lapack.c), else our own for small matrices (decompose_own.c). Singular values are our own in both cases.
+/// Decompositions of small dense matrices, on which linalg/dense.h rests.
 /// Matrices are row-major and square of side `n` unless said otherwise. All give BAT_OK, BAT_NO_MEMORY, or
 /// BAT_NO_CONVERGENCE where an iteration did not converge.
 
@@ -26,6 +25,10 @@ bat_status decompose_singular(size_t n, double *a, double *values, double *adjoi
 /// The x of least |a x - b|, where a is rows x columns of full rank with rows >= columns. Destroys `a`.
 /// @param b `rows` numbers; receives x as its first `columns` numbers
 bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error);
+
+/// Solve a x = b by elimination with row exchanges; BAT_NO_CONVERGENCE also for a singular matrix. Destroys `a`.
+/// @param b n x columns; receives x
+bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_error *error);
 
 /// The eigenvalues of a symmetric matrix in ascending order; of `a` only the upper triangle is read.
 /// @param a receives the eigenvectors as columns

@@ -1,4 +1,4 @@
-// The decompositions by which matrices are analysed, LAPACK's or our own: what they give is put together again.
+// The decompositions by which matrices are analysed: what they give is put together again.
 
 #include "check.h"
 
@@ -217,6 +217,42 @@ static void residuals_are_orthogonal_to_columns(void **state)
     }
 }
 
+/// Systems of less than a block, of a block and of several; and a singular one.
+static void systems_are_solved(void **state)
+{
+    (void)state;
+    static const size_t sides[] = {1, 2, 47, 48, 49, 150};
+    bat_random random = bat_random_seed(6);
+    for (size_t s = 0; s < sizeof sides / sizeof *sides; s++)
+    {
+        size_t n = sides[s];
+        double *a = malloc(n * n * sizeof *a), *copy = malloc(n * n * sizeof *copy), *x = malloc(2 * n * sizeof *x),
+               *b = malloc(2 * n * sizeof *b);
+        assert_true(a != NULL && copy != NULL && x != NULL && b != NULL);
+        for (size_t i = 0; i < n * n; i++)
+            copy[i] = a[i] = bat_random_normal(&random);
+        for (size_t i = 0; i < 2 * n; i++)
+            x[i] = b[i] = bat_random_normal(&random);
+        check_status(decompose_solve(n, 2, copy, x, NULL), BAT_OK);
+        for (size_t i = 0; i < 2 * n; i++)
+        {
+            double product = 0, size = 0;
+            for (size_t k = 0; k < n; k++)
+            {
+                product += a[i / 2 * n + k] * x[2 * k + i % 2];
+                size += fabs(a[i / 2 * n + k] * x[2 * k + i % 2]);
+            }
+            check_near(product, b[i], 1e-13 * (1 + size));
+        }
+        free(a);
+        free(copy);
+        free(x);
+        free(b);
+    }
+    double singular[] = {1, 2, 2, 4}, right[] = {1, 1};
+    check_status(decompose_solve(2, 1, singular, right, NULL), BAT_NO_CONVERGENCE);
+}
+
 static void symmetric_values_ascend(void **state)
 {
     (void)state;
@@ -238,9 +274,13 @@ static void symmetric_values_ascend(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(eigenvectors_stay_on_their_lines),    cmocka_unit_test(eigenvalues_are_those_of_the_vectors),
-        cmocka_unit_test(defective_matrices_are_told),         cmocka_unit_test(singular_vectors_have_orthogonal_images),
-        cmocka_unit_test(residuals_are_orthogonal_to_columns), cmocka_unit_test(symmetric_values_ascend),
+        cmocka_unit_test(eigenvectors_stay_on_their_lines),
+        cmocka_unit_test(eigenvalues_are_those_of_the_vectors),
+        cmocka_unit_test(defective_matrices_are_told),
+        cmocka_unit_test(singular_vectors_have_orthogonal_images),
+        cmocka_unit_test(residuals_are_orthogonal_to_columns),
+        cmocka_unit_test(systems_are_solved),
+        cmocka_unit_test(symmetric_values_ascend),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,9 +1,8 @@
 #include "hierarchical_helpers.h"
 
+#include "linalg/decompose.h"
 #include "surface/spline/hierarchical_space.h"
 #include "surface/spline/tensor_surface.h"
-
-#include <lapacke.h>
 
 enum
 {
@@ -321,6 +320,43 @@ static size_t collocate(bat_random *random, const bat_hierarchical_space *space,
     return rows;
 }
 
+/// The columns of `basis` are independent, and have no residuals in the span of `other`: both by the triangle R of an
+/// orthogonal decomposition of all columns, in which the residuals stand below the first `count` rows.
+static void check_bases(size_t rows, size_t count, const double *basis, const double *other)
+{
+    size_t columns = 2 * count;
+    double *both[2], *side = calloc(rows, sizeof *side), *singular = calloc(count, sizeof *singular);
+    double *triangle = calloc(2 * count * count, sizeof *triangle), *adjoint = calloc(2 * count * count, sizeof *adjoint);
+    assert_true(side != NULL && singular != NULL && triangle != NULL && adjoint != NULL && rows >= columns);
+    for (size_t order = 0; order < 2; order++)
+    {
+        both[order] = malloc(rows * columns * sizeof **both);
+        assert_non_null(both[order]);
+        for (size_t r = 0; r < rows; r++)
+            for (size_t f = 0; f < columns; f++)
+            {
+                const double *from = (f < count) == (order == 0) ? basis : other;
+                both[order][r * columns + f] = from[f % count * rows + r];
+            }
+        // The residuals may vanish altogether.
+        (void)decompose_least_squares(rows, columns, both[order], side, NULL);
+    }
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = i; j < count; j++)
+            triangle[2 * (i * count + j)] = both[0][i * columns + j];
+    check_status(decompose_singular(count, triangle, singular, adjoint, NULL), BAT_OK);
+    assert_true(singular[count - 1] > 1e-8 * singular[0]);
+    for (size_t r = count; r < rows; r++)
+        for (size_t f = count; f < columns; f++)
+            check_near(both[1][r * columns + f], 0, 1e-13 * singular[0]);
+    free(both[0]);
+    free(both[1]);
+    free(side);
+    free(singular);
+    free(triangle);
+    free(adjoint);
+}
+
 /// The functions are linearly independent, and both bases have the same span: the plain one solves for the truncated one
 /// without residuals.
 static void test_independence_and_span(void **state)
@@ -356,25 +392,11 @@ static void test_independence_and_span(void **state)
         refine_space(plain, boxes, box_count);
         free(boxes);
         assert_int_equal(bat_hierarchical_space_functions(plain), count);
-        double *matrix, *plain_matrix, *singular = malloc(count * sizeof *singular);
-        assert_non_null(singular);
+        double *matrix, *plain_matrix;
         size_t rows = collocate(&random, space, plain, &matrix, &plain_matrix);
-        double *copy = malloc(rows * count * sizeof *copy);
-        assert_non_null(copy);
-        memcpy(copy, matrix, rows * count * sizeof *copy);
-        lapack_int m = (lapack_int)rows, n = (lapack_int)count;
-        assert_int_equal(LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', m, n, copy, m, singular, NULL, 1, NULL, 1), 0);
-        assert_true(singular[n - 1] > 1e-8 * singular[0]);
-        memcpy(copy, matrix, rows * count * sizeof *copy);
-        assert_int_equal(LAPACKE_dgels(LAPACK_COL_MAJOR, 'N', m, n, n, plain_matrix, m, copy, m), 0);
-        // The solution stands in the first n rows, the residuals, turned, in the others.
-        for (size_t f = 0; f < count; f++)
-            for (size_t r = count; r < rows; r++)
-                check_near(copy[f * rows + r], 0, 1e-13 * singular[0]);
+        check_bases(rows, count, matrix, plain_matrix);
         free(matrix);
         free(plain_matrix);
-        free(singular);
-        free(copy);
         bat_hierarchical_space_free(space);
         bat_hierarchical_space_free(plain);
     }

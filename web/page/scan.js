@@ -1,4 +1,4 @@
-// Scans: a picture, and the commands for chosen options. Surfaces need LAPACK, Qhull and SuiteSparse, which the engine does not
+// Scans: a picture, and the commands for chosen options. Surfaces need OpenBLAS, Qhull and SuiteSparse, which the engine does not
 // have.
 import samples from "samples";
 import { enumerator, group, h, select } from "./dom.js";
@@ -23,7 +23,7 @@ export function scanTab(app, section) {
       group("Scan", h("p", {}, "The program turns scattered points, in no order and with noise, into a spline surface for CAD."),
         h("p", {}, "It estimates the noise of the points and judges every surface by them, both ways. A surface that the points prove wrong is refused."),
         tolerance.element, parameters.element, format.element,
-        h("p.hint", {}, "This room needs LAPACK, Qhull and SuiteSparse, which the page leaves out. The commands below run on your computer.")),
+        h("p.hint", {}, "This room needs OpenBLAS, Qhull and SuiteSparse, which the page leaves out. The commands below run on your computer.")),
     ),
   );
   return {

@@ -1,17 +1,17 @@
 /// @file
-/// Biharmonic extension of boundary parameters (see biharmonic_extension.h), by a dense symmetric indefinite solve.
+/// Biharmonic extension of boundary parameters (see biharmonic_extension.h), by a dense system.
 ///
 /// The noise of the loop is estimated from the deviation of each point from the cubic through two neighbours on either side.
 /// With interpolation weights g_k, the deviation x_i - sum g_k x_k has standard deviation noise sqrt(1 + sum g_k^2).
 
 #include "surface/network/biharmonic_extension.h"
-#include "base/ascending.h"
-#include "linalg/vector3.h"
 
+#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/decompose.h"
+#include "linalg/vector3.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,7 +95,6 @@ static double loop_noise(const bat_cloud *cloud, double *scratch)
     return scratch[count / 2] / MEDIAN_LENGTH;
 }
 
-/// Fill the upper triangle by rows, which is the lower triangle in LAPACK's column order.
 static void fill_system(const biharmonic_extension *extension, double lambda, double *matrix)
 {
     size_t count = extension->count, side = count + AFFINE_TERMS;
@@ -110,6 +109,9 @@ static void fill_system(const biharmonic_extension *extension, double lambda, do
         row[count] = 1;
         memcpy(row + count + 1, x, 3 * sizeof *x);
     }
+    for (size_t i = 0; i < side; i++)
+        for (size_t j = 0; j < i; j++)
+            matrix[i * side + j] = matrix[j * side + i];
     for (size_t i = count; i < side; i++)
         matrix[i * side + i] = -AFFINE_RIDGE;
 }
@@ -117,34 +119,16 @@ static void fill_system(const biharmonic_extension *extension, double lambda, do
 static bat_status solve(biharmonic_extension *extension, double lambda, bat_error *error)
 {
     size_t side = extension->count + AFFINE_TERMS;
-    double *matrix = memory_array(side * side, sizeof *matrix), *columns = memory_array(side, 2 * sizeof *columns);
-    lapack_int *pivots = memory_array(side, sizeof *pivots);
-    bat_status status = BAT_OK;
-    if (matrix == NULL || columns == NULL || pivots == NULL)
-        status = error_memory(error, side * side * sizeof *matrix);
-    else
-    {
-        fill_system(extension, lambda, matrix);
-        for (size_t i = 0; i < 2 * side; i++)
-            columns[i] = extension->weights[2 * (i % side) + i / side];
-        double size, *work = NULL;
-        // The first call queries the size of the workspace.
-        lapack_int n = (lapack_int)side,
-                   info = LAPACKE_dsysv_work(LAPACK_COL_MAJOR, 'L', n, 2, matrix, n, pivots, columns, n, &size, -1);
-        if (info == 0 && (work = memory_array((size_t)size, sizeof *work)) == NULL)
-            status = error_memory(error, (size_t)size * sizeof *work);
-        else if (info != 0 ||
-                 LAPACKE_dsysv_work(LAPACK_COL_MAJOR, 'L', n, 2, matrix, n, pivots, columns, n, work, (lapack_int)size) != 0)
-            status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                               "the boundary parameters cannot be extended to the interior");
-        free(work);
-        for (size_t i = 0; status == BAT_OK && i < 2 * side; i++)
-            extension->weights[2 * (i % side) + i / side] = columns[i];
-    }
+    double *matrix = memory_array(side * side, sizeof *matrix);
+    if (matrix == NULL)
+        return error_memory(error, side * side * sizeof *matrix);
+    fill_system(extension, lambda, matrix);
+    bat_status status = decompose_solve(side, 2, matrix, extension->weights, NULL);
     free(matrix);
-    free(columns);
-    free(pivots);
-    return status;
+    if (status == BAT_OK)
+        return BAT_OK;
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                     "the boundary parameters cannot be extended to the interior");
 }
 
 bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *boundary, biharmonic_extension *extension,

@@ -1,15 +1,15 @@
 /// @file
-/// Penalized least squares for the coefficients of a patch, by normal equations and Cholesky factorization:
+/// Penalized least squares for the coefficients of a patch, by normal equations:
 ///     (A^T A / n + diag(cost (a^2 + b^2)^2)) c = A^T x / n,   cost = ORDER_COST + NOISE_COST noise^2 / n
 
 #include "surface/network/polynomial_patch.h"
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/decompose.h"
 #include "linalg/vector3.h"
 
 #include <cblas.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,30 +76,23 @@ static void accumulate(const double *points, const double *parameters, size_t co
     }
 }
 
-/// Solve for the coefficients; `products` becomes the factor.
-static bat_status solve(double *products, double cost, polynomial_patch *descriptor, bat_error *error)
+/// Solve for the coefficients.
+static bat_status solve(const double *products, double cost, polynomial_patch *descriptor, bat_error *error)
 {
-    double right[3 * PATCH_TERMS];
+    double matrix[PATCH_TERMS * PATCH_TERMS];
     for (size_t k = 0; k < PATCH_TERMS; k++)
     {
         size_t a = k / ORDERS, b = k % ORDERS;
         double order = (double)(a * a + b * b);
-        for (size_t d = 0; d < 3; d++)
-            right[d * PATCH_TERMS + k] = products[k * COLUMNS + PATCH_TERMS + d];
-        products[k * COLUMNS + k] += cost * order * order + RIDGE;
+        for (size_t m = k; m < PATCH_TERMS; m++)
+            matrix[k * PATCH_TERMS + m] = matrix[m * PATCH_TERMS + k] = products[k * COLUMNS + m];
+        matrix[k * (PATCH_TERMS + 1)] += cost * order * order + RIDGE;
+        memcpy(descriptor->terms[k], products + k * COLUMNS + PATCH_TERMS, 3 * sizeof(double));
     }
-    // The upper triangle by rows is the lower one by columns.
-    bool solved = LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', PATCH_TERMS, 3, products, COLUMNS, right, PATCH_TERMS) == 0;
-    for (size_t k = 0; k < PATCH_TERMS; k++)
-        for (size_t d = 0; d < 3; d++)
-        {
-            descriptor->terms[k][d] = right[d * PATCH_TERMS + k];
-            // LAPACK may not report NaN.
-            solved = solved && isfinite(descriptor->terms[k][d]);
-        }
-    return solved ? BAT_OK
-                  : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
-                              "the polynomial patch through the cloud cannot be computed");
+    if (decompose_solve(PATCH_TERMS, 3, matrix, &descriptor->terms[0][0], NULL) == BAT_OK)
+        return BAT_OK;
+    return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                     "the polynomial patch through the cloud cannot be computed");
 }
 
 static void evaluate(const polynomial_patch *descriptor, const double parameter[2], double x[3], double xu[3], double xv[3])
