@@ -250,7 +250,9 @@ void atomic_sync_folder(const char *path)
     free(folder);
 }
 
-bat_status atomic_file_commit(atomic_file *file, bat_error *error)
+/// Finish writing and put the file in its place. When that fails, the file is abandoned.
+/// @return BAT_OK or BAT_FILE_ACCESS
+static bat_status atomic_file_commit(atomic_file *file, bat_error *error)
 {
     int reason = flush(file->stream);
     // Files with hidden names are forced to the disk when they leave them.
@@ -273,7 +275,8 @@ bat_status atomic_file_commit(atomic_file *file, bat_error *error)
     return reason == 0 ? BAT_OK : atomic_access_error(error, reason);
 }
 
-void atomic_file_abandon(atomic_file *file)
+/// Remove what was written. Does nothing after a commit.
+static void atomic_file_abandon(atomic_file *file)
 {
     if (file->stream != NULL)
         (void)shut(file->stream);

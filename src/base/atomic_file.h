@@ -29,13 +29,6 @@ typedef struct atomic_file
 /// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY; on failure nothing is left behind
 bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *error);
 
-/// Finish writing and put the file in its place. When that fails, the file is abandoned.
-/// @return BAT_OK or BAT_FILE_ACCESS
-bat_status atomic_file_commit(atomic_file *file, bat_error *error);
-
-/// Remove what was written. Does nothing after a commit.
-void atomic_file_abandon(atomic_file *file);
-
 /// Commit when `status` is BAT_OK, else abandon and return the status.
 bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error);
 

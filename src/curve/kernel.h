@@ -71,8 +71,6 @@ refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t 
 /// A power of two that brings coordinates near 1, so that no product of chords overflows; of `count` points and their
 /// dimension.
 double kernel_scale(const double *points, size_t count, size_t dim);
-/// Whether a mask is that of bat_mask_lane_riesenfeld() of some order.
-bool kernel_is_lane_riesenfeld(const bat_mask *mask);
 /// Whether a mask has a meaning on geodesics: a Lane-Riesenfeld mask, or one whose new points are convex means of two
 /// neighbours (corner cutting).
 bool kernel_has_geodesic(const bat_mask *mask);

@@ -121,7 +121,8 @@ static bat_status average_points(const refine_kernel *kernel, const double *rows
     return BAT_OK;
 }
 
-bool kernel_is_lane_riesenfeld(const bat_mask *mask)
+/// Whether a mask is that of bat_mask_lane_riesenfeld() of some order.
+static bool kernel_is_lane_riesenfeld(const bat_mask *mask)
 {
     bat_mask expected = bat_mask_lane_riesenfeld(mask->count < 3 ? 1 : mask->count - 2);
     bool same = mask->count == expected.count && mask->first == expected.first;

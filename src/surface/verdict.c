@@ -601,7 +601,8 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     return status;
 }
 
-void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
+/// The fault of a surface as a sentence.
+static void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
 {
     switch (verdict->fault)
     {

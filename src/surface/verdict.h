@@ -39,7 +39,4 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
                          const double *distances, size_t count, const bat_surface_fit_options *options,
                          bat_surface_verdict *verdict, bat_error *error);
 
-/// The fault of a surface as a sentence.
-void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size);
-
 #endif

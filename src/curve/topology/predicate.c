@@ -212,7 +212,7 @@ static bool is_between(double value, double end, double other)
 }
 
 /// c = s a + t b with s, t >= 0: c x b and a x c have the direction of a x b, or are 0.
-bool predicate_on_edge(surface_kind kind, const double *a, const double *b, const double *c)
+static bool predicate_on_edge(surface_kind kind, const double *a, const double *b, const double *c)
 {
     if (kind == SURFACE_PLANE)
         return is_between(c[0], a[0], b[0]) && is_between(c[1], a[1], b[1]);

@@ -31,10 +31,6 @@ typedef enum surface_kind
 /// outside.
 int predicate_orientation(surface_kind kind, const double *a, const double *b, const double *c);
 
-/// Whether `c`, which lies on the geodesic through a and b, lies on the edge from a to b, ends included.
-/// @param a, b different points, on the sphere not antipodal
-bool predicate_on_edge(surface_kind kind, const double *a, const double *b, const double *c);
-
 /// Whether the edges ab and cd have a point in common, ends included. Both edges have a length.
 bool predicate_edges_meet(surface_kind kind, const double *a, const double *b, const double *c, const double *d);
 

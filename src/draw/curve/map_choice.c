@@ -76,7 +76,10 @@ static void ball_centre(const bat_curve *const *curves, size_t count, double *ce
     }
 }
 
-void map_cap(const bat_curve *const *curves, size_t count, double *centre, double *radius)
+/// A cap that contains all curves: nearly the smallest one, if that is less than a hemisphere.
+/// @param centre receives a point of unit length
+/// @param radius receives an angle
+static void map_cap(const bat_curve *const *curves, size_t count, double *centre, double *radius)
 {
     ball_centre(curves, count, centre);
     if (dot(centre, centre) < 1e-6) // the curves are all around the sphere

@@ -18,9 +18,4 @@ typedef struct map_choice
 /// Choose for checked curves on the sphere. `polygons` says whether any of them is a ring.
 map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygons, const bat_curve_picture_options *options);
 
-/// A cap that contains all curves: nearly the smallest one, if that is less than a hemisphere.
-/// @param centre receives a point of unit length
-/// @param radius receives an angle
-void map_cap(const bat_curve *const *curves, size_t count, double *centre, double *radius);
-
 #endif

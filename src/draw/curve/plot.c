@@ -21,7 +21,8 @@ static const double TURN = 6.28318530717958647693;
 #define DOT_RADIUS 2.3
 #define AXIS_TEXT_SIZE 512
 
-int plot_colour(const bat_chart *chart, size_t index)
+/// The palette index of a series.
+static int plot_colour(const bat_chart *chart, size_t index)
 {
     return chart->series[index].colour > 0 ? chart->series[index].colour : (int)(index % 1000) + 1;
 }

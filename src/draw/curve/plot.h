@@ -36,8 +36,6 @@ legend_item plot_legend_item(const bat_chart *chart, size_t index);
 
 /// A value on an axis: its decimal logarithm if the axis is logarithmic.
 double plot_number(const plot_axis *axis, double value);
-/// The palette index of a series.
-int plot_colour(const bat_chart *chart, size_t index);
 /// Draw the labels of points beside them, where they cover least.
 bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
                             bat_error *error);

@@ -80,7 +80,7 @@ static bool marked(const coverage_map *map, size_t row, size_t column)
     return column < map->columns && (map->words[row * map->stride + column / 64] >> column % 64 & 1u) != 0;
 }
 
-void coverage_trace(const coverage_map *map, cairo_t *cairo)
+static void coverage_trace(const coverage_map *map, cairo_t *cairo)
 {
     for (size_t row = 0; row < map->rows; row++)
     {

@@ -49,7 +49,6 @@ bat_status coverage_begin(double low_x, double low_y, double high_x, double high
 /// A sink that marks the cells of a path within the rectangle.
 path_sink coverage_sink(coverage_map *map);
 /// Append the marked cells to cairo's current path, each run in a row as one line, for strokes with round caps.
-void coverage_trace(const coverage_map *map, cairo_t *cairo);
 void coverage_free(coverage_map *map);
 
 #endif

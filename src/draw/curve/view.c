@@ -51,7 +51,7 @@ static void trace_geodesic(const draw_view *view, const double *p, const double 
     trace_arc(view, centre, p, q, path);
 }
 
-void view_trace_disk(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
+static void view_trace_disk(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
 {
     simplifier_move(path, view_x(view, points[0]), view_y(view, points[1]));
     for (size_t i = 1; i < count + (closed ? 1 : 0); i++)

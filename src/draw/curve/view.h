@@ -108,7 +108,6 @@ void view_trace_globe(const draw_view *view, const double *points, size_t count,
                       path_simplifier *path);
 /// VIEW_LOCAL and VIEW_MAP.
 void view_trace_map(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path);
-void view_trace_disk(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path);
 /// @}
 
 /// Where the boundary of a region lies.

@@ -67,8 +67,6 @@ typedef struct csv_reader
 
 /// The number of a column, from 1, in the file: the column of corners is not among the fields.
 size_t csv_column_number(const csv_reader *reader, size_t column);
-/// The name of a column as messages show it, or its number.
-const char *csv_column_label(const csv_reader *reader, size_t column, char label[EXCERPT_SIZE + 16]);
 
 /// Find a column by its name or number.
 bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, size_t *column,

@@ -14,7 +14,8 @@ size_t csv_column_number(const csv_reader *reader, size_t column)
     return column + 1 + (column >= reader->attributes->csv->corner ? 1 : 0);
 }
 
-const char *csv_column_label(const csv_reader *reader, size_t column, char label[EXCERPT_SIZE + 16])
+/// The name of a column as messages show it, or its number.
+static const char *csv_column_label(const csv_reader *reader, size_t column, char label[EXCERPT_SIZE + 16])
 {
     const csv_columns *columns = reader->attributes->csv;
     const char *name = columns->names != NULL ? columns->names[column] : "";

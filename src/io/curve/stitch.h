@@ -49,9 +49,6 @@ typedef struct stitch_tolerance
     double offset;   ///< degrees between a point and a great circle on which it lies
 } stitch_tolerance;
 
-/// 1.5 units of the last decimal, at most 1e-7 degrees. At least 1e-9 degrees between latitudes (0.1 mm on the Earth), as
-/// the two sides of a cut often differ in the last digits of a double; at least 1e-11 degrees from a great circle.
-stitch_tolerance stitch_tolerance_of_decimals(int decimals);
 /// The tolerance for the most decimals of any of these longitudes and latitudes.
 stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count);
 

@@ -24,6 +24,17 @@ static int decimals_of(double number)
     return decimals > 0 ? (int)decimals : 0;
 }
 
+/// 1.5 units of the last decimal, at most 1e-7 degrees. At least 1e-9 degrees between latitudes (0.1 mm on the Earth), as
+/// the two sides of a cut often differ in the last digits of a double; at least 1e-11 degrees from a great circle.
+static stitch_tolerance stitch_tolerance_of_decimals(int decimals)
+{
+    static const double UNITS = 1.5, MOST = 1e-7, LEAST_OFFSET = 1e-11;
+    double rounding = UNITS * pow(10.0, -decimals);
+    rounding = rounding < MOST ? rounding : MOST;
+    return (stitch_tolerance){.latitude = rounding > NEAR_SEAM ? rounding : NEAR_SEAM,
+                              .offset = rounding > LEAST_OFFSET ? rounding : LEAST_OFFSET};
+}
+
 stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count)
 {
     int decimals = 0;
@@ -33,15 +44,6 @@ stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count)
         decimals = each > decimals ? each : decimals;
     }
     return stitch_tolerance_of_decimals(decimals);
-}
-
-stitch_tolerance stitch_tolerance_of_decimals(int decimals)
-{
-    static const double UNITS = 1.5, MOST = 1e-7, LEAST_OFFSET = 1e-11;
-    double rounding = UNITS * pow(10.0, -decimals);
-    rounding = rounding < MOST ? rounding : MOST;
-    return (stitch_tolerance){.latitude = rounding > NEAR_SEAM ? rounding : NEAR_SEAM,
-                              .offset = rounding > LEAST_OFFSET ? rounding : LEAST_OFFSET};
 }
 
 /// Whether longitudes exceed 180 degrees: the map is then cut at 0 degrees.

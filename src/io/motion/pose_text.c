@@ -146,7 +146,8 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
     return BAT_OK;
 }
 
-bat_status pose_translate_euroc(pose_translation *work, bool named, bat_error *error)
+/// Rows of EuRoC; `named` where the user names the format.
+static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_error *error)
 {
     bat_status status = BAT_OK;
     text_line line = text_line_start(work->source);

@@ -42,6 +42,20 @@ static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out
     return NULL;
 }
 
+/// Whether a time in seconds has more digits than a double.
+static bool pose_time_is_long(csv_field cell)
+{
+    enum
+    {
+        DOUBLE_DIGITS = 15
+    };
+    int digits = 0;
+    cell = csv_unquoted(cell);
+    for (const char *at = cell.begin; at < cell.end; at++)
+        digits += *at >= '0' && *at <= '9';
+    return digits > DOUBLE_DIGITS;
+}
+
 const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out, size_t size)
 {
     int64_t whole, nanoseconds;
@@ -86,15 +100,3 @@ column_unit pose_unit_by_size(csv_field cell)
     return whole >= 100000000000000000 ? UNIT_NANO : whole >= 100000000000000 ? UNIT_MICRO : UNIT_MILLI;
 }
 
-bool pose_time_is_long(csv_field cell)
-{
-    enum
-    {
-        DOUBLE_DIGITS = 15
-    };
-    int digits = 0;
-    cell = csv_unquoted(cell);
-    for (const char *at = cell.begin; at < cell.end; at++)
-        digits += *at >= '0' && *at <= '9';
-    return digits > DOUBLE_DIGITS;
-}

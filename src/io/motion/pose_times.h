@@ -29,7 +29,5 @@ const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, c
 const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out, size_t size);
 /// The unit of whole times that are too large for seconds since 1970.
 column_unit pose_unit_by_size(csv_field cell);
-/// Whether a time in seconds has more digits than a double.
-bool pose_time_is_long(csv_field cell);
 
 #endif

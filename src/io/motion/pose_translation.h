@@ -57,8 +57,6 @@ void pose_write_tum(pose_translation *work, const char *time, const double *plac
 double pose_matrix_deviation(const double *row, double *quaternion);
 /// Rows of matrices.
 bat_status pose_translate_kitti(pose_translation *work, bat_error *error);
-/// Rows of EuRoC; `named` where the user names the format.
-bat_status pose_translate_euroc(pose_translation *work, bool named, bat_error *error);
 
 /// What the names of a header tell.
 typedef struct pose_header

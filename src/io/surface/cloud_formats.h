@@ -37,9 +37,6 @@ bat_status cloud_las_read(const file_text *text, point_listing *listing, bat_err
 bool cloud_pcd_resembles(const file_text *text);
 bool cloud_las_resembles(const file_text *text);
 
-/// The failure for a coordinate that is not a number.
-bat_status cloud_number_fault(const char *begin, const char *end, size_t point, size_t line, bat_error *error);
-
 /// The line of a point in a text that was read before.
 size_t cloud_xyz_line_of_point(const file_text *text, size_t point);
 size_t cloud_csv_line_of_point(const file_text *text, size_t point);

@@ -74,7 +74,8 @@ cloud_remarks cloud_remarks_read(const file_text *text)
     return remarks;
 }
 
-bat_status cloud_number_fault(const char *begin, const char *end, size_t point, size_t line, bat_error *error)
+/// The failure for a coordinate that is not a number.
+static bat_status cloud_number_fault(const char *begin, const char *end, size_t point, size_t line, bat_error *error)
 {
     char excerpt[EXCERPT_SIZE];
     double value;

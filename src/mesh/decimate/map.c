@@ -124,6 +124,15 @@ bat_status map_allocate_links(bat_mesh_map *map, bat_error *error)
     return map->steps != NULL ? BAT_OK : error_memory(error, map->entry_count * sizeof *map->steps);
 }
 
+/// A hash of a mesh's faces in their order (FNV-1a).
+static uint64_t map_digest(const bat_mesh *mesh)
+{
+    uint64_t digest = 0xcbf29ce484222325U;
+    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+        digest = (digest ^ mesh->faces[i]) * 0x100000001b3U;
+    return digest;
+}
+
 bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error)
 {
     bat_status status = map_allocate_links(map, error);
@@ -140,14 +149,6 @@ bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *c
     map->coarse_faces = coarse->face_count;
     map->coarse_digest = map_digest(coarse);
     return BAT_OK;
-}
-
-uint64_t map_digest(const bat_mesh *mesh)
-{
-    uint64_t digest = 0xcbf29ce484222325U;
-    for (size_t i = 0; i < 3 * mesh->face_count; i++)
-        digest = (digest ^ mesh->faces[i]) * 0x100000001b3U;
-    return digest;
 }
 
 bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error)

@@ -88,8 +88,6 @@ void map_link(bat_mesh_map *map);
 /// Allocate the links of all entries.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status map_allocate_links(bat_mesh_map *map, bat_error *error);
-/// A hash of a mesh's faces in their order (FNV-1a).
-uint64_t map_digest(const bat_mesh *mesh);
 /// Check a map whose arrays are set, except for the links. Every collapse must act on existing faces, all flattened faces
 /// must have positive areas, and the remaining faces must be those in `kept`.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY

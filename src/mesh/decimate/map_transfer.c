@@ -13,7 +13,7 @@
 /// @file
 /// Images of midpoint subdivisions under a decimation map, and the transfer of positions, normals, channels and texture.
 
-void midpoint_mesh_free(midpoint_mesh *mesh)
+static void midpoint_mesh_free(midpoint_mesh *mesh)
 {
     free(mesh->faces);
     free(mesh->corners);
@@ -115,7 +115,9 @@ static bat_status split_level(midpoint_mesh *mesh, int level, bat_error *error)
     return status;
 }
 
-bat_status midpoint_mesh_make(const bat_mesh *coarse, size_t levels, midpoint_mesh *made, bat_error *error)
+/// Subdivide a mesh `levels` times.
+/// @return as bat_mesh_midpoints()
+static bat_status midpoint_mesh_make(const bat_mesh *coarse, size_t levels, midpoint_mesh *made, bat_error *error)
 {
     midpoint_mesh mesh;
     bat_status status = split_begin(coarse, &mesh, error);

@@ -16,11 +16,6 @@ typedef struct midpoint_mesh
     size_t face_count, vertex_count;
 } midpoint_mesh;
 
-/// Subdivide a mesh `levels` times.
-/// @return as bat_mesh_midpoints()
-bat_status midpoint_mesh_make(const bat_mesh *coarse, size_t levels, midpoint_mesh *made, bat_error *error);
-void midpoint_mesh_free(midpoint_mesh *mesh);
-
 /// Set the texture coordinates of `refined`, which has none, from the fine mesh. `split` is the coarse mesh subdivided
 /// `levels` times, and `images` are its vertices on the fine mesh.
 ///

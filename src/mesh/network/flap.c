@@ -65,8 +65,19 @@ static void find_pairs(mesh_flaps *flaps)
     }
 }
 
-bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, mesh_flaps *flaps,
-                           bat_error *error)
+static void mesh_flaps_free(mesh_flaps *flaps)
+{
+    free(flaps->flap);
+    free(flaps->first);
+    free(flaps->of_edge);
+    *flaps = (mesh_flaps){0};
+}
+
+/// Find the half-flaps of a mesh.
+/// @param flaps release it with mesh_flaps_free()
+/// @return BAT_OK or BAT_NO_MEMORY; `flaps` is untouched on failure
+static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, mesh_flaps *flaps,
+                                  bat_error *error)
 {
     size_t vertices = connectivity->vertex_count, edges = connectivity->edge_count, count = 2 * edges;
     mesh_flaps made = {.vertex_count = vertices,
@@ -87,14 +98,6 @@ bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *c
     find_pairs(&made);
     *flaps = made;
     return BAT_OK;
-}
-
-void mesh_flaps_free(mesh_flaps *flaps)
-{
-    free(flaps->flap);
-    free(flaps->first);
-    free(flaps->of_edge);
-    *flaps = (mesh_flaps){0};
 }
 
 // Levels

@@ -35,13 +35,6 @@ typedef struct mesh_flaps
     uint32_t (*of_edge)[2]; ///< edge_count: the two half-flaps of an edge
 } mesh_flaps;
 
-/// Find the half-flaps of a mesh.
-/// @param flaps release it with mesh_flaps_free()
-/// @return BAT_OK or BAT_NO_MEMORY; `flaps` is untouched on failure
-bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, mesh_flaps *flaps,
-                           bat_error *error);
-void mesh_flaps_free(mesh_flaps *flaps);
-
 /// The half-flaps of a mesh and of its refinements, whose faces are split in four as in batten/mesh_refine.h.
 typedef struct mesh_levels
 {

@@ -51,7 +51,7 @@ typedef struct alpha_boundary_blocked
     uint32_t item;
 } alpha_boundary_blocked;
 
-void alpha_boundary_search_free(alpha_boundary_search *search)
+static void alpha_boundary_search_free(alpha_boundary_search *search)
 {
     neighbour_list_free(&search->near);
     free(search->blocked);
@@ -204,8 +204,12 @@ static bat_status recall_plane(alpha_boundary_search *search, uint32_t point, al
     return BAT_OK;
 }
 
-bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t point, const double *reference, double scale,
-                                     alpha_boundary_point *found, bat_error *error)
+/// Compute the local geometry at a point.
+/// @param reference vector whose side the normal is oriented to; null for any
+/// @param scale     factor of the radius
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t point, const double *reference,
+                                            double scale, alpha_boundary_point *found, bat_error *error)
 {
     bat_status status = recall_plane(search, point, found, error);
     if (status != BAT_OK)
@@ -217,8 +221,11 @@ bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t poi
     return status == BAT_OK ? set_arcs(search, point, found, error) : status;
 }
 
-bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, double scale, bool *inside,
-                                          bat_error *error)
+/// Quick test by few neighbours whether a point is in the interior: they are coplanar and surround the point.
+/// @param scale factor of the radius
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, double scale, bool *inside,
+                                                 bat_error *error)
 {
     alpha_boundary_point found = {.arc_count = 1};
     bat_status status =

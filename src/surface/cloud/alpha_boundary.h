@@ -79,21 +79,6 @@ typedef struct alpha_boundary_search
     size_t blocked_capacity;
 } alpha_boundary_search;
 
-void alpha_boundary_search_free(alpha_boundary_search *search);
-
-/// Compute the local geometry at a point.
-/// @param reference vector whose side the normal is oriented to; null for any
-/// @param scale     factor of the radius
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t point, const double *reference, double scale,
-                                     alpha_boundary_point *found, bat_error *error);
-
-/// Quick test by few neighbours whether a point is in the interior: they are coplanar and surround the point.
-/// @param scale factor of the radius
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, double scale, bool *inside,
-                                          bat_error *error);
-
 /// A closed polygon along the boundary.
 typedef struct alpha_boundary_cycle
 {

@@ -154,8 +154,17 @@ static void find_by_triangles(const bat_cloud *cloud, const double *parameters, 
     }
 }
 
-bat_status fold_finder_find(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
-                            bat_error *error)
+/// Find the folded interior points.
+///
+/// With triangles: the corners of degenerate and of flipped triangles. Without: the points at which the affine map from the
+/// local plane to the parameters, fitted to the neighbourhood by least squares, is singular or reverses orientation. The
+/// boundary determines the correct orientation.
+/// @param parameters count x 2, in spatial order
+/// @param folded     receives count; false on the boundary
+/// @param stretches  receives the ratio of the singular values of the map for each interior point; may be null
+/// @return BAT_OK or BAT_NO_MEMORY
+static bat_status fold_finder_find(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
+                                   bat_error *error)
 {
     const bat_cloud *cloud = &finder->order.cloud;
     bool positive = boundary_area(cloud, parameters) >= 0;

@@ -21,18 +21,6 @@ typedef struct fold_finder
 bat_status fold_finder_make(const bat_cloud *cloud, fold_finder *finder, bat_error *error);
 void fold_finder_free(fold_finder *finder);
 
-/// Find the folded interior points.
-///
-/// With triangles: the corners of degenerate and of flipped triangles. Without: the points at which the affine map from the
-/// local plane to the parameters, fitted to the neighbourhood by least squares, is singular or reverses orientation. The
-/// boundary determines the correct orientation.
-/// @param parameters count x 2, in spatial order
-/// @param folded     receives count; false on the boundary
-/// @param stretches  receives the ratio of the singular values of the map for each interior point; may be null
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status fold_finder_find(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
-                            bat_error *error);
-
 /// Faults by point, in spatial order.
 typedef struct parameter_faults
 {

@@ -72,7 +72,8 @@ bat_status bat_spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *co
     return status;
 }
 
-void spline_curve_domain(const bat_spline_curve *curve, double domain[2])
+/// The domain of a curve.
+static void spline_curve_domain(const bat_spline_curve *curve, double domain[2])
 {
     const bat_knot_vector *knots = &curve->knots;
     domain[0] = knots->knots[knots->degree];

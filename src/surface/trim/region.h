@@ -10,8 +10,6 @@
 /// @param t     in the domain
 /// @param place receives `dimension` coordinates
 void spline_curve_place(const bat_spline_curve *curve, double t, double *place);
-/// The domain of a curve.
-void spline_curve_domain(const bat_spline_curve *curve, double domain[2]);
 
 /// The polygons of trimming curves. All zero: the whole square. Release it with trim_region_free().
 typedef struct trim_region
