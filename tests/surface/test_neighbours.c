@@ -110,51 +110,6 @@ static void test_lists_are_those_of_a_search_of_all(void **state)
     }
 }
 
-static void assert_graph(const double *points, size_t count, const neighbour_graph *graph, double radius)
-{
-    assert_int_equal(graph->count, count);
-    assert_int_equal(graph->starts[0], 0);
-    for (size_t i = 0; i < count; i++)
-    {
-        size_t at = graph->starts[i];
-        for (size_t j = 0; j < count; j++)
-        {
-            const double *p = points + 3 * i, *q = points + 3 * j;
-            double dx = p[0] - q[0], dy = p[1] - q[1], dz = p[2] - q[2];
-            if (dx * dx + dy * dy + dz * dz > radius * radius)
-                continue;
-            assert_true(at < graph->starts[i + 1]);
-            assert_int_equal(graph->items[at++], j);
-        }
-        assert_int_equal(at, graph->starts[i + 1]);
-    }
-}
-
-static void test_graph_joins_all_within_the_radius(void **state)
-{
-    (void)state;
-    static const size_t counts[] = {0, 1, 16, 17, 300, 1200};
-    static const double radii[] = {0, 0.1, 1, 2, 1e5};
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-        for (int kind = 0; kind < 3; kind++)
-        {
-            double *points = kind == 0   ? random_points(i, counts[i])
-                             : kind == 1 ? lattice_points(i, counts[i])
-                                         : uneven_points(i, counts[i]);
-            neighbour_tree tree;
-            check_status(neighbour_tree_build(points, counts[i], &tree, NULL), BAT_OK);
-            for (size_t r = 0; r < sizeof radii / sizeof *radii; r++)
-            {
-                neighbour_graph graph;
-                check_status(neighbour_graph_build(&tree, radii[r], &graph, NULL), BAT_OK);
-                assert_graph(points, counts[i], &graph, radii[r]);
-                neighbour_graph_free(&graph);
-            }
-            neighbour_tree_free(&tree);
-            free(points);
-        }
-}
-
 static void test_equal_points_are_all_found(void **state)
 {
     (void)state;
@@ -181,7 +136,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lists_are_those_of_a_search_of_all),
-        cmocka_unit_test(test_graph_joins_all_within_the_radius),
         cmocka_unit_test(test_equal_points_are_all_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -58,13 +58,6 @@ void neighbour_tree_free(neighbour_tree *tree)
     *tree = (neighbour_tree){0};
 }
 
-void neighbour_graph_free(neighbour_graph *graph)
-{
-    free(graph->starts);
-    free(graph->items);
-    *graph = (neighbour_graph){0};
-}
-
 /// State of the construction.
 typedef struct tree_builder
 {
@@ -163,19 +156,6 @@ static inline double box_squared(const neighbour_box *box, const double place[3]
     for (int axis = 0; axis < 3; axis++)
     {
         double below = box->low[axis] - place[axis], above = place[axis] - box->high[axis];
-        double gap = below > above ? below : above;
-        gaps[axis] = gap > 0 ? gap : 0;
-    }
-    return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2];
-}
-
-/// Squared distance between two boxes, a lower bound for their points.
-static inline double boxes_squared(const neighbour_box *a, const neighbour_box *b)
-{
-    double gaps[3];
-    for (int axis = 0; axis < 3; axis++)
-    {
-        double below = a->low[axis] - b->high[axis], above = b->low[axis] - a->high[axis];
         double gap = below > above ? below : above;
         gaps[axis] = gap > 0 ? gap : 0;
     }
@@ -369,150 +349,4 @@ bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3],
         heap_make(list->entries, list->count);
     heap_sort(list->entries, list->count);
     return BAT_OK;
-}
-
-/// A graph under construction: rows in leaf order, of indices of points.
-typedef struct graph_builder
-{
-    const neighbour_tree *tree;
-    double max_squared;
-    node_range *near; ///< leaves within the radius of the current one
-    size_t *ends;     ///< count: where each row ends
-    uint32_t *items;  ///< the rows
-    size_t item_count, item_capacity;
-} graph_builder;
-
-/// Find the leaves within the radius of a leaf; returns their number.
-static size_t near_leaves(const graph_builder *build, size_t leaf)
-{
-    const neighbour_box *boxes = build->tree->boxes;
-    node_range waiting[MAX_DEPTH];
-    size_t top = 0, count = 0;
-    waiting[top++] = (node_range){ROOT, 0, build->tree->count};
-    while (top > 0)
-    {
-        node_range here = waiting[--top];
-        if (boxes_squared(&boxes[here.node], &boxes[leaf]) > build->max_squared)
-            continue;
-        if (is_leaf(here))
-        {
-            build->near[count++] = here;
-            continue;
-        }
-        waiting[top++] = upper_child(here);
-        waiting[top++] = lower_child(here);
-    }
-    return count;
-}
-
-/// Write the rows of the points of a leaf. False when out of memory.
-static bool write_rows(graph_builder *build, node_range leaf)
-{
-    const neighbour_tree *tree = build->tree;
-    size_t near_count = near_leaves(build, leaf.node);
-    for (size_t i = leaf.begin; i < leaf.end; i++)
-    {
-        const double place[3] = {tree->axes[0][i], tree->axes[1][i], tree->axes[2][i]};
-        void *items = build->items;
-        bool grown =
-            array_grow(&items, &build->item_capacity, build->item_count + near_count * LEAF_ITEMS, sizeof(uint32_t));
-        build->items = items;
-        if (!grown)
-            return false;
-        uint32_t *out = build->items + build->item_count;
-        for (size_t k = 0; k < near_count; k++)
-        {
-            node_range near = build->near[k];
-            double squared[LEAF_ITEMS];
-            leaf_distances(tree, near.begin, near.end - near.begin, place, squared);
-            for (size_t j = 0; j < near.end - near.begin; j++)
-            {
-                *out = tree->items[near.begin + j];
-                out += squared[j] <= build->max_squared;
-            }
-        }
-        build->item_count = (size_t)(out - build->items);
-        build->ends[i] = build->item_count;
-    }
-    return true;
-}
-
-static bool write_all_rows(graph_builder *build)
-{
-    node_range waiting[MAX_DEPTH];
-    size_t top = 0;
-    waiting[top++] = (node_range){ROOT, 0, build->tree->count};
-    while (top > 0)
-    {
-        node_range here = waiting[--top];
-        if (is_leaf(here))
-        {
-            if (!write_rows(build, here))
-                return false;
-            continue;
-        }
-        waiting[top++] = upper_child(here);
-        waiting[top++] = lower_child(here);
-    }
-    return true;
-}
-
-/// Sort the rows by a transposition: the graph is symmetric, and visiting the points in order makes every row ascending. On
-/// entry, `starts` holds the beginnings of the rows.
-static void transpose_rows(const graph_builder *build, const size_t *row_of, neighbour_graph *graph)
-{
-    for (size_t point = 0; point < graph->count; point++)
-    {
-        size_t row = row_of[point];
-        for (size_t at = row == 0 ? 0 : build->ends[row - 1]; at < build->ends[row]; at++)
-            graph->items[graph->starts[build->items[at]]++] = (uint32_t)point;
-    }
-    // Every start has advanced to the next one.
-    memmove(graph->starts + 1, graph->starts, graph->count * sizeof *graph->starts);
-    graph->starts[0] = 0;
-}
-
-/// Reorder the rows by point, each ascending.
-static bat_status sort_rows(const graph_builder *build, neighbour_graph *graph, bat_error *error)
-{
-    size_t count = build->tree->count;
-    neighbour_graph made = {.starts = memory_array(count + 1, sizeof *made.starts),
-                            .items = memory_array(build->item_count, sizeof *made.items),
-                            .count = count};
-    size_t *row_of = memory_array(count, sizeof *row_of);
-    if (made.starts == NULL || made.items == NULL || row_of == NULL)
-    {
-        neighbour_graph_free(&made);
-        free(row_of);
-        return error_memory(error, build->item_count * sizeof *made.items);
-    }
-    for (size_t row = 0; row < count; row++)
-        row_of[build->tree->items[row]] = row;
-    made.starts[0] = 0;
-    for (size_t point = 0; point < count; point++)
-    {
-        size_t row = row_of[point];
-        made.starts[point + 1] = made.starts[point] + build->ends[row] - (row == 0 ? 0 : build->ends[row - 1]);
-    }
-    transpose_rows(build, row_of, &made);
-    free(row_of);
-    *graph = made;
-    return BAT_OK;
-}
-
-bat_status neighbour_graph_build(const neighbour_tree *tree, double radius, neighbour_graph *graph, bat_error *error)
-{
-    graph_builder build = {.tree = tree,
-                           .max_squared = radius * radius,
-                           .near = memory_array(node_capacity(tree->count) / 2, sizeof *build.near),
-                           .ends = memory_array(tree->count, sizeof *build.ends)};
-    bat_status status = BAT_OK;
-    if (build.near == NULL || build.ends == NULL || !write_all_rows(&build))
-        status = error_memory(error, tree->count * sizeof *build.ends + build.item_capacity * sizeof *build.items);
-    if (status == BAT_OK)
-        status = sort_rows(&build, graph, error);
-    free(build.near);
-    free(build.ends);
-    free(build.items);
-    return status;
 }

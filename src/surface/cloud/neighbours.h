@@ -4,8 +4,8 @@
 #include "batten/base.h"
 
 /// @file
-/// Nearest neighbours of points in space by a k-d tree (Bentley, 1975): all points within a radius, the k nearest points, or
-/// the radius graph of all points. Results are exact, and sorted independently of the tree.
+/// Nearest neighbours of points in space by a k-d tree (Bentley, 1975): all points within a radius, or the k nearest points.
+/// Results are exact, and sorted independently of the tree.
 ///
 /// The tree stores bounding boxes, and the coordinates in leaf order. Building takes O(n log n).
 
@@ -57,18 +57,5 @@ bat_status neighbours_within(const neighbour_tree *tree, const double place[3], 
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
                               bat_error *error);
-
-/// The radius graph: the neighbours of point i are items[starts[i]] to items[starts[i + 1] - 1], ascending, including i.
-typedef struct neighbour_graph
-{
-    size_t *starts; ///< count + 1
-    uint32_t *items;
-    size_t count;
-} neighbour_graph;
-
-/// Build the radius graph. One pass over the leaves, much faster than a query for each point.
-/// @return BAT_OK or BAT_NO_MEMORY; `graph` is untouched on failure
-bat_status neighbour_graph_build(const neighbour_tree *tree, double radius, neighbour_graph *graph, bat_error *error);
-void neighbour_graph_free(neighbour_graph *graph);
 
 #endif
