@@ -80,28 +80,6 @@ BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *er
 BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                        const double *v1, double weight, double *point, double *direction);
 
-/// The two parts of the length of a pair of Hermite data, whose sum is L_H of eq. (4.10) of Ben-Zion Vardi, Dyn and Sharon.
-typedef struct bat_hermite_length
-{
-    double path; ///< the length of the points' curve, in the unit of distance()
-    double turn; ///< how far the direction turns against parallel transport along that curve, in radians
-} bat_hermite_length;
-
-/// The length L_H of the curve w -> bat_hermite_average(w) from one pair of a point and a direction to another (section 4.4,
-/// eqs. 4.9 and 4.10): the integral over w in [0, 1] of |p'| + |Du/dw|, where Du/dw is the covariant derivative of the
-/// direction along the points. docs/algorithms/hermite-schemes.md has what is known of it: it is not symmetric, and
-/// depends on the unit of length.
-///
-/// Lengths and angles are summed along 16, 32, … 4096 parts and extrapolated, to a relative error of about 1e-9.
-///
-/// @param p0, v0, p1, v1 as of bat_hermite_average()
-/// @param length receives both parts; both 0 for two equal points with equal directions
-/// @param error  may be null
-/// @return the failures of bat_hermite_average(), and BAT_NO_CONVERGENCE where the curve jumps or has a cusp; `length` is
-///         untouched on failure
-BAT_API bat_status bat_hermite_length_of(const bat_space *space, const double *p0, const double *v0, const double *p1,
-                                         const double *v1, bat_hermite_length *length, bat_error *error);
-
 /// The longest mask of a linear Hermite scheme.
 #define BAT_HERMITE_MASK_MAX 16
 

@@ -4,6 +4,7 @@
 #include "hermite_helpers.h"
 
 #include "batten/motion.h"
+#include "batten/research/motion_study.h"
 
 enum
 {

@@ -2,7 +2,7 @@
 /// The length of the curve of averages from one pair of a point and a direction to another: L_H of section 4.4 of Ben-Zion
 /// Vardi, Dyn and Sharon.
 
-#include "batten/motion_hermite.h"
+#include "batten/research/motion_study.h"
 
 #include "base/error.h"
 #include "space/whole.h"
