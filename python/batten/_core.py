@@ -224,11 +224,16 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
     """Set a field. A text chooses a row of the table that belongs to the field's type."""
     for name in path[:-1]:
         struct = getattr(struct, name)
-    family = family_of(kind.cname.split()[-1])
+    name = kind.cname.split()[-1]
+    family, parse = family_of(name), getattr(lib, f"{name}_by_name", None)
     try:
         if isinstance(value, str) and "\0" in value:
             raise ValueError("a text without null characters is needed")
-        if isinstance(value, str) and family is not None:
+        if isinstance(value, str) and parse is not None:
+            parsed = ffi.new(ffi.getctype(kind, "*"))
+            call(parse, value.encode(), parsed)
+            value = parsed[0]
+        elif isinstance(value, str) and family is not None:
             value = chosen(family, value).value
         elif isinstance(value, str):
             keep.append(ffi.new("char[]", value.encode()))
