@@ -85,7 +85,8 @@ static void print_bash(void)
 static void print_zsh_option(const char *dashes, const char *name, const option_spec *option)
 {
     (void)printf("        '%s%s[", dashes, name);
-    print_short(option->summary, "[]:\\", "'\\''");
+    char text[HELP_TEXT_SIZE];
+    print_short(help_summary(option, text), "[]:\\", "'\\''");
     (void)printf("]");
     if (option->value != NULL)
     {
@@ -181,7 +182,8 @@ static void print_fish_verb(const verb *what)
             (void)printf("'");
         }
         (void)printf(" -d '");
-        print_short(option->summary, "\\", "\\'");
+        char text[HELP_TEXT_SIZE];
+        print_short(help_summary(option, text), "\\", "\\'");
         (void)printf("'\n");
     }
 }

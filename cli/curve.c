@@ -41,10 +41,10 @@ static const option_spec CURVE_OPTIONS[] = {
      "keep vertices with an exterior angle above A degrees as corners, and edges between corners straight; a CSV column "
      "'corner' (0 or 1) names corners, too",
      DEGREES(curve_job, refine.corner_angle, 1)},
-    {"ends", "RULE", METHOD, 0, "how open curves end: reflect (default), extrapolate, free",
+    {"ends", "RULE", METHOD, 0, "how open curves end: {}; default reflect",
      CHOICE(curve_job, refine.ends, bat_curve_end_rule_family)},
     {"simple", "WHICH", METHOD, 0,
-     "which curves may not cross themselves: rings (default), always (open curves, too) or never (plane, sphere, disk)",
+     "which curves may not cross themselves: {}; default rings, those that are closed (plane, sphere, disk)",
      CHOICE(curve_job, refine.simple, bat_curve_simple_family)},
     {"topology", "HOW", METHOD, 0,
      "shared: borders that curves share stay shared, and nothing crosses; separate: every curve by itself, and GeoJSON "
@@ -75,9 +75,7 @@ static const option_spec MOTION_SCHEMES[] = {
 };
 
 const option_spec CURVE_READ_OPTIONS[] = {
-    {"space", "NAME", INPUT, COMMON,
-     "plane, euclidean, sphere, disk, rotation, rigid, spd or hyperbolic, see `batten list spaces`; default: what the file "
-     "implies",
+    {"space", "NAME", INPUT, COMMON, "{}, see `batten list spaces`; default: what the file implies",
      NAME(bat_curve_read_options, space, bat_space_family)},
     {"columns", "LIST", INPUT, 0,
      "CSV: the columns of the coordinates, names or numbers from 1, as x,y or lon,lat; default: by names",
@@ -115,8 +113,7 @@ static const option_spec PICTURE_OPTIONS[] = {
      NO_FIELD},
     {"truth", "FILE", PICTURE, IS_READ, "curves to compare with and to draw, as many as given", TEXT(curve_job, truth)},
     {"panel", "K,K,…", PICTURE, 0, "draw these levels side by side", NO_FIELD},
-    {"projection", "NAME", PICTURE, 0,
-     "draw the sphere as globe, map, local or both; default: auto, by what the curves cover",
+    {"projection", "NAME", PICTURE, 0, "draw the sphere as {}; default auto, by what the curves cover",
      CHOICE(curve_job, draw.projection, bat_curve_projection_family)},
     {"comb", NULL, PICTURE, 0, "draw the curvature comb", FLAG(curve_job, draw.comb)},
     {"axes", NULL, PICTURE, 0, "draw axes with numbers (flat spaces)", FLAG(curve_job, draw.axes)},

@@ -32,11 +32,9 @@ static const option_spec OPTIONS[] = {
      "of its box (0.1%)",
      NO_FIELD},
     {"method", "NAME", METHOD, COMMON,
-     "memoryless (default): squared volumes to the present faces, at preserved volume (Lindstrom and Turk); quadric: "
-     "squared "
-     "distances from the planes of all faces of IN, faster and less accurate; fast: quadric errors without a strict order "
-     "to "
-     "three times the target, then memoryless errors, for large meshes",
+     "{}; default memoryless. memoryless: squared volumes to the present faces, at preserved volume (Lindstrom and Turk); "
+     "quadric: squared distances from the planes of all faces of IN, faster and less accurate; fast: quadric errors without "
+     "a strict order to three times the target, then memoryless errors, for large meshes",
      CHOICE(decimate_job, decimate.method, bat_mesh_decimate_method_family)},
     {"attributes", "W", METHOD, 0,
      "the weight of texture and channels in the error; 0 drops them, and lets seams vanish; default 0.5",

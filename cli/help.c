@@ -51,9 +51,23 @@ void help_wrap(FILE *out, const char *text, size_t column, size_t indent)
     (void)fputc('\n', out);
 }
 
+const char *help_summary(const option_spec *option, char *text)
+{
+    const char *place = strstr(option->summary, "{}");
+    const bat_choice *choice;
+    if (place == NULL || option->field.family == NULL)
+        return option->summary;
+    int used = snprintf(text, HELP_TEXT_SIZE, "%.*s", (int)(place - option->summary), option->summary);
+    for (size_t i = 0; (choice = bat_choices(option->field.family, i)) != NULL && used < HELP_TEXT_SIZE; i++)
+        used += snprintf(text + used, HELP_TEXT_SIZE - (size_t)used, "%s%s", i > 0 ? ", " : "", choice->name);
+    if (used < HELP_TEXT_SIZE)
+        (void)snprintf(text + used, HELP_TEXT_SIZE - (size_t)used, "%s", place + 2);
+    return text;
+}
+
 static void print_option(const option_spec *option)
 {
-    char left[LINE_SIZE];
+    char left[LINE_SIZE], text[HELP_TEXT_SIZE];
     (void)snprintf(left, sizeof left, "%*s%s--%s%s%s", INDENT, "", strcmp(option->name, "output") == 0 ? "-o, " : "",
                    option->name, option->value != NULL ? " " : "", option->value != NULL ? option->value : "");
     size_t wide = count_characters(left, strlen(left));
@@ -62,7 +76,7 @@ static void print_option(const option_spec *option)
         (void)printf("\n%*s", DESCRIPTION, "");
     else
         (void)printf("%*s", (int)(DESCRIPTION - wide), "");
-    help_wrap(stdout, option->summary, DESCRIPTION, DESCRIPTION);
+    help_wrap(stdout, help_summary(option, text), DESCRIPTION, DESCRIPTION);
 }
 
 /// Print the options of a group; returns the number of those that are left out.

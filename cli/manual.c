@@ -84,7 +84,8 @@ static void print_options(FILE *out, const verb *what)
                 (void)fprintf(out, "\\fR");
             }
             (void)fprintf(out, "\n");
-            print_text(out, option->summary);
+            char text[HELP_TEXT_SIZE];
+            print_text(out, help_summary(option, text));
             (void)fprintf(out, "\n");
         }
     }

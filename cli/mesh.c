@@ -35,8 +35,8 @@ typedef struct mesh_job
 
 static const option_spec OPTIONS[] = {
     {"scheme", "NAME", METHOD, COMMON,
-     "auto (default: catmull-clark for mostly quads or other polygons, loop for meshes with creases, corners or fewer than "
-     "100 faces, else learned), learned, loop, catmull-clark, butterfly, midpoint or sqrt3",
+     "{}; default auto: catmull-clark for mostly quads or other polygons, loop for meshes with creases, corners or fewer "
+     "than 100 faces, else learned",
      CHOICE(mesh_job, refine.scheme, bat_mesh_scheme_family)},
     {"levels", "K", METHOD, COMMON, "how often to refine; default 2", WHOLE(mesh_job, refine.levels, 0, MAX_LEVELS)},
     {"tolerance", "E", METHOD, COMMON,
@@ -57,14 +57,11 @@ static const option_spec OPTIONS[] = {
     {"then", "NAME", METHOD, 0,
      "the scheme of the levels beyond the learned ones: loop, butterfly or midpoint; default loop",
      CHOICE(mesh_job, refine.then, bat_mesh_scheme_family)},
-    {"boundary", "RULE", METHOD, 0,
-     "loop, catmull-clark: edges, corners (sharp) or none; default: as the file says, else edges",
+    {"boundary", "RULE", METHOD, 0, "loop, catmull-clark: {}; default auto, as the file says, else edges",
      CHOICE(mesh_job, refine.rules.boundary, bat_mesh_boundary_family)},
-    {"creasing", "RULE", METHOD, 0,
-     "the same, for semi-sharp edges: uniform or chaikin; default: as the file says, else uniform",
+    {"creasing", "RULE", METHOD, 0, "the same, for semi-sharp edges: {}; default auto, as the file says, else uniform",
      CHOICE(mesh_job, refine.rules.creasing, bat_mesh_creasing_family)},
-    {"texture", "RULE", METHOD, 0,
-     "the same, what stays linear: all, none, corners, corners-plus1, corners-plus2 or boundaries",
+    {"texture", "RULE", METHOD, 0, "the same, what stays linear: {}; default auto, as the file says, else all",
      CHOICE(mesh_job, refine.rules.linear, bat_mesh_linear_family)},
     {"max-memory", "GB", CALL, 0, "refuse refinements that need more memory; default: what the machine has available",
      POSITIVE(mesh_job, gigabytes)},

@@ -22,12 +22,12 @@ const option_spec MOTION_OPTIONS[] = {
 };
 
 const option_spec MOTION_VERB_OPTIONS[] = {
-    {"ends", "RULE", METHOD, COMMON, "spline: auto (default), not-a-knot, natural or clamped, which is at rest",
+    {"ends", "RULE", METHOD, COMMON, "spline: {}; default auto; clamped ends are at rest",
      CHOICE(curve_job, motion.spline.ends, bat_motion_ends_family)},
     {"sigma", "S[,T]", METHOD, 0,
      "spline: smooth keyframes with noise S, the root mean square distance; for poses S in units of length and T in radians",
      NO_FIELD},
-    {"outliers", "RULE", METHOD, 0, "with --sigma: kept (default), huber, which count less, or tukey, which do not count",
+    {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
      CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
     {"extrapolate", NULL, METHOD, 0, "spline: go on before the first and after the last keyframe, with constant velocity",
      FLAG(curve_job, motion.spline.extrapolate)},

@@ -31,8 +31,7 @@ static const option_spec OPTIONS[] = {
      "NAME",
      METHOD,
      COMMON,
-     "auto (default: what fits best by measure), learned, shape-preserving, stretch-minimizing, inverse-distance, uniform, "
-     "mean-value (of a mesh), or a file with u v of each point of IN",
+     "{}, or a file with u v of each point of IN; default auto: what fits best by measure",
      {FIELD_NONE, 0, 0, 0, 0, &bat_surface_parameters_family}},
     {"trim", NULL, METHOD, COMMON,
      "fit over a rectangle around the points, and cut along their outline, which may be concave, and their holes",
@@ -48,7 +47,7 @@ static const option_spec OPTIONS[] = {
      FLAG(surface_job, options.no_repair)},
     {"corners", "A,B,C,D", METHOD, 0, "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found",
      NO_FIELD},
-    {"sides", "NAME", METHOD, 0, "parameters along the sides: chord-length (default), centripetal or uniform",
+    {"sides", "NAME", METHOD, 0, "parameters along the sides: {}; default chord-length",
      CHOICE(surface_job, options.sides, bat_cloud_sides_family)},
     {"boundary", "N|FILE", INPUT, COMMON | IS_READ,
      "the first N points are the boundary loop, or FILE's are; default: found, or told in IN", NO_FIELD},

@@ -33,7 +33,7 @@ const option_spec SURFACE_FIT_OPTIONS[] = {
 };
 
 const option_spec SURFACE_WRITE_OPTIONS[] = {
-    {"unit", "UNIT", RESULT, 0, "mm (default), m or inch: what STEP and IGES name as the unit of the coordinates",
+    {"unit", "UNIT", RESULT, 0, "{}: what STEP and IGES name as the unit of the coordinates; default mm",
      CHOICE(bat_surface_write_options, unit, bat_surface_unit_family)},
     {"samples", "N", RESULT, 0, "of each cell and direction, for VTK and OBJ; default: the degree plus 1",
      WHOLE(bat_surface_write_options, samples, 1, MAX_ROUNDS)},

@@ -114,7 +114,7 @@ static int list_folder(const char *folder, file_list *files)
             code = add_file(files, folder, entry->d_name);
     (void)closedir(stream);
     if (code == EXIT_DONE && files->count == 0)
-        return report_failure(folder, &(bat_error){.text = "no shapes (OBJ, PLY, OFF, STL) to test on in the folder"});
+        return report_failure(folder, &(bat_error){.text = "no shapes in a format of meshes to test on in the folder"});
     qsort(files->paths, files->count, sizeof *files->paths, compare_paths);
     return code;
 }
