@@ -6,8 +6,6 @@
 #include "batten/batten.h"
 #include "batten/research/research.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +15,7 @@ enum
     NAME_SIZE = 256,
     PATH_SIZE = 4096,
     MIN_VERTICES = 1000, ///< of shapes worth decimating
-    MAX_METHODS = 4,
-    MAX_SHAPES = 1024
+    MAX_METHODS = 4
 };
 
 /// The reference method of the ratios.
@@ -43,19 +40,6 @@ enum
 
 // The shapes
 
-/// Files of shapes; all owned.
-typedef struct file_list
-{
-    char *paths[MAX_SHAPES];
-    size_t count;
-} file_list;
-
-static void file_list_free(file_list *files)
-{
-    for (size_t i = 0; i < files->count; i++)
-        free(files->paths[i]);
-}
-
 /// The name of a file without folders and extension.
 static void shape_name(const char *path, char name[NAME_SIZE])
 {
@@ -64,69 +48,6 @@ static void shape_name(const char *path, char name[NAME_SIZE])
     char *dot = strrchr(name, '.');
     if (dot != NULL && dot != name)
         *dot = '\0';
-}
-
-/// Whether a file in a folder is a test shape: not a training shape of the built-in networks, and not coarse.
-static bool is_test_shape(const char *file)
-{
-    static const char *const LEARNED_FROM[] = {"bob", "spot"};
-    char name[NAME_SIZE];
-    shape_name(file, name);
-    const bat_choice *format;
-    (void)bat_choice_of_path(&bat_mesh_format_family, file, false, &format, NULL);
-    bool wanted = format != NULL && strncmp(name, "coarse-", 7) != 0;
-    for (size_t i = 0; i < sizeof LEARNED_FROM / sizeof LEARNED_FROM[0]; i++)
-        wanted = wanted && strcmp(name, LEARNED_FROM[i]) != 0;
-    return wanted;
-}
-
-static int compare_paths(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-/// Add "folder/file", or the file alone if the folder is null. Returns the exit code.
-static int add_file(file_list *files, const char *folder, const char *file)
-{
-    char path[PATH_SIZE];
-    int length = snprintf(path, sizeof path, "%s%s%s", folder != NULL ? folder : "", folder != NULL ? "/" : "", file);
-    if (files->count == MAX_SHAPES || length < 0 || (size_t)length >= sizeof path)
-        return report_failure(file, &(bat_error){.text = "too many shapes, or too long a name"});
-    files->paths[files->count] = strdup(path);
-    if (files->paths[files->count] == NULL)
-        return report_failure(NULL, &(bat_error){.text = "out of memory"});
-    files->count++;
-    return EXIT_DONE;
-}
-
-static int list_folder(const char *folder, file_list *files)
-{
-    DIR *stream = opendir(folder);
-    if (stream == NULL)
-    {
-        bat_error error = {0};
-        (void)snprintf(error.text, sizeof error.text, "the folder cannot be opened: %s", strerror(errno));
-        return report_failure(folder, &error);
-    }
-    int code = EXIT_DONE;
-    for (const struct dirent *entry; code == EXIT_DONE && (entry = readdir(stream)) != NULL;)
-        if (is_test_shape(entry->d_name))
-            code = add_file(files, folder, entry->d_name);
-    (void)closedir(stream);
-    if (code == EXIT_DONE && files->count == 0)
-        return report_failure(folder, &(bat_error){.text = "no shapes in a format of meshes to test on in the folder"});
-    qsort(files->paths, files->count, sizeof *files->paths, compare_paths);
-    return code;
-}
-
-static int list_shapes(const reproduce_job *job, file_list *files)
-{
-    if (job->data != NULL)
-        return list_folder(job->data, files);
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < job->shape_count && code == EXIT_DONE; i++)
-        code = add_file(files, NULL, job->shapes[i]);
-    return code;
 }
 
 int reproduce_read_shape(const char *path, bat_mesh *mesh)
@@ -302,11 +223,11 @@ static void print_ratios(const table *t)
     (void)printf("\n");
 }
 
-static int print_table(table *t, const file_list *files)
+static int print_table(table *t, const char *const *paths, size_t count)
 {
     int code = EXIT_DONE;
-    for (size_t i = 0; i < files->count && code == EXIT_DONE; i++)
-        code = read_and_measure(t, files->paths[i]);
+    for (size_t i = 0; i < count && code == EXIT_DONE; i++)
+        code = read_and_measure(t, paths[i]);
     if (code == EXIT_DONE && t->measured == 0)
         code = report_failure(NULL, &(bat_error){.text = "no shape is left to measure"});
     if (code == EXIT_DONE && t->job->call.json)
@@ -333,22 +254,27 @@ int reproduce_mesh_table2(const reproduce_job *job)
                .options = bat_mesh_study_defaults(),
                .methods = {{"loop", BAT_MESH_SCHEME_LOOP, NULL}, {"butterfly", BAT_MESH_SCHEME_BUTTERFLY, NULL}},
                .method_count = 2};
-    file_list files = {.count = 0};
+    char **listed = NULL;
+    size_t count = 0;
+    bat_error error;
     bat_mesh_model *learned = NULL, *given = NULL;
     if (job->vertices > 0)
         t.options.vertices = job->vertices;
     int code = add_learned(&t, "learned", NULL, &learned);
     if (code == EXIT_DONE && job->model != NULL)
         code = add_learned(&t, "given", job->model, &given);
-    if (code == EXIT_DONE)
-        code = list_shapes(job, &files);
+    if (code == EXIT_DONE && job->data != NULL && bat_mesh_study_list(job->data, &listed, &count, &error) != BAT_OK)
+        code = report_failure(NULL, &error);
     if (code == EXIT_DONE && job->call.json && ((t.rows = json_array()) == NULL || (t.left_out = json_array()) == NULL))
         code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
-        code = print_table(&t, &files);
+        code = listed != NULL ? print_table(&t, (const char *const *)listed, count)
+                              : print_table(&t, job->shapes, job->shape_count);
     json_decref(t.rows);
     json_decref(t.left_out);
-    file_list_free(&files);
+    for (size_t i = 0; i < count; i++)
+        free(listed[i]);
+    free(listed);
     bat_mesh_model_free(learned);
     bat_mesh_model_free(given);
     return code;

@@ -12,10 +12,12 @@
 #include "batten/mesh_measure.h"
 #include "batten/mesh_picture.h"
 #include "batten/research/networks.h"
+#include "research/studies/folder.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum
 {
@@ -257,4 +259,48 @@ bat_status bat_mesh_study_draw(const char *path, const char *title, const bat_me
     for (size_t i = 0; i < count; i++)
         free(values[i]);
     return status;
+}
+
+// Files
+
+static bool is_test_shape(const char *name)
+{
+    static const char *const LEARNED_FROM[] = {"bob", "spot"};
+    const char *end = strrchr(name, '.');
+    const bat_choice *format;
+    (void)bat_choice_of_path(&bat_mesh_format_family, name, false, &format, NULL);
+    bool wanted = format != NULL && strncmp(name, "coarse-", strlen("coarse-")) != 0;
+    for (size_t i = 0; i < sizeof LEARNED_FROM / sizeof *LEARNED_FROM && wanted; i++)
+        wanted =
+            strlen(LEARNED_FROM[i]) != (size_t)(end - name) || strncmp(name, LEARNED_FROM[i], (size_t)(end - name)) != 0;
+    return wanted;
+}
+
+bat_status bat_mesh_study_list(const char *folder, char ***paths, size_t *count, bat_error *error)
+{
+    folder_list list;
+    bat_status status = folder_read(folder, is_test_shape, &list, error);
+    if (status == BAT_OK && list.count == 0)
+        status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: no shapes in a format of meshes to test on in the folder", folder);
+    for (size_t i = 0; i < list.count && status == BAT_OK; i++)
+    {
+        size_t size = strlen(folder) + strlen(list.names[i]) + 2;
+        char *path = malloc(size);
+        if (path == NULL)
+            status = error_memory(error, size);
+        else
+        {
+            (void)snprintf(path, size, "%s/%s", folder, list.names[i]);
+            free(list.names[i]);
+            list.names[i] = path;
+        }
+    }
+    if (status != BAT_OK)
+    {
+        folder_list_free(&list);
+        return status;
+    }
+    *paths = list.names;
+    *count = list.count;
+    return BAT_OK;
 }

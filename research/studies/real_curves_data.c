@@ -2,9 +2,8 @@
 
 #include "base/error.h"
 #include "batten/curve_file.h"
+#include "research/studies/folder.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,63 +16,15 @@ enum
 
 static const char TRUTH[] = "-truth.csv", ENDING[] = ".csv";
 
-/// The names of a folder's CSV files.
-typedef struct name_list
-{
-    char **names;
-    size_t count, capacity;
-} name_list;
-
 static bool ends_with(const char *name, const char *ending)
 {
     size_t length = strlen(name), end = strlen(ending);
     return length > end && strcmp(name + length - end, ending) == 0;
 }
 
-static int compare_names(const void *a, const void *b)
+static bool is_curves(const char *name)
 {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static void names_free(name_list *list)
-{
-    for (size_t i = 0; i < list->count; i++)
-        free(list->names[i]);
-    free(list->names);
-}
-
-static bat_status names_add(name_list *list, const char *name, bat_error *error)
-{
-    if (list->count == list->capacity)
-    {
-        size_t capacity = 2 * list->capacity + 8;
-        char **names = realloc(list->names, capacity * sizeof *names);
-        if (names == NULL)
-            return error_memory(error, capacity * sizeof *names);
-        list->names = names;
-        list->capacity = capacity;
-    }
-    list->names[list->count] = strdup(name);
-    if (list->names[list->count] == NULL)
-        return error_memory(error, strlen(name) + 1);
-    list->count++;
-    return BAT_OK;
-}
-
-static bat_status names_read(const char *path, name_list *list, bat_error *error)
-{
-    DIR *stream = opendir(path);
-    if (stream == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: the folder cannot be opened: %s", path,
-                         strerror(errno));
-    bat_status status = BAT_OK;
-    for (const struct dirent *entry; status == BAT_OK && (entry = readdir(stream)) != NULL;)
-        if (ends_with(entry->d_name, ENDING))
-            status = names_add(list, entry->d_name, error);
-    (void)closedir(stream);
-    if (status == BAT_OK && list->count > 0)
-        qsort(list->names, list->count, sizeof *list->names, compare_names);
-    return status;
+    return ends_with(name, ENDING);
 }
 
 static bat_status read_set(const char *folder, const char *name, bat_curve_set *set, bat_error *error)
@@ -165,10 +116,10 @@ static bat_status add_sampling(const char *path, const char *file, real_folder *
 
 bat_status real_folder_read(const char *path, real_folder *folder, bat_error *error)
 {
-    name_list list = {.names = NULL};
+    folder_list list = {.names = NULL};
     real_folder result = {.families = NULL};
     size_t samplings = 0;
-    bat_status status = names_read(path, &list, error);
+    bat_status status = folder_read(path, is_curves, &list, error);
     if (status == BAT_OK && list.count > 0)
     {
         result.families = calloc(list.count, sizeof *result.families);
@@ -184,7 +135,7 @@ bat_status real_folder_read(const char *path, real_folder *folder, bat_error *er
     if (status == BAT_OK && samplings == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
                            "%s: there are no files FAMILY-truth.csv and FAMILY-SAMPLING.csv", path);
-    names_free(&list);
+    folder_list_free(&list);
     if (status == BAT_OK)
         *folder = result;
     else

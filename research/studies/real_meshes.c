@@ -9,9 +9,8 @@
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
 #include "linalg/vector3.h"
+#include "research/studies/folder.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,58 +46,20 @@ bat_real_meshes_options bat_real_meshes_defaults(void)
 
 // Files
 
-/// Names of files; all owned.
-typedef struct name_list
+static bool is_coarse(const char *name)
 {
-    char **names;
-    size_t count;
-} name_list;
-
-static void name_list_free(name_list *list)
-{
-    for (size_t i = 0; i < list->count; i++)
-        free(list->names[i]);
-    free(list->names);
-}
-
-static int compare_names(const void *a, const void *b)
-{
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static bat_status add_name(name_list *list, const char *name, bat_error *error)
-{
-    char **grown = realloc(list->names, (list->count + 1) * sizeof *grown);
-    if (grown == NULL)
-        return error_memory(error, (list->count + 1) * sizeof *grown);
-    list->names = grown;
-    list->names[list->count] = strdup(name);
-    if (list->names[list->count] == NULL)
-        return error_memory(error, strlen(name) + 1);
-    list->count++;
-    return BAT_OK;
+    const char *end = strrchr(name, '.');
+    return end != NULL && strcmp(end, ".off") == 0;
 }
 
 /// The files of a folder whose names end in .off.
-static bat_status list_coarse(const char *folder, name_list *list, bat_error *error)
+static bat_status list_coarse(const char *folder, folder_list *list, bat_error *error)
 {
     char path[PATH_SIZE];
     (void)snprintf(path, sizeof path, "%s/coarse-by", folder);
-    DIR *stream = opendir(path);
-    if (stream == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: the folder cannot be opened: %s", path,
-                         strerror(errno));
-    bat_status status = BAT_OK;
-    for (const struct dirent *entry; status == BAT_OK && (entry = readdir(stream)) != NULL;)
-    {
-        const char *end = strrchr(entry->d_name, '.');
-        if (end != NULL && strcmp(end, ".off") == 0)
-            status = add_name(list, entry->d_name, error);
-    }
-    (void)closedir(stream);
+    bat_status status = folder_read(path, is_coarse, list, error);
     if (status == BAT_OK && list->count == 0)
         return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: there are no files SHAPE-VERTICES-WAY.off", path);
-    qsort(list->names, list->count, sizeof *list->names, compare_names);
     return status;
 }
 
@@ -279,7 +240,7 @@ bat_status bat_real_meshes(const char *folder, const bat_real_meshes_options *op
         OPTION_THREADS(bat_real_meshes_options),
     };
     const bat_real_meshes_options defaults = bat_real_meshes_defaults();
-    name_list files = {0};
+    folder_list files = {0};
     options = options != NULL ? options : &defaults;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK)
@@ -307,6 +268,6 @@ bat_status bat_real_meshes(const char *folder, const bat_real_meshes_options *op
     }
     else
         free(made);
-    name_list_free(&files);
+    folder_list_free(&files);
     return status;
 }

@@ -41,6 +41,13 @@ BAT_API bat_mesh_study_options bat_mesh_study_defaults(void);
 BAT_API bat_status bat_mesh_study_read(const char *path, bat_mesh *mesh, bool *repaired, bat_mesh_repair_report *report,
                                        bat_error *error);
 
+/// The meshes of a folder on which a subdivision can be tested, sorted by name: all but the training shapes of the networks
+/// that come with the library and names that begin with "coarse-".
+///
+/// @param paths receives `count` paths, at least one; release each, and the array, with free()
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_INVALID_ARGUMENT (too long a name) or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_study_list(const char *folder, char ***paths, size_t *count, bat_error *error);
+
 /// A subdivision method.
 typedef struct bat_mesh_method
 {
