@@ -94,8 +94,7 @@ static bat_status check_order(const scheme_settings *s, bat_error *error)
 {
     static const option_field ORDER[] = {OPTION_FIELD(scheme_settings, order, OPTION_NUMBER, 1, BAT_MASK_MAX - 2)};
     if (s->order != floor(s->order))
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "order is %.10g, but must be a whole number",
-                         s->order);
+        return error_option(error, "order", "is %.10g, but must be a whole number", s->order);
     return OPTIONS_CHECK(s, ORDER, error);
 }
 

@@ -85,8 +85,7 @@ bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *optio
     settings s = DEFAULTS;
     bat_status status = settings_read(&e->choice, text, SETTINGS, sizeof SETTINGS / sizeof *SETTINGS, &s, error);
     if (status == BAT_OK && s.order != floor(s.order))
-        status =
-            error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "order is %.10g, but must be a whole number", s.order);
+        status = error_option(error, "order", "is %.10g, but must be a whole number", s.order);
     if (status == BAT_OK)
         status = OPTIONS_CHECK(&s, ORDER, error);
     if (status == BAT_OK && e->apply != NULL)
