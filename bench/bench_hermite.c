@@ -135,7 +135,7 @@ static bool refine(const bat_space *space, const bat_hermite_curve *coarse, bat_
 {
     bat_error error;
     bat_hermite_curve data = *coarse;
-    bat_hermite_options options = bat_hermite_defaults();
+    bat_hermite_refine_options options = bat_hermite_refine_defaults();
     options.levels = LEVELS;
     options.threads = 1;
     data.space = space;
@@ -253,7 +253,7 @@ static void bench_memory(const bat_space *rotation)
     coarse.points = calloc(count * rotation->point_dim, sizeof(double));
     coarse.tangents = calloc(count * rotation->tangent_dim, sizeof(double));
     coarse.times = calloc(count, sizeof(double));
-    bat_hermite_options options = bat_hermite_defaults();
+    bat_hermite_refine_options options = bat_hermite_refine_defaults();
     options.levels = levels;
     options.threads = 1;
     for (size_t i = 0; i < count && coarse.points != NULL && coarse.tangents != NULL && coarse.times != NULL; i++)

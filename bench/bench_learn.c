@@ -11,7 +11,7 @@
 enum
 {
     ROUNDS = 41,
-    MOST_ROWS = 576
+    MAX_ROWS = 576
 };
 
 typedef struct bench
@@ -44,7 +44,7 @@ static void bare_products(const bench *b, int rows, bool backward)
 
 static void network_pass(bench *b, size_t rows, bool backward)
 {
-    uint32_t spaces[MOST_ROWS];
+    uint32_t spaces[MAX_ROWS];
     learn_tape_begin(&b->tape, &b->parameters, backward ? b->gradient : NULL);
     if (backward)
         learn_tape_drop(&b->tape, 1);
@@ -107,7 +107,7 @@ static void time_steps(learn_parameters *parameters, int threads)
         STEPS = 60,
         EPOCH_STEPS = 120
     };
-    uint32_t spaces[MOST_ROWS] = {0};
+    uint32_t spaces[MAX_ROWS] = {0};
     learn_job job = {.context = spaces, .parameters = parameters, .steps = STEPS, .pieces = 8, .piece_loss = sample};
     learn_options options = learn_options_defaults();
     options.threads = threads;
@@ -124,7 +124,7 @@ int main(void)
     if (tension_network_make(&b.parameters, NULL) != BAT_OK)
         return EXIT_FAILURE;
     tension_network_start(&b.parameters, 1);
-    size_t numbers = (size_t)MOST_ROWS * TENSION_WIDTH;
+    size_t numbers = (size_t)MAX_ROWS * TENSION_WIDTH;
     b.gradient = calloc(b.parameters.total, sizeof(real));
     b.left = calloc(numbers, sizeof(real));
     b.right = calloc(numbers, sizeof(real));
@@ -136,7 +136,7 @@ int main(void)
         b.right[k] = (real)(k % 5);
     }
     blas_single_begin();
-    const size_t rows[] = {24, 72, 192, 384, MOST_ROWS};
+    const size_t rows[] = {24, 72, 192, 384, MAX_ROWS};
     for (int backward = 0; ready && backward < 2; backward++)
         for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
             compare(&b, rows[i], backward == 1);

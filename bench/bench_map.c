@@ -27,7 +27,7 @@ static int failed(const bat_error *error)
 }
 
 /// Read, refine and write the map.
-static bat_status run(const bat_curve_map_options *options, double *seconds, size_t *points, bat_error *error)
+static bat_status run(const bat_curve_map_refine_options *options, double *seconds, size_t *points, bat_error *error)
 {
     bat_curve_set given, fine;
     double begin = seconds_now();
@@ -51,8 +51,8 @@ static bat_status run(const bat_curve_map_options *options, double *seconds, siz
 static int compare(const char *name, const char *scheme, bool mends)
 {
     bat_error error;
-    bat_curve_map_report report = {0};
-    bat_curve_map_options together = bat_curve_map_defaults();
+    bat_curve_map_refine_report report = {0};
+    bat_curve_map_refine_options together = bat_curve_map_refine_defaults();
     double spent[2][ROUNDS];
     size_t points;
     together.refine.levels = LEVELS;
@@ -61,8 +61,8 @@ static int compare(const char *name, const char *scheme, bool mends)
         together.refine.simple = BAT_CURVE_SIMPLE_NEVER;
     if (bat_curve_scheme_by_name(scheme, &together.refine.scheme, &error) != BAT_OK)
         return failed(&error);
-    bat_curve_map_options separate = together;
-    separate.topology = BAT_CURVE_MAP_SEPARATE;
+    bat_curve_map_refine_options separate = together;
+    separate.topology = BAT_CURVE_MAP_TOPOLOGY_SEPARATE;
     separate.report = NULL;
     for (size_t i = 0; i < ROUNDS; i++)
         if (run(&separate, &spent[0][i], &points, &error) != BAT_OK ||

@@ -63,7 +63,7 @@ static double time_sampling(const bat_hermite_curve *keys, bool rates)
     {
         bat_motion_spline *spline;
         double start = processor_seconds();
-        if (bat_motion_spline_new(keys, &options, &spline, NULL) != BAT_OK ||
+        if (bat_motion_spline_make(keys, &options, &spline, NULL) != BAT_OK ||
             bat_motion_spline_sample(spline, queries, QUERIES, poses, rates ? velocities : NULL,
                                      rates ? accelerations : NULL, NULL) != BAT_OK)
             (void)fprintf(stderr, "the spline failed\n");
@@ -81,7 +81,7 @@ static double time_query(const bat_hermite_curve *keys, bool rates)
 {
     bat_motion_spline *spline;
     double pose[7], velocity[6], acceleration[6], sum = 0;
-    if (bat_motion_spline_new(keys, NULL, &spline, NULL) != BAT_OK)
+    if (bat_motion_spline_make(keys, NULL, &spline, NULL) != BAT_OK)
         return NAN;
     double start = processor_seconds();
     for (size_t i = 0; i < SINGLE; i++)

@@ -181,12 +181,12 @@ int main(void)
 {
     enum
     {
-        MOST_THREADS = 2
+        MAX_THREADS = 2
     };
     double ours = INFINITY, theirs = INFINITY;
     if (!compare_shares())
         return EXIT_FAILURE;
-    for (int threads = 1; threads <= MOST_THREADS; threads++)
+    for (int threads = 1; threads <= MAX_THREADS; threads++)
     {
         double own, peer;
         compare_epochs(threads, &own, &peer);

@@ -155,11 +155,11 @@ double run(int way, const bat_mesh &fine, const Peer &peer, size_t vertices, siz
     case CGAL_LINDSTROM_TURK:
         return run_cgal(peer, vertices, coarse);
     case BATTEN_QUADRIC:
-        return run_batten(fine, vertices, BAT_MESH_DECIMATE_QUADRIC, coarse);
+        return run_batten(fine, vertices, BAT_MESH_DECIMATE_METHOD_QUADRIC, coarse);
     case BATTEN_MEMORYLESS:
-        return run_batten(fine, vertices, BAT_MESH_DECIMATE_MEMORYLESS, coarse);
+        return run_batten(fine, vertices, BAT_MESH_DECIMATE_METHOD_MEMORYLESS, coarse);
     case BATTEN_FAST:
-        return run_batten(fine, vertices, BAT_MESH_DECIMATE_FAST, coarse);
+        return run_batten(fine, vertices, BAT_MESH_DECIMATE_METHOD_FAST, coarse);
     default:
 #if defined(BENCH_MESHOPTIMIZER)
         return run_meshoptimizer(fine, faces, coarse);

@@ -245,7 +245,7 @@ def train_batch(network, optimizer, batch, grouped):
     optimizer.step()
 
 
-def time_epoch(grouped, most_seconds):
+def time_epoch(grouped, max_seconds):
     torch.manual_seed(1)
     network = Predictor()
     optimizer = torch.optim.AdamW(network.parameters(), lr=1e-3, betas=(0.9, 0.95), weight_decay=1e-4, foreach=True)
@@ -257,7 +257,7 @@ def time_epoch(grouped, most_seconds):
         train_batch(network, optimizer, batch, grouped)
         done += len(batch)
         seconds = time.perf_counter() - start
-        if seconds > most_seconds:
+        if seconds > max_seconds:
             break
     return seconds * CURVES / done
 

@@ -30,7 +30,7 @@ typedef struct named_family
 typedef struct analyze_job
 {
     verb_call call;
-    bat_analysis_options options;
+    bat_mask_analyze_options options;
     bat_curve_scheme scheme; ///< without --sweep
     bat_analysis analysis;   ///< of it
     bool sweeps;
@@ -161,7 +161,7 @@ static int draw_basis(const char *path, const char *write_to, const char *name, 
 static void begin(void *to)
 {
     analyze_job *job = to;
-    job->options = bat_analysis_defaults();
+    job->options = bat_mask_analyze_defaults();
     job->sweep = bat_mask_sweep_defaults();
 }
 

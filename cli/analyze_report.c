@@ -306,9 +306,9 @@ static void print_bounds(FILE *out, double lower, double upper)
 static void report_convergence(FILE *out, const bat_analysis *analysis)
 {
     (void)fprintf(out, "\nConvergence: %s\n",
-                  analysis->converges == BAT_ANALYSIS_PROVEN      ? "yes, proven"
-                  : analysis->converges == BAT_ANALYSIS_DISPROVEN ? "no, proven"
-                                                                  : "undecided; try a larger --depth");
+                  analysis->converges == BAT_ANALYSIS_VERDICT_PROVEN      ? "yes, proven"
+                  : analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN ? "no, proven"
+                                                                          : "undecided; try a larger --depth");
     (void)fprintf(out, "  differences of order %zu grow by a factor per level ", analysis->multiplicity);
     if (analysis->radius_lower == analysis->radius_upper)
         (void)fprintf(out, "of %.12g, both bounds\n", analysis->radius_lower);
@@ -328,9 +328,9 @@ static void report_convergence(FILE *out, const bat_analysis *analysis)
 
 static void print_lipschitz(FILE *out, const bat_analysis *analysis)
 {
-    if (analysis->lipschitz == BAT_ANALYSIS_PROVEN)
+    if (analysis->lipschitz == BAT_ANALYSIS_VERDICT_PROVEN)
         (void)fputs(", Lipschitz continuous", out);
-    else if (analysis->lipschitz == BAT_ANALYSIS_DISPROVEN &&
+    else if (analysis->lipschitz == BAT_ANALYSIS_VERDICT_DISPROVEN &&
              analysis->exponent_upper >= (double)(analysis->smooth_proven + 1))
         (void)fputs(", for every exponent below 1 but not 1 itself", out);
 }
@@ -361,7 +361,7 @@ static void print_derivatives(FILE *out, const bat_analysis *analysis)
 
 static void report_smoothness(FILE *out, const bat_analysis *analysis)
 {
-    if (analysis->converges == BAT_ANALYSIS_DISPROVEN)
+    if (analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN)
         return;
     (void)fputs("\nSmoothness of the limit\n", out);
     if (analysis->smooth_proven >= 0)
@@ -408,7 +408,7 @@ void analyze_report_sweep(FILE *out, const char *scheme, const analyze_sweep *sw
         else
             (void)fprintf(out, "  %15.9g to %-15.9g %s\n", interval->begin, interval->end, verdict_name(interval->verdict));
         bool is_wider = widest == NULL || interval->end - interval->begin > widest->end - widest->begin;
-        if (interval->verdict == BAT_ANALYSIS_PROVEN && is_wider)
+        if (interval->verdict == BAT_ANALYSIS_VERDICT_PROVEN && is_wider)
             widest = interval;
     }
     if (widest != NULL && widest->begin < widest->end)

@@ -73,12 +73,11 @@ static const struct
 {
     const char *field, *option;
 } OPTION_NAMES[] = {
-    {"angle_sigma", "sigma"},           {"least_normal", "min-normal"}, {"least_quality", "min-quality"},
-    {"limit_normals", "normals"},       {"max_degree", "degree"},       {"max_levels", "levels"},
-    {"max_points", "points"},           {"max_vertices", "vertices"},   {"min_degree", "degree"},
-    {"min_points", "points"},           {"min_vertices", "vertices"},   {"on_sphere", "on"},
-    {"parameters", "parameterization"}, {"read.format", "from"},        {"shape", "tangents"},
-    {"tangent_order", "tangents"},      {"write.format", "to"},
+    {"angle_sigma", "sigma"}, {"limit_normals", "normals"},       {"max_degree", "degree"},
+    {"max_levels", "levels"}, {"max_points", "points"},           {"max_vertices", "vertices"},
+    {"min_degree", "degree"}, {"min_points", "points"},           {"min_vertices", "vertices"},
+    {"on_sphere", "on"},      {"parameters", "parameterization"}, {"read.format", "from"},
+    {"shape", "tangents"},    {"tangent_order", "tangents"},      {"write.format", "to"},
 };
 
 /// The option that sets a field, as "min_quality", "rules.boundary" or "degree[0]"; null for none.
@@ -347,7 +346,7 @@ bool arguments_store(const arguments *given, void *job)
         if (option->field.kind == FIELD_TEXT)
             *(const char **)field = given->values[i];
         else if (option->field.kind == FIELD_FLAG)
-            *(bool *)field = true;
+            *(bool *)field = option->field.low == 0;
         else if (option->field.size == sizeof(double) && option->field.kind >= FIELD_NUMBER &&
                  option->field.kind <= FIELD_DEGREES)
         {

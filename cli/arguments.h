@@ -76,6 +76,8 @@ typedef struct option_field
 /// A text that is one of a family's names, perhaps with settings.
 #define NAME(type, member, family) FIELD_OF(FIELD_TEXT, type, member, 0, 0, &(family))
 #define FLAG(type, member) FIELD_OF(FIELD_FLAG, type, member, 0, 0, NULL)
+/// A switch that clears a field.
+#define CLEARS(type, member) FIELD_OF(FIELD_FLAG, type, member, 1, 1, NULL)
 #define CONSTANT(type, member, value) FIELD_OF(FIELD_CONSTANT, type, member, value, value, NULL)
 #define WHOLE(type, member, low, high) FIELD_OF(FIELD_WHOLE, type, member, low, high, NULL)
 #define NUMBER(type, member) FIELD_OF(FIELD_NUMBER, type, member, 0, 0, NULL)

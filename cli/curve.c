@@ -29,7 +29,7 @@ static const option_spec CURVE_OPTIONS[] = {
      WHOLE(curve_job, refine.levels, 0, CURVE_MAX_LEVELS)},
     {"max-edge", "L", METHOD, COMMON,
      "a stop, edge by edge: the fewest levels for which no piece is longer than L (metres on the sphere, the Earth's)",
-     POSITIVE(curve_job, refine.max_segment)},
+     POSITIVE(curve_job, refine.max_edge)},
     {"tolerance", "E", METHOD, COMMON,
      "a stop, edge by edge: the fewest levels for which the limit curve is within E of the pieces (metres on the sphere)",
      POSITIVE(curve_job, refine.tolerance)},
@@ -175,7 +175,7 @@ static bool check_exclusions(const curve_job *job)
     const arguments *given = job->call.given;
     if (argument_flag(given, "closed") && argument_flag(given, "open"))
         (void)usage_error(given, "--closed and --open exclude each other");
-    else if (job->map.topology == BAT_CURVE_MAP_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
+    else if (job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
         (void)usage_error(given, "--topology separate does not go with --keep-area and --snap-tolerance");
     else if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
         return argument_refused(given, "on", "sphere");
@@ -242,7 +242,7 @@ static bool is_streamed(const curve_job *job)
     (void)bat_choice_of_path(&bat_curve_format_family, job->call.input, false, &row, NULL);
     if (from == BAT_CURVE_FORMAT_AUTO && row != NULL)
         from = (bat_curve_format)row->value;
-    return job->map.topology == BAT_CURVE_MAP_SEPARATE && !job->is_motion && job->call.output != NULL &&
+    return job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE && !job->is_motion && job->call.output != NULL &&
            job->call.picture == NULL && job->truth == NULL &&
            (from == BAT_CURVE_FORMAT_GEOJSON_LINES || from == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
 }
@@ -253,8 +253,8 @@ static void begin(void *to)
     job->read = bat_curve_read_defaults();
     job->write = bat_curve_write_defaults();
     job->refine = bat_curve_refine_defaults();
-    job->map = bat_curve_map_defaults();
-    job->motion = bat_motion_defaults();
+    job->map = bat_curve_map_refine_defaults();
+    job->motion = bat_motion_curves_defaults();
     job->draw = bat_curve_picture_defaults();
     job->fairness = 0.5;
 }

@@ -28,8 +28,8 @@ typedef struct curve_totals
 /// What is reported.
 typedef struct curve_findings
 {
-    size_t curves;             ///< so many have been measured, in parts
-    bat_curve_map_report done; ///< of curve_refine()
+    size_t curves;                    ///< so many have been measured, in parts
+    bat_curve_map_refine_report done; ///< of curve_refine()
     curve_totals before, after;
     bool compared;
     double mean_nn, hausdorff;       ///< when compared with the truth: means over the curves
@@ -46,15 +46,15 @@ typedef struct curve_job
     bat_curve_read_options read;
     bat_curve_write_options write;
     bat_curve_refine_options refine;
-    bat_curve_map_options map; ///< but for `refine`
-    const char *unit;          ///< of lengths: " m" on the sphere, else empty
-    double fairness;           ///< of the scheme "learned"
-    const char *model_file;    ///< of the scheme "learned"; null for the network that the library comes with
-    bat_curve_model *model;    ///< what it holds
-    bool is_motion;            ///< points with tangents: `motion` in place of `refine`
-    bool is_verb;              ///< the verb is `batten motion`
-    const char *hint;          ///< why `batten curve` treats the file as a motion; null when it does not
-    bat_motion_options motion;
+    bat_curve_map_refine_options map; ///< but for `refine`
+    const char *unit;                 ///< of lengths: " m" on the sphere, else empty
+    double fairness;                  ///< of the scheme "learned"
+    const char *model_file;           ///< of the scheme "learned"; null for the network that the library comes with
+    bat_curve_model *model;           ///< what it holds
+    bool is_motion;                   ///< points with tangents: `motion` in place of `refine`
+    bool is_verb;                     ///< the verb is `batten motion`
+    const char *hint;                 ///< why `batten curve` treats the file as a motion; null when it does not
+    bat_motion_curves_options motion;
     const char *times_file; ///< of a motion; null for none
     double *times;          ///< what it holds
     const char *scheme;     ///< its name; when the user gave none, null until the space is known
@@ -77,7 +77,7 @@ extern const option_spec CURVE_READ_OPTIONS[];
 /// Whether edges are refined up to a length or a tolerance, and not by a number of levels.
 static inline bool curve_stops(const curve_job *job)
 {
-    return job->refine.max_segment > 0 || job->refine.tolerance > 0;
+    return job->refine.max_edge > 0 || job->refine.tolerance > 0;
 }
 
 // Each of the following returns the program's exit code, after a message where it is not EXIT_DONE, unless it says
@@ -89,7 +89,7 @@ static inline bool curve_stops(const curve_job *job)
 int curve_read(curve_job *job);
 /// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
 /// receives what was done, zeros for motions; it may be null.
-int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_report *report);
+int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_refine_report *report);
 /// Refine a sequence part by part, from its file to OUT.
 int curve_stream(curve_job *job);
 /// Whether a scheme takes its angles from a tension.

@@ -22,14 +22,16 @@ static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, con
     size_t count = 0;
     for (size_t i = 0; i < coarse->count; i++)
         layers[count++] = (bat_curve_picture_layer){
-            .curve = &coarse->curves[i], .role = BAT_CURVE_LAYER_CONTROL, .label = i == 0 ? "given" : NULL};
+            .curve = &coarse->curves[i], .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = i == 0 ? "given" : NULL};
     set_polygons(coarse, layers);
     for (size_t i = 0; truth != NULL && i < truth->count; i++)
         layers[count++] = (bat_curve_picture_layer){
-            .curve = &truth->curves[i], .role = BAT_CURVE_LAYER_TRUTH, .label = i == 0 ? "truth" : NULL};
+            .curve = &truth->curves[i], .role = BAT_CURVE_LAYER_ROLE_TRUTH, .label = i == 0 ? "truth" : NULL};
     for (size_t i = 0; levels > 0 && i < fine->count; i++)
-        layers[count++] = (bat_curve_picture_layer){
-            .curve = &fine->curves[i], .role = BAT_CURVE_LAYER_CURVE, .label = i == 0 ? job->scheme : NULL, .colour = 1};
+        layers[count++] = (bat_curve_picture_layer){.curve = &fine->curves[i],
+                                                    .role = BAT_CURVE_LAYER_ROLE_CURVE,
+                                                    .label = i == 0 ? job->scheme : NULL,
+                                                    .colour = 1};
     if (levels > 0)
         set_polygons(fine, layers + count - fine->count);
     return count;

@@ -13,14 +13,14 @@ bool curve_has_tension(const bat_curve_scheme *scheme)
     return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
 }
 
-int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_report *report)
+int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_refine_report *report)
 {
     if (report != NULL)
-        *report = (bat_curve_map_report){.map = false};
+        *report = (bat_curve_map_refine_report){.map = false};
     if (job->is_motion)
         return motion_refine(job, levels, fine);
     bat_error error;
-    bat_curve_map_options how = job->map;
+    bat_curve_map_refine_options how = job->map;
     how.refine = job->refine;
     how.refine.levels = levels;
     how.refine.progress = report_progress("refining");
@@ -50,7 +50,8 @@ static int choose_tension(curve_job *job)
     if (status != BAT_OK)
         return report_failure(job->call.input, &error);
     (void)snprintf(job->best_name, sizeof job->best_name, "angle:mu=%.10g%s%s", scheme->tension,
-                   scheme->sign == BAT_CURVE_ANGLE_PRINTED ? ",sign=printed" : "", scheme->adaptive ? ",adaptive=1" : "");
+                   scheme->sign == BAT_CURVE_ANGLE_SIGN_PRINTED ? ",sign=printed" : "",
+                   scheme->adaptive ? ",adaptive=1" : "");
     job->scheme = job->best_name;
     return EXIT_DONE;
 }
@@ -87,8 +88,8 @@ static int load_model(curve_job *job)
 static void choose_scheme(curve_job *job)
 {
     const bat_curve_set *coarse = &job->coarse;
-    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_REFLECT && !job->best_tension &&
-                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_ALWAYS &&
+    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_RULE_REFLECT && !job->best_tension &&
+                 job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_TOPOLOGY_ALWAYS &&
                  !curve_stops(job) && !(job->refine.corner_angle > 0) && coarse->curves[0].corners == NULL;
     if (!job->is_motion && plain && bat_motion_suits(coarse))
     {
@@ -114,7 +115,7 @@ static void convert_lengths(curve_job *job, const bat_space *space)
 {
     bool globe = strcmp(space->name, "sphere") == 0 && space->dimension == 2;
     job->unit = globe ? " m" : "";
-    job->refine.max_segment /= globe ? BAT_EARTH_RADIUS : 1;
+    job->refine.max_edge /= globe ? BAT_EARTH_RADIUS : 1;
     job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
     job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
 }

@@ -162,7 +162,7 @@ static void print_simple(const bat_curve_refine_report *simple)
 }
 
 /// What was done to a map.
-static void print_map(const bat_curve_map_report *map, const char *unit, double unit_length)
+static void print_map(const bat_curve_map_refine_report *map, const char *unit, double unit_length)
 {
     (void)printf("map: %zu arc%s between %zu node%s, %zu shared\n", map->arcs, map->arcs == 1 ? "" : "s", map->nodes,
                  map->nodes == 1 ? "" : "s", map->shared);
@@ -179,7 +179,7 @@ static void print_map(const bat_curve_map_report *map, const char *unit, double 
                      map->crossings, map->drawn_back);
 }
 
-static void print_crossings(const curve_job *job, const bat_curve_map_report *done)
+static void print_crossings(const curve_job *job, const bat_curve_map_refine_report *done)
 {
     if (done->map)
         print_map(done, job->unit, job->unit[0] != '\0' ? BAT_EARTH_RADIUS : 1);
@@ -307,7 +307,7 @@ static json_t *simple_json(const bat_curve_refine_report *simple)
                      (json_int_t)simple->straight, "left_crossing", (json_int_t)simple->left_crossing);
 }
 
-static json_t *map_json(const bat_curve_map_report *map)
+static json_t *map_json(const bat_curve_map_refine_report *map)
 {
     return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "arcs", (json_int_t)map->arcs, "nodes",
                      (json_int_t)map->nodes, "shared", (json_int_t)map->shared, "given_crossing",

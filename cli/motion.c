@@ -57,7 +57,7 @@ static bool is_motion_scheme(const char *scheme)
 static bool read_tangents(const arguments *given, curve_job *job)
 {
     const char *how = argument(given, "tangents");
-    bat_motion_options *motion = &job->motion;
+    bat_motion_curves_options *motion = &job->motion;
     const bat_choice *shape;
     if (how == NULL)
         return true;
@@ -130,11 +130,11 @@ static bool check_options(const arguments *given, const curve_job *job)
         (void)usage_error(given, "--rate and --times exclude each other");
     else if (sampled && (argument(given, "levels") != NULL || argument(given, "panel") != NULL))
         (void)usage_error(given, "--%s and --levels exclude each other", job->motion.rate > 0 ? "rate" : "times");
-    else if (job->motion.method == BAT_MOTION_HERMITE && for_splines != NULL)
+    else if (job->motion.method == BAT_MOTION_METHOD_HERMITE && for_splines != NULL)
         (void)usage_error(given, "--%s%s goes with --scheme spline, not '%s'", for_splines,
                           strcmp(for_splines, "tangents") == 0 ? " by name" : "", scheme);
-    else if (job->motion.rate > 0 && job->motion.method == BAT_MOTION_HERMITE &&
-             (job->motion.scheme.kind != BAT_HERMITE_LANE_RIESENFELD || job->motion.scheme.order != 1))
+    else if (job->motion.rate > 0 && job->motion.method == BAT_MOTION_METHOD_HERMITE &&
+             (job->motion.scheme.kind != BAT_HERMITE_KIND_LANE_RIESENFELD || job->motion.scheme.order != 1))
         (void)usage_error(given, "--rate goes with --scheme spline or hermite, not '%s'", scheme);
     else
         return true;
@@ -162,12 +162,12 @@ bool motion_read(curve_job *job)
     if (job->is_motion && !job->is_verb)
         job->hint = "is treated as a motion";
     return read_tangents(given, job) && read_sigma(given, job) && read_units(given, job) &&
-           usage_accepts(given, bat_motion_options_check(&job->motion, &error), &error) && check_options(given, job);
+           usage_accepts(given, bat_motion_curves_options_check(&job->motion, &error), &error) && check_options(given, job);
 }
 
 const char *motion_scheme(const curve_job *job)
 {
-    bat_motion_options options = job->motion;
+    bat_motion_curves_options options = job->motion;
     double time = 0;
     if (job->times_file != NULL)
     {
@@ -175,7 +175,7 @@ const char *motion_scheme(const curve_job *job)
         options.times = &time;
         options.time_count = 1;
     }
-    return bat_motion_method_for(&job->coarse, &options) == BAT_MOTION_SPLINE ? "spline" : "hermite";
+    return bat_motion_method_for(&job->coarse, &options) == BAT_MOTION_METHOD_SPLINE ? "spline" : "hermite";
 }
 
 int motion_read_times(curve_job *job)
@@ -193,7 +193,7 @@ int motion_read_times(curve_job *job)
 int motion_refine(curve_job *job, size_t levels, bat_curve_set *fine)
 {
     const bat_curve_set *keyframes = &job->coarse;
-    bat_motion_options how = job->motion;
+    bat_motion_curves_options how = job->motion;
     bat_error error;
     size_t failed = keyframes->count;
     const char *sigma = argument(job->call.given, "sigma");
@@ -220,9 +220,9 @@ bool motion_is_drawn(const curve_job *job)
 int motion_draw(const curve_job *job)
 {
     bat_error error;
-    bat_motion_options how = job->motion;
+    bat_motion_curves_options how = job->motion;
     bat_motion_picture_options options = bat_motion_picture_defaults();
-    how.method = BAT_MOTION_SPLINE;
+    how.method = BAT_MOTION_METHOD_SPLINE;
     options.title = job->draw.title;
     options.poses = job->poses;
     if (job->units[0][0] != '\0' || job->units[1][0] != '\0')

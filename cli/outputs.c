@@ -106,7 +106,7 @@ int outputs_open(const arguments *given, outputs *out)
 {
     bat_error error;
     *out = (outputs){.count = 0};
-    if (bat_outputs_new(&out->files, &error) != BAT_OK)
+    if (bat_outputs_make(&out->files, &error) != BAT_OK)
         return report_failure(NULL, &error);
     interrupt_files(out->files);
     int code = EXIT_DONE;

@@ -19,7 +19,7 @@ typedef struct surface_job
     bat_cloud_read_options read;
     size_t corners[4];                                    ///< points of the input
     const char *parameters, *model_file, *parameter_file; ///< files; may be null
-    bat_surface_options options;
+    bat_surface_reconstruct_options options;
     bat_surface_write_options write;
     bool converts; ///< IN is a surface, which is written in another format
     bat_cloud cloud;
@@ -44,7 +44,7 @@ static const option_spec OPTIONS[] = {
     {"slide-boundary", NULL, METHOD, 0, "no border curves: corrections move boundary parameters along their sides",
      FLAG(surface_job, options.slide_boundary)},
     {"keep-folds", NULL, METHOD, 0, "report folds of the parameters, but do not remove them",
-     FLAG(surface_job, options.no_repair)},
+     CLEARS(surface_job, options.repair)},
     {"corners", "A,B,C,D", METHOD, 0, "these points of IN, counted from 0, get (0,0), (1,0), (1,1), (0,1); default: found",
      NO_FIELD},
     {"sides", "NAME", METHOD, 0, "parameters along the sides: {}; default chord-length",
@@ -175,7 +175,7 @@ static const char *find_fit_option(const arguments *given)
 static void begin(void *to)
 {
     surface_job *job = to;
-    job->options = bat_surface_defaults();
+    job->options = bat_surface_reconstruct_defaults();
 }
 
 static bool check(void *of)
@@ -219,7 +219,7 @@ static int reconstruct(surface_job *job)
     int code = read_model_and_parameters(job, &job->cloud, &model, &given);
     if (code == EXIT_DONE)
     {
-        bat_surface_options options = job->options;
+        bat_surface_reconstruct_options options = job->options;
         options.model = model;
         options.given = given;
         options.fit.progress = report_progress("fitting");

@@ -27,7 +27,7 @@ static const bat_surface_candidate *runner_up(const surface_findings *findings)
     for (size_t i = 0; i < result->candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result->candidates[i];
-        if (candidate->parameters != result->chosen && isfinite(candidate->mean_squared) && !candidate->strays &&
+        if (candidate->parameters != result->chosen && isfinite(candidate->mean_squared) && !candidate->excluded &&
             (second == NULL || (compares_expected(findings, second) ? candidate->expected_rms < second->expected_rms
                                                                     : candidate->mean_squared < second->mean_squared)))
             second = candidate;
@@ -97,7 +97,7 @@ static void print_candidates(const surface_findings *findings)
         else
             (void)printf(" %8.3f %7zu %8zu %10zu %13.4g %9.3g %8.2f%s\n", candidate->seconds, candidate->folds.folded,
                          candidate->folds.folded - candidate->repaired.folded, candidate->functions, candidate->mean_squared,
-                         candidate->stray, candidate->fit_seconds, candidate->strays ? "  out: strays" : "");
+                         candidate->hausdorff, candidate->fit_seconds, candidate->excluded ? "  out: strays" : "");
     }
     (void)printf("%s: %s", bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason);
     if (result->trial_points < findings->cloud->count)
@@ -149,8 +149,8 @@ static void print_verdict(const surface_findings *findings)
     (void)printf(
         "verdict: %s\n  99 %% of the points within %.3g, 99 %% of the surface within the spacing of points and %.3g, "
         "largest %.3g\n  area %.4g, of the points %.4g; %.2g %% across, %.2g %% far\n",
-        surface_report_verdict(verdict), verdict->missed, verdict->strays, verdict->farthest, verdict->area,
-        verdict->cloud_area, 100 * verdict->cross_share, 100 * verdict->far_share);
+        surface_report_verdict(verdict), verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest,
+        verdict->area, verdict->cloud_area, 100 * verdict->cross_share, 100 * verdict->far_share);
     (void)printf("seconds: boundary %.2f, measures of the cloud %.2f, parameters and fits %.2f\n", result->seconds[0],
                  result->seconds[1], result->seconds[2]);
 }
@@ -200,8 +200,8 @@ static json_t *candidate_json(const surface_findings *findings, const bat_surfac
                      report_number(candidate->seconds), "folds", folds_json(findings->cloud, &candidate->folds), "repaired",
                      folds_json(findings->cloud, &candidate->repaired), "functions", (json_int_t)candidate->functions,
                      findings->options->fit.robust ? "median_squared" : "mean_squared",
-                     report_number(candidate->mean_squared), "stray", report_number(candidate->stray), "strays",
-                     (int)candidate->strays, "reached", (int)candidate->reached, "fit_seconds",
+                     report_number(candidate->mean_squared), "hausdorff", report_number(candidate->hausdorff), "excluded",
+                     (int)candidate->excluded, "reached", (int)candidate->reached, "fit_seconds",
                      report_number(candidate->fit_seconds));
 }
 
@@ -232,11 +232,12 @@ static json_t *verdict_json(const bat_surface_verdict *verdict)
 {
     static const char *const NAMES[] = {"none", "missed", "strays", "folds", "area"};
     return json_pack("{s:b, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "right",
-                     (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), "fault", NAMES[verdict->fault], "missed",
-                     report_number(verdict->missed), "strays", report_number(verdict->strays), "farthest",
-                     report_number(verdict->farthest), "far_share", report_number(verdict->far_share), "cross_share",
-                     report_number(verdict->cross_share), "area", report_number(verdict->area), "cloud_area",
-                     report_number(verdict->cloud_area), "spacing", report_number(verdict->spacing));
+                     (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), "fault", NAMES[verdict->fault],
+                     "distance_from_surface", report_number(verdict->distance_from_surface), "distance_from_points",
+                     report_number(verdict->distance_from_points), "farthest", report_number(verdict->farthest), "far_share",
+                     report_number(verdict->far_share), "cross_share", report_number(verdict->cross_share), "area",
+                     report_number(verdict->area), "cloud_area", report_number(verdict->cloud_area), "spacing",
+                     report_number(verdict->spacing));
 }
 
 static json_t *held_out_json(const bat_surface_fit_report *report)

@@ -13,7 +13,7 @@ typedef struct surface_findings
 {
     const char *input;
     const bat_cloud *cloud;
-    const bat_surface_options *options;
+    const bat_surface_reconstruct_options *options;
     const bat_surface_result *result;
 } surface_findings;
 

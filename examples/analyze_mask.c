@@ -39,8 +39,9 @@ static void print_analysis(const bat_analysis *analysis)
 /// Chaikin's limits are piecewise quadratic: C1, and their first derivative is Lipschitz continuous but no better.
 static bool is_right_for_chaikin(const bat_analysis *analysis)
 {
-    return analysis->converges == BAT_ANALYSIS_PROVEN && analysis->smooth_proven == 1 && analysis->smooth_disproven == 2 &&
-           fabs(analysis->exponent_lower - 2) < 1e-9 && fabs(analysis->exponent_upper - 2) < 1e-9;
+    return analysis->converges == BAT_ANALYSIS_VERDICT_PROVEN && analysis->smooth_proven == 1 &&
+           analysis->smooth_disproven == 2 && fabs(analysis->exponent_lower - 2) < 1e-9 &&
+           fabs(analysis->exponent_upper - 2) < 1e-9;
 }
 
 int main(int argc, char **argv)

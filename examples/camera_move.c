@@ -60,7 +60,7 @@ int main(int argc, char **argv)
     bat_hermite_curve keys = {0};
     bat_motion_spline *spline = NULL;
     bat_error error;
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     options.rate = RATE;
     if (bat_curve_read(path, NULL, &poses, &error) != BAT_OK)
         return fail(path, &error);
@@ -74,7 +74,7 @@ int main(int argc, char **argv)
     if (status == BAT_OK)
         status = bat_motion_data(&poses, 0, &options, &keys, &error);
     if (status == BAT_OK)
-        status = bat_motion_spline_new(&keys, NULL, &spline, &error);
+        status = bat_motion_spline_make(&keys, NULL, &spline, &error);
 
     bool good = false;
     if (status == BAT_OK)

@@ -65,7 +65,7 @@ int main(int argc, char **argv)
     bat_cloud cloud = {0};
     bat_surface_result result = {0};
     bat_error error = {.text = "out of memory"};
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     options.fit.tolerance = TOLERANCE;
     options.fit.share = 0.95;
     bat_status status = argc > 1 ? bat_cloud_read(argv[1], NULL, &cloud, &error) : make_scan(&cloud);

@@ -45,8 +45,8 @@ static double length_in_miles(const bat_curve *curve)
 static bat_status draw(const bat_curve *coarse, const bat_curve *fine, const char *path, bat_error *error)
 {
     const bat_curve_picture_layer layers[] = {
-        {.curve = coarse, .role = BAT_CURVE_LAYER_CONTROL, .label = "positions"},
-        {.curve = fine, .role = BAT_CURVE_LAYER_CURVE, .label = "track"},
+        {.curve = coarse, .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = "positions"},
+        {.curve = fine, .role = BAT_CURVE_LAYER_ROLE_CURVE, .label = "track"},
     };
     const bat_curve_picture_panel panel = {.layers = layers, .layer_count = 2};
     return bat_curve_picture_write(path, &panel, 1, NULL, error);

@@ -34,7 +34,7 @@ int main(void)
     const bat_curve coarse = {.space = &plane, .points = deck_line, .count = POINTS};
 
     bat_curve_refine_options options = bat_curve_refine_defaults();
-    options.ends = BAT_CURVE_END_EXTRAPOLATE;
+    options.ends = BAT_CURVE_END_RULE_EXTRAPOLATE;
     options.levels = LEVELS;
 
     bat_curve fine = {0};

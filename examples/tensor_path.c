@@ -38,7 +38,7 @@ int main(int argc, char **argv)
     const char *path = argc > 1 ? argv[1] : "examples/data/tensor-path.csv";
     bat_curve_set tensors = {0}, smooth = {0};
     bat_error error;
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     options.scheme.levels = LEVELS;
     bat_status status = bat_curve_read(path, NULL, &tensors, &error);
     if (status == BAT_OK)

@@ -222,8 +222,8 @@ static bat_status move_loop(const file_part *part, shared_chart *shared, bat_err
     return status;
 }
 
-bat_status shared_chart_find(const file_part *part, const bat_surface_options *options, bool again, shared_chart *shared,
-                             bat_error *error)
+bat_status shared_chart_find(const file_part *part, const bat_surface_reconstruct_options *options, bool again,
+                             shared_chart *shared, bat_error *error)
 {
     bool first = ranks_rank() == 0;
     bat_status status = BAT_OK;

@@ -33,8 +33,8 @@ void shared_chart_sample(const file_part *part, size_t total, size_t wanted, sha
 /// Find boundary and parameters.
 /// @param again with the smaller disc for the boundary, which rank 0 tries where the first surface is wrong
 /// @param error receives a failure, on all ranks
-bat_status shared_chart_find(const file_part *part, const bat_surface_options *options, bool again, shared_chart *shared,
-                             bat_error *error);
+bat_status shared_chart_find(const file_part *part, const bat_surface_reconstruct_options *options, bool again,
+                             shared_chart *shared, bat_error *error);
 /// Give points their parameters and their numbers in the fit, and distribute them. Empties the part.
 /// @param border receives the border curves of this rank's fit
 bat_status shared_chart_distribute(const shared_chart *shared, file_part *part, const bat_surface_fit_options *options,

@@ -39,7 +39,7 @@ typedef struct fit_job
     bat_cloud_format from;
     size_t boundary, sample;
     bool finds; ///< the parameters
-    bat_surface_options options;
+    bat_surface_reconstruct_options options;
     bat_surface_write_options write;
     int solver;
     bool strict, force;
@@ -110,7 +110,7 @@ static const char *find_fault(const fit_job *job)
 /// False after a message.
 static bool read_job(const arguments *given, fit_job *job)
 {
-    *job = (fit_job){.input = given->positional[0], .options = bat_surface_defaults(), .sample = SAMPLE};
+    *job = (fit_job){.input = given->positional[0], .options = bat_surface_reconstruct_defaults(), .sample = SAMPLE};
     job->options.fit.threads = 1;
     if (!arguments_store(given, job) || !argument_word(given, "solver", SOLVERS, FIT_SOLVER_CHOLESKY, &job->solver))
         return false;
@@ -238,7 +238,7 @@ static bool make_fit(const fit_job *job, fit_result *made)
 /// The surface of a few points, by rank 0.
 static bat_status reconstruct_alone(const fit_job *job, shared_chart *shared, fit_result *made, bat_error *error)
 {
-    bat_surface_options options = job->options;
+    bat_surface_reconstruct_options options = job->options;
     options.force = true;
     options.fit.progress = report_progress("fitting");
     bat_status status = ranks_rank() == 0 ? bat_surface_reconstruct(&shared->cloud, &options, &made->result, error) : BAT_OK;
@@ -250,7 +250,7 @@ static bat_status reconstruct_alone(const fit_job *job, shared_chart *shared, fi
 static bat_status reconstruct_together(const fit_job *job, file_part *part, const char *checkpoint, bool again,
                                        shared_chart *shared, fit_result *made, bat_error *error)
 {
-    bat_surface_options options = job->options;
+    bat_surface_reconstruct_options options = job->options;
     bat_surface_border *border = NULL;
     size_t functions = 0;
     if (ranks_rank() == 0)

@@ -170,25 +170,26 @@ static int print_text(const bat_hermite_table *table)
 {
     (void)printf("Hermite schemes on manifolds, measured (Ben-Zion Vardi, Dyn and Sharon).\n");
     print_halvings(
-        table, BAT_HERMITE_ERROR,
+        table, BAT_HERMITE_QUANTITY_ERROR,
         "Largest distance from a smooth closed curve sampled at 16, 32, 64 and 128 points, refined three times; the "
         "last observed order");
-    print_halvings(table, BAT_HERMITE_POINT_PROXIMITY,
+    print_halvings(table, BAT_HERMITE_QUANTITY_POINT_PROXIMITY,
                    "Points of De Casteljau and Bezier averages (lemma 3.7 and eq. 4.7: order 2), pairs 0.01 apart and less");
-    print_halvings(table, BAT_HERMITE_ANGLE_PROXIMITY, "Their angles (eq. 4.8: order 1)");
-    print_single(table, BAT_HERMITE_GEODESIC_ERROR,
+    print_halvings(table, BAT_HERMITE_QUANTITY_ANGLE_PROXIMITY, "Their angles (eq. 4.8: order 1)");
+    print_single(table, BAT_HERMITE_QUANTITY_GEODESIC_ERROR,
                  "Geodesics of length 1 reproduced by order 1, refined five times: largest error");
-    print_single(table, BAT_HERMITE_CONTRACTION, "Contraction of the longest edge by a level (eq. 4.2), orders 1 to 5");
-    print_single(table, BAT_HERMITE_DISPLACEMENT,
+    print_single(table, BAT_HERMITE_QUANTITY_CONTRACTION,
+                 "Contraction of the longest edge by a level (eq. 4.2), orders 1 to 5");
+    print_single(table, BAT_HERMITE_QUANTITY_DISPLACEMENT,
                  "Displacement over the longest edge (eq. 4.3; theorem 4.8 bounds it by (m + 1) / 4), orders 1 to 5");
     print_halvings(
-        table, BAT_HERMITE_HALVING,
+        table, BAT_HERMITE_QUANTITY_HALVING,
         "The assumption of theorem 4.8 (eq. 4.14), that the average halves L_H (eq. 4.10): largest difference of a "
         "half's share from 1/2, neighbours on the curve");
-    print_single(table, BAT_HERMITE_HALF_SHARE,
+    print_single(table, BAT_HERMITE_QUANTITY_HALF_SHARE,
                  "Largest share of L_H in a half (mu of eq. 4.12), pairs 1 apart with angles up to 45 degrees");
     print_single(
-        table, BAT_HERMITE_TRIANGLE,
+        table, BAT_HERMITE_QUANTITY_TRIANGLE,
         "The triangle inequality of L_H (eq. 4.11): largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)), at most 1 where "
         "it holds; Q is near the average");
     return EXIT_DONE;

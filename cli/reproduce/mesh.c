@@ -61,7 +61,7 @@ int reproduce_read_shape(const char *path, bat_mesh *mesh)
         (void)fprintf(stderr,
                       "batten: %s: repaired: %zu faces dropped, %zu turned over, %zu edges cut, %zu vertices split\n", path,
                       report.degenerate_faces + report.duplicate_faces, report.flipped_faces,
-                      report.crowded_edges + report.opposed_edges, report.split_vertices);
+                      report.nonmanifold_edges + report.unorientable_edges, report.split_vertices);
     return EXIT_DONE;
 }
 

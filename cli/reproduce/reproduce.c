@@ -365,7 +365,8 @@ static bool check(void *of)
         (void)usage_error(given, "there is no result '%s'; `batten list results` names them", job->call.input);
         return false;
     }
-    if (check_options(given, job->index) != EXIT_DONE || !argument_word(given, "set", SETS, BAT_TENSION_PUBLISHED, &set) ||
+    if (check_options(given, job->index) != EXIT_DONE ||
+        !argument_word(given, "set", SETS, BAT_TENSION_SET_KIND_PUBLISHED, &set) ||
         !argument_list(given, "points", 1, 100000, true, &job->points) ||
         !argument_list(given, "noise", 0, 10, false, &job->noises) ||
         !argument_list(given, "degrees", 1, BAT_SPLINE_MAX_DEGREE, true, &job->degrees))

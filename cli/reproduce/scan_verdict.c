@@ -47,11 +47,12 @@ static int print_json(const bat_scan_verdict_row *rows, size_t count)
     for (size_t i = 0; i < count; i++)
     {
         const bat_scan_verdict_row *row = &rows[i];
-        (void)json_array_append_new(array, json_pack("{s:s, s:I, s:o, s:s, s:s, s:i, s:o, s:o, s:o}", "shape", row->shape,
-                                                     "points", (json_int_t)row->points, "noise", report_number(row->noise),
-                                                     "outcome", outcome_of(row), "failure", row->failure, "fault",
-                                                     (int)row->fault, "missed", report_number(row->missed), "strays",
-                                                     report_number(row->strays), "area", report_number(row->area)));
+        (void)json_array_append_new(
+            array, json_pack("{s:s, s:I, s:o, s:s, s:s, s:i, s:o, s:o, s:o}", "shape", row->shape, "points",
+                             (json_int_t)row->points, "noise", report_number(row->noise), "outcome", outcome_of(row),
+                             "failure", row->failure, "fault", (int)row->fault, "distance_from_surface",
+                             report_number(row->distance_from_surface), "distance_from_points",
+                             report_number(row->distance_from_points), "area", report_number(row->area)));
     }
     return report_json(json_pack("{s:I, s:I, s:I, s:I, s:I, s:o}", "right_accepted", (json_int_t)sums.right_accepted,
                                  "right_refused", (json_int_t)sums.right_refused, "wrong_accepted",
@@ -69,7 +70,7 @@ static void print_rows(const bat_scan_verdict_row *rows, size_t count)
         if (row->failure[0] != '\0')
             terminal_print(stdout, "%s\n", row->failure);
         else
-            (void)printf("%8.4f %8.4f %6.3f\n", row->missed, row->strays, row->area);
+            (void)printf("%8.4f %8.4f %6.3f\n", row->distance_from_surface, row->distance_from_points, row->area);
     }
     outcomes sums = count_outcomes(rows, count);
     (void)printf(

@@ -205,7 +205,7 @@ static int study_fits(const scan_study *study, const published_fit *what, const 
     methods[1].model = methods[2].model = study->model;
     fit.functions = what->functions;
     fit.corrections = study->job->corrections;
-    fit.no_restarts = what->no_restarts;
+    fit.restarts = !what->no_restarts;
     fit.progress = report_progress(what->name);
     for (int k = 0; k < 2; k++)
         fit.space.degree[k] = what->degree[k];

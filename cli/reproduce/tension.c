@@ -133,15 +133,15 @@ static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_met
 }
 
 static const char *const TABLE1_TITLES[] = {
-    [BAT_TENSION_PUBLISHED] = "Table 1 of Ugail and Howard (2026): the published validation curves, five levels.",
-    [BAT_TENSION_RESAMPLED] =
+    [BAT_TENSION_SET_KIND_PUBLISHED] = "Table 1 of Ugail and Howard (2026): the published validation curves, five levels.",
+    [BAT_TENSION_SET_KIND_RESAMPLED] =
         "Table 1 of Ugail and Howard (2026) on resampled curves of the training families, five levels.",
-    [BAT_TENSION_UNSEEN] = "Table 1 of Ugail and Howard (2026) on curves of unseen families, five levels.",
+    [BAT_TENSION_SET_KIND_UNSEEN] = "Table 1 of Ugail and Howard (2026) on curves of unseen families, five levels.",
 };
 
 static const char *table1_remark(bat_tension_set_kind curves)
 {
-    if (curves != BAT_TENSION_PUBLISHED)
+    if (curves != BAT_TENSION_SET_KIND_PUBLISHED)
         return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. "
                "docs/algorithms/tension-network.md "
                "describes\nthe curves.";

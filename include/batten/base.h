@@ -160,7 +160,7 @@ BAT_API bat_status bat_choice_of_path(const bat_family *family, const char *path
 ///
 ///     bat_outputs *outputs;
 ///     const char *mesh_path, *picture_path;
-///     bat_outputs_new(&outputs, &error);
+///     bat_outputs_make(&outputs, &error);
 ///     bat_outputs_add(outputs, "fine.obj", &mesh_path, &error);
 ///     bat_outputs_add(outputs, "fine.png", &picture_path, &error);
 ///     bat_mesh_write(mesh_path, &mesh, NULL, &error);
@@ -173,7 +173,7 @@ typedef struct bat_outputs bat_outputs;
 
 /// An empty set of files. Release it with bat_outputs_free().
 /// @return BAT_OK or BAT_NO_MEMORY; `outputs` is untouched on failure
-BAT_API bat_status bat_outputs_new(bat_outputs **outputs, bat_error *error);
+BAT_API bat_status bat_outputs_make(bat_outputs **outputs, bat_error *error);
 /// Add a file. Links are followed. A special file (a pipe, a device) is written directly.
 ///
 /// @param path     not standard output, which is to be written after the commit

@@ -13,13 +13,14 @@ BAT_C_BEGIN
 /// The weights of the combination.
 typedef enum bat_cloud_parameterization
 {
-    BAT_CLOUD_PARAMETERIZE_UNIFORM,            ///< equal weights
-    BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,   ///< 1 / distance
-    BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane
-    BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,         ///< Floater (2003), for clouds that were meshes
-    BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, ///< shape-preserving, then evened out: Yoshizawa, Belyaev and Seidel (2004)
-    BAT_CLOUD_PARAMETERIZE_ISOMETRIC,          ///< least symmetric Dirichlet energy of triangles: Rabinovich et al. (2017)
-    BAT_CLOUD_PARAMETERIZE_COUNT               ///< how many there are
+    BAT_CLOUD_PARAMETERIZATION_UNIFORM,            ///< equal weights
+    BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE,   ///< 1 / distance
+    BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane
+    BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE,         ///< Floater (2003), for clouds that were meshes
+    BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, ///< shape-preserving, then evened out: Yoshizawa, Belyaev and Seidel
+                                                   ///< (2004)
+    BAT_CLOUD_PARAMETERIZATION_ISOMETRIC, ///< least symmetric Dirichlet energy of triangles: Rabinovich et al. (2017)
+    BAT_CLOUD_PARAMETERIZATION_COUNT      ///< how many there are
 } bat_cloud_parameterization;
 
 /// The parameterizations by name.

@@ -39,14 +39,14 @@ typedef enum bat_curve_end_rule
 {
     /// Geodesic point reflection in the end point. The end has no curvature, and symmetric masks keep the end point. Works
     /// in every space. The default.
-    BAT_CURVE_END_REFLECT,
+    BAT_CURVE_END_RULE_REFLECT,
     /// The extrapolation that the scheme reproduces. Interpolatory linear and log-exp schemes: the cubic through the last
     /// four points, in the tangent space of the end point. Other linear schemes: the straight line. Angle-based schemes: the
     /// mirror image in the perpendicular bisector of the end edge, which continues an evenly sampled circular arc.
-    BAT_CURVE_END_EXTRAPOLATE,
+    BAT_CURVE_END_RULE_EXTRAPOLATE,
     /// No continuation: only points whose whole stencil lies inside are computed, so that the curve shrinks. Linear schemes
     /// only.
-    BAT_CURVE_END_FREE
+    BAT_CURVE_END_RULE_FREE
 } bat_curve_end_rule;
 
 /// The end rules by name.
@@ -89,7 +89,7 @@ typedef struct bat_curve_refine_options
 {
     bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_AUTO: chosen for the space, bat_curve_scheme_for()
     size_t levels;           ///< 0 to 60; default 5
-    bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_REFLECT
+    bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_RULE_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false
     size_t max_points;       ///< refuse larger results with BAT_TOO_LARGE; default BAT_MAX_POINTS
     int threads;             ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
@@ -103,7 +103,7 @@ typedef struct bat_curve_refine_options
     double corner_angle;
     /// A stop, in the unit of the space's distance: each edge gets the smallest number of levels for which none of its
     /// pieces is longer, whatever its neighbours get. 0: none. Default 0.
-    double max_segment;
+    double max_edge;
     /// A stop: each edge gets the smallest number of levels for which the limit curve lies within this distance of its
     /// pieces. The distance is estimated, see docs/algorithms/curve-schemes.md. 0: none. Default 0.
     double tolerance;
@@ -121,9 +121,9 @@ BAT_API bat_status bat_curve_refine_options_check(const bat_curve_refine_options
 
 /// The number of points that refinement gives. A closed curve gets count * 2^levels points. An open curve gets
 /// (count - 1) * 2^levels + 1 points where the scheme has vertices at the ends: masks of odd length, all interpolatory
-/// schemes. Other schemes add the ends, (count - 1) * 2^levels + 2 points. With BAT_CURVE_END_FREE there are fewer. A curve
-/// with corners gets the points of its pieces, with each corner once. With a stop, an edge with k levels has 2^k pieces, and
-/// the call costs as much as a refinement.
+/// schemes. Other schemes add the ends, (count - 1) * 2^levels + 2 points. With BAT_CURVE_END_RULE_FREE there are fewer. A
+/// curve with corners gets the points of its pieces, with each corner once. With a stop, an edge with k levels has 2^k
+/// pieces, and the call costs as much as a refinement.
 /// @return as bat_curve_refine(), but for BAT_NO_MEMORY and BAT_CANCELLED
 BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count,
                                            bat_error *error);
@@ -134,10 +134,10 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_cu
 ///
 /// The curve is cut at its corners: bat_curve::corners and bat_curve_refine_options::corner_angle. Each piece is refined as
 /// an open curve with the end rule, and corners stay where they are. A piece of one edge becomes a geodesic with evenly
-/// spaced points. Schemes that move points need a symmetric mask and BAT_CURVE_END_REFLECT where there are corners.
+/// spaced points. Schemes that move points need a symmetric mask and BAT_CURVE_END_RULE_REFLECT where there are corners.
 ///
-/// Stops (max_segment, tolerance) take the place of `levels`. They need a scheme that keeps its points, or `snap` and a
-/// symmetric mask of odd length; and neither BAT_CURVE_END_FREE nor a rule that uses the mean length, nor `adaptive`.
+/// Stops (max_edge, tolerance) take the place of `levels`. They need a scheme that keeps its points, or `snap` and a
+/// symmetric mask of odd length; and neither BAT_CURVE_END_RULE_FREE nor a rule that uses the mean length, nor `adaptive`.
 ///
 /// @param coarse  at least 2 points (3 when closed), each valid in its space, neighbours distinct
 /// @param options null for bat_curve_refine_defaults()

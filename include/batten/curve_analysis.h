@@ -24,27 +24,27 @@ BAT_C_BEGIN
 /// Whether a statement holds.
 typedef enum bat_analysis_verdict
 {
-    BAT_ANALYSIS_UNDECIDED, ///< a deeper search may tell
-    BAT_ANALYSIS_PROVEN,
-    BAT_ANALYSIS_DISPROVEN
+    BAT_ANALYSIS_VERDICT_UNDECIDED, ///< a deeper search may tell
+    BAT_ANALYSIS_VERDICT_PROVEN,
+    BAT_ANALYSIS_VERDICT_DISPROVEN
 } bat_analysis_verdict;
 
 /// The names of the verdicts.
 extern BAT_API const bat_family bat_analysis_verdict_family;
 
-/// Options of an analysis: the effort. Begin with bat_analysis_defaults().
-typedef struct bat_analysis_options
+/// Options of an analysis: the effort. Begin with bat_mask_analyze_defaults().
+typedef struct bat_mask_analyze_options
 {
     size_t depth;     ///< the longest products of difference matrices tried, 1 … BAT_ANALYSIS_MAX_DEPTH; 12 by default
     double tolerance; ///< stop when the bounds of the joint spectral radius are this close, relative; 1e-10 by default
     size_t vertices;  ///< the most vertices of the polytope that proves the upper bound; 1000 by default
-} bat_analysis_options;
+} bat_mask_analyze_options;
 
 /// The default options.
-BAT_API bat_analysis_options bat_analysis_defaults(void);
+BAT_API bat_mask_analyze_options bat_mask_analyze_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_analysis_options_check(const bat_analysis_options *options, bat_error *error);
+BAT_API bat_status bat_mask_analyze_options_check(const bat_mask_analyze_options *options, bat_error *error);
 
 /// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
 typedef struct bat_mask_stencil
@@ -125,7 +125,7 @@ typedef struct bat_analysis
 /// @param analysis receives the result; release it with bat_analysis_free()
 /// @return BAT_OK, whatever the verdicts; BAT_INVALID_ARGUMENT for a malformed mask or an option out of range,
 ///         BAT_NO_CONVERGENCE when an eigenvalue iteration fails, or BAT_NO_MEMORY; `analysis` is untouched on failure
-BAT_API bat_status bat_mask_analyze(const bat_mask *mask, const bat_analysis_options *options, bat_analysis *analysis,
+BAT_API bat_status bat_mask_analyze(const bat_mask *mask, const bat_mask_analyze_options *options, bat_analysis *analysis,
                                     bat_error *error);
 /// Free what an analysis owns and make it empty.
 BAT_API void bat_analysis_free(bat_analysis *analysis);
@@ -170,9 +170,9 @@ typedef struct bat_mask_sweep_options
 {
     double begin;
     double end;
-    size_t smoothness;             ///< the k of C^k; 1 by default
-    double tolerance;              ///< undecided intervals are halved down to this length; 0 stands for (end - begin) / 2^15
-    bat_analysis_options analysis; ///< of each interval
+    size_t smoothness; ///< the k of C^k; 1 by default
+    double tolerance;  ///< undecided intervals are halved down to this length; 0 stands for (end - begin) / 2^15
+    bat_mask_analyze_options analysis; ///< of each interval
     bat_progress progress;
 } bat_mask_sweep_options;
 

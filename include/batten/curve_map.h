@@ -12,16 +12,16 @@ BAT_C_BEGIN
 typedef enum bat_curve_map_topology
 {
     /// Sets whose file has features, such as GeoJSON, in the plane, on the sphere S^2 and in the disk. The default.
-    BAT_CURVE_MAP_FEATURES,
-    BAT_CURVE_MAP_ALWAYS,  ///< All sets; those in other spaces share borders, and nothing tests whether they cross.
-    BAT_CURVE_MAP_SEPARATE ///< None: every curve by itself, bat_curves_refine().
+    BAT_CURVE_MAP_TOPOLOGY_FEATURES,
+    BAT_CURVE_MAP_TOPOLOGY_ALWAYS,  ///< All sets; those in other spaces share borders, and nothing tests whether they cross.
+    BAT_CURVE_MAP_TOPOLOGY_SEPARATE ///< None: every curve by itself, bat_curves_refine().
 } bat_curve_map_topology;
 
 /// Which sets are maps, by name.
 extern BAT_API const bat_family bat_curve_map_topology_family;
 
 /// What refinement of a map found and did.
-typedef struct bat_curve_map_report
+typedef struct bat_curve_map_refine_report
 {
     bool map;                       ///< whether the set was a map; all numbers but `curves` are 0 if not
     bat_curve_refine_report curves; ///< levels and corners; of a set that is no map, all
@@ -34,27 +34,27 @@ typedef struct bat_curve_map_report
     size_t snapped;                 ///< vertices that were moved onto others or added to edges, see snap_tolerance
     double largest_snap;            ///< the longest way of a vertex
     double largest_area_error;      ///< of a ring, relative to its area, with keep_area; else 0
-} bat_curve_map_report;
+} bat_curve_map_refine_report;
 
-/// Options of maps. Begin with bat_curve_map_defaults().
-typedef struct bat_curve_map_options
+/// Options of maps. Begin with bat_curve_map_refine_defaults().
+typedef struct bat_curve_map_refine_options
 {
     /// Of each arc. `simple`: BAT_CURVE_SIMPLE_NEVER lets arcs cross. `report`: not used.
     bat_curve_refine_options refine;
-    bat_curve_map_topology topology; ///< default BAT_CURVE_MAP_FEATURES
+    bat_curve_map_topology topology; ///< default BAT_CURVE_MAP_TOPOLOGY_FEATURES
     /// Points nearer to each other than this become one, and points nearer to an edge become its vertices, in the unit of
     /// the space's distance. 0: only equal points are shared. Default 0.
     double snap_tolerance;
     bool keep_area; ///< rings keep the area of their polygons to 1e-6 of it; plane and sphere. Default false
     int decimals;   ///< of degrees on the sphere, 0 to 12: the rounded curves do not cross. Default 10, as in files
-    bat_curve_map_report *report; ///< receives what was done when the call succeeds. Default null
-} bat_curve_map_options;
+    bat_curve_map_refine_report *report; ///< receives what was done when the call succeeds. Default null
+} bat_curve_map_refine_options;
 
 /// The options' default values.
-BAT_API bat_curve_map_options bat_curve_map_defaults(void);
+BAT_API bat_curve_map_refine_options bat_curve_map_refine_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_curve_map_options_check(const bat_curve_map_options *options, bat_error *error);
+BAT_API bat_status bat_curve_map_refine_options_check(const bat_curve_map_refine_options *options, bat_error *error);
 
 /// Refine a set of curves as a map. docs/algorithms/maps.md describes how.
 ///
@@ -69,8 +69,8 @@ BAT_API bat_status bat_curve_map_options_check(const bat_curve_map_options *opti
 ///                bat_curve_set_free()
 /// @param failed  receives the index of the failing curve, or BAT_NO_INDEX; may be null. error->index is its point
 /// @return as bat_curve_refine(); BAT_UNSUPPORTED also where a scheme that does not keep the given points makes arcs cross,
-///         and for BAT_CURVE_END_FREE. `fine` is untouched on failure
-BAT_API bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_options *options,
+///         and for BAT_CURVE_END_RULE_FREE. `fine` is untouched on failure
+BAT_API bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_refine_options *options,
                                         bat_curve_set *fine, size_t *failed, bat_error *error);
 
 BAT_C_END

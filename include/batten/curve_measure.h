@@ -37,14 +37,14 @@ BAT_API bat_status bat_curve_measure_options_check(const bat_curve_measure_optio
 /// Distances between two curves. A point's distance is that to the nearest vertex (or edge) of the other curve.
 typedef struct bat_curve_distance
 {
-    double mean_nn;         ///< mean over the points of the first curve (eq. 10)
-    double mean_nn_back;    ///< mean over the points of the second curve
-    double mean_symmetric;  ///< half the sum of the two (eq. 19)
-    double hausdorff_there; ///< greatest over the points of the first curve
-    double hausdorff_back;  ///< greatest over the points of the second curve
-    double hausdorff;       ///< the greater of the two (eq. 11)
-    size_t farthest_there;  ///< the point of the first curve where hausdorff_there is reached, the first such
-    size_t farthest_back;   ///< the point of the second curve where hausdorff_back is reached, the first such
+    double mean_nn;               ///< mean over the points of the first curve (eq. 10)
+    double mean_nn_from_second;   ///< mean over the points of the second curve
+    double mean_symmetric;        ///< half the sum of the two (eq. 19)
+    double hausdorff_from_first;  ///< greatest over the points of the first curve
+    double hausdorff_from_second; ///< greatest over the points of the second curve
+    double hausdorff;             ///< the greater of the two (eq. 11)
+    size_t farthest_from_first;   ///< the point of the first curve where hausdorff_from_first is reached, the first such
+    size_t farthest_from_second;  ///< the point of the second curve where hausdorff_from_second is reached, the first such
 } bat_curve_distance;
 
 /// Measure the distances of two curves from each other, in O(n log n). Coordinates may have any size up to DBL_MAX / 2:

@@ -40,9 +40,9 @@ extern BAT_API const bat_family bat_curve_projection_family;
 /// The role of a curve in its panel, which decides its style.
 typedef enum bat_curve_layer_role
 {
-    BAT_CURVE_LAYER_CURVE,   ///< a result: a solid line in a strong colour
-    BAT_CURVE_LAYER_CONTROL, ///< the given points: a thin dashed line through small open circles
-    BAT_CURVE_LAYER_TRUTH    ///< the expected result: a dashed grey line
+    BAT_CURVE_LAYER_ROLE_CURVE,   ///< a result: a solid line in a strong colour
+    BAT_CURVE_LAYER_ROLE_CONTROL, ///< the given points: a thin dashed line through small open circles
+    BAT_CURVE_LAYER_ROLE_TRUTH    ///< the expected result: a dashed grey line
 } bat_curve_layer_role;
 
 /// The number of distinct colours; further curves repeat them with long dashes, then with short ones.
@@ -81,9 +81,9 @@ typedef struct bat_curve_picture_options
     bat_curve_projection projection; ///< default BAT_CURVE_PROJECTION_AUTO
     double longitude;                ///< of the middle of the globe or map, radians; NaN: automatic; default NaN
     double latitude; ///< the same, -pi/2 to pi/2; automatic when either is NaN: see bat_curve_picture_view(); default NaN
-    bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_CONTROL; default true
-    bool control_points;  ///< draw the points of BAT_CURVE_LAYER_CONTROL, if there are at most 5000; default true
-    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_CURVE; default false
+    bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_ROLE_CONTROL; default true
+    bool control_points;  ///< draw the points of BAT_CURVE_LAYER_ROLE_CONTROL, if there are at most 5000; default true
+    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_ROLE_CURVE; default false
     double comb_scale;    ///< length of a comb's line per curvature, in the space's unit squared; 0: automatic; default 0
     bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
     bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
@@ -140,10 +140,10 @@ BAT_API bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t
 /// How the numbers of a series are drawn.
 typedef enum bat_chart_mark
 {
-    BAT_CHART_LINE,        ///< joined in their order. The default.
-    BAT_CHART_POINTS,      ///< dots
-    BAT_CHART_LINE_POINTS, ///< both
-    BAT_CHART_BARS         ///< bars from 0 to y that touch half-way between neighbouring x; x increases; no logarithmic y
+    BAT_CHART_MARK_LINE,        ///< joined in their order. The default.
+    BAT_CHART_MARK_POINTS,      ///< dots
+    BAT_CHART_MARK_LINE_POINTS, ///< both
+    BAT_CHART_MARK_BARS ///< bars from 0 to y that touch half-way between neighbouring x; x increases; no logarithmic y
 } bat_chart_mark;
 
 /// One series of a chart.
@@ -220,14 +220,14 @@ BAT_API bat_status bat_motion_picture_options_check(const bat_motion_picture_opt
 /// Below are the speed, that is the length of the velocity, and of rigid motions and rotations the angular speed in degrees.
 /// Keyframes are circles, those that a rule for outliers lets count less are marked (beyond 3 sigma for Huber's).
 ///
-/// @param keyframes 1 to BAT_MOTION_PICTURE_MOTIONS curves, which bat_motion_method_for() gives BAT_MOTION_SPLINE
+/// @param keyframes 1 to BAT_MOTION_PICTURE_MOTIONS curves, which bat_motion_method_for() gives BAT_MOTION_METHOD_SPLINE
 /// @param motion    as for bat_motion_curves(); null for the defaults
 /// @param options   null for the defaults
 /// @return as bat_motion_curve_spline(); BAT_INVALID_ARGUMENT; BAT_UNSUPPORTED for too many curves; BAT_INVALID_POINT for
 ///         coordinates or speeds beyond 1e150; BAT_TOO_LARGE; BAT_NO_MEMORY; BAT_FILE_ACCESS
 BAT_API bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyframes,
-                                            const bat_motion_options *motion, const bat_motion_picture_options *options,
-                                            bat_error *error);
+                                            const bat_motion_curves_options *motion,
+                                            const bat_motion_picture_options *options, bat_error *error);
 
 /// Draw splines that exist, as bat_motion_picture_write() draws those that it makes.
 ///

@@ -77,8 +77,9 @@ extern BAT_API const bat_family bat_curve_parameters_family;
 /// On which side of the edge an angle-based scheme inserts.
 typedef enum bat_curve_angle_sign
 {
-    BAT_CURVE_ANGLE_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the default
-    BAT_CURVE_ANGLE_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
+    BAT_CURVE_ANGLE_SIGN_OUTWARD, ///< the negative of eq. (9) of Ugail and Howard: exact on circles of the plane; the
+                                  ///< default
+    BAT_CURVE_ANGLE_SIGN_PRINTED  ///< eq. (9) as printed, which pushes vertices inwards; only to reproduce the paper
 } bat_curve_angle_sign;
 
 /// The signs by name.
@@ -231,8 +232,8 @@ BAT_API bat_curve_scheme bat_curve_scheme_learned(double fairness);
 /// A trained network. It is constant, and any number of calls may use it at once.
 typedef struct bat_curve_model bat_curve_model;
 
-/// Read a model from a safetensors file of `batten train curve --recipe batten`. Of a checkpoint, the best weights are taken,
-/// or those of its last step. batten/research/networks.h reads published networks too.
+/// Read a model from a safetensors file of `batten train curve --recipe batten`. Of a checkpoint, the best weights are
+/// taken, or those of its last step. batten/research/networks.h reads published networks too.
 ///
 /// @param path  null: the model that comes with the library (weights/batten.md), that of bat_curve_scheme_learned()
 /// @param model receives the model; release it with bat_curve_model_free()

@@ -166,8 +166,8 @@ BAT_API bat_status bat_surface_loop_outermost(const double *frames, size_t loop,
 /// @param options parameters are automatic, neither published nor trimmed; null for the defaults
 /// @param chart   receives the chart; release it with bat_surface_chart_free()
 /// @return as bat_surface_reconstruct(); BAT_INVALID_ARGUMENT also for other options, and for clouds with few points
-BAT_API bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_options *options, bat_surface_chart **chart,
-                                          bat_error *error);
+BAT_API bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                          bat_surface_chart **chart, bat_error *error);
 /// Free a chart; null is allowed.
 BAT_API void bat_surface_chart_free(bat_surface_chart *chart);
 /// A chart as bytes, for other processes of the same build.

@@ -218,14 +218,14 @@ BAT_API bat_status bat_mesh_vertex_normals(const bat_mesh *mesh, bat_mesh_normal
 /// The changes of a repair.
 typedef struct bat_mesh_repair_report
 {
-    size_t degenerate_faces; ///< dropped: they had the same vertex twice
-    size_t duplicate_faces;  ///< dropped: an earlier face had the same vertices in the same cyclic order
-    size_t flipped_faces;    ///< turned over, so that neighbours run the same way around
-    size_t crowded_edges;    ///< cut: they had more than two faces
-    size_t opposed_edges;    ///< cut: their two faces run against each other whatever is flipped, as on a Möbius strip
-    size_t split_vertices;   ///< vertices of several fans, which became several vertices
-    size_t added_vertices;   ///< by how many vertices those became more
-    size_t unused_vertices;  ///< dropped: no face was left that has them
+    size_t degenerate_faces;   ///< dropped: they had the same vertex twice
+    size_t duplicate_faces;    ///< dropped: an earlier face had the same vertices in the same cyclic order
+    size_t flipped_faces;      ///< turned over, so that neighbours run the same way around
+    size_t nonmanifold_edges;  ///< cut: they had more than two faces
+    size_t unorientable_edges; ///< cut: their two faces run against each other whatever is flipped, as on a Möbius strip
+    size_t split_vertices;     ///< vertices of several fans, which became several vertices
+    size_t added_vertices;     ///< by how many vertices those became more
+    size_t unused_vertices;    ///< dropped: no face was left that has them
 } bat_mesh_repair_report;
 
 /// The number of places that were repaired: faces dropped or turned, edges cut and vertices split.

@@ -16,14 +16,14 @@ typedef enum bat_mesh_decimate_method
 {
     /// The squared distances from the planes of all given faces that became the new vertex, weighted by area (Garland and
     /// Heckbert, 1997).
-    BAT_MESH_DECIMATE_QUADRIC,
+    BAT_MESH_DECIMATE_METHOD_QUADRIC,
     /// The squared volumes between the new vertex and the present faces, at preserved volume (Lindstrom and Turk, 1998,
     /// 1999).
-    BAT_MESH_DECIMATE_MEMORYLESS,
+    BAT_MESH_DECIMATE_METHOD_MEMORYLESS,
     /// For large meshes: quadric errors without a strict order, in sweeps with rising thresholds, until three times the
     /// wanted vertices or faces are left; memoryless errors in order from there on. `candidates` act in the second part
     /// alone.
-    BAT_MESH_DECIMATE_FAST
+    BAT_MESH_DECIMATE_METHOD_FAST
 } bat_mesh_decimate_method;
 
 /// The methods by name.
@@ -42,17 +42,17 @@ typedef struct bat_mesh_decimate_options
     double error;
     double *distance;                ///< with `error`: receives the proven bound of the result; may be null
     bool relative_error;             ///< `error` is a share of the diagonal of the mesh's box; default false
-    bat_mesh_decimate_method method; ///< default BAT_MESH_DECIMATE_MEMORYLESS
+    bat_mesh_decimate_method method; ///< default BAT_MESH_DECIMATE_METHOD_MEMORYLESS
     /// 0: always collapse the edge of least error. Else the edge of least error among this number of random ones (appendix
     /// E: 100). Default 0.
     size_t candidates;
     /// The seed of the random choice; default 1.
     uint64_t seed;
     /// The least scalar product of a face's unit normals before and after a collapse, -1 to 1; default .2.
-    double least_normal;
+    double min_normal;
     /// The least triangle quality after a collapse, 0 to 1: 4 sqrt(3) times the area over the sum of the squared edges, in
     /// space and in the plane. Where a face around the edge is worse already, its quality is enough. Default .1.
-    double least_quality;
+    double min_quality;
     /// The weight of a boundary or crease edge, at least 0, relative to a face with the area of the square over the edge;
     /// default 1000.
     double boundary_weight;

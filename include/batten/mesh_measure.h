@@ -40,26 +40,26 @@ BAT_API bat_status bat_mesh_compare_options_check(const bat_mesh_compare_options
 /// Distances between two meshes. A point's distance is that to the closest point of the other mesh's surface.
 typedef struct bat_mesh_distance
 {
-    double hausdorff_there; ///< the greatest distance of a point of the first mesh from the second
-    double hausdorff_back;  ///< the greatest distance of a point of the second mesh from the first
-    double hausdorff;       ///< the greater of the two
+    double hausdorff_from_first;  ///< the greatest distance of a point of the first mesh from the second
+    double hausdorff_from_second; ///< the greatest distance of a point of the second mesh from the first
+    double hausdorff;             ///< the greater of the two
     /// Proven: no point of either mesh is farther from the other than this. Infinite when only vertices are measured.
-    double hausdorff_most;
-    double mean_there;        ///< the mean over the first mesh's area (Metro's E_m)
-    double mean_back;         ///< the mean over the second mesh's area
-    double mean;              ///< half the sum of the two
-    double mean_greater;      ///< the greater of the two, which Metro calls the symmetric one
-    double rms_there;         ///< root of the mean square over the first mesh's area
-    double rms_back;          ///< root of the mean square over the second mesh's area
-    double farthest_there[3]; ///< a point of the first mesh at hausdorff_there
-    double farthest_back[3];  ///< a point of the second mesh at hausdorff_back
-    double diagonal;          ///< of the second mesh's bounding box, to relate distances to
+    double hausdorff_bound;
+    double mean_from_first;         ///< the mean over the first mesh's area (Metro's E_m)
+    double mean_from_second;        ///< the mean over the second mesh's area
+    double mean;                    ///< half the sum of the two
+    double mean_max;                ///< the greater of the two, which Metro calls the symmetric one
+    double rms_from_first;          ///< root of the mean square over the first mesh's area
+    double rms_from_second;         ///< root of the mean square over the second mesh's area
+    double farthest_from_first[3];  ///< a point of the first mesh at hausdorff_from_first
+    double farthest_from_second[3]; ///< a point of the second mesh at hausdorff_from_second
+    double diagonal;                ///< of the second mesh's bounding box, to relate distances to
 } bat_mesh_distance;
 
 /// Measure the distances between two surfaces: Cignoni, Rocchini and Scopigno, "Metro: measuring error on simplified
 /// surfaces" (1998). Means are over samples that represent equal areas of their face. The greatest distance is first that
 /// over vertices and samples. Triangles that may hold a greater one are then halved until none can, or `samples` points are
-/// used up. The proven bound is hausdorff_most. docs/measures.md describes the algorithm.
+/// used up. The proven bound is hausdorff_bound. docs/measures.md describes the algorithm.
 ///
 /// @param options null for the defaults
 /// @return BAT_OK; the failures of bat_mesh_check() for either mesh, which the text names; BAT_INVALID_ARGUMENT (an option,
@@ -101,32 +101,32 @@ typedef struct bat_mesh_summary
     size_t isolated_vertices; ///< without a face
     size_t edges;
     size_t faces;
-    size_t components;         ///< of faces that share vertices
-    size_t boundary_edges;     ///< edges of one face
-    size_t boundary_loops;     ///< closed walks along boundary edges
-    size_t crowded_edges;      ///< edges of more than two faces
-    size_t reversed_edges;     ///< edges of two faces that run through them in the same direction
-    size_t pinched_vertices;   ///< vertices at which several fans of faces meet
-    size_t degenerate_faces;   ///< whose height is below 1e-14 of their longest edge
-    int64_t euler;             ///< vertices with a face - edges + faces
-    bool manifold;             ///< neither crowded edges nor pinched vertices
-    bool oriented;             ///< no reversed edges, no crowded ones
-    bool closed;               ///< no boundary
-    int64_t genus;             ///< the sum over the components of a closed, oriented manifold; else -1
-    double area;               ///< of all faces
-    double volume;             ///< enclosed by a closed, oriented mesh, negative when it is inside out; else NaN
-    double low[3], high[3];    ///< the box around all faces
-    double diagonal;           ///< of the box
-    double least_edge;         ///< length
-    double mean_edge;          ///< length
-    double greatest_edge;      ///< length
-    double least_quality;      ///< 4 sqrt(3) area / (a^2 + b^2 + c^2): 1 of an equilateral face, 0 of a degenerate one
-    double mean_quality;       ///< over the faces
-    double least_angle;        ///< at a face's corner, radians
-    double max_angle;          ///< at a face's corner, radians
-    size_t least_valence;      ///< edges at a vertex that has a face
-    size_t greatest_valence;   ///< edges at a vertex
-    size_t least_quality_face; ///< the first face of least quality
+    size_t components;        ///< of faces that share vertices
+    size_t boundary_edges;    ///< edges of one face
+    size_t boundary_loops;    ///< closed walks along boundary edges
+    size_t nonmanifold_edges; ///< edges of more than two faces
+    size_t reversed_edges;    ///< edges of two faces that run through them in the same direction
+    size_t pinched_vertices;  ///< vertices at which several fans of faces meet
+    size_t degenerate_faces;  ///< whose height is below 1e-14 of their longest edge
+    int64_t euler;            ///< vertices with a face - edges + faces
+    bool manifold;            ///< neither crowded edges nor pinched vertices
+    bool oriented;            ///< no reversed edges, no crowded ones
+    bool closed;              ///< no boundary
+    int64_t genus;            ///< the sum over the components of a closed, oriented manifold; else -1
+    double area;              ///< of all faces
+    double volume;            ///< enclosed by a closed, oriented mesh, negative when it is inside out; else NaN
+    double low[3], high[3];   ///< the box around all faces
+    double diagonal;          ///< of the box
+    double min_edge;          ///< length
+    double mean_edge;         ///< length
+    double max_edge;          ///< length
+    double min_quality;       ///< 4 sqrt(3) area / (a^2 + b^2 + c^2): 1 of an equilateral face, 0 of a degenerate one
+    double mean_quality;      ///< over the faces
+    double min_angle;         ///< at a face's corner, radians
+    double max_angle;         ///< at a face's corner, radians
+    size_t min_valence;       ///< edges at a vertex that has a face
+    size_t max_valence;       ///< edges at a vertex
+    size_t min_quality_face;  ///< the first face of least quality
 } bat_mesh_summary;
 
 /// The measures of a mesh, in the order of a report.

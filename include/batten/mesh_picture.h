@@ -46,7 +46,7 @@ typedef struct bat_mesh_picture_options
     bat_mesh_up up;          ///< default BAT_MESH_UP_Y
     double longitude;        ///< of the viewer, radians around the upward axis; NaN: automatic; default NaN
     double latitude;         ///< the same above the horizon, -pi/2 to pi/2; NaN: automatic; default NaN
-    bool hollows;            ///< ambient occlusion; default true
+    bool ambient_occlusion;  ///< ambient occlusion; default true
     bool boundaries;         ///< mark boundary edges; default true
     double value_low;        ///< the value of the first colour; NaN: the least value, 0 if positive; default NaN
     double value_high;       ///< the last colour's; NaN: the greatest value of all panels; default NaN

@@ -22,13 +22,13 @@ BAT_C_BEGIN
 /// The mesh schemes.
 typedef enum bat_mesh_scheme
 {
+    BAT_MESH_SCHEME_AUTO,     ///< that of bat_mesh_scheme_for() or bat_polygon_mesh_scheme_for()
     BAT_MESH_SCHEME_MIDPOINT, ///< new vertices in the middle of edges; the same surface
     BAT_MESH_SCHEME_LOOP, ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
-    BAT_MESH_SCHEME_BUTTERFLY,     ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
-    BAT_MESH_SCHEME_SQRT3,         ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
-    BAT_MESH_SCHEME_LEARNED,       ///< by `rule`
-    BAT_MESH_SCHEME_CATMULL_CLARK, ///< Catmull and Clark (1978), with creases and corners as Loop's; for any polygons
-    BAT_MESH_SCHEME_AUTO           ///< that of bat_mesh_scheme_for() or bat_polygon_mesh_scheme_for()
+    BAT_MESH_SCHEME_BUTTERFLY,    ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
+    BAT_MESH_SCHEME_SQRT3,        ///< Kobbelt (2000): a vertex in every face, edges turned; a level triples the faces
+    BAT_MESH_SCHEME_LEARNED,      ///< by `rule`
+    BAT_MESH_SCHEME_CATMULL_CLARK ///< Catmull and Clark (1978), with creases and corners as Loop's; for any polygons
 } bat_mesh_scheme;
 
 /// Faces below which a mesh is taken for a control cage: the learned scheme was trained on meshes of 200 faces and more.

@@ -19,11 +19,11 @@ BAT_C_BEGIN
 /// How a motion is made.
 typedef enum bat_motion_method
 {
-    BAT_MOTION_AUTO,   ///< BAT_MOTION_SPLINE where there are times, or a rate; BAT_MOTION_HERMITE where there are none, or
-                       ///< for another Hermite scheme than the default one
-    BAT_MOTION_SPLINE, ///< bat_motion_spline_new(): keyframes are samples in time
-    BAT_MOTION_HERMITE ///< Hermite schemes: bat_hermite_refine() by levels, for shapes; times do not steer it. At a rate,
-                       ///< bat_hermite_sample_rate()
+    BAT_MOTION_METHOD_AUTO, ///< BAT_MOTION_METHOD_SPLINE where there are times, or a rate; BAT_MOTION_METHOD_HERMITE where
+                            ///< there are none, or for another Hermite scheme than the default one
+    BAT_MOTION_METHOD_SPLINE, ///< bat_motion_spline_make(): keyframes are samples in time
+    BAT_MOTION_METHOD_HERMITE ///< Hermite schemes: bat_hermite_refine() by levels, for shapes; times do not steer it. At a
+                              ///< rate, bat_hermite_sample_rate()
 } bat_motion_method;
 
 /// The methods by name.
@@ -40,42 +40,44 @@ typedef struct bat_motion_report
     double outlier_time; ///< its time
 } bat_motion_report;
 
-/// Options of motions. Begin with bat_motion_defaults().
-typedef struct bat_motion_options
+/// Options of motions. Begin with bat_motion_curves_defaults().
+typedef struct bat_motion_curves_options
 {
-    bat_motion_method method;         ///< default BAT_MOTION_AUTO
-    bat_motion_spline_options spline; ///< of BAT_MOTION_SPLINE; default bat_motion_spline_defaults()
-    bat_hermite_options scheme;       ///< kind, order, levels and so on, where `rate` is 0; default bat_hermite_defaults().
-                                      ///< Splines take `levels`, 2^levels parts of each interval, and `max_points`
-    double rate;                      ///< samples a unit of time, at least 0; 0: by levels instead; default 0
-    const double *times;  ///< BAT_MOTION_SPLINE: `time_count` increasing times to sample at; null: none; default null
+    bat_motion_method method;         ///< default BAT_MOTION_METHOD_AUTO
+    bat_motion_spline_options spline; ///< of BAT_MOTION_METHOD_SPLINE; default bat_motion_spline_defaults()
+    bat_hermite_refine_options
+        scheme;           ///< kind, order, levels and so on, where `rate` is 0; default bat_hermite_refine_defaults().
+                          ///< Splines take `levels`, 2^levels parts of each interval, and `max_points`
+    double rate;          ///< samples a unit of time, at least 0; 0: by levels instead; default 0
+    const double *times;  ///< BAT_MOTION_METHOD_SPLINE: `time_count` increasing times to sample at; null: none; default null
     size_t time_count;    ///< default 0
     size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for
                           ///< continuous accelerations, Hermite schemes take 2; default 0
     bool velocities;      ///< write velocities also where the keyframes have none; default false
     bat_motion_report *report; ///< receives what bat_motion_curves() did; null for none; default null
-} bat_motion_options;
+} bat_motion_curves_options;
 
-/// The method that a set of keyframes gets: that of the options, or what BAT_MOTION_AUTO chooses. Null options are defaults.
-BAT_API bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_options *options);
+/// The method that a set of keyframes gets: that of the options, or what BAT_MOTION_METHOD_AUTO chooses. Null options are
+/// defaults.
+BAT_API bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_curves_options *options);
 /// Options by a scheme's name with settings, as the program's `--scheme` takes it:
 ///
-///     spline              (BAT_MOTION_SPLINE)
-///     hermite             hermite:order=3           (BAT_HERMITE_LANE_RIESENFELD)
+///     spline              (BAT_MOTION_METHOD_SPLINE)
+///     hermite             hermite:order=3           (BAT_HERMITE_KIND_LANE_RIESENFELD)
 ///     hermite-merrien     hermite-merrien:lambda=-0.125,mu=-0.5,base=midpoint
-///     hermite-de-rham     hermite-de-rham:base=midpoint      (both BAT_HERMITE_TRANSPORT)
+///     hermite-de-rham     hermite-de-rham:base=midpoint      (both BAT_HERMITE_KIND_TRANSPORT)
 ///
 /// @param options other fields than the method and the scheme are untouched
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
-BAT_API bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *options, bat_error *error);
+BAT_API bat_status bat_motion_scheme_by_name(const char *name, bat_motion_curves_options *options, bat_error *error);
 /// The schemes of motions by name, with their settings.
 extern BAT_API const bat_family bat_motion_scheme_family;
 
 /// The options' default values.
-BAT_API bat_motion_options bat_motion_defaults(void);
+BAT_API bat_motion_curves_options bat_motion_curves_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_motion_options_check(const bat_motion_options *options, bat_error *error);
+BAT_API bat_status bat_motion_curves_options_check(const bat_motion_curves_options *options, bat_error *error);
 
 /// Whether the curves of a set have times: a channel from a column of that name.
 BAT_API bool bat_motion_has_times(const bat_curve_set *set);
@@ -89,42 +91,43 @@ BAT_API bool bat_motion_suits(const bat_curve_set *set);
 /// The Hermite data of one curve of a set: its points, its times, and its velocities. Splines compute missing velocities;
 /// for Hermite schemes they are estimated as tangents of the order in the options.
 ///
-/// What the tangents are depends on the method (bat_motion_method_for()). BAT_MOTION_SPLINE, and a rate: velocities.
-/// BAT_MOTION_HERMITE without a rate: unit vectors for BAT_HERMITE_LANE_RIESENFELD, derivatives by the index for
-/// BAT_HERMITE_TRANSPORT, for which times must be evenly spaced. `keys->kind` states it; sampling in time refuses these two.
+/// What the tangents are depends on the method (bat_motion_method_for()). BAT_MOTION_METHOD_SPLINE, and a rate: velocities.
+/// BAT_MOTION_METHOD_HERMITE without a rate: unit vectors for BAT_HERMITE_KIND_LANE_RIESENFELD, derivatives by the index for
+/// BAT_HERMITE_KIND_TRANSPORT, for which times must be evenly spaced. `keys->kind` states it; sampling in time refuses these
+/// two.
 ///
 /// @param options null for the defaults
 /// @param keys    receives the data; release it with bat_hermite_free()
 /// @param error   `index` is the failing point and `line` its line in the file
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_UNSUPPORTED (other channels than times and
 ///         velocities, uneven times for a scheme of even ones) or BAT_NO_MEMORY; `keys` is untouched on failure
-BAT_API bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+BAT_API bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                                    bat_hermite_curve *keys, bat_error *error);
 
-/// Prepare the spline through the keyframes of one curve of a set, with the options of BAT_MOTION_SPLINE.
+/// Prepare the spline through the keyframes of one curve of a set, with the options of BAT_MOTION_METHOD_SPLINE.
 ///
 /// @param options null for the defaults; `rate`, `times` and levels do not matter
 /// @param spline  receives the spline; release it with bat_motion_spline_free()
 /// @param error   as of bat_motion_data()
-/// @return as bat_motion_data() and bat_motion_spline_new(); BAT_UNSUPPORTED where the set gets BAT_MOTION_HERMITE
-BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+/// @return as bat_motion_data() and bat_motion_spline_make(); BAT_UNSUPPORTED where the set gets BAT_MOTION_METHOD_HERMITE
+BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                                            bat_motion_spline **spline, bat_error *error);
 
 /// Make smooth curves of the keyframes in a set, with the same kind of columns, by bat_motion_method_for(): a spline sampled
 /// at given times, at a rate, or at 2^levels parts of each interval; or a refined Hermite curve. Sampled curves always have
 /// times; without times in the set, keyframe i is at time i.
 ///
-/// Velocities are written where the set has them or the options demand them. Splines, sampling and BAT_HERMITE_TRANSPORT
-/// give those of the motion. BAT_HERMITE_LANE_RIESENFELD gives the scheme's direction times the speed between neighbours;
-/// without times, the unit direction. The signs of quaternions do not jump.
+/// Velocities are written where the set has them or the options demand them. Splines, sampling and
+/// BAT_HERMITE_KIND_TRANSPORT give those of the motion. BAT_HERMITE_KIND_LANE_RIESENFELD gives the scheme's direction times
+/// the speed between neighbours; without times, the unit direction. The signs of quaternions do not jump.
 ///
 /// @param options null for the defaults
 /// @param fine    receives a curve for each one of `keyframes`; release it with bat_curve_set_free()
 /// @param failed  receives the index of the failing curve; may be null
-/// @return as bat_motion_data(), bat_motion_spline_new(), bat_motion_spline_sample(), bat_hermite_refine() and
+/// @return as bat_motion_data(), bat_motion_spline_make(), bat_motion_spline_sample(), bat_hermite_refine() and
 ///         bat_hermite_sample_rate(); `fine` is untouched on failure
-BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_options *options, bat_curve_set *fine,
-                                     size_t *failed, bat_error *error);
+BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options,
+                                     bat_curve_set *fine, size_t *failed, bat_error *error);
 
 /// Read increasing times: a number a line. Blank lines, lines that begin with # and a first line of "time" are skipped.
 ///

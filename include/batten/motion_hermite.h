@@ -26,10 +26,10 @@ BAT_C_BEGIN
 /// What the tangents of a curve are. Calls that make tangents state it; calls that need velocities refuse directions.
 typedef enum bat_hermite_tangents
 {
-    BAT_HERMITE_UNSTATED,         ///< not stated: taken for what a call needs
-    BAT_HERMITE_DIRECTIONS,       ///< unit vectors, without a speed
-    BAT_HERMITE_VELOCITIES,       ///< derivatives by time; without times, points are at 0, 1, 2, …
-    BAT_HERMITE_INDEX_DERIVATIVES ///< derivatives by the index of the points, also where there are times
+    BAT_HERMITE_TANGENTS_AUTO,             ///< not stated: taken for what a call needs
+    BAT_HERMITE_TANGENTS_DIRECTIONS,       ///< unit vectors, without a speed
+    BAT_HERMITE_TANGENTS_VELOCITIES,       ///< derivatives by time; without times, points are at 0, 1, 2, …
+    BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES ///< derivatives by the index of the points, also where there are times
 } bat_hermite_tangents;
 
 /// Points with tangents, and optionally times. Tangents are *directions* of unit length where only the shape matters, else
@@ -43,7 +43,7 @@ typedef struct bat_hermite_curve
     size_t count;
     bool closed;               ///< the last point joins the first
     double closing_time;       ///< closed curves with times: how long it takes from the last point to the first
-    bat_hermite_tangents kind; ///< what `tangents` are; 0 is BAT_HERMITE_UNSTATED
+    bat_hermite_tangents kind; ///< what `tangents` are; 0 is BAT_HERMITE_TANGENTS_AUTO
 } bat_hermite_curve;
 
 /// Free what the library allocated for a curve and make it empty. Does nothing to a curve that is empty already.
@@ -60,7 +60,7 @@ BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *
 /// @return as bat_hermite_check()
 BAT_API bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error);
 
-/// Bring all tangents to unit length; they are BAT_HERMITE_DIRECTIONS then.
+/// Bring all tangents to unit length; they are BAT_HERMITE_TANGENTS_DIRECTIONS then.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (the space lacks a function), or BAT_INVALID_POINT with the first tangent that is
 /// zero or not finite; those before it are done
 BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error);
@@ -103,8 +103,10 @@ BAT_API bat_hermite_mask bat_hermite_mask_de_rham(void);
 /// The families of schemes.
 typedef enum bat_hermite_kind
 {
-    BAT_HERMITE_LANE_RIESENFELD, ///< algorithm 4 of Ben-Zion Vardi, Dyn and Sharon: bat_hermite_average() at 1/2; directions
-    BAT_HERMITE_TRANSPORT ///< a linear Hermite scheme by logarithms and parallel transport (Moosmüller 2017); derivatives
+    BAT_HERMITE_KIND_LANE_RIESENFELD, ///< algorithm 4 of Ben-Zion Vardi, Dyn and Sharon: bat_hermite_average() at 1/2;
+                                      ///< directions
+    BAT_HERMITE_KIND_TRANSPORT        ///< a linear Hermite scheme by logarithms and parallel transport (Moosmüller 2017);
+                                      ///< derivatives
 } bat_hermite_kind;
 
 /// The kinds by name.
@@ -114,10 +116,10 @@ extern BAT_API const bat_family bat_hermite_kind_family;
 /// points ever farther away.
 #define BAT_HERMITE_MAX_ORDER 10
 
-/// Options of refinement. Begin with bat_hermite_defaults().
-typedef struct bat_hermite_options
+/// Options of refinement. Begin with bat_hermite_refine_defaults().
+typedef struct bat_hermite_refine_options
 {
-    bat_hermite_kind kind; ///< default BAT_HERMITE_LANE_RIESENFELD
+    bat_hermite_kind kind; ///< default BAT_HERMITE_KIND_LANE_RIESENFELD
     size_t order; ///< LANE_RIESENFELD: 1 … BAT_HERMITE_MAX_ORDER; 1 keeps the given points and tangents; default 1
     bat_hermite_mask mask; ///< TRANSPORT; default bat_hermite_mask_merrien(-1/8, -1/2)
     bat_curve_base base;   ///< TRANSPORT: in whose tangent space to sum; default BAT_CURVE_BASE_VERTEX
@@ -125,13 +127,13 @@ typedef struct bat_hermite_options
     size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default BAT_MAX_POINTS
     int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
-} bat_hermite_options;
+} bat_hermite_refine_options;
 
 /// The options' default values.
-BAT_API bat_hermite_options bat_hermite_defaults(void);
+BAT_API bat_hermite_refine_options bat_hermite_refine_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_hermite_options_check(const bat_hermite_options *options, bat_error *error);
+BAT_API bat_status bat_hermite_refine_options_check(const bat_hermite_refine_options *options, bat_error *error);
 
 /// Refine Hermite data by repeated subdivision.
 ///
@@ -141,15 +143,15 @@ BAT_API bat_status bat_hermite_options_check(const bat_hermite_options *options,
 /// are continued by geodesic point reflection, with transported tangents. Times are averaged as the points of a linear
 /// scheme are. For a curve through given points at given times, use bat_hermite_sample().
 ///
-/// BAT_HERMITE_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates with fourth-order
-/// accuracy. BAT_HERMITE_TRANSPORT takes derivatives of evenly spaced samples, and gives derivatives by the new index.
-/// Memory beyond the result is that of the coarse data and a fixed amount.
+/// BAT_HERMITE_KIND_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates with
+/// fourth-order accuracy. BAT_HERMITE_KIND_TRANSPORT takes derivatives of evenly spaced samples, and gives derivatives by
+/// the new index. Memory beyond the result is that of the coarse data and a fixed amount.
 ///
 /// @param options null for the defaults
 /// @param fine    receives the refined curve; release it with bat_hermite_free()
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS, BAT_TOO_LARGE, BAT_NO_MEMORY or BAT_CANCELLED;
 ///         `fine` is untouched on failure
-BAT_API bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_options *options,
+BAT_API bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
                                       bat_hermite_curve *fine, bat_error *error);
 
 /// Estimate tangents from the points: the derivative at each point of the polynomial through its neighbours' logarithms
@@ -171,7 +173,7 @@ BAT_API bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_
 /// points at their times with their velocities, for every spacing, and so is C1. The error against a smooth curve is O(h^4).
 ///
 /// Velocities so high that h v / 3 leads past the cut locus are refused: shortest geodesics to such control points do not
-/// have these velocities. bat_motion_spline_new() takes them.
+/// have these velocities. bat_motion_spline_make() takes them.
 ///
 /// @param curve      tangents are velocities (directions, and derivatives by the index where there are times, are refused);
 ///                   without times the points are at 0, 1, 2, … and a closed curve ends at `count`

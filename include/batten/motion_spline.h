@@ -103,8 +103,8 @@ typedef struct bat_motion_spline bat_motion_spline;
 ///         exponential; BAT_NO_CONVERGENCE where keys are too far apart for continuous accelerations; BAT_NO_MEMORY;
 ///         BAT_UNSUPPORTED for `sigma` in other spaces than R^n, rotations and rigid motions; `spline` is untouched on
 ///         failure
-BAT_API bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
-                                         bat_motion_spline **spline, bat_error *error);
+BAT_API bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                                          bat_motion_spline **spline, bat_error *error);
 /// Does nothing for null.
 BAT_API void bat_motion_spline_free(bat_motion_spline *spline);
 

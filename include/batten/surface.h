@@ -28,8 +28,8 @@ typedef enum bat_surface_parameters
 /// The choices by name; BAT_SURFACE_PARAMETERS_GIVEN and BAT_SURFACE_PARAMETERS_PLANAR are not listed.
 extern BAT_API const bat_family bat_surface_parameters_family;
 
-/// Options of a reconstruction. Begin with bat_surface_defaults().
-typedef struct bat_surface_options
+/// Options of a reconstruction. Begin with bat_surface_reconstruct_defaults().
+typedef struct bat_surface_reconstruct_options
 {
     bat_surface_fit_options fit;
     bat_surface_parameters parameters; ///< default BAT_SURFACE_PARAMETERS_AUTO
@@ -41,38 +41,38 @@ typedef struct bat_surface_options
     /// Correction moves boundary parameters along their sides, without border curves (bat_surface_fit_data); default false.
     /// Published options and given parameters have no border curves either.
     bool slide_boundary;
-    bool no_repair; ///< leave folds, only report them; default false
-    bool force;     ///< give also a surface that is judged to be wrong; default false
+    bool repair; ///< mend folds; false: only report them; default true
+    bool force;  ///< give also a surface that is judged to be wrong; default false
     /// Fit a surface over a rectangle around the points, and trim it by their outline and holes; default false. The outline
     /// may be concave. `parameters` must be BAT_SURFACE_PARAMETERS_AUTO; a known boundary is not used.
     bool trim;
     double fill_holes; ///< of a trimmed surface: holes of at most this diameter are closed; at least 0; default 0
-} bat_surface_options;
+} bat_surface_reconstruct_options;
 
 /// The default options.
-BAT_API bat_surface_options bat_surface_defaults(void);
+BAT_API bat_surface_reconstruct_options bat_surface_reconstruct_defaults(void);
 /// Check options; null passes.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error);
+BAT_API bat_status bat_surface_reconstruct_options_check(const bat_surface_reconstruct_options *options, bat_error *error);
 
 /// What is wrong with a surface.
 typedef enum bat_surface_fault
 {
     BAT_SURFACE_FAULT_NONE,
-    BAT_SURFACE_FAULT_MISSED, ///< points are far from it
-    BAT_SURFACE_FAULT_STRAYS, ///< it is far from points
-    BAT_SURFACE_FAULT_FOLDS,  ///< it stands across the points' tangent planes, or is turned over
-    BAT_SURFACE_FAULT_AREA    ///< its area is not that of the points
+    BAT_SURFACE_FAULT_MISSES_POINTS, ///< points are far from it
+    BAT_SURFACE_FAULT_LEAVES_POINTS, ///< it is far from points
+    BAT_SURFACE_FAULT_FOLDS,         ///< it stands across the points' tangent planes, or is turned over
+    BAT_SURFACE_FAULT_AREA           ///< its area is not that of the points
 } bat_surface_fault;
 
 /// A judgement of a surface by its cloud, both ways. Shares are shares of the surface's area.
 typedef struct bat_surface_verdict
 {
     bat_surface_fault fault;
-    double missed;      ///< distance from the surface of the 99th of 100 points, the nearest first
-    double strays;      ///< distance from the points of 99 % of the surface
-    double farthest;    ///< the largest distance from the points of a place of the surface
-    double far_share;   ///< share that is farther from the points than three spacings and four times the noise
+    double distance_from_surface; ///< distance from the surface of the 99th of 100 points, the nearest first
+    double distance_from_points;  ///< distance from the points of 99 % of the surface
+    double farthest;              ///< the largest distance from the points of a place of the surface
+    double far_share;             ///< share that is farther from the points than three spacings and four times the noise
     double cross_share; ///< share whose normal is more than 60 degrees off the normal of the nearest points' tangent plane
     double area;        ///< of the surface
     double cloud_area;  ///< of the points, in their tangent planes
@@ -110,8 +110,9 @@ typedef struct bat_surface_candidate
     double mean_squared; ///< of its distances; with robust weights the median of their squares; NaN when it failed
     double expected_rms; ///< bat_surface_fit_report::expected_rms of the fit on trial; NaN when it failed, and without
     bool reached;        ///< bat_surface_fit_report::reached
-    double stray; ///< one-sided Hausdorff distance from the surface, sampled at corners and centres of cells, to the points
-    bool strays;  ///< that distance is twice that of another candidate, which excludes this one
+    double
+        hausdorff; ///< one-sided Hausdorff distance from the surface, sampled at corners and centres of cells, to the points
+    bool excluded; ///< that distance is twice that of another candidate, which excludes this one
     bat_surface_verdict verdict; ///< of the fit on trial to all points
     double fit_seconds;          ///< of the fit on trial
 } bat_surface_candidate;
@@ -160,8 +161,8 @@ BAT_API void bat_surface_result_free(bat_surface_result *result);
 /// @param result  untouched on failure
 /// @return BAT_OK; the failures of bat_cloud_check(), bat_cloud_find_boundary(), bat_cloud_parameterize(),
 ///         bat_surface_model_read() and bat_surface_fit()
-BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
-                                           bat_error *error);
+BAT_API bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                           bat_surface_result *result, bat_error *error);
 
 BAT_C_END
 

@@ -68,9 +68,9 @@ typedef struct bat_surface_fit_options
     double noise;                    ///< of smoothing NOISE: standard deviation of a coordinate, above 0
     int corrections;                 ///< parameter corrections after each fit, 0 to 1000; default 1
     int final_corrections;           ///< rounds of correction and fit after the last refinement, 0 to 1000; default 0
-    bool no_restarts;      ///< leave points whose projection converged to a wrong foot, as published loops do; default false
-    bool robust;           ///< robust weights: Tukey's biweight on the scale of the residuals; default false
-    int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bool restarts; ///< project points anew whose projection converged to a wrong foot; published loops do not; default true
+    bool robust;   ///< robust weights: Tukey's biweight on the scale of the residuals; default false
+    int threads;   ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
 } bat_surface_fit_options;
 

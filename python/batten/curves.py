@@ -170,7 +170,7 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     **settings
         Fields of ``bat_curve_refine_options``: `scheme`, a text as ``"learned"``, ``"four-point:w=0.0625"`` or one of
         ``choices("curve_scheme")``; `fairness` of the learned scheme, 0 to 1; `levels`; `ends`; `simple`; `tolerance`;
-        `max_segment`; `corner_angle`; `threads`; and further ones.
+        `max_edge`; `corner_angle`; `threads`; and further ones.
 
     Returns
     -------
@@ -266,7 +266,7 @@ def analyze(scheme: str | ArrayLike, *, first: int | None = None, **settings: An
     first : int, optional
         The index of the first coefficient; by default the mask is centred.
     **settings
-        Fields of ``bat_analysis_options``: `depth`, `tolerance`, `vertices`.
+        Fields of ``bat_mask_analyze_options``: `depth`, `tolerance`, `vertices`.
 
     Returns
     -------
@@ -290,7 +290,7 @@ def analyze(scheme: str | ArrayLike, *, first: int | None = None, **settings: An
     else:
         mask = _mask(scheme, first)
     found = ffi.gc(ffi.new("bat_analysis *"), lib.bat_analysis_free)
-    call(lib.bat_mask_analyze, mask, options("bat_analysis_options", settings), found)
+    call(lib.bat_mask_analyze, mask, options("bat_mask_analyze_options", settings), found)
     size, eigen = found.matrix_size, [found.eigenvalues[i] for i in range(found.eigenvalue_count)]
     analysis = Analysis(report(found))
     for name in ("mask", "quotient", "limit", "tangent", "vertex"):

@@ -30,7 +30,7 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     details : Report, optional
         Receives what was found and done: shared arcs, nodes, crossings.
     **settings
-        Fields of ``bat_curve_map_options`` and its ``bat_curve_refine_options``: `levels`, `scheme`, `fairness`,
+        Fields of ``bat_curve_map_refine_options`` and its ``bat_curve_refine_options``: `levels`, `scheme`, `fairness`,
         `tolerance`, `topology` (``"shared"``, ``"separate"``), `snap_tolerance`, `keep_area`, `decimals`, `threads`, …
 
     Returns
@@ -86,10 +86,10 @@ def _refine(given: Any, space: str, progress: Progress, settings: dict[str, Any]
     whole = f'{{"type":"FeatureCollection","features":[{features}]}}'.encode()
     free = lib.bat_curve_set_free
     coarse, fine = ffi.gc(ffi.new("bat_curve_set *"), free), ffi.gc(ffi.new("bat_curve_set *"), free)
-    failed, found = ffi.new("size_t *", NO_INDEX), ffi.new("bat_curve_map_report *")
+    failed, found = ffi.new("size_t *", NO_INDEX), ffi.new("bat_curve_map_refine_report *")
     if "fairness" in settings:
         settings.setdefault("scheme", "learned")
-    how = options("bat_curve_map_options", settings)
+    how = options("bat_curve_map_refine_options", settings)
     how.report = found
     reading = options("bat_curve_read_options", {"format": "geojson", "space": space})
     call(lib.bat_curve_read_memory, whole, len(whole), reading, coarse)

@@ -57,14 +57,14 @@ class Motion:
             raise ValueError(f"velocities: {len(keys)} rows are needed, not {len(given)}")
         if closed and not period > moments[-1] - moments[0]:
             raise ValueError(f"period: a closed motion needs one above {moments[-1] - moments[0]}, not {period}")
-        kind = lib.BAT_HERMITE_UNSTATED if given is None else lib.BAT_HERMITE_VELOCITIES
+        kind = lib.BAT_HERMITE_TANGENTS_AUTO if given is None else lib.BAT_HERMITE_TANGENTS_VELOCITIES
         curve = ffi.new("bat_hermite_curve *", [self.space.struct, pointer(keys), pointer(given), pointer(moments), len(keys),
                                                 closed, moments[0] + period - moments[-1] if closed else 0.0, kind])
         made = ffi.new("bat_motion_spline **")
         if self.space.functions:
             settings["threads"] = 1
         how = options("bat_motion_spline_options", settings)
-        call(lib.bat_motion_spline_new, curve, how, made)
+        call(lib.bat_motion_spline_make, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
         self.times, self.poses, self._keys, self._outliers = moments, poses, keys, how.outliers
 

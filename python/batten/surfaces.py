@@ -138,7 +138,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_surface_options`` and its ``bat_surface_fit_options`` and ``bat_hierarchical_options``: `tolerance`,
+        Fields of ``bat_surface_reconstruct_options`` and its ``bat_surface_fit_options`` and ``bat_hierarchical_options``: `tolerance`,
         `functions`, `hold_out`, `degree` (a pair), `iterations`, `smoothing`, `noise`, `robust`, `corrections`, `force` (give
         also a surface that is judged to be wrong), `threads`, …
 
@@ -164,7 +164,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
         if not 0 <= boundary <= len(given):
             raise ValueError(f"boundary: 0 to {len(given)} is needed, not {boundary}")
         cloud.points, cloud.count, cloud.boundary_count = ffi.cast("double *", _owned(given)), len(given), boundary
-    how = options("bat_surface_options", settings)
+    how = options("bat_surface_reconstruct_options", settings)
     if isinstance(parameters, str):
         how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     if corners is not None:

@@ -432,14 +432,14 @@ static bat_status copy_mesh(const edit_mesh *edit, bat_mesh *mesh, bat_error *er
 static bat_status decimate(const bat_mesh *shape, size_t vertices, bat_random *random, bat_mesh *coarse, bat_error *error)
 {
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
-    options.method = BAT_MESH_DECIMATE_QUADRIC;
+    options.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
     options.attributes = 0;
     options.vertices = vertices < shape->vertex_count ? vertices : shape->vertex_count;
     bool drawn = bat_random_uniform(random) < 0.3;
     options.candidates = drawn ? 20 + (size_t)(80 * bat_random_uniform(random)) : 0;
     options.seed = bat_random_bits(random);
-    options.least_normal = bat_random_uniform(random) < 0.5 ? 0.2 : -0.2;
-    options.least_quality = 0.2 * bat_random_uniform(random);
+    options.min_normal = bat_random_uniform(random) < 0.5 ? 0.2 : -0.2;
+    options.min_quality = 0.2 * bat_random_uniform(random);
     return bat_mesh_decimate(shape, &options, coarse, NULL, error);
 }
 

@@ -49,7 +49,7 @@ static bool edge_is_fit(bat_tension_space space, const double *p, const double *
         squared += (q[i] - p[i]) * (q[i] - p[i]);
         inner += p[i] * q[i];
     }
-    return squared > minimum * minimum && (space != BAT_TENSION_SPHERE || inner > MIN_COSINE);
+    return squared > minimum * minimum && (space != BAT_TENSION_SPACE_SPHERE || inner > MIN_COSINE);
 }
 
 /// Binary search for the first point with at least the length `reached`; `count` if there is none.

@@ -20,17 +20,17 @@ typedef struct point
 /// The sign of the curvature.
 static double curvature(bat_tension_space space)
 {
-    return space == BAT_TENSION_PLANE ? 0 : space == BAT_TENSION_SPHERE ? 1 : -1;
+    return space == BAT_TENSION_SPACE_PLANE ? 0 : space == BAT_TENSION_SPACE_SPHERE ? 1 : -1;
 }
 
 static double sine(bat_tension_space space, double x)
 {
-    return space == BAT_TENSION_PLANE ? x : space == BAT_TENSION_SPHERE ? sin(x) : sinh(x);
+    return space == BAT_TENSION_SPACE_PLANE ? x : space == BAT_TENSION_SPACE_SPHERE ? sin(x) : sinh(x);
 }
 
 static double cosine(bat_tension_space space, double x)
 {
-    return space == BAT_TENSION_PLANE ? 1 : space == BAT_TENSION_SPHERE ? cos(x) : cosh(x);
+    return space == BAT_TENSION_SPACE_PLANE ? 1 : space == BAT_TENSION_SPACE_SPHERE ? cos(x) : cosh(x);
 }
 
 /// a p + b q
@@ -49,16 +49,18 @@ static double half_chord(bat_tension_space space, point p, point q)
 static double distance(bat_tension_space space, point p, point q)
 {
     double half = half_chord(space, p, q);
-    return 2 * (space == BAT_TENSION_PLANE ? half : space == BAT_TENSION_SPHERE ? asin(fmin(half, 1)) : asinh(half));
+    return 2 * (space == BAT_TENSION_SPACE_PLANE    ? half
+                : space == BAT_TENSION_SPACE_SPHERE ? asin(fmin(half, 1))
+                                                    : asinh(half));
 }
 
 /// The point of the surface on the ray through `p`.
 static point project(bat_tension_space space, point p)
 {
     double length = p.z;
-    if (space == BAT_TENSION_SPHERE)
+    if (space == BAT_TENSION_SPACE_SPHERE)
         length = sqrt(p.x * p.x + p.y * p.y + p.z * p.z);
-    else if (space == BAT_TENSION_DISK)
+    else if (space == BAT_TENSION_SPACE_DISK)
         length = sqrt(p.z * p.z - p.x * p.x - p.y * p.y);
     return (point){p.x / length, p.y / length, p.z / length};
 }
@@ -88,10 +90,10 @@ static point on_arc(bat_tension_space space, const corner *c, double s)
 
 static void store(bat_tension_space space, point p, double *coordinates)
 {
-    double scale = space == BAT_TENSION_DISK ? 1 / (1 + p.z) : 1;
+    double scale = space == BAT_TENSION_SPACE_DISK ? 1 / (1 + p.z) : 1;
     coordinates[0] = scale * p.x;
     coordinates[1] = scale * p.y;
-    if (space == BAT_TENSION_SPHERE)
+    if (space == BAT_TENSION_SPACE_SPHERE)
         coordinates[2] = p.z;
 }
 
@@ -148,7 +150,7 @@ void fillet_points(bat_tension_space space, const fillet_polygon *polygon, size_
     double total = 0, passed = 0;
     for (int i = 0; i < polygon->count; i++)
         total += sides[i].arc + sides[i].straight;
-    size_t dim = space == BAT_TENSION_SPHERE ? 3 : 2;
+    size_t dim = space == BAT_TENSION_SPACE_SPHERE ? 3 : 2;
     int current = 0;
     for (size_t j = 0; j < count; j++)
     {

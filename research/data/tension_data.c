@@ -40,7 +40,7 @@ static void round_point(bat_tension_space space, const double *point, double *ro
         rounded[i] = (double)(float)point[i];
         squared += rounded[i] * rounded[i];
     }
-    if (space == BAT_TENSION_SPHERE)
+    if (space == BAT_TENSION_SPACE_SPHERE)
         for (size_t i = 0; i < dim; i++)
             rounded[i] /= sqrt(squared);
 }

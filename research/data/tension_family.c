@@ -7,9 +7,9 @@
 
 static tension_family_list families_of(bat_tension_space space, bool unseen)
 {
-    if (space == BAT_TENSION_PLANE)
+    if (space == BAT_TENSION_SPACE_PLANE)
         return plane_families(unseen);
-    return space == BAT_TENSION_SPHERE ? sphere_families(unseen) : disk_families(unseen);
+    return space == BAT_TENSION_SPACE_SPHERE ? sphere_families(unseen) : disk_families(unseen);
 }
 
 size_t tension_family_count(bat_tension_space space, bool unseen)
@@ -47,6 +47,6 @@ void tension_family_draw(bat_tension_space space, bool unseen, size_t family, ba
                          double *points)
 {
     families_of(space, unseen).families[family].draw(random, count, points);
-    if (space == BAT_TENSION_SPHERE)
+    if (space == BAT_TENSION_SPACE_SPHERE)
         rotate_sphere(random, count, points);
 }

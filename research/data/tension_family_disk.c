@@ -113,7 +113,7 @@ static void filleted_polygon(bat_random *random, size_t count, double *points)
 {
     double size = draw_between(random, 0.6, 2.4);
     fillet_polygon polygon = fillet_draw(random, 0.4 * size, size);
-    fillet_points(BAT_TENSION_DISK, &polygon, count, points);
+    fillet_points(BAT_TENSION_SPACE_DISK, &polygon, count, points);
     move(random, draw_coin(random), count, points);
 }
 

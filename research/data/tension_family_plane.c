@@ -97,7 +97,7 @@ static void inverted_trochoid(bat_random *random, size_t count, double *points)
 static void filleted_polygon(bat_random *random, size_t count, double *points)
 {
     fillet_polygon polygon = fillet_draw(random, 0.4, 1);
-    fillet_points(BAT_TENSION_PLANE, &polygon, count, points);
+    fillet_points(BAT_TENSION_SPACE_PLANE, &polygon, count, points);
     centre_and_scale(count, 1, points);
 }
 

@@ -158,7 +158,7 @@ static void filleted_polygon(bat_random *random, size_t count, double *points)
 {
     double size = draw_between(random, 0.4, 1.2);
     fillet_polygon polygon = fillet_draw(random, 0.4 * size, size);
-    fillet_points(BAT_TENSION_SPHERE, &polygon, count, points);
+    fillet_points(BAT_TENSION_SPACE_SPHERE, &polygon, count, points);
 }
 
 tension_family_list sphere_families(bool unseen)

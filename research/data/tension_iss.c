@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "research/data/control_polygon.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

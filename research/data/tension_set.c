@@ -108,11 +108,11 @@ static void draw_fit(bat_tension_space space, bool unseen, size_t family, bat_ra
 bat_status bat_tension_set_make(bat_tension_space space, bat_tension_set_kind kind, size_t count, uint64_t seed,
                                 bat_tension_set *set, bat_error *error)
 {
-    if ((kind != BAT_TENSION_RESAMPLED && kind != BAT_TENSION_UNSEEN) || (unsigned)space >= BAT_TENSION_SPACE_COUNT ||
-        count == 0)
+    if ((kind != BAT_TENSION_SET_KIND_RESAMPLED && kind != BAT_TENSION_SET_KIND_UNSEEN) ||
+        (unsigned)space >= BAT_TENSION_SPACE_COUNT || count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "a set needs a valid space, at least one curve, and the kind resampled or unseen");
-    bool unseen = kind == BAT_TENSION_UNSEEN;
+    bool unseen = kind == BAT_TENSION_SET_KIND_UNSEEN;
     bat_tension_set made = {.count = count, .dim = tension_dim(space)};
     if (!tension_set_allocate(&made))
     {

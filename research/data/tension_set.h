@@ -9,7 +9,7 @@
 /// The number of coordinates of a point.
 static inline size_t tension_dim(bat_tension_space space)
 {
-    return space == BAT_TENSION_SPHERE ? 3 : 2;
+    return space == BAT_TENSION_SPACE_SPHERE ? 3 : 2;
 }
 
 /// Allocate the arrays for set->count curves with set->dim coordinates. Returns false when out of memory;

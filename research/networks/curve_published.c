@@ -4,7 +4,7 @@
 #include "curve/network/learned_rule.h"
 #include "research/networks/tension_inference.h"
 #include "research/networks/weights.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <string.h>
 

@@ -5,15 +5,15 @@
 #include "batten/research/motion_study.h"
 
 #include "base/error.h"
-#include "space/whole.h"
+#include "space/complete.h"
 
 #include <math.h>
 #include <string.h>
 
 enum
 {
-    FIRST_PARTS = 16,  ///< of the weights 0 … 1, on the first level
-    MOST_HALVINGS = 8, ///< and how many times they are halved
+    FIRST_PARTS = 16, ///< of the weights 0 … 1, on the first level
+    MAX_HALVINGS = 8, ///< and how many times they are halved
     MIN_HALVINGS = 2
 };
 
@@ -75,7 +75,7 @@ static bat_status measure(const length_pair *pair, bat_hermite_length *length, b
     double change = INFINITY;
     size_t parts = FIRST_PARTS;
     bat_status status = sum_parts(pair, parts, &coarse);
-    for (int halving = 1; halving <= MOST_HALVINGS && status == BAT_OK; halving++)
+    for (int halving = 1; halving <= MAX_HALVINGS && status == BAT_OK; halving++)
     {
         parts *= 2;
         before = best;
@@ -99,7 +99,7 @@ static bat_status measure(const length_pair *pair, bat_hermite_length *length, b
 bat_status bat_hermite_length_of(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                  const double *v1, bat_hermite_length *length, bat_error *error)
 {
-    bat_status status = space_check_whole(space, error);
+    bat_status status = space_check_complete(space, error);
     if (status != BAT_OK)
         return status;
     bool same = memcmp(v0, v1, space->tangent_dim * sizeof *v0) == 0;

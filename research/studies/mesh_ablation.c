@@ -78,9 +78,9 @@ static bat_status trial_make(probe *p, size_t index, bat_error *error)
 {
     const bat_mesh_train_options recipe = bat_mesh_train_defaults(BAT_RECIPE_PUBLISHED);
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
-    how.method = BAT_MESH_DECIMATE_QUADRIC;
+    how.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
     how.attributes = 0;
-    how.least_quality = 0.2;
+    how.min_quality = 0.2;
     how.vertices = recipe.min_vertices + index * (recipe.max_vertices - recipe.min_vertices) / (TRIALS - 1);
     if (how.vertices > p->shape->vertex_count)
         how.vertices = p->shape->vertex_count;
@@ -192,7 +192,8 @@ static bat_status measure_network(const probe *p, const bat_mesh_model *model, b
 {
     const bat_mesh_method method = {NAMES[variant], BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(model)};
     const bat_progress silent = {0};
-    bat_status status = measure_trials(p, method.rule, variant == BAT_MESH_LEARN_LOOP, options->threads, row->errors, error);
+    bat_status status =
+        measure_trials(p, method.rule, variant == BAT_MESH_VARIANT_LEARN_LOOP, options->threads, row->errors, error);
     if (status == BAT_OK)
         status = mesh_study_score(p->shape, &p->coarse, &method, options, silent, NULL, &row->straight, error);
     if (status == BAT_OK)
@@ -210,11 +211,11 @@ static bat_status run_variant(const bat_mesh *shapes, size_t count, const probe 
     bat_mesh_train_options recipe = mesh_study_recipe(options);
     bat_mesh_model *model = NULL;
     recipe.run.progress = progress;
-    recipe.fixed_frames = variant == BAT_MESH_FIXED_FRAMES;
-    recipe.no_differences = variant == BAT_MESH_NO_DIFFERENCES;
-    recipe.last_level = variant == BAT_MESH_LAST_LEVEL;
-    recipe.chamfer = variant == BAT_MESH_CHAMFER;
-    recipe.learn_loop = variant == BAT_MESH_LEARN_LOOP;
+    recipe.fixed_frames = variant == BAT_MESH_VARIANT_FIXED_FRAMES;
+    recipe.no_differences = variant == BAT_MESH_VARIANT_NO_DIFFERENCES;
+    recipe.last_level = variant == BAT_MESH_VARIANT_LAST_LEVEL;
+    recipe.chamfer = variant == BAT_MESH_VARIANT_CHAMFER;
+    recipe.learn_loop = variant == BAT_MESH_VARIANT_LEARN_LOOP;
     if (recipe.learn_loop)
     {
         recipe.run.epochs *= LOOP_PATIENCE;

@@ -121,9 +121,9 @@ bat_status mesh_study_decimate(const bat_mesh *shape, const bat_mesh_study_optio
                                bat_mesh *coarse, bat_error *error)
 {
     bat_mesh_decimate_options how = bat_mesh_decimate_defaults();
-    how.method = BAT_MESH_DECIMATE_QUADRIC;
+    how.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
     how.attributes = 0;
-    how.least_quality = 0.2;
+    how.min_quality = 0.2;
     how.vertices = options->vertices;
     how.progress = progress;
     if (how.vertices < 4)
@@ -281,7 +281,8 @@ bat_status bat_mesh_study_list(const char *folder, char ***paths, size_t *count,
     folder_list list;
     bat_status status = folder_read(folder, is_test_shape, &list, error);
     if (status == BAT_OK && list.count == 0)
-        status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: no shapes in a format of meshes to test on in the folder", folder);
+        status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0,
+                           "%s: no shapes in a format of meshes to test on in the folder", folder);
     for (size_t i = 0; i < list.count && status == BAT_OK; i++)
     {
         size_t size = strlen(folder) + strlen(list.names[i]) + 2;

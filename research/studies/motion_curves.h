@@ -45,10 +45,11 @@ bat_status study_curve_error(const study_curve *curve, const bat_hermite_curve *
 typedef struct study_setup
 {
     size_t count;
-    bool closed;                        ///< samples over the whole period, else over half of it
-    double unevenness;                  ///< delay of every second sample, as a fraction of the mean spacing: 0 … 0.9
-    bool estimated;                     ///< directions estimated from the points (order 4) instead of the exact ones
-    const bat_hermite_options *options; ///< scheme; linear Hermite schemes receive derivatives with respect to the index
+    bool closed;       ///< samples over the whole period, else over half of it
+    double unevenness; ///< delay of every second sample, as a fraction of the mean spacing: 0 … 0.9
+    bool estimated;    ///< directions estimated from the points (order 4) instead of the exact ones
+    const bat_hermite_refine_options
+        *options; ///< scheme; linear Hermite schemes receive derivatives with respect to the index
 } study_setup;
 
 /// The largest distance of the refined curve from the smooth curve of its samples.

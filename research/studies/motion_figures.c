@@ -111,7 +111,7 @@ static double *add_curve(bat_hermite_panel *panel, const bat_space *space, size_
 static bat_status add_truth(const figure_data *data, size_t count, bat_hermite_panel *panel, bat_error *error)
 {
     const bat_space *space = data->curve.space;
-    double *points = add_curve(panel, space, count, data->closed, BAT_CURVE_LAYER_TRUTH);
+    double *points = add_curve(panel, space, count, data->closed, BAT_CURVE_LAYER_ROLE_TRUTH);
     if (points == NULL)
         return error_memory(error, count * space->point_dim * sizeof *points);
     bat_status status = BAT_OK;
@@ -178,8 +178,8 @@ static bat_status refine(const bat_hermite_curve *samples, figure_scheme scheme,
 {
     if (scheme == AVERAGE)
         return average_all(samples, fine, error);
-    bat_hermite_options how = bat_hermite_defaults();
-    how.kind = scheme == OURS ? BAT_HERMITE_LANE_RIESENFELD : BAT_HERMITE_TRANSPORT;
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
+    how.kind = scheme == OURS ? BAT_HERMITE_KIND_LANE_RIESENFELD : BAT_HERMITE_KIND_TRANSPORT;
     how.order = scheme == OURS ? order : 1;
     how.levels = levels;
     return bat_hermite_refine(samples, &how, fine, error);
@@ -190,10 +190,10 @@ static bat_status draw_curves(const figure_data *data, const bat_hermite_curve *
                               bat_hermite_panel *panel, bat_error *error)
 {
     bool tensors = strcmp(data->curve.space->name, "spd") == 0;
-    bat_status status = add_copy(samples, BAT_CURVE_LAYER_CONTROL, panel, error);
+    bat_status status = add_copy(samples, BAT_CURVE_LAYER_ROLE_CONTROL, panel, error);
     if (status == BAT_OK)
         status = add_truth(data, tensors ? AVERAGES + 1 : TRUTH_POINTS, panel, error);
-    return status == BAT_OK ? add_copy(fine, BAT_CURVE_LAYER_CURVE, panel, error) : status;
+    return status == BAT_OK ? add_copy(fine, BAT_CURVE_LAYER_ROLE_CURVE, panel, error) : status;
 }
 
 /// Figure 4: a corner of a triangle about (0, 1, 0).
@@ -219,7 +219,7 @@ static bat_status add_corner_paths(const figure_data *data, const bat_space *sph
     for (size_t corner = 0; corner < 3; corner++)
     {
         double direction[3], quaternion[4];
-        double *points = add_curve(panel, sphere, TRUTH_POINTS, data->closed, BAT_CURVE_LAYER_TRUTH);
+        double *points = add_curve(panel, sphere, TRUTH_POINTS, data->closed, BAT_CURVE_LAYER_ROLE_TRUTH);
         if (points == NULL)
             return error_memory(error, TRUTH_POINTS * 3 * sizeof *points);
         corner_of(corner, direction);
@@ -258,8 +258,9 @@ static bat_status draw_triangles(const figure_data *data, const bat_space *spher
 {
     bat_status status = add_corner_paths(data, sphere, panel, error);
     if (status == BAT_OK)
-        status = add_triangles(fine, (size_t)1 << (LEVELS - TRIANGLE_LEVEL), sphere, BAT_CURVE_LAYER_CURVE, panel, error);
-    return status == BAT_OK ? add_triangles(samples, 1, sphere, BAT_CURVE_LAYER_CONTROL, panel, error) : status;
+        status =
+            add_triangles(fine, (size_t)1 << (LEVELS - TRIANGLE_LEVEL), sphere, BAT_CURVE_LAYER_ROLE_CURVE, panel, error);
+    return status == BAT_OK ? add_triangles(samples, 1, sphere, BAT_CURVE_LAYER_ROLE_CONTROL, panel, error) : status;
 }
 
 /// Add a panel: sample, refine, measure, and store the curves to draw.

@@ -262,7 +262,7 @@ static bat_status measure(const trajectory *motion, size_t step, bat_motion_shap
         memcpy(kept.poses + i * POSE, motion->poses + i * step * POSE, POSE * sizeof(double));
     }
     const bat_hermite_curve keys = {.space = &rigid, .points = kept.poses, .times = kept.times, .count = count};
-    status = bat_motion_spline_new(&keys, &options, &spline, error);
+    status = bat_motion_spline_make(&keys, &options, &spline, error);
     errors[0] = errors[1] = 0;
     for (size_t i = 0; status == BAT_OK && i < (count - 1) * step; i++)
     {

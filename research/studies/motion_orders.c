@@ -71,12 +71,12 @@ static const study_scheme SCHEMES[] = {
     {.name = "hermite:order=1", .order = 1},
     {.name = "hermite:order=2", .order = 2},
     {.name = "hermite:order=3", .order = 3},
-    {.name = "transport:mask=merrien", .kind = BAT_HERMITE_TRANSPORT, .order = 1},
+    {.name = "transport:mask=merrien", .kind = BAT_HERMITE_KIND_TRANSPORT, .order = 1},
     {.name = "transport:mask=merrien,base=midpoint",
-     .kind = BAT_HERMITE_TRANSPORT,
+     .kind = BAT_HERMITE_KIND_TRANSPORT,
      .order = 1,
      .base = BAT_CURVE_BASE_MIDPOINT},
-    {.name = "transport:mask=de-rham", .kind = BAT_HERMITE_TRANSPORT, .order = 1, .smooth = true},
+    {.name = "transport:mask=de-rham", .kind = BAT_HERMITE_KIND_TRANSPORT, .order = 1, .smooth = true},
     {.name = "hermite:order=1,tangents=estimated", .estimated = true, .order = 1},
     {.name = "log-exp-4", .points_alone = true},
     {.name = "log-exp-lane-riesenfeld:order=3", .points_alone = true},
@@ -92,7 +92,7 @@ const char *bat_hermite_quantity_name(bat_hermite_quantity quantity)
     static const char *const NAMES[] = {"error",           "geodesic error", "point proximity",
                                         "angle proximity", "contraction",    "displacement",
                                         "halving",         "half share",     "triangle"};
-    return quantity >= BAT_HERMITE_ERROR && quantity <= BAT_HERMITE_TRIANGLE ? NAMES[quantity] : "unknown";
+    return quantity >= BAT_HERMITE_QUANTITY_ERROR && quantity <= BAT_HERMITE_QUANTITY_TRIANGLE ? NAMES[quantity] : "unknown";
 }
 
 /// A table that grows.
@@ -159,7 +159,7 @@ static bat_status scheme_error(const study_curve *curve, const study_scheme *sch
 {
     if (scheme->points_alone)
         return points_alone_error(curve, scheme->name, count, largest, error);
-    bat_hermite_options how = bat_hermite_defaults();
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
     how.levels = LEVELS;
     how.kind = scheme->kind;
     how.order = scheme->order;
@@ -178,7 +178,7 @@ static bat_status add_errors(study_table *table, const study_curve *curve, const
     {
         size_t count = (size_t)COARSEST << halving;
         bat_hermite_measure row = {
-            .space = space, .scheme = scheme->name, .quantity = BAT_HERMITE_ERROR, .h = PERIOD / (double)count};
+            .space = space, .scheme = scheme->name, .quantity = BAT_HERMITE_QUANTITY_ERROR, .h = PERIOD / (double)count};
         status = scheme_error(curve, scheme, count, &row.value, error);
         if (status == BAT_OK)
             status = add_row(table, row, error);
@@ -259,7 +259,8 @@ static bat_status geodesic_error(const bat_space *space, study_pair *pair, doubl
 static bat_status add_geodesics(study_table *table, const bat_space *space, const char *name, bat_error *error)
 {
     bat_random random = bat_random_seed(1);
-    bat_hermite_measure row = {.space = name, .scheme = SCHEMES[0].name, .quantity = BAT_HERMITE_GEODESIC_ERROR, .h = NAN};
+    bat_hermite_measure row = {
+        .space = name, .scheme = SCHEMES[0].name, .quantity = BAT_HERMITE_QUANTITY_GEODESIC_ERROR, .h = NAN};
     bat_status status = BAT_OK;
     for (int trial = 0; trial < TRIALS && status == BAT_OK; trial++)
     {
@@ -280,7 +281,8 @@ static bat_status add_proximity(study_table *table, const bat_space *space, cons
         bat_random random = bat_random_seed(1);
         bat_hermite_measure row = {.space = name,
                                    .scheme = SCHEMES[0].name,
-                                   .quantity = angles ? BAT_HERMITE_ANGLE_PROXIMITY : BAT_HERMITE_POINT_PROXIMITY,
+                                   .quantity =
+                                       angles ? BAT_HERMITE_QUANTITY_ANGLE_PROXIMITY : BAT_HERMITE_QUANTITY_POINT_PROXIMITY,
                                    .h = ldexp(0.01, -(int)halving)};
         for (int trial = 0; trial < TRIALS && status == BAT_OK; trial++)
         {
@@ -304,7 +306,7 @@ static bat_status add_proximity(study_table *table, const bat_space *space, cons
 static bat_status level_ratios(const study_curve *curve, size_t order, double *contraction, double *displacement,
                                bat_error *error)
 {
-    bat_hermite_options how = bat_hermite_defaults();
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
     bat_hermite_curve coarse = {0};
     double parameters[COARSEST];
     for (size_t i = 0; i < COARSEST; i++)
@@ -340,11 +342,11 @@ static bat_status add_ratios(study_table *table, const study_curve *curve, const
         bat_hermite_measure row = {.space = space, .scheme = NAMES[order - 1], .h = NAN};
         double contraction = 0, displacement = 0;
         status = level_ratios(curve, order, &contraction, &displacement, error);
-        row.quantity = BAT_HERMITE_CONTRACTION;
+        row.quantity = BAT_HERMITE_QUANTITY_CONTRACTION;
         row.value = contraction;
         if (status == BAT_OK)
             status = add_row(table, row, error);
-        row.quantity = BAT_HERMITE_DISPLACEMENT;
+        row.quantity = BAT_HERMITE_QUANTITY_DISPLACEMENT;
         row.value = displacement;
         if (status == BAT_OK)
             status = add_row(table, row, error);
@@ -411,7 +413,7 @@ static bat_status add_halving(study_table *table, const study_curve *curve, cons
     {
         size_t count = (size_t)COARSEST << halving;
         bat_hermite_measure row = {
-            .space = name, .scheme = SCHEMES[0].name, .quantity = BAT_HERMITE_HALVING, .h = PERIOD / (double)count};
+            .space = name, .scheme = SCHEMES[0].name, .quantity = BAT_HERMITE_QUANTITY_HALVING, .h = PERIOD / (double)count};
         status = curve_halving(curve, count, &row.value, error);
         if (status == BAT_OK)
             status = add_row(table, row, error);
@@ -477,11 +479,11 @@ static bat_status add_lengths(study_table *table, const bat_space *space, const 
                                   : error_set(error, status, BAT_NO_INDEX, 0, "there is no random pair in %s", name);
     }
     bat_hermite_measure row = {.space = name, .scheme = SCHEMES[0].name, .h = NAN};
-    row.quantity = BAT_HERMITE_HALF_SHARE;
+    row.quantity = BAT_HERMITE_QUANTITY_HALF_SHARE;
     row.value = share;
     if (status == BAT_OK)
         status = add_row(table, row, error);
-    row.quantity = BAT_HERMITE_TRIANGLE;
+    row.quantity = BAT_HERMITE_QUANTITY_TRIANGLE;
     row.value = triangle;
     return status == BAT_OK ? add_row(table, row, error) : status;
 }

@@ -167,12 +167,12 @@ static bat_status compare(const real_case *a_case, const bat_curve *curve, const
     bat_status status = nearest_build(NEAREST_POINTS, points, NULL, SAMPLES, curve->space->point_dim, &tree, error);
     if (status != BAT_OK)
         return status;
-    double there, back, greatest_there, greatest_back;
-    one_sided(a_case, points, &to->truth->tree, &there, &greatest_there);
-    one_sided(a_case, to->truth->points, &tree, &back, &greatest_back);
+    double there, back, max_from_first, max_from_second;
+    one_sided(a_case, points, &to->truth->tree, &there, &max_from_first);
+    one_sided(a_case, to->truth->points, &tree, &back, &max_from_second);
     nearest_free(&tree);
     result->distance = 0.5 * (there + back) / to->edge;
-    result->largest = fmax(greatest_there, greatest_back) / to->edge;
+    result->largest = fmax(max_from_first, max_from_second) / to->edge;
     return BAT_OK;
 }
 

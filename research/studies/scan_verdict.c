@@ -382,14 +382,14 @@ static bat_status measure(const bat_spline_surface *surface, const bat_mesh *tru
                               .vertex_count = samples.vertex_count,
                               .faces = samples.triangles,
                               .face_count = samples.triangle_count};
-    status = distance_quantile(truth, &sampled, false, threads, &row->missed, error);
+    status = distance_quantile(truth, &sampled, false, threads, &row->distance_from_surface, error);
     if (status == BAT_OK)
-        status = distance_quantile(&sampled, truth, true, threads, &row->strays, error);
-    row->missed /= size_of(truth);
-    row->strays /= size_of(truth);
+        status = distance_quantile(&sampled, truth, true, threads, &row->distance_from_points, error);
+    row->distance_from_surface /= size_of(truth);
+    row->distance_from_points /= size_of(truth);
     row->area = area_of(&sampled) / area_of(truth);
-    row->is_right = row->missed <= MAX_MISSED + 2 * row->noise && row->strays <= MAX_STRAY + 2 * row->noise &&
-                    row->area >= AREA[0] && row->area <= AREA[1];
+    row->is_right = row->distance_from_surface <= MAX_MISSED + 2 * row->noise &&
+                    row->distance_from_points <= MAX_STRAY + 2 * row->noise && row->area >= AREA[0] && row->area <= AREA[1];
     tessellation_free(&samples);
     return status;
 }
@@ -400,7 +400,7 @@ static bat_status judge(const bat_mesh *truth, bat_cloud *cloud, bat_random *ran
     double deviation = row->noise * size_of(truth);
     for (size_t k = 0; k < 3 * cloud->count; k++)
         cloud->points[k] += deviation * bat_random_normal(random);
-    bat_surface_options fit = bat_surface_defaults();
+    bat_surface_reconstruct_options fit = bat_surface_reconstruct_defaults();
     bat_surface_result result;
     bat_error failure = {0};
     fit.force = true;

@@ -9,7 +9,7 @@
 
 enum
 {
-    MOST_ITERATIONS = 100000
+    MAX_ITERATIONS = 100000
 };
 
 /// The norm counts as settled when a step changes it by less, relatively.
@@ -41,7 +41,7 @@ bat_status spectral_norm(size_t rows, size_t columns, const double *a, double *n
         v[i] = bat_random_normal(&random);
     double last = INFINITY, estimate = 0;
     size_t done = 0;
-    for (; done < MOST_ITERATIONS && fabs(estimate - last) > SETTLED * estimate; done++)
+    for (; done < MAX_ITERATIONS && fabs(estimate - last) > SETTLED * estimate; done++)
     {
         last = estimate;
         estimate = iterate((int)rows, (int)columns, a, v, v + columns);
@@ -49,7 +49,7 @@ bat_status spectral_norm(size_t rows, size_t columns, const double *a, double *n
             break;
     }
     free(v);
-    if (done == MOST_ITERATIONS)
+    if (done == MAX_ITERATIONS)
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the power iteration did not settle");
     *norm = estimate;
     return BAT_OK;

@@ -85,11 +85,11 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary, c
                                double *parameters, bat_error *error)
 {
     static const bat_cloud_parameterization CLASSICAL[BAT_SURFACE_PARAMETERS_COUNT] = {
-        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZE_UNIFORM,
-        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,
-        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,
-        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
-        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZATION_UNIFORM,
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE,
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING,
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE,
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING,
     };
     if (method->parameters == BAT_SURFACE_PARAMETERS_LEARNED)
         return bat_surface_model_parameterize(method->model, cloud, boundary, 1, parameters, error);
@@ -321,12 +321,12 @@ void bat_surface_trial_free(bat_surface_trial *trial)
 bat_status bat_surface_study_fit(const bat_cloud *cloud, const bat_surface_method *method,
                                  const bat_surface_fit_options *fit, bat_surface_trial *trial, bat_error *error)
 {
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     options.fit = *fit;
     options.parameters = method->parameters;
     options.published = method->published;
     options.model = method->model;
-    options.no_repair = !method->unfolded;
+    options.repair = method->unfolded;
     bat_surface_trial made = {0};
     bat_cloud copy;
     bat_status status = bat_cloud_copy(cloud, &copy, error);

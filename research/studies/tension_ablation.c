@@ -35,15 +35,15 @@ static bat_curve_train_options recipe_of(bat_tension_variant variant, const bat_
     recipe.run.epochs = options->epochs;
     recipe.run.threads = options->threads;
     recipe.run.resume = true;
-    if (variant == BAT_TENSION_ONE_HOT)
+    if (variant == BAT_TENSION_VARIANT_ONE_HOT)
         recipe.embedding = BAT_TENSION_EMBEDDING_ONE_HOT;
-    if (variant == BAT_TENSION_NO_EMBEDDING)
+    if (variant == BAT_TENSION_VARIANT_NO_EMBEDDING)
         recipe.embedding = BAT_TENSION_EMBEDDING_NONE;
-    if (variant == BAT_TENSION_NO_CONSISTENCY)
+    if (variant == BAT_TENSION_VARIANT_NO_CONSISTENCY)
         recipe.consistency = 0;
-    if (variant == BAT_TENSION_NO_BENDING)
+    if (variant == BAT_TENSION_VARIANT_NO_BENDING)
         recipe.bending = 0;
-    if (variant == BAT_TENSION_NO_SMOOTHNESS)
+    if (variant == BAT_TENSION_VARIANT_NO_SMOOTHNESS)
         memset(recipe.smoothness, 0, sizeof recipe.smoothness);
     return recipe;
 }
@@ -63,10 +63,10 @@ static bat_status measure_four_point(double bending[SPACES], int threads, bat_er
 {
     bat_tension_row rows[SPACES];
     bat_curve_scheme scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
-    scheme.sign = BAT_CURVE_ANGLE_PRINTED;
+    scheme.sign = BAT_CURVE_ANGLE_SIGN_PRINTED;
     const bat_tension_method method = {"four-point-printed", NAN, scheme};
     bat_status status =
-        bat_tension_table1_methods(BAT_TENSION_PUBLISHED, &method, 1, rows, threads, (bat_progress){0}, error);
+        bat_tension_table1_methods(BAT_TENSION_SET_KIND_PUBLISHED, &method, 1, rows, threads, (bat_progress){0}, error);
     for (size_t space = 0; space < SPACES && status == BAT_OK; space++)
         bending[space] = rows[space].bending.mean;
     return status;
@@ -154,13 +154,14 @@ static bat_status make_table(const bat_tension_variant *variants, const publishe
 
 bat_status bat_tension_table3(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows, bat_error *error)
 {
-    static const bat_tension_variant variants[] = {BAT_TENSION_FULL, BAT_TENSION_ONE_HOT, BAT_TENSION_NO_EMBEDDING};
+    static const bat_tension_variant variants[] = {BAT_TENSION_VARIANT_FULL, BAT_TENSION_VARIANT_ONE_HOT,
+                                                   BAT_TENSION_VARIANT_NO_EMBEDDING};
     return make_table(variants, TABLE3, BAT_TENSION_TABLE3_ROWS, options, rows, error);
 }
 
 bat_status bat_tension_table4(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows, bat_error *error)
 {
-    static const bat_tension_variant variants[] = {BAT_TENSION_FULL, BAT_TENSION_NO_CONSISTENCY, BAT_TENSION_NO_BENDING,
-                                                   BAT_TENSION_NO_SMOOTHNESS};
+    static const bat_tension_variant variants[] = {BAT_TENSION_VARIANT_FULL, BAT_TENSION_VARIANT_NO_CONSISTENCY,
+                                                   BAT_TENSION_VARIANT_NO_BENDING, BAT_TENSION_VARIANT_NO_SMOOTHNESS};
     return make_table(variants, TABLE4, BAT_TENSION_TABLE4_ROWS, options, rows, error);
 }

@@ -101,7 +101,7 @@ static bat_status allocate(noise_state *state)
 
 static void draw_offsets(noise_state *state)
 {
-    const bat_tension_set *set = &state->data.validation[BAT_TENSION_PLANE];
+    const bat_tension_set *set = &state->data.validation[BAT_TENSION_SPACE_PLANE];
     const size_t numbers = BAT_TENSION_CONTROL_POINTS * set->dim;
     bat_random random = bat_random_seed(state->options->seed);
     for (size_t i = 0; i < state->count; i++)
@@ -128,7 +128,7 @@ static bat_status state_make(const bat_tension_noise_options *options, noise_sta
         status = bat_tension_data_make(&state->data, error);
     if (status != BAT_OK)
         return status;
-    const bat_tension_set *set = &state->data.validation[BAT_TENSION_PLANE];
+    const bat_tension_set *set = &state->data.validation[BAT_TENSION_SPACE_PLANE];
     state->count = set->count;
     status = allocate(state);
     for (size_t i = 0; i < state->count && status == BAT_OK; i++)
@@ -225,20 +225,20 @@ static bat_status search(noise_state *state, bat_curve_angle_sign sign, double *
 static bat_status fill_rows(noise_state *state, bat_tension_noise_row *rows)
 {
     double best_printed = 0, best_outward = 0;
-    bat_status status = search(state, BAT_CURVE_ANGLE_PRINTED, &best_printed);
+    bat_status status = search(state, BAT_CURVE_ANGLE_SIGN_PRINTED, &best_printed);
     if (status == BAT_OK)
-        status = search(state, BAT_CURVE_ANGLE_OUTWARD, &best_outward);
+        status = search(state, BAT_CURVE_ANGLE_SIGN_OUTWARD, &best_outward);
     const struct
     {
         const char *method;
         bat_curve_scheme scheme;
     } methods[BAT_TENSION_NOISE_METHODS] = {
-        {"four-point-printed", angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
-        {"six-point-printed", angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
-        {"adaptive-heuristic-printed", angle(best_printed, BAT_CURVE_ANGLE_PRINTED, true)},
-        {"four-point-outward", angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
-        {"six-point-outward", angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
-        {"adaptive-heuristic", angle(best_outward, BAT_CURVE_ANGLE_OUTWARD, true)},
+        {"four-point-printed", angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_SIGN_PRINTED, false)},
+        {"six-point-printed", angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_SIGN_PRINTED, false)},
+        {"adaptive-heuristic-printed", angle(best_printed, BAT_CURVE_ANGLE_SIGN_PRINTED, true)},
+        {"four-point-outward", angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_SIGN_OUTWARD, false)},
+        {"six-point-outward", angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_SIGN_OUTWARD, false)},
+        {"adaptive-heuristic", angle(best_outward, BAT_CURVE_ANGLE_SIGN_OUTWARD, true)},
     };
     const double share = 1.0 / BAT_TENSION_NOISE_METHODS;
     for (size_t m = 0; m < BAT_TENSION_NOISE_METHODS && status == BAT_OK; m++)

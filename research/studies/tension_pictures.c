@@ -62,12 +62,12 @@ static bat_chart chart_of(frontier *f, const char *space, bool bending)
     f->series[0] = (bat_chart_series){.x = f->learned_x,
                                       .y = f->learned_y,
                                       .count = f->learned,
-                                      .mark = BAT_CHART_LINE_POINTS,
+                                      .mark = BAT_CHART_MARK_LINE_POINTS,
                                       .label = "learned, fairness 0 to 1"};
     f->series[1] = (bat_chart_series){.x = f->other_x,
                                       .y = f->other_y,
                                       .count = f->others,
-                                      .mark = BAT_CHART_POINTS,
+                                      .mark = BAT_CHART_MARK_POINTS,
                                       .label = "other schemes",
                                       .point_labels = f->other_names};
     bat_chart chart = bat_chart_defaults();
@@ -124,8 +124,11 @@ bat_status bat_tension_mechanism_draw(const char *path, const bat_tension_mechan
         const bat_tension_mechanism_space *space = &report->spaces[i % SPACES];
         fill_bars(printed ? &space->printed : &space->outward, x[i], y[i]);
         (void)snprintf(titles[i], sizeof titles[i], "%s, %s sign", NAMES[i % SPACES], printed ? "printed" : "outward");
-        series[i] = (bat_chart_series){
-            .x = x[i], .y = y[i], .count = BAT_TENSION_EFFECTIVE_BINS, .mark = BAT_CHART_BARS, .colour = printed ? 1 : 2};
+        series[i] = (bat_chart_series){.x = x[i],
+                                       .y = y[i],
+                                       .count = BAT_TENSION_EFFECTIVE_BINS,
+                                       .mark = BAT_CHART_MARK_BARS,
+                                       .colour = printed ? 1 : 2};
         charts[i] = bat_chart_defaults();
         charts[i].series = &series[i];
         charts[i].series_count = 1;
@@ -153,9 +156,9 @@ bat_status bat_tension_iss_draw(const char *path, bat_error *error)
     if (status == BAT_OK)
     {
         bat_curve_picture_layer layers[] = {
-            {.curve = &control, .role = BAT_CURVE_LAYER_CONTROL, .label = "16 control points"},
-            {.curve = &truth, .role = BAT_CURVE_LAYER_TRUTH, .label = "ground track"},
-            {.curve = &fine, .role = BAT_CURVE_LAYER_CURVE, .label = "four-point, outward"},
+            {.curve = &control, .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = "16 control points"},
+            {.curve = &truth, .role = BAT_CURVE_LAYER_ROLE_TRUTH, .label = "ground track"},
+            {.curve = &fine, .role = BAT_CURVE_LAYER_ROLE_CURVE, .label = "four-point, outward"},
         };
         bat_curve_picture_panel panel = {.layers = layers, .layer_count = 3};
         bat_curve_picture_options draw = bat_curve_picture_defaults();

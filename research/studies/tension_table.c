@@ -202,22 +202,22 @@ static bat_status fill_method_rows(table_state *state, const case_set *set, cons
 static bat_status fill_built_in_rows(table_state *state, const case_set *set, bat_tension_row *rows)
 {
     double best_printed = 0, best_outward = 0;
-    bat_status status = search_published(state, set, BAT_CURVE_ANGLE_PRINTED, &best_printed);
+    bat_status status = search_published(state, set, BAT_CURVE_ANGLE_SIGN_PRINTED, &best_printed);
     if (status == BAT_OK)
-        status = search_published(state, set, BAT_CURVE_ANGLE_OUTWARD, &best_outward);
+        status = search_published(state, set, BAT_CURVE_ANGLE_SIGN_OUTWARD, &best_outward);
     if (status != BAT_OK)
         return status;
     const bat_tension_method methods[BAT_TENSION_METHODS] = {
-        {"four-point-printed", NAN, angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
-        {"six-point-printed", NAN, angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_PRINTED, false)},
-        {"four-point-outward", NAN, angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
-        {"six-point-outward", NAN, angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_OUTWARD, false)},
+        {"four-point-printed", NAN, angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_SIGN_PRINTED, false)},
+        {"six-point-printed", NAN, angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_SIGN_PRINTED, false)},
+        {"four-point-outward", NAN, angle(BAT_CURVE_TENSION_FOUR_POINT, BAT_CURVE_ANGLE_SIGN_OUTWARD, false)},
+        {"six-point-outward", NAN, angle(BAT_CURVE_TENSION_SIX_POINT, BAT_CURVE_ANGLE_SIGN_OUTWARD, false)},
         {"log-exp-4", NAN, bat_curve_scheme_log_exp(bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT))},
         {"log-exp-6", NAN, bat_curve_scheme_log_exp(bat_mask_six_point(BAT_MASK_SIX_POINT_WEIGHT))},
-        {"oracle-printed", NAN, angle(best_printed, BAT_CURVE_ANGLE_PRINTED, false)},
-        {"oracle-outward", NAN, angle(best_outward, BAT_CURVE_ANGLE_OUTWARD, false)},
-        {"adaptive-heuristic-printed", NAN, angle(best_printed, BAT_CURVE_ANGLE_PRINTED, true)},
-        {"adaptive-heuristic", NAN, angle(best_outward, BAT_CURVE_ANGLE_OUTWARD, true)},
+        {"oracle-printed", NAN, angle(best_printed, BAT_CURVE_ANGLE_SIGN_PRINTED, false)},
+        {"oracle-outward", NAN, angle(best_outward, BAT_CURVE_ANGLE_SIGN_OUTWARD, false)},
+        {"adaptive-heuristic-printed", NAN, angle(best_printed, BAT_CURVE_ANGLE_SIGN_PRINTED, true)},
+        {"adaptive-heuristic", NAN, angle(best_outward, BAT_CURVE_ANGLE_SIGN_OUTWARD, true)},
     };
     return fill_method_rows(state, set, methods, BAT_TENSION_METHODS, rows);
 }
@@ -320,7 +320,7 @@ static bat_status fill_space(table_state *state, const bat_tension_set *set, con
 static bat_status make_sets(bat_tension_set_kind kind, bat_tension_set *sets, bat_error *error)
 {
     bat_status status = BAT_OK;
-    if (kind == BAT_TENSION_PUBLISHED)
+    if (kind == BAT_TENSION_SET_KIND_PUBLISHED)
     {
         bat_tension_data data;
         status = bat_tension_data_make(&data, error);
@@ -352,7 +352,7 @@ static bat_status make_table1(bat_tension_set_kind kind, const row_maker *make, 
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++, rows += make->rows)
     {
         status = fill_space(&state, &sets[s], &spaces[s], make, rows);
-        if (status == BAT_OK && kind == BAT_TENSION_PUBLISHED)
+        if (status == BAT_OK && kind == BAT_TENSION_SET_KIND_PUBLISHED)
             set_published_rows(rows, make, TABLE1[s], PUBLISHED_ROWS, &LEARNED1[s]);
     }
     free(state.numbers);

@@ -111,16 +111,16 @@ static size_t factor(size_t rows, size_t columns, double *matrix, double *sides,
     for (; rank < most; rank++)
     {
         size_t longest = rank;
-        double most_square = -1, value;
+        double max_square = -1, value;
         for (size_t j = rank; j < columns; j++)
         {
             const double *column = matrix + j * rows + rank;
             double square = product(rows - rank, column, 1, column, 1);
-            longest = square > most_square ? j : longest;
-            most_square = fmax(most_square, square);
+            longest = square > max_square ? j : longest;
+            max_square = fmax(max_square, square);
         }
-        largest = fmax(largest, sqrt(most_square));
-        if (!(sqrt(most_square) > RANK_SHARE * largest))
+        largest = fmax(largest, sqrt(max_square));
+        if (!(sqrt(max_square) > RANK_SHARE * largest))
             break;
         size_t kept = order[rank];
         order[rank] = order[longest];

@@ -52,7 +52,7 @@ static const struct
 
 /// Mean distances that a good rule reaches on the smooth families.
 static const double SMOOTH_UNIT[SPACES] = {
-    [BAT_TENSION_PLANE] = 0.006, [BAT_TENSION_SPHERE] = 0.0105, [BAT_TENSION_DISK] = 0.0027};
+    [BAT_TENSION_SPACE_PLANE] = 0.006, [BAT_TENSION_SPACE_SPHERE] = 0.0105, [BAT_TENSION_SPACE_DISK] = 0.0027};
 
 /// What is recorded of every batch.
 enum
@@ -175,12 +175,12 @@ static bool samples_are_fit(const double *points, const size_t *samples, size_t 
 /// the azimuthal equidistant map, or a concentric disk of Euclidean radius `reach`.
 static void place_point(bat_tension_space space, double reach, const double *from, double *point)
 {
-    double radius = hypot(from[0], from[1]), factor = space == BAT_TENSION_PLANE ? 1 : reach;
-    if (space == BAT_TENSION_SPHERE && radius > 0)
+    double radius = hypot(from[0], from[1]), factor = space == BAT_TENSION_SPACE_PLANE ? 1 : reach;
+    if (space == BAT_TENSION_SPACE_SPHERE && radius > 0)
         factor = sin(reach * radius) / radius;
     point[0] = factor * from[0];
     point[1] = factor * from[1];
-    if (space == BAT_TENSION_SPHERE)
+    if (space == BAT_TENSION_SPACE_SPHERE)
         point[2] = cos(reach * radius);
 }
 
@@ -215,7 +215,7 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
         closed = rough_curve_draw(ROUGH_RADIAL, random, ROUGH_POINTS, plane);
         curve_sample(CURVE_SAMPLING_EVEN, plane, ROUGH_POINTS, closed, count, random, samples);
     }
-    double reach = space == BAT_TENSION_SPHERE ? draw_between(random, 0.02, 1.2) : draw_between(random, 0.1, 0.75);
+    double reach = space == BAT_TENSION_SPACE_SPHERE ? draw_between(random, 0.02, 1.2) : draw_between(random, 0.1, 0.75);
     double noise = bat_random_uniform(random) < 0.15 ? draw_between(random, 0, 0.1) / (double)count : 0;
     for (size_t i = 0; i < TRUTH; i++)
     {
@@ -391,7 +391,7 @@ static bat_status make(void *context, bat_error *error)
     if (status == BAT_OK)
         learned_network_start(&t->base.parameters, t->options->run.seed);
     for (int space = 0; space < SPACES && status == BAT_OK; space++)
-        status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, t->size.validation_curves,
+        status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_SET_KIND_RESAMPLED, t->size.validation_curves,
                                       VALIDATION_SEED, &t->validation[space], error);
     return status;
 }

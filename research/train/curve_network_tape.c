@@ -107,7 +107,7 @@ static void features_back(void *context)
 }
 
 /// Gather the features of a polygon's edges. An open polygon is continued by point reflection in its ends
-/// (BAT_CURVE_END_REFLECT).
+/// (BAT_CURVE_END_RULE_REFLECT).
 /// @param level from LEARNED_LEVELS on without the network's features
 static edge_features *gather_features(learn_tape *tape, tape_polygon *polygon, size_t level, double fairness)
 {
@@ -325,8 +325,8 @@ curve_network_loss curve_network_sample_loss(learn_tape *tape, const tension_sam
     loss.angle = tape_polygon_angle_power_mean(tape, polygon, ANGLE_POWER);
     if (tape->status != BAT_OK)
         return loss;
-    double least_angle = ANGLE_FLOOR * ANGLE_FLOOR_COUNT / (double)polygon->shape.count;
-    loss.angle = learn_scale(tape, loss.angle, (real)(1 / (six.angle + least_angle)));
+    double min_angle = ANGLE_FLOOR * ANGLE_FLOOR_COUNT / (double)polygon->shape.count;
+    loss.angle = learn_scale(tape, loss.angle, (real)(1 / (six.angle + min_angle)));
     double fair =
         weights->min_roughness * pow(weights->max_roughness / weights->min_roughness, pow(fairness, FAIRNESS_POWER));
     learn_array *roughness = learn_add(tape, loss.bending, learn_scale(tape, loss.angle, (real)weights->angle));

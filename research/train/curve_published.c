@@ -166,9 +166,9 @@ static bat_status check(const void *context, bat_error *error)
     const bat_curve_train_options *o = ((const curve_training *)context)->options;
     const train_range ranges[] = {
         {"embedding", (double)o->embedding, 0, BAT_TENSION_EMBEDDING_NONE, false, false},
-        {"smoothness of the plane", o->smoothness[BAT_TENSION_PLANE], 0, INFINITY, false, false},
-        {"smoothness of the sphere", o->smoothness[BAT_TENSION_SPHERE], 0, INFINITY, false, false},
-        {"smoothness of the disk", o->smoothness[BAT_TENSION_DISK], 0, INFINITY, false, false},
+        {"smoothness of the plane", o->smoothness[BAT_TENSION_SPACE_PLANE], 0, INFINITY, false, false},
+        {"smoothness of the sphere", o->smoothness[BAT_TENSION_SPACE_SPHERE], 0, INFINITY, false, false},
+        {"smoothness of the disk", o->smoothness[BAT_TENSION_SPACE_DISK], 0, INFINITY, false, false},
         {"bending", o->bending, 0, INFINITY, false, false},
         {"consistency", o->consistency, 0, INFINITY, false, false},
     };

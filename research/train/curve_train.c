@@ -10,8 +10,8 @@ bat_curve_train_options bat_curve_train_defaults(bat_recipe recipe)
     bat_curve_train_options options = {.run = {.seed = 1, .epochs = 300}, .recipe = recipe};
     if (recipe == BAT_RECIPE_BATTEN)
         return options;
-    options.smoothness[BAT_TENSION_PLANE] = options.smoothness[BAT_TENSION_DISK] = 0.05;
-    options.smoothness[BAT_TENSION_SPHERE] = 0.15;
+    options.smoothness[BAT_TENSION_SPACE_PLANE] = options.smoothness[BAT_TENSION_SPACE_DISK] = 0.05;
+    options.smoothness[BAT_TENSION_SPACE_SPHERE] = 0.15;
     options.bending = 1e-4;
     options.consistency = 0.1;
     return options;

@@ -308,7 +308,7 @@ void geometry_tension_angles(const geometry_polygon *polygon, geometry_profile p
     {
         double angle = tension_angle(polygon, profile, tension, j);
         angle = fmin(fmax(angle, -BAT_CURVE_ANGLE_LIMIT), BAT_CURVE_ANGLE_LIMIT);
-        insertion_angles[j] = sign == BAT_CURVE_ANGLE_OUTWARD ? -angle : angle;
+        insertion_angles[j] = sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -angle : angle;
     }
 }
 
@@ -320,7 +320,7 @@ void geometry_tension_angles_back(const geometry_polygon *polygon, geometry_prof
     {
         if (fabs(tension_angle(polygon, profile, tension, j)) > BAT_CURVE_ANGLE_LIMIT)
             continue;
-        double share = (sign == BAT_CURVE_ANGLE_OUTWARD ? -0.125 : 0.125) * insertion_gradients[j];
+        double share = (sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -0.125 : 0.125) * insertion_gradients[j];
         for (size_t offset = 0; offset < 4; offset++)
         {
             bool inner = offset == 1 || offset == 2;

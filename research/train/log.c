@@ -195,7 +195,7 @@ static bat_chart group_chart(const train_log *log, size_t begin, size_t end, bat
         series[chart.series_count++] = (bat_chart_series){.x = x,
                                                           .y = y,
                                                           .count = count,
-                                                          .mark = count > 1 ? BAT_CHART_LINE : BAT_CHART_POINTS,
+                                                          .mark = count > 1 ? BAT_CHART_MARK_LINE : BAT_CHART_MARK_POINTS,
                                                           .label = single ? NULL : log->names[column],
                                                           .colour = single ? 1 : ++*colours};
         for (size_t i = 0; i < count; i++)

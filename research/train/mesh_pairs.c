@@ -85,15 +85,15 @@ bat_status mesh_pair_make(const bat_mesh *shape, const mesh_pair_plan *plan, uin
     bat_random random = bat_random_seed(seed);
     double spread = (double)(plan->max_vertices - plan->min_vertices + 1);
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
-    options.method = BAT_MESH_DECIMATE_QUADRIC;
+    options.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
     options.attributes = 0;
     options.vertices = plan->min_vertices + (size_t)(spread * bat_random_uniform(&random));
     if (options.vertices > shape->vertex_count)
         options.vertices = shape->vertex_count;
     options.candidates = CANDIDATES;
     options.seed = bat_random_bits(&random);
-    options.least_normal = plan->min_normal;
-    options.least_quality = plan->min_quality;
+    options.min_normal = plan->min_normal;
+    options.min_quality = plan->min_quality;
     mesh_pair made = {0};
     bat_mesh_map *map = NULL;
     bat_status status = bat_mesh_decimate(shape, &options, &made.coarse, plan->loop ? NULL : &map, error);

@@ -83,7 +83,7 @@ static tape_polygon *warm_up(learn_tape *tape, tape_polygon *control)
     double *points = learn_tape_memory(tape, fine.count * geometry_dim(fine.surface), sizeof *points);
     if (tape->status != BAT_OK)
         return NULL;
-    geometry_tension_angles(shape, control->profile, WARM_UP_TENSION, BAT_CURVE_ANGLE_PRINTED, angles);
+    geometry_tension_angles(shape, control->profile, WARM_UP_TENSION, BAT_CURVE_ANGLE_SIGN_PRINTED, angles);
     geometry_insert(shape, angles, points);
     fine.points = points;
     return tape_polygon_given(tape, &fine);

@@ -34,7 +34,7 @@ struct bat_outputs
     size_t count;
 };
 
-bat_status bat_outputs_new(bat_outputs **outputs, bat_error *error)
+bat_status bat_outputs_make(bat_outputs **outputs, bat_error *error)
 {
     bat_outputs *made = calloc(1, sizeof *made);
     if (made == NULL)

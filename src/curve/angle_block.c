@@ -2,8 +2,8 @@
 
 #include "base/lanes.h"
 #include "curve/kernel.h"
+#include "space/builtin.h"
 #include "space/disk.h"
-#include "space/known.h"
 #include "space/sphere.h"
 
 #include <float.h>
@@ -235,12 +235,12 @@ double kernel_scale(const double *points, size_t count, size_t dim)
 {
     enum
     {
-        MOST_EXPONENT = 1000
+        MAX_EXPONENT = 1000
     };
     double largest = 0;
     for (size_t i = 0; i < count * dim; i++)
         largest = fmax(largest, fabs(points[i]));
     int exponent = largest > 0 && isfinite(largest) ? -ilogb(largest) : 0;
-    exponent = exponent > MOST_EXPONENT ? MOST_EXPONENT : exponent < -MOST_EXPONENT ? -MOST_EXPONENT : exponent;
+    exponent = exponent > MAX_EXPONENT ? MAX_EXPONENT : exponent < -MAX_EXPONENT ? -MAX_EXPONENT : exponent;
     return ldexp(1, exponent);
 }

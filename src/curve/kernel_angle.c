@@ -86,7 +86,7 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
     const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
-    double sign = scheme->sign == BAT_CURVE_ANGLE_OUTWARD ? -1 : 1;
+    double sign = scheme->sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -1 : 1;
     angle_block block;
     for (size_t done = 0; done < pairs; done += ANGLE_BLOCK_EDGES)
     {
@@ -123,7 +123,7 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
     (void)scratch;
-    double sign = scheme->sign == BAT_CURVE_ANGLE_OUTWARD ? -1 : 1;
+    double sign = scheme->sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -1 : 1;
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;

@@ -1,7 +1,7 @@
 #include "curve/kernel.h"
 
 #include "base/lanes.h"
-#include "space/known.h"
+#include "space/builtin.h"
 #include "space/sphere.h"
 
 #include <string.h>

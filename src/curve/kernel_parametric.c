@@ -1,7 +1,7 @@
 #include "curve/kernel.h"
 
 #include "curve/parametric.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "curve/polygon.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <string.h>

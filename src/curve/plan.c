@@ -5,7 +5,7 @@
 #include "curve/corner.h"
 #include "curve/scheme_kind.h"
 #include "curve/stop.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -16,7 +16,7 @@ bat_curve_refine_options bat_curve_refine_defaults(void)
     return (bat_curve_refine_options){
         .scheme = {.kind = BAT_CURVE_SCHEME_AUTO},
         .levels = 5,
-        .ends = BAT_CURVE_END_REFLECT,
+        .ends = BAT_CURVE_END_RULE_REFLECT,
         .max_points = BAT_MAX_POINTS,
         .max_levels = STOP_DEFAULT_LEVELS,
     };
@@ -31,7 +31,7 @@ bat_status bat_curve_refine_options_check(const bat_curve_refine_options *option
         OPTION_FAMILY(bat_curve_refine_options, simple, bat_curve_simple_family),
         OPTION_THREADS(bat_curve_refine_options),
         OPTION_FIELD(bat_curve_refine_options, corner_angle, OPTION_NUMBER, 0, CORNER_ANGLE_LIMIT),
-        OPTION_FIELD(bat_curve_refine_options, max_segment, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_curve_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
         OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
@@ -51,7 +51,7 @@ static bat_status check_space(const bat_space *space, const bat_curve_refine_opt
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "curves cross only in surfaces (plane, sphere in R^3, disk), not in the %s of dimension %zu",
                          space->name, space->dimension);
-    if (!kind->linear && (options->snap || options->ends == BAT_CURVE_END_FREE))
+    if (!kind->linear && (options->snap || options->ends == BAT_CURVE_END_RULE_FREE))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "only linear schemes can %s",
                          options->snap ? "be moved to their limit" : "leave the ends free");
     return kind->suits(&options->scheme, space, error);
@@ -93,14 +93,14 @@ index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t
 /// The most levels: sizes must bear a shift by them.
 enum
 {
-    MOST_LEVELS = SIZE_MAX > UINT32_MAX ? CASCADE_MOST_LEVELS : 31
+    MAX_LEVELS = SIZE_MAX > UINT32_MAX ? CASCADE_MOST_LEVELS : 31
 };
 
 bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit)
 {
     size_t support = (size_t)abs(kernel->first) + (size_t)abs(kernel->last);
     size_t most = (size_t)PTRDIFF_MAX / 8 / sizeof(double) / kernel->dim;
-    return levels <= MOST_LEVELS && count <= limit >> levels && count <= SIZE_MAX - support &&
+    return levels <= MAX_LEVELS && count <= limit >> levels && count <= SIZE_MAX - support &&
            count + support <= most >> levels;
 }
 
@@ -112,7 +112,7 @@ static bat_status lay_out(const refine_kernel *kernel, const bat_curve *coarse, 
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                          "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
     plan->points = (index_range){0, (ptrdiff_t)(count << levels)};
-    if (!coarse->closed && options->ends == BAT_CURVE_END_FREE)
+    if (!coarse->closed && options->ends == BAT_CURVE_END_RULE_FREE)
         plan->points = free_range(kernel, &plan->snap, levels, count);
     else if (!coarse->closed)
     {

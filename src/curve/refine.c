@@ -6,7 +6,7 @@
 #include "curve/parametric.h"
 #include "curve/polygon.h"
 #include "curve/scheme_row.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 
 static polygon_end end_of(const bat_curve_scheme *scheme, bat_curve_end_rule rule)
 {
-    return rule != BAT_CURVE_END_EXTRAPOLATE ? POLYGON_END_REFLECT : scheme_kind_of(scheme)->end(scheme);
+    return rule != BAT_CURVE_END_RULE_EXTRAPOLATE ? POLYGON_END_REFLECT : scheme_kind_of(scheme)->end(scheme);
 }
 
 /// Rows of one kind, points or channels, that are refined together, with room around them for what lies beyond the ends.
@@ -55,7 +55,7 @@ static double largest_of(const double *values, size_t count)
 static bat_status extend(padded_rows *coarse, const refine_kernel *kernel, const bat_curve_scheme *scheme,
                          bat_curve_end_rule ends, bat_error *error)
 {
-    if (scheme_kind_of(scheme)->beside_channels && ends == BAT_CURVE_END_EXTRAPOLATE && !coarse->closed)
+    if (scheme_kind_of(scheme)->beside_channels && ends == BAT_CURVE_END_RULE_EXTRAPOLATE && !coarse->closed)
         return parametric_extend(coarse->space, kernel->space, scheme->parameters, coarse->rows, coarse->count,
                                  coarse->before, coarse->after, error);
     return polygon_extend(coarse->space, coarse->rows, coarse->count, coarse->closed, end_of(scheme, ends), coarse->before,
@@ -143,7 +143,7 @@ static bat_status refine_rows(const refine_input *from, const bat_curve_scheme *
         status = refine_padded(&padded, &task, scheme, options->ends, fine + (plan->ends_added ? dim : 0), error);
     }
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
-    bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_REFLECT && scheme_kind_of(scheme)->linear &&
+    bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_RULE_REFLECT && scheme_kind_of(scheme)->linear &&
                      bat_mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (plan->ends_added || keep_ends))
     {

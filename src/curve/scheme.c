@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "curve/scheme_row.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -46,8 +46,8 @@ bat_curve_scheme bat_curve_scheme_four_point(bat_curve_parameters parameters, do
 }
 
 static const bat_choice SIGNS[] = {
-    {.name = "outward", .summary = "exact on circles of the plane", .value = BAT_CURVE_ANGLE_OUTWARD},
-    {.name = "printed", .summary = "inwards, as the paper has it", .value = BAT_CURVE_ANGLE_PRINTED},
+    {.name = "outward", .summary = "exact on circles of the plane", .value = BAT_CURVE_ANGLE_SIGN_OUTWARD},
+    {.name = "printed", .summary = "inwards, as the paper has it", .value = BAT_CURVE_ANGLE_SIGN_PRINTED},
 };
 const bat_family bat_curve_angle_sign_family = FAMILY("sign", SIGNS);
 

@@ -2,7 +2,7 @@
 
 #include "base/choice.h"
 #include "curve/plan.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name)
 {
@@ -20,11 +20,11 @@ bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name)
 }
 
 static const bat_choice END_RULES[] = {
-    {.name = "reflect", .summary = "point reflection in the end point", .value = BAT_CURVE_END_REFLECT},
+    {.name = "reflect", .summary = "point reflection in the end point", .value = BAT_CURVE_END_RULE_REFLECT},
     {.name = "extrapolate",
      .summary = "the extrapolation that keeps what the scheme reproduces",
-     .value = BAT_CURVE_END_EXTRAPOLATE},
-    {.name = "free", .summary = "none: the curve shrinks; linear schemes", .value = BAT_CURVE_END_FREE},
+     .value = BAT_CURVE_END_RULE_EXTRAPOLATE},
+    {.name = "free", .summary = "none: the curve shrinks; linear schemes", .value = BAT_CURVE_END_RULE_FREE},
 };
 const bat_family bat_curve_end_rule_family = FAMILY("end rule", END_RULES);
 

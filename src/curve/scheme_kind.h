@@ -21,7 +21,7 @@ typedef struct scheme_kind
     bat_status (*suits)(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error);
     /// Whether a checked scheme keeps the given points.
     bool (*keeps_points)(const bat_curve_scheme *scheme);
-    /// How an open polygon goes on beyond its ends by BAT_CURVE_END_EXTRAPOLATE.
+    /// How an open polygon goes on beyond its ends by BAT_CURVE_END_RULE_EXTRAPOLATE.
     polygon_end (*end)(const bat_curve_scheme *scheme);
     /// The scheme of the channels.
     bat_curve_scheme (*channels)(const bat_curve_scheme *scheme);

@@ -6,7 +6,7 @@
 #include "base/threads.h"
 #include "curve/parametric.h"
 #include "curve/polygon.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -259,7 +259,7 @@ static bat_status find_cubic(const spline *s, const bat_curve_refine_options *op
 
 static bat_status find_catmull_rom(const spline *s, const bat_curve_refine_options *options, size_t *fault)
 {
-    return catmull_rom(s, options->ends == BAT_CURVE_END_EXTRAPOLATE, fault);
+    return catmull_rom(s, options->ends == BAT_CURVE_END_RULE_EXTRAPOLATE, fault);
 }
 
 static void cubic_weights(double t, double *weights)

@@ -5,7 +5,7 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <limits.h>
 #include <math.h>
@@ -15,7 +15,7 @@
 enum
 {
     /// The most levels of an edge that are tested together: more would compute points that are not wanted.
-    MOST_TESTED = 6,
+    MAX_TESTED = 6,
     /// Points of the deepest level that are in memory at a time, for each thread.
     WINDOW = 1 << 13,
     /// Points that one item of work computes, where edges have fewer.
@@ -25,10 +25,10 @@ enum
     UNDECIDED = 255,
     FAILED = 254
 };
-_Static_assert(WINDOW >= 1 << (MOST_TESTED + STOP_LOOKAHEAD), "a window holds whole pieces of every level under test");
+_Static_assert(WINDOW >= 1 << (MAX_TESTED + STOP_LOOKAHEAD), "a window holds whole pieces of every level under test");
 
 /// Deviations of later levels decay at most and at least by these ratios.
-static const double LEAST_RATIO = 0.25, MOST_RATIO = 0.75;
+static const double MIN_RATIO = 0.25, MAX_RATIO = 0.75;
 
 bat_status stop_check(const refine_plan *plan, bat_error *error)
 {
@@ -41,7 +41,7 @@ bat_status stop_check(const refine_plan *plan, bat_error *error)
     else if (!scheme_goes_by_levels(scheme))
         fault = "a spline, which has no levels; choose a scheme that keeps the points, such as "
                 "four-point:parameters=centripetal, or give a number of levels";
-    else if (plan->options.ends == BAT_CURVE_END_FREE)
+    else if (plan->options.ends == BAT_CURVE_END_RULE_FREE)
         fault = "free ends; choose another rule for the ends";
     else if (!keeps && !scheme_kind_of(scheme)->linear)
         fault = "a scheme that moves points; choose one that keeps them, such as log-exp-4, or give a number of levels";
@@ -51,7 +51,7 @@ bat_status stop_check(const refine_plan *plan, bat_error *error)
                       "lane-riesenfeld:order=3, and move points onto its limit curve (snap)";
     return fault == NULL
                ? BAT_OK
-               : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "max_segment and tolerance do not go with %s", fault);
+               : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "max_edge and tolerance do not go with %s", fault);
 }
 
 size_t stop_deepest(const bat_curve_refine_options *options, size_t edges)
@@ -78,7 +78,7 @@ static size_t halvings(double length, double limit)
 
 size_t stop_levels_of_geodesic(const bat_curve_refine_options *options, double length)
 {
-    size_t levels = options->max_segment > 0 ? halvings(length, options->max_segment) : 0;
+    size_t levels = options->max_edge > 0 ? halvings(length, options->max_edge) : 0;
     return levels <= options->max_levels ? levels : SIZE_MAX;
 }
 
@@ -153,7 +153,7 @@ static void measure_piece(const level_search *search, const double *points, size
     bool flat = search->flat;
     size_t dim = space->point_dim;
     const double *end = points + stride * dim;
-    if (options->max_segment > 0)
+    if (options->max_edge > 0)
         maxima->length = larger(maxima->length, space->distance(space, points, end));
     if (!(options->tolerance > 0))
         return;
@@ -176,7 +176,7 @@ static double limit_distance(const piece_maxima *maxima)
 {
     if (!(maxima->second > 0))
         return maxima->deviation;
-    double ratio = fmin(fmax(maxima->second / maxima->first, LEAST_RATIO), MOST_RATIO);
+    double ratio = fmin(fmax(maxima->second / maxima->first, MIN_RATIO), MAX_RATIO);
     return maxima->deviation + maxima->second * ratio / (1 - ratio);
 }
 
@@ -216,14 +216,14 @@ static void advance(level_search *search, size_t edge, const piece_maxima *last)
     const bat_curve_refine_options *options = search->options;
     tested *test = &search->tests[edge];
     size_t more = 1;
-    if (options->max_segment > 0 && isfinite(last->length))
-        more = halvings(last->length, options->max_segment);
+    if (options->max_edge > 0 && isfinite(last->length))
+        more = halvings(last->length, options->max_edge);
     if (options->tolerance > 0 && isfinite(last->deviation))
     {
         size_t halved = (halvings(limit_distance(last), options->tolerance) + 1) / 2; // a level divides it by four
         more = halved > more ? halved : more;
     }
-    more = more < 1 ? 1 : more > MOST_TESTED ? MOST_TESTED : more;
+    more = more < 1 ? 1 : more > MAX_TESTED ? MAX_TESTED : more;
     test->from = (unsigned char)(test->to + 1);
     size_t to = test->to + more;
     test->to = (unsigned char)(to > search->most ? search->most : to);
@@ -240,7 +240,7 @@ static bat_status decide(level_search *search, size_t edge, const piece_maxima *
         double distance = options->tolerance > 0 ? limit_distance(at) : 0;
         if (!isfinite(at->length) || !isfinite(distance))
             return error_point(error, BAT_INVALID_POINT, edge, "new points after point", " are too large for doubles");
-        if (options->max_segment > 0 && !(at->length <= options->max_segment))
+        if (options->max_edge > 0 && !(at->length <= options->max_edge))
             continue;
         if (options->tolerance > 0 && !(distance <= options->tolerance))
             continue;
@@ -339,7 +339,7 @@ static bat_status decide_round(level_search *search, const edge_run *runs, size_
 #pragma omp parallel num_threads(team) if (team > 1)
     {
         double *points = memory_array(WINDOW + 1, dim * sizeof *points);
-        piece_maxima *maxima = memory_array(ITEM_POINTS * (MOST_TESTED + 1), sizeof *maxima);
+        piece_maxima *maxima = memory_array(ITEM_POINTS * (MAX_TESTED + 1), sizeof *maxima);
 #pragma omp for schedule(dynamic)
         for (size_t i = 0; i < count; i++)
         {
@@ -367,8 +367,8 @@ static bat_status begin_search(level_search *search, bool keeps_points, size_t e
     {
         const double *p = refine_source_vertex(source, i), *q = refine_source_vertex(source, i + 1);
         size_t from = 0;
-        if (keeps_points && options->max_segment > 0)
-            from = halvings(space->distance(space, p, q) * (1 - 1e-12), options->max_segment);
+        if (keeps_points && options->max_edge > 0)
+            from = halvings(space->distance(space, p, q) * (1 - 1e-12), options->max_edge);
         least += ldexp(1, (int)from);
         size_t to = from + (search->lookahead > 0 && from < search->most);
         search->tests[i] = (tested){(unsigned char)from, (unsigned char)to};

@@ -18,7 +18,7 @@ enum
 /// Whether options have a stop.
 static inline bool stop_wanted(const bat_curve_refine_options *options)
 {
-    return options->max_segment > 0 || options->tolerance > 0;
+    return options->max_edge > 0 || options->tolerance > 0;
 }
 
 /// Whether a checked scheme can be stopped: the points of an edge at one level are among those of the next, and all lie on

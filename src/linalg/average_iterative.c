@@ -191,7 +191,7 @@ static bool settle(iteration *it, const double *constant, double *x)
 
 enum
 {
-    MOST_DIRECT = 100000 ///< unknowns that a decomposition is tried for: its time and memory grow faster than they
+    MAX_DIRECT = 100000 ///< unknowns that a decomposition is tried for: its time and memory grow faster than they
 };
 
 bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, int threads, double *x,
@@ -216,7 +216,7 @@ bat_status average_solve_iterative(const sparse_rows *weights, const double *con
     free(vectors);
     if (status == BAT_NO_MEMORY || settled)
         return status;
-    if (count > MOST_DIRECT)
+    if (count > MAX_DIRECT)
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a system of %zu averages did not settle", count);
     return average_solve_direct(weights, constant, x, error);
 }

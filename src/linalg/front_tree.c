@@ -254,7 +254,7 @@ static bat_status measure_fronts(const analysis *work, front_tree *tree, bat_err
             tree->pivot_first[f + 1] = work->width[i];
             tree->row_first[f + 1] = rows;
             tree->panel_first[f + 1] = (width + rows) * width;
-            tree->panel_most = width + rows > tree->panel_most ? width + rows : tree->panel_most;
+            tree->panel_max = width + rows > tree->panel_max ? width + rows : tree->panel_max;
             if (work->parent[i] != NONE)
                 tree->children[work->number[work->front[work->parent[i]]]]++;
         }
@@ -350,7 +350,7 @@ static void list_all_rows(analysis *work, front_tree *tree)
     {
         list_rows(f, stack + depth, seen, tree);
         size_t rows = tree->row_first[f + 1] - tree->row_first[f], own = rows * rows;
-        tree->update_most = room + own > tree->update_most ? room + own : tree->update_most;
+        tree->update_max = room + own > tree->update_max ? room + own : tree->update_max;
         for (int c = 0; c < tree->children[f]; c++)
         {
             size_t child = (size_t)stack[--depth], below = tree->row_first[child + 1] - tree->row_first[child];

@@ -38,8 +38,8 @@ typedef struct front_tree
     size_t *row_first;    ///< [fronts + 1]
     int *rows;            ///< places that the pivots of a front change, after those pivots, rising
     size_t *panel_first;  ///< [fronts + 1] sums of rows times pivots, the pivots' own rows among the rows
-    size_t panel_most;    ///< rows of the largest front, its pivots among them
-    size_t update_most;   ///< the largest sum of squared numbers of rows over the fronts whose parents are to come
+    size_t panel_max;     ///< rows of the largest front, its pivots among them
+    size_t update_max;    ///< the largest sum of squared numbers of rows over the fronts whose parents are to come
 } front_tree;
 
 /// Order the unknowns by approximate minimum degree (Amestoy, Davis and Duff, 2004) and find the fronts.

@@ -26,7 +26,7 @@ struct multifrontal
     double *updates;       ///< within a factorization: a stack of updates, those of fronts whose parents are to come
     int *waiting;          ///< [fronts] a stack of these fronts
     int *position;         ///< [count] positions of rows in the front at work, by place
-    int *relative;         ///< [panel_most] positions of a child's rows in the front at work
+    int *relative;         ///< [panel_max] positions of a child's rows in the front at work
 };
 
 static bat_status allocate_factors(multifrontal *solver, bat_error *error)
@@ -41,7 +41,7 @@ static bat_status allocate_factors(multifrontal *solver, bat_error *error)
     }
     solver->waiting = memory_array(tree->fronts, sizeof(int));
     solver->position = memory_array(tree->count, sizeof(int));
-    solver->relative = memory_array(tree->panel_most, sizeof(int));
+    solver->relative = memory_array(tree->panel_max, sizeof(int));
     whole = whole && solver->waiting != NULL && solver->position != NULL && solver->relative != NULL;
     return whole ? BAT_OK : error_memory(error, entries * solver->sides * sizeof(double));
 }
@@ -288,7 +288,7 @@ static void add_update(const multifrontal *solver, size_t child, const double *u
 }
 
 /// The least pivot of a front over the diagonal entry of the matrix.
-static double least_pivot(const multifrontal *solver, const double *lower, const front *at)
+static double min_pivot(const multifrontal *solver, const double *lower, const front *at)
 {
     const front_tree *tree = &solver->tree;
     double least = INFINITY;
@@ -318,7 +318,7 @@ static double factor_fronts(multifrontal *solver, const double *lower, const dou
             begin -= update_size(solver, child);
             add_update(solver, child, solver->updates + begin, &at);
         }
-        least = eliminate(&at) ? fmin(least, least_pivot(solver, lower, &at)) : 0;
+        least = eliminate(&at) ? fmin(least, min_pivot(solver, lower, &at)) : 0;
         if (size > 0)
         {
             memmove(solver->updates + begin, solver->updates + used, size * sizeof(double));
@@ -333,7 +333,7 @@ bat_status multifrontal_factor(multifrontal *solver, const double *lower, const 
                                bat_error *error)
 {
     *pivot = 0;
-    size_t size = solver->tree.update_most;
+    size_t size = solver->tree.update_max;
     solver->updates = memory_array(size, solver->sides * sizeof(double));
     if (solver->updates == NULL)
         return error_memory(error, size * solver->sides * sizeof(double));
@@ -389,7 +389,7 @@ static void solve_backward(const multifrontal *solver, size_t f, size_t columns,
 bat_status multifrontal_solve(const multifrontal *solver, size_t columns, double *x, bat_error *error)
 {
     const front_tree *tree = &solver->tree;
-    size_t count = tree->count, numbers = (count + tree->panel_most) * columns;
+    size_t count = tree->count, numbers = (count + tree->panel_max) * columns;
     double *ordered = memory_array(numbers, sizeof *ordered), *part = ordered != NULL ? ordered + count * columns : NULL;
     if (ordered == NULL)
         return error_memory(error, numbers * sizeof *ordered);

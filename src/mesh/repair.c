@@ -187,7 +187,7 @@ static bool repair_join_faces(repair_work *work, bat_mesh_repair_report *report)
     for (size_t begin = 0, end; begin < count; begin = end)
     {
         end = end_of_run(work, begin);
-        report->crowded_edges += end - begin > 2;
+        report->nonmanifold_edges += end - begin > 2;
         if (end - begin != 2)
             continue;
         work->twin[work->sorted[begin]] = work->sorted[begin + 1];
@@ -292,7 +292,7 @@ static bool repair_orient_faces(repair_work *work, bat_mesh_repair_report *repor
         if (twin == BAT_MESH_NONE || work->faces[twin] != work->faces[h])
             continue;
         work->twin[h] = work->twin[twin] = BAT_MESH_NONE;
-        report->opposed_edges++;
+        report->unorientable_edges++;
     }
     return true;
 }
@@ -612,6 +612,6 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
 
 size_t bat_mesh_repair_places(const bat_mesh_repair_report *report)
 {
-    return report->degenerate_faces + report->duplicate_faces + report->flipped_faces + report->crowded_edges +
-           report->opposed_edges + report->split_vertices;
+    return report->degenerate_faces + report->duplicate_faces + report->flipped_faces + report->nonmanifold_edges +
+           report->unorientable_edges + report->split_vertices;
 }

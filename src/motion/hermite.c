@@ -4,7 +4,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "motion/hermite_average.h"
-#include "space/whole.h"
+#include "space/complete.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -130,7 +130,7 @@ static bat_status check_index(const bat_hermite_curve *curve, size_t index, herm
 
 bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts parts, int threads, bat_error *error)
 {
-    bat_status status = space_check_whole(curve->space, error);
+    bat_status status = space_check_complete(curve->space, error);
     if (status == BAT_OK)
         status = check_counts(curve, error);
     if (status != BAT_OK)
@@ -160,11 +160,11 @@ bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts par
 
 bat_status hermite_check_velocities(const bat_hermite_curve *curve, bat_error *error)
 {
-    if (curve->kind == BAT_HERMITE_DIRECTIONS)
+    if (curve->kind == BAT_HERMITE_TANGENTS_DIRECTIONS)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the tangents are directions of unit length, not velocities: estimate velocities from points and "
                          "times by bat_hermite_estimate_tangents(), or refine by bat_hermite_refine()");
-    if (curve->kind == BAT_HERMITE_INDEX_DERIVATIVES && curve->times != NULL)
+    if (curve->kind == BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES && curve->times != NULL)
         return error_set(
             error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
             "the tangents are derivatives by the index, not velocities: divide them by the time between points");
@@ -184,7 +184,7 @@ bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_erro
 bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error)
 {
     const bat_space *space = curve->space;
-    bat_status status = space_check_whole(space, error);
+    bat_status status = space_check_complete(space, error);
     if (status != BAT_OK)
         return status;
     for (size_t i = 0; i < curve->count; i++)
@@ -196,6 +196,6 @@ bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error)
         for (size_t c = 0; c < space->tangent_dim; c++)
             tangent[c] /= length;
     }
-    curve->kind = BAT_HERMITE_DIRECTIONS;
+    curve->kind = BAT_HERMITE_TANGENTS_DIRECTIONS;
     return BAT_OK;
 }

@@ -1,7 +1,7 @@
 #include "motion/hermite_average.h"
 
-#include "space/known.h"
-#include "space/whole.h"
+#include "space/builtin.h"
+#include "space/complete.h"
 
 #include <math.h>
 #include <string.h>

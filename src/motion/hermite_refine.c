@@ -21,10 +21,10 @@ enum
     SLAB_NUMBERS = 1 << 21
 };
 
-bat_hermite_options bat_hermite_defaults(void)
+bat_hermite_refine_options bat_hermite_refine_defaults(void)
 {
-    return (bat_hermite_options){
-        .kind = BAT_HERMITE_LANE_RIESENFELD,
+    return (bat_hermite_refine_options){
+        .kind = BAT_HERMITE_KIND_LANE_RIESENFELD,
         .order = 1,
         .mask = bat_hermite_mask_merrien(-0.125, -0.5),
         .base = BAT_CURVE_BASE_VERTEX,
@@ -37,7 +37,7 @@ bat_hermite_options bat_hermite_defaults(void)
 typedef struct hermite_plan
 {
     const bat_hermite_curve *coarse;
-    const bat_hermite_options *options;
+    const bat_hermite_refine_options *options;
     size_t point_dim, tangent_dim, dim;
     cascade task;
     bool ends_added;       ///< the coarse ends are put around the rows of the last level
@@ -47,32 +47,32 @@ typedef struct hermite_plan
 } hermite_plan;
 
 static const bat_choice KINDS[] = {
-    {.name = "lane-riesenfeld", .summary = "averages of points with directions", .value = BAT_HERMITE_LANE_RIESENFELD},
-    {.name = "transport", .summary = "linear schemes by parallel transport", .value = BAT_HERMITE_TRANSPORT},
+    {.name = "lane-riesenfeld", .summary = "averages of points with directions", .value = BAT_HERMITE_KIND_LANE_RIESENFELD},
+    {.name = "transport", .summary = "linear schemes by parallel transport", .value = BAT_HERMITE_KIND_TRANSPORT},
 };
 const bat_family bat_hermite_kind_family = FAMILY("kind of Hermite schemes", KINDS);
 
-bat_status bat_hermite_options_check(const bat_hermite_options *options, bat_error *error)
+bat_status bat_hermite_refine_options_check(const bat_hermite_refine_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_hermite_options, kind, bat_hermite_kind_family),
-        OPTION_FIELD(bat_hermite_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
-        OPTION_FAMILY(bat_hermite_options, base, bat_curve_base_family),
-        OPTION_FIELD(bat_hermite_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
-        OPTION_FIELD(bat_hermite_options, max_points, OPTION_SIZE, 1, INFINITY),
-        OPTION_THREADS(bat_hermite_options),
+        OPTION_FAMILY(bat_hermite_refine_options, kind, bat_hermite_kind_family),
+        OPTION_FIELD(bat_hermite_refine_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
+        OPTION_FAMILY(bat_hermite_refine_options, base, bat_curve_base_family),
+        OPTION_FIELD(bat_hermite_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+        OPTION_FIELD(bat_hermite_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
+        OPTION_THREADS(bat_hermite_refine_options),
     };
     bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
-    if (status != BAT_OK || options == NULL || options->kind != BAT_HERMITE_TRANSPORT)
+    if (status != BAT_OK || options == NULL || options->kind != BAT_HERMITE_KIND_TRANSPORT)
         return status;
     return hermite_mask_check(&options->mask, error);
 }
 
 static refine_kernel make_kernel(const hermite_plan *plan)
 {
-    const bat_hermite_options *options = plan->options;
+    const bat_hermite_refine_options *options = plan->options;
     const bat_space *space = plan->coarse->space;
-    return options->kind == BAT_HERMITE_TRANSPORT
+    return options->kind == BAT_HERMITE_KIND_TRANSPORT
                ? kernel_hermite_transport(space, plan->dim, &options->mask, options->base)
                : kernel_lane_riesenfeld(space, plan->dim, options->order, hermite_row_average(space));
 }
@@ -80,7 +80,7 @@ static refine_kernel make_kernel(const hermite_plan *plan)
 static bat_status lay_out(hermite_plan *plan, bat_error *error)
 {
     const bat_hermite_curve *coarse = plan->coarse;
-    const bat_hermite_options *options = plan->options;
+    const bat_hermite_refine_options *options = plan->options;
     size_t count = coarse->count, levels = options->levels;
     plan->point_dim = coarse->space->point_dim;
     plan->tangent_dim = coarse->space->tangent_dim;
@@ -211,7 +211,7 @@ static void store_rows(const hermite_plan *plan, const double *rows, size_t coun
 static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
 {
     size_t ends[2] = {0, plan->coarse->count - 1}, places[2] = {0, plan->count - 1};
-    bool derivatives = plan->options->kind == BAT_HERMITE_TRANSPORT;
+    bool derivatives = plan->options->kind == BAT_HERMITE_KIND_TRANSPORT;
     double factor = derivatives ? ldexp(1, -(int)plan->options->levels) : 1;
     for (int e = 0; e < 2; e++)
     {
@@ -270,7 +270,8 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
 {
     const bat_hermite_curve *coarse = plan->coarse;
     *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
-    fine->kind = plan->options->kind == BAT_HERMITE_TRANSPORT ? BAT_HERMITE_INDEX_DERIVATIVES : BAT_HERMITE_DIRECTIONS;
+    fine->kind = plan->options->kind == BAT_HERMITE_KIND_TRANSPORT ? BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES
+                                                                   : BAT_HERMITE_TANGENTS_DIRECTIONS;
     fine->points = memory_array(plan->count, plan->point_dim * sizeof *fine->points);
     fine->tangents = memory_array(plan->count, plan->tangent_dim * sizeof *fine->tangents);
     if (coarse->times != NULL)
@@ -283,7 +284,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
 /// The checks that cost as much as a step run only when the step fails, to find the cause.
 static bat_status explain(const hermite_plan *plan, bat_status status, bat_error *error)
 {
-    bool directions = plan->options->kind == BAT_HERMITE_LANE_RIESENFELD;
+    bool directions = plan->options->kind == BAT_HERMITE_KIND_LANE_RIESENFELD;
     hermite_check_parts parts = {.unit = directions, .edges = true, .admissible = directions};
     if (status != BAT_INVALID_POINT && status != BAT_CUT_LOCUS)
         return status;
@@ -304,16 +305,16 @@ static bat_status refine(hermite_plan *plan, bat_hermite_curve *fine, bat_error 
     return status;
 }
 
-bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_options *options, bat_hermite_curve *fine,
-                              bat_error *error)
+bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
+                              bat_hermite_curve *fine, bat_error *error)
 {
-    bat_hermite_options defaults = bat_hermite_defaults();
+    bat_hermite_refine_options defaults = bat_hermite_refine_defaults();
     hermite_plan plan = {.coarse = coarse, .options = options != NULL ? options : &defaults};
-    bool directions = plan.options->kind == BAT_HERMITE_LANE_RIESENFELD;
+    bool directions = plan.options->kind == BAT_HERMITE_KIND_LANE_RIESENFELD;
     // Without a step, or with one that does not check its edges, every edge is checked here.
     hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
     parts.admissible = directions && parts.edges;
-    bat_status status = bat_hermite_options_check(plan.options, error);
+    bat_status status = bat_hermite_refine_options_check(plan.options, error);
     if (status == BAT_OK)
         status = hermite_check(coarse, parts, plan.options->threads, error);
     if (status == BAT_OK)

@@ -212,7 +212,7 @@ static bat_status count_samples(const bat_hermite_curve *curve, double rate, siz
 bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, bat_hermite_curve *sampled, bat_error *error)
 {
     const bat_space *space = curve->space;
-    bat_hermite_curve result = {.space = space, .closed = curve->closed, .kind = BAT_HERMITE_VELOCITIES};
+    bat_hermite_curve result = {.space = space, .closed = curve->closed, .kind = BAT_HERMITE_TANGENTS_VELOCITIES};
     bat_status status = hermite_check(curve, (hermite_check_parts){0}, 1, error);
     if (status == BAT_OK)
         status = hermite_check_velocities(curve, error);

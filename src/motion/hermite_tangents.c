@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "motion/hermite_average.h"
-#include "space/whole.h"
+#include "space/complete.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -232,7 +232,7 @@ bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order,
     if (order != 2 && order != HIGHEST_ORDER)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "tangents are estimated with order 2 or 4, not %zu",
                          order);
-    bat_status status = space_check_whole(curve->space, error);
+    bat_status status = space_check_complete(curve->space, error);
     if (status != BAT_OK)
         return status;
     if (curve->count < minimum || curve->points == NULL || curve->tangents == NULL)
@@ -249,6 +249,6 @@ bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order,
     status = curve->times != NULL ? estimate_velocities(&e, order, error) : estimate_directions(&e, order, error);
     free(e.lengths);
     if (status == BAT_OK)
-        curve->kind = curve->times != NULL ? BAT_HERMITE_VELOCITIES : BAT_HERMITE_DIRECTIONS;
+        curve->kind = curve->times != NULL ? BAT_HERMITE_TANGENTS_VELOCITIES : BAT_HERMITE_TANGENTS_DIRECTIONS;
     return status;
 }

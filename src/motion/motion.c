@@ -17,15 +17,15 @@
 static const double EVEN_TOLERANCE = 1e-6;
 
 static const bat_choice METHODS[] = {
-    {.name = "auto", .summary = "spline where there are times or a rate, else hermite", .value = BAT_MOTION_AUTO},
-    {.name = "spline", .summary = "a motion in time through its keys", .value = BAT_MOTION_SPLINE},
-    {.name = "hermite", .summary = "a Hermite scheme, level by level", .value = BAT_MOTION_HERMITE},
+    {.name = "auto", .summary = "spline where there are times or a rate, else hermite", .value = BAT_MOTION_METHOD_AUTO},
+    {.name = "spline", .summary = "a motion in time through its keys", .value = BAT_MOTION_METHOD_SPLINE},
+    {.name = "hermite", .summary = "a Hermite scheme, level by level", .value = BAT_MOTION_METHOD_HERMITE},
 };
 const bat_family bat_motion_method_family = FAMILY("method of motions", METHODS);
 
-bat_motion_options bat_motion_defaults(void)
+bat_motion_curves_options bat_motion_curves_defaults(void)
 {
-    return (bat_motion_options){.spline = bat_motion_spline_defaults(), .scheme = bat_hermite_defaults()};
+    return (bat_motion_curves_options){.spline = bat_motion_spline_defaults(), .scheme = bat_hermite_refine_defaults()};
 }
 
 /// The form in which the points and velocities of a set are written.
@@ -62,14 +62,14 @@ bool bat_motion_has_velocities(const bat_curve_set *set)
     return channels_of(set).velocity_count > 0;
 }
 
-bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_options *options)
+bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_curves_options *options)
 {
-    if (options != NULL && options->method != BAT_MOTION_AUTO)
+    if (options != NULL && options->method != BAT_MOTION_METHOD_AUTO)
         return options->method;
-    if (options != NULL && (options->scheme.kind != BAT_HERMITE_LANE_RIESENFELD || options->scheme.order != 1))
-        return BAT_MOTION_HERMITE;
+    if (options != NULL && (options->scheme.kind != BAT_HERMITE_KIND_LANE_RIESENFELD || options->scheme.order != 1))
+        return BAT_MOTION_METHOD_HERMITE;
     bool timed = bat_motion_has_times(set) || (options != NULL && (options->rate > 0 || options->times != NULL));
-    return timed ? BAT_MOTION_SPLINE : BAT_MOTION_HERMITE;
+    return timed ? BAT_MOTION_METHOD_SPLINE : BAT_MOTION_METHOD_HERMITE;
 }
 
 bool bat_motion_suits(const bat_curve_set *set)
@@ -177,13 +177,14 @@ static void scale_tangents(bat_hermite_curve *curve, double scale)
 }
 
 /// Whether a scheme refines directions, for which the lengths of tangents mean nothing.
-static bool takes_directions(bat_motion_method method, const bat_motion_options *options)
+static bool takes_directions(bat_motion_method method, const bat_motion_curves_options *options)
 {
-    return method == BAT_MOTION_HERMITE && options->rate == 0 && options->scheme.kind == BAT_HERMITE_LANE_RIESENFELD;
+    return method == BAT_MOTION_METHOD_HERMITE && options->rate == 0 &&
+           options->scheme.kind == BAT_HERMITE_KIND_LANE_RIESENFELD;
 }
 
 /// Missing velocities for splines: null where the system of the spline gives them.
-static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_options *options, bat_error *error)
+static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_curves_options *options, bat_error *error)
 {
     if (options->tangent_order != 0)
         return bat_hermite_estimate_tangents(keys, options->tangent_order, error);
@@ -193,14 +194,14 @@ static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_opti
 }
 
 /// Convert velocities to the tangents that the scheme refines, or estimate tangents where there are none. Data for
-/// BAT_HERMITE_TRANSPORT have times here.
+/// BAT_HERMITE_KIND_TRANSPORT have times here.
 static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_method method,
-                                const bat_motion_options *options, bat_error *error)
+                                const bat_motion_curves_options *options, bat_error *error)
 {
     double *times = keys->times;
     bool directions = takes_directions(method, options);
     bat_status status = BAT_OK;
-    if (method == BAT_MOTION_SPLINE)
+    if (method == BAT_MOTION_METHOD_SPLINE)
         return given ? BAT_OK : make_velocities(keys, options, error);
     if (!given)
     {
@@ -215,11 +216,11 @@ static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_
     status = check_even(keys, error);
     if (status == BAT_OK)
         scale_tangents(keys, keys->times[1] - keys->times[0]);
-    keys->kind = BAT_HERMITE_INDEX_DERIVATIVES;
+    keys->kind = BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES;
     return status;
 }
 
-static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                             const motion_channels *channels, bat_hermite_curve *keys, bat_error *error)
 {
     const bat_curve *from = &set->curves[curve];
@@ -236,11 +237,11 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
         status = check_neighbours(set, curve, keys, takes_directions(method, options), error);
     if (status == BAT_OK && given)
         status = take_velocities(from, form_of(set), channels, keys, error);
-    keys->kind = BAT_HERMITE_VELOCITIES;
+    keys->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     return status == BAT_OK ? make_tangents(keys, given, method, options, error) : status;
 }
 
-static bat_status check_times(const bat_motion_options *options, bat_error *error)
+static bat_status check_times(const bat_motion_curves_options *options, bat_error *error)
 {
     char digits[2][NUMBER_DIGITS_SIZE];
     if (options->times == NULL && options->time_count > 0)
@@ -248,7 +249,7 @@ static bat_status check_times(const bat_motion_options *options, bat_error *erro
     if (options->times != NULL && (options->time_count == 0 || options->rate > 0))
         return options->rate > 0 ? error_option(error, "times", "and rate exclude each other")
                                  : error_option(error, "time_count", "is 0, but must be at least 1");
-    if (options->times != NULL && options->method == BAT_MOTION_HERMITE)
+    if (options->times != NULL && options->method == BAT_MOTION_METHOD_HERMITE)
         return error_option(error, "times", "go with splines, not with Hermite schemes");
     for (size_t i = 0; i < options->time_count; i++)
         if (!isfinite(options->times[i]) || (i > 0 && !(options->times[i] > options->times[i - 1])))
@@ -258,12 +259,12 @@ static bat_status check_times(const bat_motion_options *options, bat_error *erro
     return BAT_OK;
 }
 
-bat_status bat_motion_options_check(const bat_motion_options *options, bat_error *error)
+bat_status bat_motion_curves_options_check(const bat_motion_curves_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_motion_options, method, bat_motion_method_family),
-        OPTION_FIELD(bat_motion_options, rate, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_options, tangent_order, OPTION_SIZE, 0, 4),
+        OPTION_FAMILY(bat_motion_curves_options, method, bat_motion_method_family),
+        OPTION_FIELD(bat_motion_curves_options, rate, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_curves_options, tangent_order, OPTION_SIZE, 0, 4),
     };
     if (options == NULL)
         return BAT_OK;
@@ -274,12 +275,12 @@ bat_status bat_motion_options_check(const bat_motion_options *options, bat_error
         status = check_times(options, error);
     if (status == BAT_OK)
         status = bat_motion_spline_options_check(&options->spline, error);
-    return status == BAT_OK ? bat_hermite_options_check(&options->scheme, error) : status;
+    return status == BAT_OK ? bat_hermite_refine_options_check(&options->scheme, error) : status;
 }
 
 /// Whether the options fit the columns of a set.
-static bat_status check_columns(const bat_curve_set *set, const bat_motion_options *options, const motion_channels *channels,
-                                bat_error *error)
+static bat_status check_columns(const bat_curve_set *set, const bat_motion_curves_options *options,
+                                const motion_channels *channels, bat_error *error)
 {
     size_t known = channels->velocity_count + (channels->time != BAT_NO_INDEX);
     for (size_t i = 0; i < set->count; i++)
@@ -299,17 +300,17 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_optio
 }
 
 /// bat_motion_data(), but with null tangents where a spline is to find velocities.
-static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                             bat_hermite_curve *keys, bat_error *error)
 {
     bat_hermite_curve made;
     bat_error fault = {.index = BAT_NO_INDEX};
     motion_channels channels = channels_of(set);
-    bat_status status = bat_motion_options_check(options, &fault);
+    bat_status status = bat_motion_curves_options_check(options, &fault);
     if (status == BAT_OK)
         status = check_columns(set, options, &channels, &fault);
-    bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_TRANSPORT ||
-                 bat_motion_method_for(set, options) == BAT_MOTION_SPLINE;
+    bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT ||
+                 bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     if (status == BAT_OK)
         status = data_allocate(&set->curves[curve], timed, &made, &fault);
     if (status == BAT_OK)
@@ -329,11 +330,11 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
 }
 
 /// The spline of one curve.
-static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                               const bat_hermite_curve *keys, bat_motion_spline **spline, bat_error *error)
 {
     bat_error fault = {.index = BAT_NO_INDEX};
-    bat_status status = bat_motion_spline_new(keys, &options->spline, spline, &fault);
+    bat_status status = bat_motion_spline_make(keys, &options->spline, spline, &fault);
     if (status != BAT_OK && error != NULL)
     {
         *error = fault;
@@ -342,10 +343,10 @@ static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_
     return status;
 }
 
-bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                            bat_hermite_curve *keys, bat_error *error)
 {
-    bat_motion_options defaults = bat_motion_defaults();
+    bat_motion_curves_options defaults = bat_motion_curves_defaults();
     bat_motion_spline *spline;
     bat_hermite_curve made;
     options = options != NULL ? options : &defaults;
@@ -370,13 +371,13 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
     return status;
 }
 
-bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const bat_motion_options *options,
+bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                                    bat_motion_spline **spline, bat_error *error)
 {
-    bat_motion_options defaults = bat_motion_defaults();
+    bat_motion_curves_options defaults = bat_motion_curves_defaults();
     bat_hermite_curve keys;
     options = options != NULL ? options : &defaults;
-    if (bat_motion_method_for(set, options) != BAT_MOTION_SPLINE)
+    if (bat_motion_method_for(set, options) != BAT_MOTION_METHOD_SPLINE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the points get a Hermite scheme, not a spline");
     bat_status status = take_data(set, curve, options, &keys, error);
     if (status != BAT_OK)
@@ -396,12 +397,12 @@ typedef struct result_columns
 } result_columns;
 
 /// The columns of the keyframes where they suffice, else columns in the order times, points, velocities.
-static bat_status choose_columns(const bat_curve_set *set, const bat_motion_options *options, result_columns *result,
+static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curves_options *options, result_columns *result,
                                  bat_error *error)
 {
     motion_channels given = channels_of(set);
     const point_form *form = form_of(set);
-    bool sampled = options->rate > 0 || bat_motion_method_for(set, options) == BAT_MOTION_SPLINE;
+    bool sampled = options->rate > 0 || bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     bool time_missing = given.time == BAT_NO_INDEX && sampled;
     bool velocities_missing = given.velocity_count == 0 && options->velocities;
     *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count};
@@ -517,7 +518,7 @@ static void speed_up(bat_hermite_curve *smooth)
 
 /// The evenly spaced times of a result by a mask: at the vertices of the finest level, or in the middle of its edges and at
 /// the ends of an open curve.
-static void space_times(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
+static void space_times(const bat_hermite_curve *keys, const bat_hermite_refine_options *scheme, bat_hermite_curve *smooth)
 {
     double step = ldexp(keys->times[1] - keys->times[0], -(int)scheme->levels);
     bool vertices = scheme->mask.count % 2 == 1 || scheme->levels == 0;
@@ -533,24 +534,25 @@ static void space_times(const bat_hermite_curve *keys, const bat_hermite_options
 
 /// Convert the output of the scheme to velocities and times. Derivatives by the index of new points become velocities, or
 /// derivatives by the index of the given points; directions become velocities where there are times.
-static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_options *scheme, bat_hermite_curve *smooth)
+static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_refine_options *scheme,
+                               bat_hermite_curve *smooth)
 {
-    if (scheme->kind == BAT_HERMITE_TRANSPORT)
+    if (scheme->kind == BAT_HERMITE_KIND_TRANSPORT)
     {
         scale_tangents(smooth, ldexp(1, (int)scheme->levels) / (keys->times[1] - keys->times[0]));
         space_times(keys, scheme, smooth);
-        smooth->kind = BAT_HERMITE_VELOCITIES;
+        smooth->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     }
     else if (smooth->times != NULL)
     {
         speed_up(smooth);
-        smooth->kind = BAT_HERMITE_VELOCITIES;
+        smooth->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     }
 }
 
 /// The number of samples of a motion.
 static bat_status count_samples(const bat_motion_spline *spline, const bat_hermite_curve *keys,
-                                const bat_motion_options *options, size_t *count, bat_error *error)
+                                const bat_motion_curves_options *options, size_t *count, bat_error *error)
 {
     /// The last sample of a rate may be this share of a step late.
     static const double RATE_TOLERANCE = 1e-9;
@@ -571,8 +573,8 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
     return BAT_OK;
 }
 
-static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve *keys, const bat_motion_options *options,
-                       bat_hermite_curve *smooth)
+static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve *keys,
+                       const bat_motion_curves_options *options, bat_hermite_curve *smooth)
 {
     double begin, end;
     bat_motion_spline_range(spline, &begin, &end);
@@ -595,11 +597,11 @@ static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve 
 
 /// Sample the spline of a curve.
 static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermite_curve *keys,
-                                const bat_motion_options *options, bat_hermite_curve *smooth, bat_error *error)
+                                const bat_motion_curves_options *options, bat_hermite_curve *smooth, bat_error *error)
 {
     const bat_space *space = keys->space;
     *smooth = (bat_hermite_curve){
-        .space = space, .closed = keys->closed && options->times == NULL, .kind = BAT_HERMITE_VELOCITIES};
+        .space = space, .closed = keys->closed && options->times == NULL, .kind = BAT_HERMITE_TANGENTS_VELOCITIES};
     bat_status status = count_samples(spline, keys, options, &smooth->count, error);
     if (status != BAT_OK)
         return status;
@@ -645,7 +647,7 @@ static void name_origin(int64_t origin, bat_error *error)
         (void)snprintf(error->text + used, sizeof error->text - used, ", from %" PRId64 " on", origin);
 }
 
-static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_options *options,
+static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_curves_options *options,
                                    const bat_hermite_curve *keys, bat_hermite_curve *smooth, bat_error *error)
 {
     bat_motion_spline *spline;
@@ -664,11 +666,11 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
     return status;
 }
 
-static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_motion_options *options,
+static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_motion_curves_options *options,
                              const result_columns *columns, bat_curve *curve, bat_error *error)
 {
     bat_hermite_curve keys, smooth = {.space = set->space};
-    bool splined = bat_motion_method_for(set, options) == BAT_MOTION_SPLINE;
+    bool splined = bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     bat_status status = take_data(set, index, options, &keys, error);
     if (status != BAT_OK)
         return status;
@@ -692,10 +694,10 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
     return status;
 }
 
-bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_options *options, bat_curve_set *fine,
+bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options, bat_curve_set *fine,
                              size_t *failed, bat_error *error)
 {
-    bat_motion_options defaults = bat_motion_defaults();
+    bat_motion_curves_options defaults = bat_motion_curves_defaults();
     result_columns columns;
     bat_curve_set made;
     if (options == NULL)
@@ -703,7 +705,7 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_op
     if (failed != NULL)
         *failed = 0;
     motion_channels channels = channels_of(keyframes);
-    bat_status status = bat_motion_options_check(options, error);
+    bat_status status = bat_motion_curves_options_check(options, error);
     if (status == BAT_OK)
         status = check_columns(keyframes, options, &channels, error);
     if (status == BAT_OK)

@@ -19,26 +19,26 @@ typedef struct settings
 typedef struct entry
 {
     bat_choice choice;
-    void (*apply)(const settings *, bat_hermite_options *); ///< null: not a Hermite scheme
+    void (*apply)(const settings *, bat_hermite_refine_options *); ///< null: not a Hermite scheme
     bat_motion_method method;
 } entry;
 
-static void apply_hermite(const settings *s, bat_hermite_options *options)
+static void apply_hermite(const settings *s, bat_hermite_refine_options *options)
 {
-    options->kind = BAT_HERMITE_LANE_RIESENFELD;
+    options->kind = BAT_HERMITE_KIND_LANE_RIESENFELD;
     options->order = (size_t)s->order;
 }
 
-static void apply_merrien(const settings *s, bat_hermite_options *options)
+static void apply_merrien(const settings *s, bat_hermite_refine_options *options)
 {
-    options->kind = BAT_HERMITE_TRANSPORT;
+    options->kind = BAT_HERMITE_KIND_TRANSPORT;
     options->mask = bat_hermite_mask_merrien(s->lambda, s->mu);
     options->base = s->base;
 }
 
-static void apply_de_rham(const settings *s, bat_hermite_options *options)
+static void apply_de_rham(const settings *s, bat_hermite_refine_options *options)
 {
-    options->kind = BAT_HERMITE_TRANSPORT;
+    options->kind = BAT_HERMITE_KIND_TRANSPORT;
     options->mask = bat_hermite_mask_de_rham();
     options->base = s->base;
 }
@@ -48,26 +48,26 @@ static const settings DEFAULTS = {.order = 1, .lambda = -0.125, .mu = -0.5, .bas
 static const entry ENTRIES[] = {
     {{.name = "spline", .summary = "a motion in time through its keys, with continuous velocity and acceleration"},
      NULL,
-     BAT_MOTION_SPLINE},
+     BAT_MOTION_METHOD_SPLINE},
     {{.name = "hermite",
       .settings = "order=1",
       .summary = "by points and tangents, order 1 through the points; any space; --rate samples it in time"},
      apply_hermite,
-     BAT_MOTION_HERMITE},
+     BAT_MOTION_METHOD_HERMITE},
     {{.name = "hermite-merrien",
       .settings = "lambda=-0.125,mu=-0.5,base=vertex",
       .summary = "Merrien's scheme by parallel transport, through the points, evenly spaced; any space"},
      apply_merrien,
-     BAT_MOTION_HERMITE},
+     BAT_MOTION_METHOD_HERMITE},
     {{.name = "hermite-de-rham",
       .settings = "base=vertex",
       .summary = "its de Rham transform by parallel transport, C2, near the points; any space"},
      apply_de_rham,
-     BAT_MOTION_HERMITE},
+     BAT_MOTION_METHOD_HERMITE},
 };
 const bat_family bat_motion_scheme_family = FAMILY("scheme", ENTRIES);
 
-bat_status bat_motion_scheme_by_name(const char *name, bat_motion_options *options, bat_error *error)
+bat_status bat_motion_scheme_by_name(const char *name, bat_motion_curves_options *options, bat_error *error)
 {
     static const setting SETTINGS[] = {
         {"order", SETTING_NUMBER, offsetof(settings, order), NULL},

@@ -12,8 +12,8 @@
 #include "motion/spline_factor.h"
 #include "motion/spline_smooth.h"
 #include "motion/spline_system.h"
-#include "space/known.h"
-#include "space/whole.h"
+#include "space/builtin.h"
+#include "space/complete.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -129,7 +129,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
 static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
 {
     bat_hermite_curve checked = *keys;
-    bat_status status = space_check_whole(keys->space, error);
+    bat_status status = space_check_complete(keys->space, error);
     if (status == BAT_OK && keys->tangents != NULL)
         status = hermite_check_velocities(keys, error);
     if (status != BAT_OK)
@@ -316,8 +316,8 @@ static void fill_buckets(bat_motion_spline *spline)
         spline->buckets[filled] = n - 1;
 }
 
-bat_status bat_motion_spline_new(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
-                                 bat_motion_spline **spline, bat_error *error)
+bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                                  bat_motion_spline **spline, bat_error *error)
 {
     bat_motion_spline_options defaults = bat_motion_spline_defaults();
     bat_status status = bat_motion_spline_options_check(options, error);

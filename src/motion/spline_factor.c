@@ -1,7 +1,7 @@
 #include "motion/spline_factor.h"
 
 #include "base/lanes.h"
-#include "space/known.h"
+#include "space/builtin.h"
 #include "space/quaternion.h"
 #include "space/rotation.h"
 

@@ -27,7 +27,7 @@ static const double SETTLED = 1e-13;
 /// and below this one they are errors of differences, or rounding, when they cease to fall.
 static const double ACCURATE = 1e-9;
 /// Corrections are halved whenever they grow, down to this share: neighbours far apart need small steps.
-static const double LEAST_SHARE = 1.0 / 128;
+static const double MIN_SHARE = 1.0 / 128;
 
 /// The acceleration's roughness up to which not-a-knot ends are the best, and then natural ones (docs/motion.md).
 static const double SLOW = 0.3;
@@ -481,7 +481,7 @@ static bat_status iterate(spline_system *system, bat_motion_ends ends, double *d
         if (change <= SETTLED * speed || settles || linear || (change <= ACCURATE * speed && change >= 0.5 * before))
             return BAT_OK;
         if (change > before)
-            share = fmax(0.5 * share, LEAST_SHARE);
+            share = fmax(0.5 * share, MIN_SHARE);
         before = change;
     }
     (void)error_set(

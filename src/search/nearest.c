@@ -16,7 +16,7 @@ enum
 {
     ROOT = 1,
     LEAF_ITEMS = 8,
-    MOST_DEPTH = 64
+    MAX_DEPTH = 64
 };
 
 static size_t middle_of(size_t begin, size_t end)
@@ -41,8 +41,8 @@ void nearest_free(nearest_tree *tree)
     free(tree->weights);
     free(tree->items);
     free(tree->boxes);
-    free(tree->least_weights);
-    free(tree->least_items);
+    free(tree->min_weights);
+    free(tree->min_items);
     *tree = (nearest_tree){0};
 }
 
@@ -59,8 +59,8 @@ static void describe(const builder *build, size_t node, size_t begin, size_t end
 {
     const nearest_tree *tree = build->tree;
     size_t dim = tree->dim, size = item_size(tree);
-    double *low = box_of(tree, node), *high = low + dim, least_weight = INFINITY;
-    size_t least_item = BAT_NO_INDEX;
+    double *low = box_of(tree, node), *high = low + dim, min_weight = INFINITY;
+    size_t min_item = BAT_NO_INDEX;
     for (size_t axis = 0; axis < dim; axis++)
     {
         low[axis] = INFINITY;
@@ -76,13 +76,13 @@ static void describe(const builder *build, size_t node, size_t begin, size_t end
                 low[axis] = fmin(low[axis], row[corner + axis]);
                 high[axis] = fmax(high[axis], row[corner + axis]);
             }
-        least_item = item < least_item ? item : least_item;
+        min_item = item < min_item ? item : min_item;
         if (tree->weights != NULL)
-            least_weight = fmin(least_weight, build->weights[item]);
+            min_weight = fmin(min_weight, build->weights[item]);
     }
-    tree->least_items[node] = least_item;
+    tree->min_items[node] = min_item;
     if (tree->weights != NULL)
-        tree->least_weights[node] = least_weight;
+        tree->min_weights[node] = min_weight;
 }
 
 /// Order items begin … end - 1 below a node: halve them across the longest side of the box until a leaf holds few.
@@ -125,14 +125,14 @@ static bool allocate(nearest_tree *tree, bool weighted)
     tree->coordinates = memory_array(tree->count, row);
     tree->items = memory_array(tree->count, sizeof *tree->items);
     tree->boxes = memory_array(nodes, box);
-    tree->least_items = memory_array(nodes, sizeof *tree->least_items);
+    tree->min_items = memory_array(nodes, sizeof *tree->min_items);
     if (weighted)
     {
         tree->weights = memory_array(tree->count, sizeof *tree->weights);
-        tree->least_weights = memory_array(nodes, sizeof *tree->least_weights);
+        tree->min_weights = memory_array(nodes, sizeof *tree->min_weights);
     }
-    return tree->coordinates != NULL && tree->items != NULL && tree->boxes != NULL && tree->least_items != NULL &&
-           (!weighted || (tree->weights != NULL && tree->least_weights != NULL));
+    return tree->coordinates != NULL && tree->items != NULL && tree->boxes != NULL && tree->min_items != NULL &&
+           (!weighted || (tree->weights != NULL && tree->min_weights != NULL));
 }
 
 bat_status nearest_build(nearest_kind kind, const double *coordinates, const double *weights, size_t count, size_t dim,
@@ -174,7 +174,7 @@ static inline double box_squared(const nearest_tree *tree, size_t node, const do
         gap = gap > 0 ? gap * scale : 0;
         sum += gap * gap;
     }
-    return tree->weights == NULL ? sum : sum * tree->least_weights[node];
+    return tree->weights == NULL ? sum : sum * tree->min_weights[node];
 }
 
 /// A node that waits to be searched.
@@ -193,7 +193,7 @@ typedef struct finding
 
 static inline bool can_improve(const nearest_tree *tree, const visit *next, const finding *best)
 {
-    return next->bound < best->squared || (next->bound == best->squared && tree->least_items[next->node] < best->item);
+    return next->bound < best->squared || (next->bound == best->squared && tree->min_items[next->node] < best->item);
 }
 
 static inline void search_leaf(const nearest_tree *tree, const visit *leaf, const double *point, size_t dim, double scale,
@@ -216,7 +216,7 @@ static inline __attribute__((always_inline)) finding search(const nearest_tree *
                                                             double scale)
 {
     finding best = {BAT_NO_INDEX, 0, INFINITY};
-    visit waiting[MOST_DEPTH];
+    visit waiting[MAX_DEPTH];
     size_t top = 0;
     waiting[top++] = (visit){ROOT, 0, tree->count, 0};
     while (top > 0)

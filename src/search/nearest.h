@@ -29,12 +29,12 @@ typedef struct nearest_tree
 {
     nearest_kind kind;
     size_t count, dim;
-    double *coordinates;   ///< count rows in leaf order
-    double *weights;       ///< count in leaf order, or null: all 1
-    size_t *items;         ///< count item numbers in leaf order
-    double *boxes;         ///< per node its box: dim lowest, then dim highest coordinates
-    double *least_weights; ///< per node, or null
-    size_t *least_items;   ///< per node, the lowest item number below it
+    double *coordinates; ///< count rows in leaf order
+    double *weights;     ///< count in leaf order, or null: all 1
+    size_t *items;       ///< count item numbers in leaf order
+    double *boxes;       ///< per node its box: dim lowest, then dim highest coordinates
+    double *min_weights; ///< per node, or null
+    size_t *min_items;   ///< per node, the lowest item number below it
 } nearest_tree;
 
 /// Build the tree over `count` items with coordinates of at most DBL_MAX / 2; they are copied.

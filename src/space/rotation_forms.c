@@ -13,7 +13,7 @@
 static const double ORTHOGONALITY_TOLERANCE = 1e-9;
 /// The two largest eigenvalues of Davenport's matrix, nearer than this to each other (relative to the largest entry), leave
 /// the nearest rotation to rounding.
-static const double LEAST_GAP = 1e-13;
+static const double MIN_GAP = 1e-13;
 
 static bat_status matrix_fault(bat_error *error, const char *what)
 {
@@ -99,7 +99,7 @@ bat_status bat_rotation_nearest(const double *matrix, double *quaternion, bat_er
     for (int i = 0; i < 4; i++)
         if (i != first)
             second = fmax(second, k[5 * i]);
-    if (!(k[5 * first] - second > LEAST_GAP))
+    if (!(k[5 * first] - second > MIN_GAP))
         return matrix_fault(error, "equally near to several rotations");
     for (int i = 0; i < 4; i++)
         quaternion[i] = vectors[4 * first + i];

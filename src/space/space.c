@@ -2,7 +2,7 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "space/whole.h"
+#include "space/complete.h"
 
 #include <math.h>
 #include <string.h>
@@ -135,7 +135,7 @@ const char *space_lack(const bat_space *space)
     return space->injectivity > 0 ? NULL : "positive injectivity radius (INFINITY where geodesics never meet again)";
 }
 
-bat_status space_check_whole(const bat_space *space, bat_error *error)
+bat_status space_check_complete(const bat_space *space, bat_error *error)
 {
     const char *lack = space != NULL ? space_lack(space) : "definition";
     const char *name = space != NULL && space->name != NULL ? space->name : "without a name";
@@ -150,7 +150,7 @@ bat_status space_check_whole(const bat_space *space, bat_error *error)
 
 bat_status bat_space_check(const bat_space *space, const double *points, size_t count, bat_error *error)
 {
-    bat_status status = space_check_whole(space, error);
+    bat_status status = space_check_complete(space, error);
     if (status != BAT_OK)
         return status;
     for (size_t i = 0; i < count; i++)

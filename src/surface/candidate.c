@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "surface/cloud/neighbours.h"
-#include "surface/guides.h"
+#include "surface/virtual_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,8 +53,8 @@ static bat_status record_failure(bat_status status, const bat_error *failure, su
     return BAT_OK;
 }
 
-static bat_status parameterize_learned(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
-                                       double *parameters, bat_error *error)
+static bat_status parameterize_learned(const bat_cloud *cloud, const double *boundary,
+                                       const bat_surface_reconstruct_options *options, double *parameters, bat_error *error)
 {
     bat_surface_model *builtin = NULL;
     bat_status status = options->model != NULL ? BAT_OK : bat_surface_model_read(NULL, &builtin, error);
@@ -65,27 +65,29 @@ static bat_status parameterize_learned(const bat_cloud *cloud, const double *bou
     return status;
 }
 
-static bat_status parameterize_classical(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
-                                         bat_surface_parameters kind, double *parameters, bat_error *error)
+static bat_status parameterize_classical(const bat_cloud *cloud, const double *boundary,
+                                         const bat_surface_reconstruct_options *options, bat_surface_parameters kind,
+                                         double *parameters, bat_error *error)
 {
     static const bat_cloud_parameterization METHODS[BAT_SURFACE_PARAMETERS_COUNT] = {
-        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZE_UNIFORM,
-        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE,
-        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING,
-        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE,
-        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
-        [BAT_SURFACE_PARAMETERS_ISOMETRIC] = BAT_CLOUD_PARAMETERIZE_ISOMETRIC,
+        [BAT_SURFACE_PARAMETERS_UNIFORM] = BAT_CLOUD_PARAMETERIZATION_UNIFORM,
+        [BAT_SURFACE_PARAMETERS_INVERSE_DISTANCE] = BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE,
+        [BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING] = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING,
+        [BAT_SURFACE_PARAMETERS_MEAN_VALUE] = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE,
+        [BAT_SURFACE_PARAMETERS_STRETCH_MINIMIZING] = BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING,
+        [BAT_SURFACE_PARAMETERS_ISOMETRIC] = BAT_CLOUD_PARAMETERIZATION_ISOMETRIC,
     };
     bat_cloud_parameterize_options method_options = bat_cloud_parameterize_defaults();
     method_options.method = METHODS[kind];
-    method_options.published = options->published && method_options.method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+    method_options.published = options->published && method_options.method < BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE;
     method_options.threads = options->fit.threads;
     method_options.progress = options->fit.progress;
     return bat_cloud_parameterize(cloud, boundary, &method_options, parameters, error);
 }
 
-static bat_status parameterize(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
-                               bat_surface_parameters kind, double *parameters, bat_error *error)
+static bat_status parameterize(const bat_cloud *cloud, const double *boundary,
+                               const bat_surface_reconstruct_options *options, bat_surface_parameters kind,
+                               double *parameters, bat_error *error)
 {
     if (kind == BAT_SURFACE_PARAMETERS_LEARNED)
         return parameterize_learned(cloud, boundary, options, parameters, error);
@@ -110,8 +112,9 @@ static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters
     return error_set(error, BAT_NO_CONVERGENCE, folds->first, 0, "%zu of %zu points are folded", folds->folded, interior);
 }
 
-bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
-                                  bat_surface_parameters kind, surface_candidate *candidate, bat_error *error)
+bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary,
+                                  const bat_surface_reconstruct_options *options, bat_surface_parameters kind,
+                                  surface_candidate *candidate, bat_error *error)
 {
     bat_error failure = {0};
     *candidate = (surface_candidate){.report = {.parameters = kind, .mean_squared = NAN, .expected_rms = NAN},
@@ -126,7 +129,7 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     candidate->report.repaired = candidate->report.folds;
     if (status == BAT_OK && options->parameters == BAT_SURFACE_PARAMETERS_AUTO && !options->trim)
         status = check_folds(cloud, &candidate->report.folds, &failure);
-    if (status == BAT_OK && !options->no_repair && kind < BAT_SURFACE_PARAMETERS_ISOMETRIC &&
+    if (status == BAT_OK && options->repair && kind < BAT_SURFACE_PARAMETERS_ISOMETRIC &&
         has_faults(&candidate->report.folds))
         status = bat_cloud_parameters_repair(cloud, candidate->parameters, &candidate->report.repaired, &failure);
     return record_failure(status, &failure, candidate, error);
@@ -225,7 +228,7 @@ static bat_status record_metrics(const bat_surface_fit_data *data, const bat_sur
     report->expected_rms = fit->expected_rms;
     report->reached = fit->reached;
     report->fit_seconds = last->seconds;
-    bat_status status = one_sided_hausdorff(surface, data->points, data->count, &report->stray, error);
+    bat_status status = one_sided_hausdorff(surface, data->points, data->count, &report->hausdorff, error);
     if (status == BAT_OK && options->robust)
         status = median_squared(fit->distances, data->count, &report->mean_squared, error);
     return status;
@@ -260,16 +263,16 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
                                      boundary_on_sides(cloud, candidate->parameters) ? cloud->boundary_count : 0,
                                  .slides = slides,
                                  .border = border};
-    surface_guides guides = {0};
+    virtual_points guides = {0};
     bat_status status = geometry->is_deep && cloud->triangle_count > 0
-                            ? surface_guides_make(cloud, candidate->parameters, &guides, &failure)
+                            ? virtual_points_make(cloud, candidate->parameters, &guides, &failure)
                             : BAT_OK;
     data.guides = guides.places;
     data.guide_parameters = guides.parameters;
     data.guide_count = guides.count;
     if (status == BAT_OK)
         status = bat_surface_fit(&data, options, &candidate->surface, &candidate->fit, &failure);
-    surface_guides_free(&guides);
+    virtual_points_free(&guides);
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
     if (status == BAT_OK && candidate->trimming != NULL)
@@ -401,12 +404,12 @@ size_t surface_candidate_best(surface_candidate *candidates, size_t count, const
                                   candidates[i].report.verdict.fault == BAT_SURFACE_FAULT_NONE);
     for (size_t i = 0; i < count; i++)
         if (is_eligible(&candidates[i].report, any_right))
-            minimum = fmin(minimum, candidates[i].report.stray);
+            minimum = fmin(minimum, candidates[i].report.hausdorff);
     for (size_t i = 0; i < count; i++)
     {
         bat_surface_candidate *report = &candidates[i].report;
-        report->strays = isfinite(report->mean_squared) && report->stray > MAX_DISTANCE_RATIO * minimum;
-        if (is_eligible(report, any_right) && !report->strays &&
+        report->excluded = isfinite(report->mean_squared) && report->hausdorff > MAX_DISTANCE_RATIO * minimum;
+        if (is_eligible(report, any_right) && !report->excluded &&
             (best == BAT_NO_INDEX || is_better(report, &candidates[best].report, options)))
             best = i;
     }

@@ -25,8 +25,9 @@ void surface_candidate_free(surface_candidate *candidate);
 /// Parameterize a cloud by method `kind`, check the parameters for folds and repair them.
 /// @param boundary cloud->boundary_count x 2; null for given parameters
 /// @return BAT_OK, also when the method fails (then report.failure describes the failure); BAT_NO_MEMORY
-bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary, const bat_surface_options *options,
-                                  bat_surface_parameters kind, surface_candidate *candidate, bat_error *error);
+bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary,
+                                  const bat_surface_reconstruct_options *options, bat_surface_parameters kind,
+                                  surface_candidate *candidate, bat_error *error);
 
 /// Fit a surface to all points, judge it, and store it with its metrics.
 /// @param geometry of the cloud

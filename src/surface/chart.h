@@ -24,7 +24,7 @@ struct bat_surface_chart
     // Of the process that has found the chart.
 
     struct reconstruction *work; ///< null in others
-    bat_surface_options options;
+    bat_surface_reconstruct_options options;
 };
 
 /// Free all but what belongs to `work`.

@@ -73,9 +73,10 @@ static const bat_choice PARAMETERS[] = {
 };
 const bat_family bat_surface_parameters_family = FAMILY("parameterization", PARAMETERS);
 
-bat_surface_options bat_surface_defaults(void)
+bat_surface_reconstruct_options bat_surface_reconstruct_defaults(void)
 {
-    return (bat_surface_options){.fit = bat_surface_fit_defaults(), .parameters = BAT_SURFACE_PARAMETERS_AUTO};
+    return (bat_surface_reconstruct_options){
+        .fit = bat_surface_fit_defaults(), .parameters = BAT_SURFACE_PARAMETERS_AUTO, .repair = true};
 }
 
 void bat_surface_result_free(bat_surface_result *result)
@@ -86,12 +87,12 @@ void bat_surface_result_free(bat_surface_result *result)
     *result = (bat_surface_result){0};
 }
 
-bat_status bat_surface_options_check(const bat_surface_options *options, bat_error *error)
+bat_status bat_surface_reconstruct_options_check(const bat_surface_reconstruct_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_surface_options, parameters, bat_surface_parameters_family),
-        OPTION_FAMILY(bat_surface_options, sides, bat_cloud_sides_family),
-        OPTION_FIELD(bat_surface_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FAMILY(bat_surface_reconstruct_options, parameters, bat_surface_parameters_family),
+        OPTION_FAMILY(bat_surface_reconstruct_options, sides, bat_cloud_sides_family),
+        OPTION_FIELD(bat_surface_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
     };
     if (options == NULL)
         return BAT_OK;
@@ -119,7 +120,7 @@ bat_status bat_surface_options_check(const bat_surface_options *options, bat_err
 typedef struct reconstruction
 {
     bat_cloud *cloud;
-    const bat_surface_options *options;
+    const bat_surface_reconstruct_options *options;
     double disc; ///< factor of the radius of the disc that finds the boundary
     bool deep;   ///< charts of triangles alone, whose parameters are corrected at the end alone
     bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
@@ -260,7 +261,7 @@ static void set_spans(const reconstruction *work, bat_hierarchical_options *spac
 /// Whether the sides get border curves.
 static bool has_border(const reconstruction *work)
 {
-    const bat_surface_options *options = work->options;
+    const bat_surface_reconstruct_options *options = work->options;
     return work->boundary != NULL && !options->slide_boundary && !options->published &&
            options->parameters != BAT_SURFACE_PARAMETERS_GIVEN;
 }
@@ -290,7 +291,7 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
         fit.functions = fit.functions == 0 ? 0 : maximum;
     correct_late(work, &fit);
     surface_candidate *candidate = &work->candidates[number];
-    bat_surface_options options = *work->options;
+    bat_surface_reconstruct_options options = *work->options;
     // Charts only ask whether to go on: their share of the time is small.
     progress_part chart = {fit.progress, 0, 0};
     options.fit.progress = progress_of_part(&chart);
@@ -486,7 +487,7 @@ static bat_status find_best(reconstruction *work, bat_error *error)
 /// @param disc      factor of the radius of the disc that finds the boundary
 /// @param deep      charts of triangles alone, whose parameters are corrected at the end alone
 /// @param one_sided receives whether the points lie on a one-sided surface
-static bat_status reconstruct(bat_cloud *cloud, const bat_surface_options *options, double disc, bool deep,
+static bat_status reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options, double disc, bool deep,
                               bat_surface_result *result, bool *one_sided, bat_error *error)
 {
     reconstruction work = {.cloud = cloud, .options = options, .disc = disc, .deep = deep};
@@ -554,8 +555,9 @@ static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, othe
 /// @param finds_boundary whether the boundary was found, or is to be found
 /// @param cross          share of the surface across the tangent planes, which a better one has not
 /// @param is_better      receives whether the result was kept
-static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options *options, bool finds_boundary, other_way way,
-                                    double cross, bat_surface_result *result, bool *is_better, bat_error *error)
+static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_reconstruct_options *options, bool finds_boundary,
+                                    other_way way, double cross, bat_surface_result *result, bool *is_better,
+                                    bat_error *error)
 {
     bat_cloud copy = {0};
     bat_surface_result again = {0};
@@ -598,8 +600,8 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_options 
 
 /// Whether a wrong surface, or none, may become right in another way.
 /// @param finds_boundary whether the boundary was found, or is to be found
-static bool may_help(const bat_cloud *cloud, const bat_surface_options *options, bool finds_boundary, other_way way,
-                     bat_status status)
+static bool may_help(const bat_cloud *cloud, const bat_surface_reconstruct_options *options, bool finds_boundary,
+                     other_way way, bat_status status)
 {
     if (way == FINE_LOOP)
         return finds_boundary && status == BAT_OK;
@@ -609,14 +611,14 @@ static bool may_help(const bat_cloud *cloud, const bat_surface_options *options,
            cloud->count <= BAT_SURFACE_ALL_POINTS;
 }
 
-bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_options *options, bat_surface_result *result,
-                                   bat_error *error)
+bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                   bat_surface_result *result, bat_error *error)
 {
-    const bat_surface_options defaults = bat_surface_defaults();
+    const bat_surface_reconstruct_options defaults = bat_surface_reconstruct_defaults();
     bat_surface_result made = {0};
     bat_error failure = {0};
     bool one_sided = false;
-    bat_status status = bat_surface_options_check(options, error);
+    bat_status status = bat_surface_reconstruct_options_check(options, error);
     if (status != BAT_OK)
         return status;
     options = options != NULL ? options : &defaults;
@@ -684,11 +686,11 @@ static bat_status share_chart(const reconstruction *work, bat_surface_chart *cha
     return BAT_OK;
 }
 
-bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_options *options, bat_surface_chart **chart,
-                                  bat_error *error)
+bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                  bat_surface_chart **chart, bat_error *error)
 {
-    const bat_surface_options defaults = bat_surface_defaults();
-    bat_status status = bat_surface_options_check(options, error);
+    const bat_surface_reconstruct_options defaults = bat_surface_reconstruct_defaults();
+    bat_status status = bat_surface_reconstruct_options_check(options, error);
     options = options != NULL ? options : &defaults;
     if (status == BAT_OK && (cloud->count <= BAT_SURFACE_ALL_POINTS || cloud->triangle_count > 0 || options->published ||
                              options->trim || options->parameters != BAT_SURFACE_PARAMETERS_AUTO))

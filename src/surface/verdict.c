@@ -520,11 +520,11 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     double ratio = verdict->area / verdict->cloud_area, noise = ldexp(noise_reach(geometry), 1 - geometry->frame.exponent);
     // A negation is true for what is not a number.
     if (strays || !(verdict->far_share <= MAX_FAR))
-        return BAT_SURFACE_FAULT_STRAYS;
+        return BAT_SURFACE_FAULT_LEAVES_POINTS;
     double spacings = geometry->order.cloud.count < MIN_PLANE_POINTS ? 1 : MISSED_SPACINGS;
     double missed = fmax(fmax(MAX_MISSED * size, spacings * verdict->spacing), fmin(tolerance, MAX_TAIL * size));
-    if (!(verdict->missed <= missed + noise) || !(tail <= fmax(MAX_TAIL * size, verdict->spacing) + noise))
-        return BAT_SURFACE_FAULT_MISSED;
+    if (!(verdict->distance_from_surface <= missed + noise) || !(tail <= fmax(MAX_TAIL * size, verdict->spacing) + noise))
+        return BAT_SURFACE_FAULT_MISSES_POINTS;
     if (geometry->order.cloud.count < MIN_PLANE_POINTS)
         return BAT_SURFACE_FAULT_NONE;
     if (!(verdict->cross_share <= MAX_CROSS))
@@ -585,14 +585,14 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
         sum_samples(geometry, &samples, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, verdict,
                     &strays);
     if (status == BAT_OK && samples.count > 0)
-        status = quantile_of(&samples, verdict->area, 0.99, &verdict->strays, error);
+        status = quantile_of(&samples, verdict->area, 0.99, &verdict->distance_from_points, error);
     if (status == BAT_OK)
         status = triangle_strays(geometry, verdict->area, options->threads, &samples, &from_triangles, error);
     strays = strays || !(from_triangles <= DEEP_STRAY * geometry->size + noise_reach(geometry));
     if (status == BAT_OK)
-        status = missed_of(distances, count, &verdict->missed, &tail, error);
+        status = missed_of(distances, count, &verdict->distance_from_surface, &tail, error);
     int exponent = 1 - geometry->frame.exponent;
-    verdict->strays = ldexp(verdict->strays, exponent);
+    verdict->distance_from_points = ldexp(verdict->distance_from_points, exponent);
     verdict->farthest = ldexp(verdict->farthest, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
@@ -609,10 +609,10 @@ static void surface_verdict_text(const bat_surface_verdict *verdict, char *text,
     case BAT_SURFACE_FAULT_NONE:
         (void)snprintf(text, size, "it agrees with the points");
         return;
-    case BAT_SURFACE_FAULT_MISSED:
-        (void)snprintf(text, size, "one in a hundred points is farther from it than %.3g", verdict->missed);
+    case BAT_SURFACE_FAULT_MISSES_POINTS:
+        (void)snprintf(text, size, "one in a hundred points is farther from it than %.3g", verdict->distance_from_surface);
         return;
-    case BAT_SURFACE_FAULT_STRAYS:
+    case BAT_SURFACE_FAULT_LEAVES_POINTS:
         (void)snprintf(text, size, "it is up to %.3g from the points, near %.4g %.4g %.4g, and %.2g %% of it is far",
                        verdict->farthest, verdict->place[0], verdict->place[1], verdict->place[2], 100 * verdict->far_share);
         return;

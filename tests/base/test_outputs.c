@@ -32,7 +32,7 @@ static void assert_content(const char *path, const char *expected)
 static bat_outputs *new_outputs(void)
 {
     bat_outputs *outputs;
-    assert_int_equal(bat_outputs_new(&outputs, NULL), BAT_OK);
+    assert_int_equal(bat_outputs_make(&outputs, NULL), BAT_OK);
     return outputs;
 }
 

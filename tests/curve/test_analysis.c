@@ -29,13 +29,13 @@ static void chaikin_is_the_quadratic_spline(void **state)
     check_near(weight(&a.vertex, -1), 1.0 / 8.0, 1e-15);
     check_near(weight(&a.vertex, 0), 6.0 / 8.0, 1e-15);
     check_near(weight(&a.vertex, 1), 1.0 / 8.0, 1e-15);
-    assert_int_equal(a.converges, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(a.converges, BAT_ANALYSIS_VERDICT_PROVEN);
     assert_true(a.is_stable);
     check_near(a.exponent_lower, 2.0, 0.0);
     check_near(a.exponent_upper, 2.0, 0.0);
     assert_int_equal(a.smooth_proven, 1);
     assert_int_equal(a.smooth_disproven, 2);
-    assert_int_equal(a.lipschitz, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(a.lipschitz, BAT_ANALYSIS_VERDICT_PROVEN);
     bat_analysis_free(&a);
 }
 
@@ -47,7 +47,7 @@ static void corner_cutting_has_its_limit_stencil(void **state)
     {
         const double r = cuts[i][0], s = cuts[i][1];
         bat_analysis a = analyze(bat_mask_corner_cutting(r, s));
-        assert_int_equal(a.converges, BAT_ANALYSIS_PROVEN);
+        assert_int_equal(a.converges, BAT_ANALYSIS_VERDICT_PROVEN);
         check_near(weight(&a.limit, 0), (1.0 - s) / (1.0 - s + r), 1e-14);
         check_near(weight(&a.limit, 1), r / (1.0 - s + r), 1e-14);
         check_near(a.eigenvalues[1].real, s - r, 1e-14);
@@ -110,7 +110,7 @@ static void four_point_is_just_not_twice_differentiable(void **state)
     check_near(a.exponent_upper, 2.0, 1e-12);
     assert_int_equal(a.smooth_proven, 1);
     assert_int_equal(a.smooth_disproven, 2);
-    assert_int_equal(a.lipschitz, BAT_ANALYSIS_DISPROVEN);
+    assert_int_equal(a.lipschitz, BAT_ANALYSIS_VERDICT_DISPROVEN);
     bat_analysis_free(&a);
 }
 
@@ -175,7 +175,7 @@ static void lane_riesenfeld_is_a_spline(void **state)
         assert_int_equal(a.smooth_disproven, order);
         check_near(a.exponent_lower, (double)order, 1e-12);
         check_near(a.exponent_upper, (double)order, 1e-12);
-        assert_int_equal(a.lipschitz, BAT_ANALYSIS_PROVEN);
+        assert_int_equal(a.lipschitz, BAT_ANALYSIS_VERDICT_PROVEN);
         for (size_t e = 0; e < a.eigenvalue_count; ++e)
             check_near(a.eigenvalues[e].real, ldexp(1.0, -(int)e), 0.0);
         bat_analysis_free(&a);
@@ -211,7 +211,7 @@ static void divergent_schemes_are_told(void **state)
     for (size_t m = 0; m < sizeof masks / sizeof *masks; ++m)
     {
         bat_analysis a = analyze(masks[m]);
-        assert_int_equal(a.converges, BAT_ANALYSIS_DISPROVEN);
+        assert_int_equal(a.converges, BAT_ANALYSIS_VERDICT_DISPROVEN);
         assert_int_equal(a.smooth_proven, -1);
         assert_int_equal(a.smooth_disproven, 0);
         assert_int_equal(a.limit.count, 0);
@@ -237,7 +237,7 @@ static void unstable_masks_get_no_upper_bound(void **state)
     const bat_mask stable = {.coefficients = {1.0 / 6, 3.0 / 6, 4.0 / 6, 3.0 / 6, 1.0 / 6}, .count = 5};
     bat_analysis a = analyze(unstable);
     bat_analysis b = analyze(stable);
-    assert_int_equal(a.converges, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(a.converges, BAT_ANALYSIS_VERDICT_PROVEN);
     assert_false(a.is_stable);
     assert_true(isinf(a.exponent_upper));
     assert_int_equal(a.smooth_disproven, -1);
@@ -257,7 +257,7 @@ static void unstable_masks_get_no_upper_bound(void **state)
     for (size_t k = 0; k < cycle.count; ++k)
         cycle.coefficients[k] /= 8.0;
     bat_analysis c = analyze(cycle);
-    assert_int_equal(c.converges, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(c.converges, BAT_ANALYSIS_VERDICT_PROVEN);
     assert_int_equal(c.multiplicity, 4);
     assert_false(c.is_stable);
     bat_analysis_free(&c);
@@ -299,20 +299,20 @@ static void options_are_checked(void **state)
     (void)state;
     const bat_mask mask = bat_mask_chaikin();
     bat_analysis analysis;
-    bat_analysis_options options = bat_analysis_defaults();
+    bat_mask_analyze_options options = bat_mask_analyze_defaults();
     options.depth = 0;
     check_status(bat_mask_analyze(&mask, &options, &analysis, NULL), BAT_INVALID_ARGUMENT);
     options.depth = BAT_ANALYSIS_MAX_DEPTH + 1;
     check_status(bat_mask_analyze(&mask, &options, &analysis, NULL), BAT_INVALID_ARGUMENT);
-    options = bat_analysis_defaults();
+    options = bat_mask_analyze_defaults();
     options.tolerance = NAN;
     check_status(bat_mask_analyze(&mask, &options, &analysis, NULL), BAT_INVALID_ARGUMENT);
-    options = bat_analysis_defaults();
+    options = bat_mask_analyze_defaults();
     options.vertices = 0;
     check_status(bat_mask_analyze(&mask, &options, &analysis, NULL), BAT_INVALID_ARGUMENT);
     bat_basis basis;
     check_status(bat_mask_basis(&mask, 60, &basis, NULL), BAT_TOO_LARGE);
-    assert_string_equal(bat_choice_name(&bat_analysis_verdict_family, BAT_ANALYSIS_PROVEN), "proven");
+    assert_string_equal(bat_choice_name(&bat_analysis_verdict_family, BAT_ANALYSIS_VERDICT_PROVEN), "proven");
 }
 
 static void long_masks_are_taken(void **state)
@@ -323,7 +323,7 @@ static void long_masks_are_taken(void **state)
         mask.coefficients[k] = 2.0 / BAT_MASK_MAX;
     bat_analysis a = analyze_to_depth(mask, 2);
     // The symbol is (1 + z) (1 + z^2) … (1 + z^64) / 64, so it has the zeros i and -i.
-    assert_int_equal(a.converges, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(a.converges, BAT_ANALYSIS_VERDICT_PROVEN);
     assert_int_equal(a.multiplicity, 1);
     assert_false(a.is_stable);
     bat_analysis_free(&a);

@@ -178,14 +178,14 @@ static void sweep_finds_the_sharp_interval(void **state)
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_OK);
     // 0 alone, undecided, proven, undecided, disproven.
     assert_int_equal(count, 5);
-    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_DISPROVEN);
+    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_VERDICT_DISPROVEN);
     check_near(intervals[0].end, 0.0, 0.0);
-    assert_int_equal(intervals[2].verdict, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(intervals[2].verdict, BAT_ANALYSIS_VERDICT_PROVEN);
     assert_true(intervals[2].begin < 3e-4);
     const double end = intervals[2].end;
     assert_true(32.0 * end * end * end + 4.0 * end < 1.0);
     const double begin = intervals[4].begin;
-    assert_int_equal(intervals[4].verdict, BAT_ANALYSIS_DISPROVEN);
+    assert_int_equal(intervals[4].verdict, BAT_ANALYSIS_VERDICT_DISPROVEN);
     assert_true(32.0 * begin * begin * begin + 4.0 * begin > 1.0);
     check_near(end, 0.19273, 3e-4);
     check_near(begin, 0.19273, 3e-4);
@@ -206,16 +206,16 @@ static void sweep_finds_single_parameters(void **state)
     size_t count;
     check_status(bat_mask_sweep(cutting_family, &s, &options, &intervals, &count, NULL), BAT_OK);
     assert_int_equal(count, 3);
-    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_DISPROVEN);
-    assert_int_equal(intervals[1].verdict, BAT_ANALYSIS_PROVEN);
-    assert_int_equal(intervals[2].verdict, BAT_ANALYSIS_DISPROVEN);
+    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_VERDICT_DISPROVEN);
+    assert_int_equal(intervals[1].verdict, BAT_ANALYSIS_VERDICT_PROVEN);
+    assert_int_equal(intervals[2].verdict, BAT_ANALYSIS_VERDICT_DISPROVEN);
     check_near(intervals[1].begin, 0.25, 1e-15);
     check_near(intervals[1].end, intervals[1].begin, 0.0);
     free(intervals);
     options.smoothness = 0;
     check_status(bat_mask_sweep(cutting_family, &s, &options, &intervals, &count, NULL), BAT_OK);
     assert_int_equal(count, 1);
-    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_PROVEN);
+    assert_int_equal(intervals[0].verdict, BAT_ANALYSIS_VERDICT_PROVEN);
     free(intervals);
 }
 
@@ -231,13 +231,13 @@ static void sweep_agrees_with_single_analyses(void **state)
     check_status(bat_mask_sweep(four_point_family, NULL, &options, &intervals, &count, NULL), BAT_OK);
     for (size_t i = 0; i < count; ++i)
     {
-        if (intervals[i].verdict == BAT_ANALYSIS_UNDECIDED)
+        if (intervals[i].verdict == BAT_ANALYSIS_VERDICT_UNDECIDED)
             continue;
         for (int share = 1; share <= 7; share += 2)
         {
             const double w = intervals[i].begin + 0.125 * share * (intervals[i].end - intervals[i].begin);
             bat_analysis a = analyze(bat_mask_four_point(w));
-            assert_int_equal(a.smooth_proven >= 1, intervals[i].verdict == BAT_ANALYSIS_PROVEN);
+            assert_int_equal(a.smooth_proven >= 1, intervals[i].verdict == BAT_ANALYSIS_VERDICT_PROVEN);
             bat_analysis_free(&a);
         }
     }

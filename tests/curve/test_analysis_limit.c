@@ -14,7 +14,7 @@ static void limit_stencils_agree_with_refinement(void **state)
                                   ? bat_mask_chaikin()
                                   : random_mask(&random, 1 + (size_t)trial % 5, 2 + (size_t)trial % 3, trial % 7 - 5);
         bat_analysis a = analyze(mask);
-        assert_int_equal(a.converges, BAT_ANALYSIS_PROVEN);
+        assert_int_equal(a.converges, BAT_ANALYSIS_VERDICT_PROVEN);
         const row points = random_points(&random, 40);
         check_near(apply(&a.limit, &points, 0), brute_limit(&mask, &points, 0.0), 1e-7);
         for (int at = -2; at <= 2; ++at)

@@ -79,7 +79,7 @@ static void the_four_point_scheme_can_be_a_rule(void **state)
             (void)make_polygon(SURFACES[s], UNEVEN, COUNT, &random, points);
             bat_curve coarse = {.space = &space, .points = points, .count = COUNT, .closed = way == 0};
             bat_curve_refine_options rule = with_rule(&FOUR_POINT, 7), built_in = options("angle-4", 7);
-            rule.ends = built_in.ends = way == 2 ? BAT_CURVE_END_EXTRAPOLATE : BAT_CURVE_END_REFLECT;
+            rule.ends = built_in.ends = way == 2 ? BAT_CURVE_END_RULE_EXTRAPOLATE : BAT_CURVE_END_RULE_REFLECT;
             bat_curve a = refined(&coarse, &rule), b = refined(&coarse, &built_in);
             check_same(&a, &b, 1e-12);
             bat_curve_free(&a);

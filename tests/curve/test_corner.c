@@ -373,7 +373,7 @@ static void threads_make_no_difference(void **state)
         bat_curve_refine_options how = options("angle-4", 3);
         how.threads = k % 2 == 0 ? 1 : 3;
         how.report = &reports[k];
-        how.max_segment = k < 2 ? 0 : 0.003;
+        how.max_edge = k < 2 ? 0 : 0.003;
         check_status(bat_curves_refine(curves, CURVES, &how, fine[k], NULL, NULL), BAT_OK);
         if (k % 2 == 0)
             continue;
@@ -412,14 +412,14 @@ static void what_cannot_be_is_refused(void **state)
     bat_curve_refine_options how = with_corners("four-point", 3, 30);
     bat_curve fine = {0};
     bat_error error;
-    how.ends = BAT_CURVE_END_FREE;
+    how.ends = BAT_CURVE_END_RULE_FREE;
     check_status(bat_curve_refine(&letter, &how, &fine, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "free ends"));
-    how.ends = BAT_CURVE_END_EXTRAPOLATE;
+    how.ends = BAT_CURVE_END_RULE_EXTRAPOLATE;
     check_status(bat_curve_refine(&letter, &how, &fine, &error), BAT_OK);
     bat_curve_free(&fine);
     how = with_corners("chaikin", 3, 30);
-    how.ends = BAT_CURVE_END_EXTRAPOLATE;
+    how.ends = BAT_CURVE_END_RULE_EXTRAPOLATE;
     check_status(bat_curve_refine(&letter, &how, &fine, &error), BAT_UNSUPPORTED);
     how = with_corners("mask:1/4,3/4,3/4,1/4,0.1,-0.1", 3, 30);
     check_status(bat_curve_refine(&letter, &how, &fine, &error), BAT_UNSUPPORTED);

@@ -265,7 +265,8 @@ static void equal_lengths_give_the_six_point_rule(void **state)
         // Vertex i of the polygon is vertex i - R of the edge.
         memcpy(angles, s.angles, sizeof angles);
         geometry_polygon polygon = {points, COUNT, GEOMETRY_PLANE, true};
-        geometry_tension_angles(&polygon, (geometry_profile){angles, s.lengths}, -0.25, BAT_CURVE_ANGLE_OUTWARD, tension);
+        geometry_tension_angles(&polygon, (geometry_profile){angles, s.lengths}, -0.25, BAT_CURVE_ANGLE_SIGN_OUTWARD,
+                                tension);
         see(&s, numbers);
         check_near(numbers[BASE], tension[R], 1e-15);
     }

@@ -18,7 +18,7 @@ static void concentric_circles(void **state)
     bat_curve first = regular_polygon(&plane, 120, 1), second = regular_polygon(&plane, 120, 1.25);
     bat_curve_distance distance = compare(&first, &second, NULL);
     check_near(distance.mean_nn, 0.25, 1e-15);
-    check_near(distance.mean_nn_back, 0.25, 1e-15);
+    check_near(distance.mean_nn_from_second, 0.25, 1e-15);
     check_near(distance.mean_symmetric, 0.25, 1e-15);
     check_near(distance.hausdorff, 0.25, 1e-15);
     bat_curve_free(&first);
@@ -34,14 +34,14 @@ static void the_two_ways_differ(void **state)
     bat_curve second = {.space = &line, .points = whole, .count = 6};
     bat_curve_distance distance = compare(&first, &second, NULL);
     check_near(distance.mean_nn, 0, 0);
-    check_near(distance.hausdorff_there, 0, 0);
-    check_near(distance.mean_nn_back, (8.0 + 2 + 8) / 6, 1e-15);
+    check_near(distance.hausdorff_from_first, 0, 0);
+    check_near(distance.mean_nn_from_second, (8.0 + 2 + 8) / 6, 1e-15);
     check_near(distance.mean_symmetric, 1.5, 1e-15);
-    check_near(distance.hausdorff_back, 8, 0);
+    check_near(distance.hausdorff_from_second, 8, 0);
     check_near(distance.hausdorff, 8, 0);
-    assert_int_equal(distance.farthest_back, 3); // the first of the two
+    assert_int_equal(distance.farthest_from_second, 3); // the first of the two
     bat_curve_distance turned = compare(&second, &first, NULL);
-    check_near(turned.mean_nn, distance.mean_nn_back, 0);
+    check_near(turned.mean_nn, distance.mean_nn_from_second, 0);
     check_near(turned.hausdorff, distance.hausdorff, 0);
 }
 
@@ -55,12 +55,12 @@ static void distances_to_edges_ignore_the_sampling(void **state)
     bat_curve_measure_options options = bat_curve_measure_defaults();
     check_near(compare(&first, &second, &options).mean_nn, 0.5, 0);
     options.to_segments = true;
-    check_near(compare(&first, &second, &options).hausdorff_there, 0, 0);
-    check_near(compare(&first, &second, &options).mean_nn_back, sqrt(0.125), 1e-15);
+    check_near(compare(&first, &second, &options).hausdorff_from_first, 0, 0);
+    check_near(compare(&first, &second, &options).mean_nn_from_second, sqrt(0.125), 1e-15);
     second.closed = false; // the last middle now misses the left side
-    check_near(compare(&first, &second, &options).hausdorff_there, 0.5, 0);
+    check_near(compare(&first, &second, &options).hausdorff_from_first, 0.5, 0);
     second.count = 1;
-    check_near(compare(&first, &second, &options).hausdorff_there, sqrt(1.25), 1e-15);
+    check_near(compare(&first, &second, &options).hausdorff_from_first, sqrt(1.25), 1e-15);
 }
 
 static void chords_and_arcs_of_the_sphere(void **state)
@@ -72,7 +72,8 @@ static void chords_and_arcs_of_the_sphere(void **state)
     one.count = 1;
     bat_curve_measure_options geodesic = bat_curve_measure_defaults();
     geodesic.geodesic = true;
-    double chord = compare(&one, &second, NULL).hausdorff_there, arc = compare(&one, &second, &geodesic).hausdorff_there;
+    double chord = compare(&one, &second, NULL).hausdorff_from_first,
+           arc = compare(&one, &second, &geodesic).hausdorff_from_first;
     check_near(arc, 2 * asin(chord / 2), 1e-15);
     assert_true(compare(&first, &second, &geodesic).mean_nn > compare(&first, &second, NULL).mean_nn);
     bat_curve_free(&first);
@@ -116,7 +117,7 @@ static void geodesic_neighbours_are_exact_in_every_space(void **state)
         bat_curve first = random_curve(&spaces[s], 150, 3), second = random_curve(&spaces[s], 220, 4);
         bat_curve_distance distance = compare(&first, &second, &geodesic);
         check_relative(distance.mean_nn, mean_by_search(&first, &second), 1e-14);
-        check_relative(distance.mean_nn_back, mean_by_search(&second, &first), 1e-14);
+        check_relative(distance.mean_nn_from_second, mean_by_search(&second, &first), 1e-14);
         bat_curve_free(&first);
         bat_curve_free(&second);
     }
@@ -232,7 +233,7 @@ static void distances_magnify_with_the_curves(void **state)
                 check_near(found.mean_nn, factors[f] * expected.mean_nn, factors[f] * 1e-14);
                 check_near(found.mean_symmetric, factors[f] * expected.mean_symmetric, factors[f] * 1e-14);
                 check_near(found.hausdorff, factors[f] * expected.hausdorff, factors[f] * 1e-14);
-                assert_true(s == 0 || found.farthest_there == expected.farthest_there);
+                assert_true(s == 0 || found.farthest_from_first == expected.farthest_from_first);
             }
             bat_curve_free(&a);
             bat_curve_free(&b);

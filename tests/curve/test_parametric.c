@@ -76,7 +76,7 @@ static void fields_out_of_range_are_refused(void **state)
         how.snap = true;
         check_status(bat_curve_refine(&coarse, &how, &fine, &error), BAT_UNSUPPORTED);
         how.snap = false;
-        how.ends = BAT_CURVE_END_FREE;
+        how.ends = BAT_CURVE_END_RULE_FREE;
         check_status(bat_curve_refine(&coarse, &how, &fine, &error), BAT_UNSUPPORTED);
     }
 }
@@ -334,7 +334,7 @@ static void polynomials_of_the_parameter_are_reproduced(void **state)
         }
         bat_curve coarse = {.space = &space, .points = points, .count = COUNT, .channels = channels, .channel_count = 3};
         bat_curve_refine_options how = options(cases[k].name, 4);
-        how.ends = BAT_CURVE_END_EXTRAPOLATE;
+        how.ends = BAT_CURVE_END_RULE_EXTRAPOLATE;
         bat_curve fine = refined(&coarse, &how);
         assert_int_equal(fine.count, 16 * (COUNT - 1) + 1);
         for (size_t i = 0; i < fine.count; i++)
@@ -544,7 +544,7 @@ static void geodesics_are_lines(void **state)
     bat_random random = bat_random_seed(6);
     bat_space line = bat_euclidean(1), sphere = bat_sphere(2), disk = bat_disk();
     for (size_t s = 0; s < SCHEMES; s++)
-        for (int ends = BAT_CURVE_END_REFLECT; ends <= BAT_CURVE_END_EXTRAPOLATE; ends++)
+        for (int ends = BAT_CURVE_END_RULE_REFLECT; ends <= BAT_CURVE_END_RULE_EXTRAPOLATE; ends++)
         {
             double t[COUNT], round[3 * COUNT], flat[2 * COUNT], channels[COUNT];
             uneven(&random, COUNT, t);

@@ -193,7 +193,7 @@ static void counts_and_ends_are_as_stated(void **state)
     const char *interpolatory[] = {"four-point", "six-point", "angle-4", "angle-6", "log-exp-4", "log-exp-6"};
     for (size_t count = 2; count <= 5; count++)
         for (size_t levels = 0; levels <= 4; levels++)
-            for (int rule = BAT_CURVE_END_REFLECT; rule <= BAT_CURVE_END_EXTRAPOLATE; rule++)
+            for (int rule = BAT_CURVE_END_RULE_REFLECT; rule <= BAT_CURVE_END_RULE_EXTRAPOLATE; rule++)
             {
                 bat_curve open = {.space = &plane, .points = points, .count = count};
                 for (size_t s = 0; s < 6; s++)
@@ -217,7 +217,7 @@ static void counts_and_ends_are_as_stated(void **state)
     // Chaikin without ends: 2 (n - 1) points of the first level, as in the textbook
     bat_curve open = {.space = &plane, .points = points, .count = 3};
     bat_curve_refine_options how = options("chaikin", 1);
-    how.ends = BAT_CURVE_END_FREE;
+    how.ends = BAT_CURVE_END_RULE_FREE;
     bat_curve fine = refined(&open, &how);
     const double expected[] = {0.25, 0.5, 0.75, 1.5, 1.5, 1.75, 2.5, 1.25};
     assert_int_equal(fine.count, 4);
@@ -235,13 +235,13 @@ static void polynomials_are_reproduced(void **state)
         const char *name;
         int degree;
         bat_curve_end_rule ends;
-    } cases[] = {{"four-point", 3, BAT_CURVE_END_EXTRAPOLATE},
-                 {"four-point", 1, BAT_CURVE_END_REFLECT},
-                 {"six-point", 3, BAT_CURVE_END_EXTRAPOLATE},
-                 {"six-point", 5, BAT_CURVE_END_FREE},
-                 {"chaikin", 1, BAT_CURVE_END_FREE},
-                 {"lane-riesenfeld:order=5", 1, BAT_CURVE_END_FREE},
-                 {"lane-riesenfeld:order=4", 1, BAT_CURVE_END_REFLECT}};
+    } cases[] = {{"four-point", 3, BAT_CURVE_END_RULE_EXTRAPOLATE},
+                 {"four-point", 1, BAT_CURVE_END_RULE_REFLECT},
+                 {"six-point", 3, BAT_CURVE_END_RULE_EXTRAPOLATE},
+                 {"six-point", 5, BAT_CURVE_END_RULE_FREE},
+                 {"chaikin", 1, BAT_CURVE_END_RULE_FREE},
+                 {"lane-riesenfeld:order=5", 1, BAT_CURVE_END_RULE_FREE},
+                 {"lane-riesenfeld:order=4", 1, BAT_CURVE_END_RULE_REFLECT}};
     bat_space line = bat_euclidean(2);
     for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++)
     {
@@ -280,11 +280,11 @@ static void circles_are_reproduced_by_outward_angles(void **state)
             }
             bat_curve coarse = {.space = &plane, .points = points, .count = count, .closed = closed};
             bat_curve_refine_options how = options(names[s], 6);
-            how.ends = BAT_CURVE_END_EXTRAPOLATE;
+            how.ends = BAT_CURVE_END_RULE_EXTRAPOLATE;
             bat_curve fine = refined(&coarse, &how);
             for (size_t i = 0; i < fine.count; i++)
                 check_near(hypot(fine.points[2 * i] - 3, fine.points[2 * i + 1] + 1), 2, 1e-13);
-            how.scheme.sign = BAT_CURVE_ANGLE_PRINTED;
+            how.scheme.sign = BAT_CURVE_ANGLE_SIGN_PRINTED;
             bat_curve printed = refined(&coarse, &how);
             assert_true(hypot(printed.points[2] - fine.points[2], printed.points[3] - fine.points[3]) > 1e-3);
             bat_curve_free(&fine);
@@ -387,7 +387,7 @@ static void zeros_around_a_mask_change_nothing(void **state)
     bat_space plane = bat_euclidean(2);
     double points[] = {0, 0, 1, 2, 3, 1, 4, 4, 6, 3};
     for (size_t p = 0; p < 3; p++)
-        for (int rule = BAT_CURVE_END_REFLECT; rule <= BAT_CURVE_END_FREE; rule++)
+        for (int rule = BAT_CURVE_END_RULE_REFLECT; rule <= BAT_CURVE_END_RULE_FREE; rule++)
             for (int closed = 0; closed < 2; closed++)
             {
                 bat_curve coarse = {.space = &plane, .points = points, .count = 5, .closed = closed};
@@ -409,7 +409,7 @@ static void free_ends_know_only_what_is_given(void **state)
     double points[] = {0, 0, 1, 1, 2, 4, 3, 9, 4, 16};
     bat_curve coarse = {.space = &line, .points = points, .count = 5};
     bat_curve_refine_options how = options("lane-riesenfeld:order=3", 1);
-    how.ends = BAT_CURVE_END_FREE;
+    how.ends = BAT_CURVE_END_RULE_FREE;
     how.snap = true;
     bat_curve fine = refined(&coarse, &how);
     assert_true(fine.count >= 3);
@@ -596,7 +596,7 @@ static void bad_input_is_refused(void **state)
     check_status(bat_curve_refined_count(&curve, &how, &count, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "from -8 to 4, not 5"));
     how = options("four-point", 1);
-    how.ends = BAT_CURVE_END_FREE;
+    how.ends = BAT_CURVE_END_RULE_FREE;
     curve.count = 2;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
     curve.count = 4;
@@ -616,7 +616,7 @@ static void bad_input_is_refused(void **state)
     how.scheme.sign = (bat_curve_angle_sign)9;
     curve.space = &plane;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
-    how.scheme.sign = BAT_CURVE_ANGLE_OUTWARD;
+    how.scheme.sign = BAT_CURVE_ANGLE_SIGN_OUTWARD;
     how.scheme.tension = 1e308;
     check_status(bat_curve_refine(&curve, &how, &fine, &error), BAT_INVALID_ARGUMENT);
     how = options("angle-4", 2);

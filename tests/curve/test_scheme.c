@@ -51,7 +51,7 @@ static void scheme_names_are_read_strictly(void **state)
         assert_true(error.text[0] != '\0');
     }
     assert_true(scheme("angle:mu=-1/8,sign=printed").tension == -0.125);
-    assert_int_equal(scheme("angle:mu=-1/8,sign=printed").sign, BAT_CURVE_ANGLE_PRINTED);
+    assert_int_equal(scheme("angle:mu=-1/8,sign=printed").sign, BAT_CURVE_ANGLE_SIGN_PRINTED);
     assert_int_equal(scheme("log-exp-6:base=midpoint").base, BAT_CURVE_BASE_MIDPOINT);
     assert_int_equal(scheme("mask:1/4,3/4,3/4,1/4").mask.first, -2);
     check_status(bat_curve_scheme_by_name("mask:1,1@99", &result, &error), BAT_INVALID_ARGUMENT);

@@ -87,13 +87,13 @@ static void each_edge_gets_its_own_levels(void **state)
                 bat_curve ring = {.space = space, .points = points, .count = COUNT, .closed = closed};
                 bat_curve_refine_options how = options(NAMES[s], 0);
                 how.snap = s == 5;
-                how.max_segment = 0.013;
+                how.max_edge = 0.013;
                 bat_curve fine, whole[8];
                 size_t *starts, count, edges = closed ? COUNT : COUNT - 1;
                 check_status(pieces_refine(&ring, &how, &fine, &starts, NULL), BAT_OK);
                 check_status(bat_curve_refined_count(&ring, &how, &count, NULL), BAT_OK);
                 assert_int_equal(count, fine.count);
-                how.max_segment = 0;
+                how.max_edge = 0;
                 size_t least = 8, most = 0;
                 for (how.levels = 0; how.levels < 8; how.levels++)
                     whole[how.levels] = refined(&ring, &how);
@@ -248,7 +248,7 @@ static void neighbours_do_not_matter(void **state)
     c.points = backwards;
     bat_curve_refine_options how = options("angle-4", 0);
     how.tolerance = 2e-4;
-    how.max_segment = 0.1;
+    how.max_edge = 0.1;
     bat_curve fine[3];
     size_t *starts[3];
     check_status(pieces_refine(&a, &how, &fine[0], &starts[0], NULL), BAT_OK);
@@ -288,7 +288,7 @@ static void threads_and_windows_make_no_difference(void **state)
         curve.corners = cut ? flags : NULL;
         bat_curve_refine_report report;
         bat_curve_refine_options how = options(cut ? "four-point:parameters=centripetal" : "learned", 0);
-        how.max_segment = 0.005;
+        how.max_edge = 0.005;
         how.tolerance = 1e-3;
         how.report = &report;
         how.threads = 1;
@@ -355,25 +355,25 @@ static void what_cannot_be_is_refused(void **state)
         check_refused(&ring, &how, BAT_UNSUPPORTED, refused[i].text);
     }
     bat_curve_refine_options how = options("four-point", 3);
-    how.max_segment = 0.01;
-    how.ends = BAT_CURVE_END_FREE;
+    how.max_edge = 0.01;
+    how.ends = BAT_CURVE_END_RULE_FREE;
     check_refused(&ring, &how, BAT_UNSUPPORTED, "free ends");
     // The first edge that needs more than the most levels is the one before the far point.
     how = options("four-point", 3);
-    how.max_segment = 0.05;
+    how.max_edge = 0.05;
     how.max_levels = 3;
     check_refused(&ring, &how, BAT_TOO_LARGE, "the edge after point 4 needs more than the 3 levels");
-    how.max_segment = 0;
+    how.max_edge = 0;
     how.tolerance = 1e-4;
     how.max_levels = 1;
     check_refused(&ring, &how, BAT_TOO_LARGE, "needs more than the 1 levels");
     how.max_levels = 20;
-    how.max_segment = 0.05;
+    how.max_edge = 0.05;
     how.max_points = 3 * COUNT / 2;
     check_refused(&ring, &how, BAT_TOO_LARGE, "more than 36 points");
     // A cap that is just enough.
     how = options("four-point", 0);
-    how.max_segment = 0.05;
+    how.max_edge = 0.05;
     how.max_levels = 7;
     bat_curve_refine_report report;
     how.report = &report;
@@ -402,7 +402,7 @@ static void rings_stay_simple(void **state)
         ring.corners = cut ? flags : NULL;
         bat_curve_refine_report report;
         bat_curve_refine_options how = options("four-point", 0);
-        how.max_segment = 0.3;
+        how.max_edge = 0.3;
         how.report = &report;
         how.simple = BAT_CURVE_SIMPLE_NEVER;
         bat_curve crossing = refined(&ring, &how);
@@ -437,11 +437,11 @@ static void nothing_needed_is_nothing_done(void **state)
     assert_int_equal(fine.count, 4);
     assert_memory_equal(fine.points, points, sizeof points);
     bat_curve_free(&fine);
-    how.max_segment = 1; // the edges are not longer
+    how.max_edge = 1; // the edges are not longer
     fine = refined(&line, &how);
     assert_int_equal(fine.count, 4);
     bat_curve_free(&fine);
-    how.max_segment = 0.999;
+    how.max_edge = 0.999;
     fine = refined(&line, &how);
     assert_int_equal(fine.count, 7);
     bat_curve_free(&fine);

@@ -232,7 +232,7 @@ static void polygons_have_their_edges_alone(void **state)
                                        {.mesh = &cut, .wires = true, .flat = true, .polygons = &quad}};
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.longitude = options.latitude = 0;
-    options.hollows = options.boundaries = false;
+    options.ambient_occlusion = options.boundaries = false;
     char path[128];
     double spread[2];
     for (int i = 0; i < 2; i++)

@@ -38,10 +38,10 @@ static bat_curve_set make_keys(const bat_space *space, size_t count, double scal
     return set;
 }
 
-static bat_motion_options in_time(void)
+static bat_motion_curves_options in_time(void)
 {
-    bat_motion_options options = bat_motion_defaults();
-    options.method = BAT_MOTION_SPLINE;
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.method = BAT_MOTION_METHOD_SPLINE;
     return options;
 }
 
@@ -49,7 +49,7 @@ static bat_status draw(const bat_curve_set *set, const char *name, const bat_mot
                        bat_error *error)
 {
     char path[80];
-    bat_motion_options motion = in_time();
+    bat_motion_curves_options motion = in_time();
     (void)snprintf(path, sizeof path, "%s/%s", folder, name);
     bat_status status = bat_motion_picture_write(path, set, &motion, options, error);
     struct stat found;
@@ -130,8 +130,8 @@ static void options_are_checked(void **state)
     options.length_unit = "\x01";
     assert_int_equal(draw(&set, "m.svg", &options, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(draw(&set, "m.bmp", NULL, &error), BAT_INVALID_ARGUMENT);
-    bat_motion_options motion = bat_motion_defaults();
-    motion.method = BAT_MOTION_HERMITE;
+    bat_motion_curves_options motion = bat_motion_curves_defaults();
+    motion.method = BAT_MOTION_METHOD_HERMITE;
     assert_int_equal(bat_motion_picture_write("/nowhere/m.svg", &set, &motion, NULL, &error), BAT_UNSUPPORTED);
     bat_curve_set_free(&set);
 }
@@ -143,7 +143,7 @@ static void speeds_are_right(void **state)
     bat_space rigid = rigid_space();
     bat_curve_set set = make_keys(&rigid, 5, 0);
     bat_motion_picture_options options = bat_motion_picture_defaults();
-    bat_motion_options motion = in_time();
+    bat_motion_curves_options motion = in_time();
     for (size_t i = 0; i < 5; i++)
     {
         double *pose = set.curves[0].points + 7 * i, angle = 0.2 * (double)i;
@@ -184,7 +184,7 @@ static void outliers_are_marked(void **state)
             point[1] = i == APART ? 1 : wave;
         }
         bat_motion_picture_options options = bat_motion_picture_defaults();
-        bat_motion_options motion = in_time();
+        bat_motion_curves_options motion = in_time();
         motion.spline.sigma = 0.02;
         motion.spline.outliers = rules[r];
         film shown;
@@ -208,7 +208,7 @@ static void views_are_rotations(void **state)
         for (size_t i = 0; i < KEYS; i++)
             set.curves[0].points[3 * i + (size_t)flat] *= 0.01;
         bat_motion_picture_options options = bat_motion_picture_defaults();
-        bat_motion_options motion = in_time();
+        bat_motion_curves_options motion = in_time();
         film shown;
         path_view view;
         assert_int_equal(film_make(&set, NULL, &motion, &options, &shown, NULL), BAT_OK);
@@ -239,7 +239,7 @@ static void splines_are_drawn(void **state)
     for (size_t s = 0; s < 4; s++)
     {
         bat_curve_set set = make_keys(spaces[s], KEYS, 1);
-        bat_motion_options motion = in_time();
+        bat_motion_curves_options motion = in_time();
         bat_motion_spline *spline;
         bat_error error;
         char paths[2][80], *texts[2];

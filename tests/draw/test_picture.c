@@ -12,9 +12,10 @@ static void writes_all_spaces_in_all_formats(void **state)
     {
         bat_curve curve = make_sample(spaces[s], 64);
         bat_curve coarse = make_sample(spaces[s], 8);
-        bat_curve_picture_layer layers[] = {{.curve = &coarse, .role = BAT_CURVE_LAYER_CONTROL, .label = "control polygon"},
-                                            {.curve = &curve, .role = BAT_CURVE_LAYER_TRUTH, .label = "truth"},
-                                            {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE, .label = "curve"}};
+        bat_curve_picture_layer layers[] = {
+            {.curve = &coarse, .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = "control polygon"},
+            {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_TRUTH, .label = "truth"},
+            {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE, .label = "curve"}};
         bat_curve_picture_panel panels[] = {{layers, 3, "left <&>"}, {layers, 3, NULL}};
         bat_curve_picture_options options = bat_curve_picture_defaults();
         options.width = 320;
@@ -58,7 +59,7 @@ static void same_input_gives_same_bytes(void **state)
 {
     (void)state;
     bat_curve curve = make_sample(&sphere, 50);
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE, .label = "curve"};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE, .label = "curve"};
     bat_curve_picture_panel panel = {&layer, 1, "panel"};
     for (int i = 0; i < 3; i++)
     {
@@ -89,7 +90,7 @@ static void check_refused(const bat_curve *curve, bat_status status, size_t inde
     char path[128];
     path_of(path, "refused.svg");
     bat_error error = {0};
-    bat_curve_picture_layer layer = {.curve = curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_panel panel = {&layer, 1, NULL};
     assert_int_equal(bat_curve_picture_write(path, &panel, 1, NULL, &error), status);
     assert_int_equal(error.status, status);
@@ -133,7 +134,7 @@ static void bad_points_are_named(void **state)
     opposite.closed = false;
     char path[128];
     path_of(path, "fine.svg");
-    bat_curve_picture_layer layer = {.curve = &opposite, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &opposite, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
     assert_int_equal(unlink(path), 0);
     free(opposite.points);
@@ -152,8 +153,8 @@ static void empty_and_mixed_panels_are_refused(void **state)
     check_refused(&none, BAT_INVALID_ARGUMENT, 0);
     check_refused(NULL, BAT_INVALID_ARGUMENT, 0);
     check_refused(&thin, BAT_UNSUPPORTED, 0);
-    bat_curve_picture_layer layers[] = {{.curve = &flat, .role = BAT_CURVE_LAYER_CURVE},
-                                        {.curve = &round, .role = BAT_CURVE_LAYER_CURVE}};
+    bat_curve_picture_layer layers[] = {{.curve = &flat, .role = BAT_CURVE_LAYER_ROLE_CURVE},
+                                        {.curve = &round, .role = BAT_CURVE_LAYER_ROLE_CURVE}};
     bat_curve_picture_panel mixed[] = {{layers, 1, NULL}, {layers, 2, NULL}};
     bat_error error;
     assert_int_equal(bat_curve_picture_write(path, mixed, 2, NULL, &error), BAT_INVALID_ARGUMENT);
@@ -177,7 +178,7 @@ static void bad_options_are_refused(void **state)
     char path[128];
     path_of(path, "refused.png");
     bat_curve flat = make_sample(&plane, 5);
-    bat_curve_picture_layer layer = {.curve = &flat, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &flat, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options bad[14];
     for (int i = 0; i < 14; i++)
@@ -226,7 +227,7 @@ static void failure_leaves_files_alone(void **state)
     (void)fclose(file);
     bat_curve curve = make_sample(&plane, 5);
     curve.points[4] = NAN;
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_panel panel = {&layer, 1, NULL};
     assert_int_equal(bat_curve_picture_write(path, &panel, 1, NULL, NULL), BAT_INVALID_POINT);
     size_t size;
@@ -266,8 +267,8 @@ static void degenerate_curves_are_drawn(void **state)
                                                                             : s == 2 ? 1.0
                                                                                      : 0.5;
             }
-            bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_CURVE},
-                                                {.curve = &curve, .role = BAT_CURVE_LAYER_CONTROL}};
+            bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE},
+                                                {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CONTROL}};
             for (int projection = 0; projection < 3; projection++)
             {
                 options.projection = (bat_curve_projection)projection;
@@ -293,7 +294,7 @@ static void large_curves_become_small_files(void **state)
     for (size_t s = 0; s < 3; s++)
     {
         bat_curve curve = make_sample(spaces[s], 400000);
-        bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
+        bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
         for (int i = 0; i < 3; i++)
         {
             char name[16];

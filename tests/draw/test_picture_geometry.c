@@ -525,7 +525,7 @@ static void rough_curves_have_coverage_masks(void **state)
     }
     char path[128];
     path_of(path, "rough.svg");
-    bat_curve_picture_layer layer = {.curve = &noise, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &noise, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, NULL), BAT_OK);
     size_t size;
     free(slurp(path, &size));

@@ -55,8 +55,8 @@ static void nothing_leaves_its_box(void **state)
         bool flat = variant % 4 < 2;
         bat_curve curve = make_sample(space, 60);
         transform(&curve, stretches[flat ? variant / 4 % 6 : 0], shifts[flat ? variant / 24 % 3 : 0]);
-        bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_CONTROL},
-                                            {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE}};
+        bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CONTROL},
+                                            {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE}};
         bat_curve_picture_panel panel = {layers, 2, NULL};
         bat_curve_picture_options options = bat_curve_picture_defaults();
         options.axes = options.grid = variant / 72 % 2 == 0;
@@ -74,7 +74,7 @@ static void frames_hold_the_box_of_solid_curves(void **state)
 {
     (void)state;
     bat_curve curve = make_sample(&solid, 60);
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.axes = options.comb = true;
@@ -115,7 +115,7 @@ static void map_lines_end_at_the_frame(void **state)
     {
         set_direction(curve.points + 3 * i, places[i][0] * degree, places[i][1] * degree);
     }
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.projection = BAT_CURVE_PROJECTION_MAP;
@@ -123,7 +123,7 @@ static void map_lines_end_at_the_frame(void **state)
     double with[4];
     double without[4];
     coverage_extent(&panel, &options, with);
-    layer.role = BAT_CURVE_LAYER_CONTROL;
+    layer.role = BAT_CURVE_LAYER_ROLE_CONTROL;
     options.control_polygon = options.control_points = false;
     coverage_extent(&panel, &options, without);
     for (int k = 0; k < 4; k++)
@@ -163,7 +163,7 @@ static void hairpins_have_combs(void **state)
         curve.points[2 * i] = i == 0 || i == count - 1 ? -1.0 : 1e-3 * cos(angle);
         curve.points[2 * i + 1] = 1e-3 * sin(angle);
     }
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_panel panel = {&layer, 1, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     size_t without = occurrences(&panel, &options, "<path");
@@ -179,8 +179,8 @@ static void tall_pictures_are_narrow(void **state)
     bat_curve round = make_sample(&plane, 60);
     bat_curve tall = make_sample(&plane, 60);
     transform(&tall, (double[2]){1.0, 20.0}, (double[2]){0.0, 0.0});
-    bat_curve_picture_layer layers[] = {{.curve = &round, .role = BAT_CURVE_LAYER_CURVE},
-                                        {.curve = &tall, .role = BAT_CURVE_LAYER_CURVE}};
+    bat_curve_picture_layer layers[] = {{.curve = &round, .role = BAT_CURVE_LAYER_ROLE_CURVE},
+                                        {.curve = &tall, .role = BAT_CURVE_LAYER_ROLE_CURVE}};
     bat_curve_picture_panel panels[] = {{&layers[0], 1, NULL}, {&layers[1], 1, NULL}};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     assert_int_equal(occurrences(&panels[0], &options, "width=\"400pt\""), 1);

@@ -43,9 +43,9 @@ static bat_curve make_ellipse(const bat_space *space, size_t count, bool closed,
 static bat_status write_three(const char *path, const bat_curve *coarse, const bat_curve *truth, const bat_curve *fine,
                               const bat_curve_picture_options *options, bat_error *error)
 {
-    bat_curve_picture_layer layers[] = {{.curve = coarse, .role = BAT_CURVE_LAYER_CONTROL, .label = "given"},
-                                        {.curve = truth, .role = BAT_CURVE_LAYER_TRUTH, .label = "truth"},
-                                        {.curve = fine, .role = BAT_CURVE_LAYER_CURVE, .label = "curve"}};
+    bat_curve_picture_layer layers[] = {{.curve = coarse, .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = "given"},
+                                        {.curve = truth, .role = BAT_CURVE_LAYER_ROLE_TRUTH, .label = "truth"},
+                                        {.curve = fine, .role = BAT_CURVE_LAYER_ROLE_CURVE, .label = "curve"}};
     bat_curve_picture_panel panels[] = {{layers, 3, "all"}, {layers, 1, NULL}};
     return bat_curve_picture_write(path, panels, 2, options, error);
 }
@@ -100,7 +100,7 @@ static void pictures_differ_where_curves_do(void **state)
         size_t sizes[4];
         for (size_t i = 0; i < 4; i++)
         {
-            bytes[i] = picture_of(curves[i], i == 3 ? BAT_CURVE_LAYER_CONTROL : BAT_CURVE_LAYER_CURVE, &sizes[i]);
+            bytes[i] = picture_of(curves[i], i == 3 ? BAT_CURVE_LAYER_ROLE_CONTROL : BAT_CURVE_LAYER_ROLE_CURVE, &sizes[i]);
         }
         assert_true(sizes[0] > 1000);
         assert_string_equal(bytes[0], bytes[1]);
@@ -122,8 +122,8 @@ static void rotations_become_their_columns(void **state)
     const double angle = 1.2;
     double quaternions[8] = {1, 0, 0, 0, cos(angle / 2), 0, 0, sin(angle / 2)};
     bat_curve turn = {.space = &spaces[0], .points = quaternions, .count = 2};
-    bat_curve_picture_layer layers[] = {{.curve = &turn, .role = BAT_CURVE_LAYER_CURVE},
-                                        {.curve = &turn, .role = BAT_CURVE_LAYER_CONTROL}};
+    bat_curve_picture_layer layers[] = {{.curve = &turn, .role = BAT_CURVE_LAYER_ROLE_CURVE},
+                                        {.curve = &turn, .role = BAT_CURVE_LAYER_ROLE_CONTROL}};
     bat_curve_picture_panel panel = {layers, 2, NULL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
@@ -152,7 +152,7 @@ static void the_hyperboloid_becomes_the_disk(void **state)
 {
     (void)state;
     bat_curve curve = make_ellipse(&spaces[3], COUNT, false, 0.5);
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
     assert_int_equal(proxy_make(&(bat_curve_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
@@ -171,7 +171,7 @@ static void motions_become_frames_on_their_path(void **state)
     (void)state;
     double poses[14] = {0, 0, 0, 1, 0, 0, 0, 3, 4, 0, 0, 1, 0, 0};
     bat_curve curve = {.space = &spaces[4], .points = poses, .count = 2};
-    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_CONTROL};
+    bat_curve_picture_layer layer = {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CONTROL};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     proxy made;
     assert_int_equal(proxy_make(&(bat_curve_picture_panel){&layer, 1, NULL}, &options, &made, NULL), BAT_OK);
@@ -199,15 +199,15 @@ static void rows_fit_the_largest_tensor(void **state)
         double unit = units[i];
         double tensors[9] = {4 * unit, 0, unit, 5 * unit, 4 * unit, 5 * unit, unit, 0, unit};
         bat_curve curve = {.space = &spaces[1], .points = tensors, .count = 3};
-        bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_CONTROL},
-                                            {.curve = &curve, .role = BAT_CURVE_LAYER_CURVE}};
+        bat_curve_picture_layer layers[] = {{.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CONTROL},
+                                            {.curve = &curve, .role = BAT_CURVE_LAYER_ROLE_CURVE}};
         scene_frame frame = {0};
         assert_int_equal(tensor_row_include(&frame, &(bat_curve_picture_panel){layers, 2, NULL}, NULL), BAT_OK);
         check_near(frame.tensor_unit / sqrt(unit), 3, 1e-12); // 5 + 4
         assert_int_equal(frame.tensor_columns, 3);
         assert_true(frame.high[0] > 4 && frame.low[1] < -3);
         size_t size;
-        free(picture_of(&curve, BAT_CURVE_LAYER_CURVE, &size));
+        free(picture_of(&curve, BAT_CURVE_LAYER_ROLE_CURVE, &size));
         assert_true(size > 1000);
     }
 }
@@ -217,7 +217,7 @@ static void check_refused(const bat_curve *curve, bat_status status, size_t inde
     char path[128];
     bat_error error = {0};
     path_of(path, "refused.svg");
-    bat_curve_picture_layer layer = {.curve = curve, .role = BAT_CURVE_LAYER_CURVE};
+    bat_curve_picture_layer layer = {.curve = curve, .role = BAT_CURVE_LAYER_ROLE_CURVE};
     assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){&layer, 1, NULL}, 1, NULL, &error), status);
     assert_int_equal(error.status, status);
     assert_int_equal(error.index, index);
@@ -262,8 +262,8 @@ static void mixed_panels_are_refused(void **state)
     const bat_curve *pairs[2][2] = {{&a, &b}, {&c, &d}};
     for (size_t i = 0; i < 2; i++)
     {
-        bat_curve_picture_layer layers[] = {{.curve = pairs[i][0], .role = BAT_CURVE_LAYER_CURVE},
-                                            {.curve = pairs[i][1], .role = BAT_CURVE_LAYER_CURVE}};
+        bat_curve_picture_layer layers[] = {{.curve = pairs[i][0], .role = BAT_CURVE_LAYER_ROLE_CURVE},
+                                            {.curve = pairs[i][1], .role = BAT_CURVE_LAYER_ROLE_CURVE}};
         assert_int_equal(bat_curve_picture_write(path, &(bat_curve_picture_panel){layers, 2, NULL}, 1, NULL, NULL),
                          BAT_INVALID_ARGUMENT);
     }
@@ -282,7 +282,7 @@ static void degenerate_curves_are_drawn(void **state)
     {
         bat_curve one = make_ellipse(&spaces[s], 1, true, 0.5), same = make_ellipse(&spaces[s], 2, false, 0);
         memcpy(same.points + spaces[s].point_dim, same.points, spaces[s].point_dim * sizeof(double));
-        for (int role = BAT_CURVE_LAYER_CURVE; role <= BAT_CURVE_LAYER_TRUTH; role++)
+        for (int role = BAT_CURVE_LAYER_ROLE_CURVE; role <= BAT_CURVE_LAYER_ROLE_TRUTH; role++)
         {
             free(picture_of(&one, (bat_curve_layer_role)role, &size));
             assert_true(size > 500);
@@ -294,7 +294,7 @@ static void degenerate_curves_are_drawn(void **state)
     }
     double flat[12] = {1, 0, 0, 1e-14, 0, 1e-14, 1e-14, 0, 0, 1, 0, 1e-9};
     bat_curve needles = {.space = &spaces[2], .points = flat, .count = 2};
-    char *bytes = picture_of(&needles, BAT_CURVE_LAYER_CURVE, &size);
+    char *bytes = picture_of(&needles, BAT_CURVE_LAYER_ROLE_CURVE, &size);
     check_nesting(bytes);
     assert_null(strstr(bytes, "nan"));
     free(bytes);

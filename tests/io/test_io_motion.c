@@ -216,7 +216,7 @@ static void signs_do_not_jump(void **state)
     bat_curve_set_free(&set);
 }
 
-static bat_curve_set must_smooth(const bat_curve_set *set, const bat_motion_options *options)
+static bat_curve_set must_smooth(const bat_curve_set *set, const bat_motion_curves_options *options)
 {
     bat_curve_set fine = {0};
     bat_error error = {0};
@@ -254,7 +254,7 @@ static void keyframes_come_back(void **state)
         for (int given = 0; given < 2; given++)
         {
             bat_curve_set set = must_read(KEYFRAMES[k].text, CSV, KEYFRAMES[k].space);
-            bat_motion_options options = bat_motion_defaults();
+            bat_motion_curves_options options = bat_motion_curves_defaults();
             options.rate = 8;
             options.velocities = given == 1 && strcmp(KEYFRAMES[k].text + 5, "lat") != 0 && k != 8;
             bat_curve_set fine = must_smooth(&set, &options);
@@ -297,7 +297,7 @@ static void smooth_curves_are_continuous(void **state)
                                   CSV, "rotation");
     for (size_t k = 0; k <= sizeof schemes / sizeof *schemes; k++)
     {
-        bat_motion_options options = bat_motion_defaults();
+        bat_motion_curves_options options = bat_motion_curves_defaults();
         options.scheme.levels = 6;
         if (k > 0)
             assert_int_equal(bat_motion_scheme_by_name(schemes[k - 1], &options, NULL), BAT_OK);
@@ -330,7 +330,7 @@ static void steady_turns_have_their_velocity(void **state)
     const char *schemes[] = {"hermite", "hermite:order=3", "hermite-merrien", "hermite-de-rham"};
     for (size_t k = 0; k < 5; k++)
     {
-        bat_motion_options options = bat_motion_defaults();
+        bat_motion_curves_options options = bat_motion_curves_defaults();
         options.velocities = true;
         options.scheme.levels = 3;
         if (k < 4)
@@ -364,7 +364,7 @@ static void large_steps_are_followed(void **state)
     bat_curve_set set = must_read(text, CSV, "rotation");
     for (size_t order = 2; order <= 4; order += 2)
     {
-        bat_motion_options options = bat_motion_defaults();
+        bat_motion_curves_options options = bat_motion_curves_defaults();
         options.rate = 3;
         options.tangent_order = order;
         options.velocities = true;
@@ -376,7 +376,7 @@ static void large_steps_are_followed(void **state)
     bat_curve_set_free(&set);
 }
 
-static void assert_refused(const char *text, const char *space, const bat_motion_options *options, bat_status status,
+static void assert_refused(const char *text, const char *space, const bat_motion_curves_options *options, bat_status status,
                            size_t line, const char *words)
 {
     bat_curve_set set = must_read(text, BAT_CURVE_FORMAT_AUTO, space), fine = {0};
@@ -396,7 +396,7 @@ static void a_curve_has_its_data(void **state)
     (void)state;
     const char *timed = "# closed\nvy,x,time,y,vx\n0.5,1,10,2,3\n-1,4,12,5,6\n0,7,13,9,8\n";
     bat_curve_set set = must_read(timed, CSV, "plane");
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     bat_hermite_curve keys;
     options.rate = 5;
     assert_int_equal(bat_motion_data(&set, 0, &options, &keys, NULL), BAT_OK);
@@ -407,8 +407,8 @@ static void a_curve_has_its_data(void **state)
     assert_memory_equal(keys.times, times, sizeof times);
     bat_hermite_free(&keys);
     // Hermite schemes take directions, splines velocities.
-    bat_motion_options refined = bat_motion_defaults();
-    refined.method = BAT_MOTION_HERMITE;
+    bat_motion_curves_options refined = bat_motion_curves_defaults();
+    refined.method = BAT_MOTION_METHOD_HERMITE;
     assert_int_equal(bat_motion_data(&set, 0, NULL, &keys, NULL), BAT_OK);
     assert_memory_equal(keys.tangents, velocities, sizeof velocities);
     bat_hermite_free(&keys);
@@ -435,7 +435,7 @@ static void data_by_index_need_even_times(void **state)
 {
     (void)state;
     bat_curve_set set = must_read("time,x,y,vx,vy\n0,0,0,2,1\n0.5,1,1,4,3\n1,3,9,6,5\n", CSV, "plane");
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     bat_hermite_curve keys;
     bat_error error;
     assert_int_equal(bat_motion_scheme_by_name("hermite-merrien", &options, NULL), BAT_OK);
@@ -458,7 +458,7 @@ static void times_must_increase(void **state)
     bat_curve_set set =
                       must_read("time,qw,qx,qy,qz\n0,1,0,0,0\n1,0.8,0.6,0,0\n2,0.6,0.8,0,0\n", BAT_CURVE_FORMAT_AUTO, NULL),
                   fine = {0};
-    bat_motion_options sampled = bat_motion_defaults();
+    bat_motion_curves_options sampled = bat_motion_curves_defaults();
     bat_error error;
     sampled.rate = 4;
     set.curves[0].channels[2] = 1;
@@ -472,9 +472,10 @@ static void times_must_increase(void **state)
 static void bad_keyframes_name_their_lines(void **state)
 {
     (void)state;
-    bat_motion_options sampled = bat_motion_defaults(), transport = bat_motion_defaults(), refined = sampled;
+    bat_motion_curves_options sampled = bat_motion_curves_defaults(), transport = bat_motion_curves_defaults(),
+                              refined = sampled;
     sampled.rate = 4;
-    refined.method = BAT_MOTION_HERMITE;
+    refined.method = BAT_MOTION_METHOD_HERMITE;
     assert_int_equal(bat_motion_scheme_by_name("hermite-merrien", &transport, NULL), BAT_OK);
     const char header[] = "time,qw,qx,qy,qz\n";
     char text[200];
@@ -496,8 +497,8 @@ static void timed_keyframes_become_a_motion_in_time(void **state)
 {
     (void)state;
     bat_curve_set set = must_read("0 0 0 0 0 0 0 1\n1 1 2 3 0 0 0.6 0.8\n4 4 2 3 0 0.6 0 0.8\n6 5 5 5 0 0 0 1\n", TUM, NULL);
-    bat_motion_options options = bat_motion_defaults();
-    assert_int_equal(bat_motion_method_for(&set, NULL), BAT_MOTION_SPLINE);
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    assert_int_equal(bat_motion_method_for(&set, NULL), BAT_MOTION_METHOD_SPLINE);
     options.scheme.levels = 2;
     bat_curve_set parts = must_smooth(&set, &options);
     const double times[] = {0, 0.25, 0.5, 0.75, 1, 1.75, 2.5, 3.25, 4, 4.5, 5, 5.5, 6};
@@ -533,7 +534,7 @@ static void times_keep_their_digits(void **state)
 {
     (void)state;
     bat_curve_set set = must_read("1305031098.6659 0 0 0 0 0 0 1\n1305031098.6758 1 2 3 0 0 0.6 0.8\n", TUM, NULL);
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     bat_error error;
     bat_curve_set none;
     const double before = 1305031098.6;
@@ -587,7 +588,7 @@ static void files_of_times_are_read(void **state)
 static void motions_may_rest(void **state)
 {
     (void)state;
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     options.rate = 4;
     bat_curve_set set = must_read("0 1 2 3 0 0 0 1\n1 1 2 3 0 0 0 1\n2 4 2 3 0 0 0.6 0.8\n", TUM, NULL);
     bat_curve_set fine = must_smooth(&set, &options);
@@ -608,7 +609,7 @@ static void forms_agree(void **state)
     bat_curve_set fine[2];
     for (size_t i = 0; i < 2; i++)
     {
-        bat_motion_options options = bat_motion_defaults();
+        bat_motion_curves_options options = bat_motion_curves_defaults();
         options.rate = 5;
         bat_curve_set set = must_read(texts[i], CSV, "rotation");
         fine[i] = must_smooth(&set, &options);
@@ -634,7 +635,7 @@ static void velocities_are_derivatives_of_the_columns(void **state)
                  {"time,x,y,z\n0,1,0,0\n1,0,1,0\n2,0,0,1\n", "sphere", 3}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
     {
-        bat_motion_options options = bat_motion_defaults();
+        bat_motion_curves_options options = bat_motion_curves_defaults();
         options.rate = 1000;
         options.velocities = true;
         bat_curve_set set = must_read(cases[k].text, CSV, cases[k].space), fine = must_smooth(&set, &options);
@@ -658,7 +659,7 @@ static void names_of_schemes(void **state)
     const char *bad[] = {"hermite:order=0", "hermite:order=2.5",    "hermite:order=11",          "hermite:rate=3",
                          "hermite:order",   "hermite-merrien:mu=x", "hermite-merrien:base=edge", "hermit",
                          "hermite-",        "hermite:order=3,"};
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(bat_motion_scheme_by_name(bad[i], &options, NULL), BAT_INVALID_ARGUMENT);
     const bat_choice *choice;
@@ -669,7 +670,7 @@ static void names_of_schemes(void **state)
     assert_int_equal(bat_motion_scheme_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL),
                      BAT_OK);
     assert_int_equal(options.scheme.base, BAT_CURVE_BASE_MIDPOINT);
-    assert_int_equal(options.scheme.kind, BAT_HERMITE_TRANSPORT);
+    assert_int_equal(options.scheme.kind, BAT_HERMITE_KIND_TRANSPORT);
     assert_int_equal(bat_motion_scheme_by_name("hermite:order=7", &options, NULL), BAT_OK);
     assert_int_equal(options.scheme.order, 7);
 }

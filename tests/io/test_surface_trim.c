@@ -130,7 +130,7 @@ static bat_cloud cloud_of(const plane_shape *shape, size_t count, bool edges, bo
 
 static bat_surface_result must_trim(bat_cloud *cloud, double fill)
 {
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     bat_surface_result result = {0};
     bat_error error = {0};
     options.trim = true;
@@ -373,7 +373,7 @@ static void units_stand_in_step(void **state)
     bat_cloud_free(&cloud);
 }
 
-static void refuse(bat_cloud *cloud, const bat_surface_options *options, bat_status expected, const char *words)
+static void refuse(bat_cloud *cloud, const bat_surface_reconstruct_options *options, bat_status expected, const char *words)
 {
     bat_surface_result result = {0};
     bat_error error = {0};
@@ -386,7 +386,7 @@ static void refuse(bat_cloud *cloud, const bat_surface_options *options, bat_sta
 static void what_cannot_be_trimmed_is_refused(void **state)
 {
     (void)state;
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     options.trim = true;
     bat_cloud cloud = {0};
     for (int i = 0; i < 200; i++)
@@ -400,7 +400,7 @@ static void what_cannot_be_trimmed_is_refused(void **state)
     options.parameters = BAT_SURFACE_PARAMETERS_LEARNED;
     refuse(&cloud, &options, BAT_INVALID_ARGUMENT, "parameters");
     cloud = cloud_of(&SHAPES[0], 100, true, false, 6);
-    options = bat_surface_defaults();
+    options = bat_surface_reconstruct_defaults();
     options.fill_holes = 1;
     refuse(&cloud, &options, BAT_INVALID_ARGUMENT, "fill_holes");
 }

@@ -36,7 +36,7 @@
 
 enum
 {
-    MOST_WORDS = 24,
+    MAX_WORDS = 24,
 #if defined(SLOW)
     DENSE = 8,    ///< the first allocations are all tried
     SAMPLES = 12, ///< of the others
@@ -198,10 +198,10 @@ __attribute__((weak)) int __lsan_do_recoverable_leak_check(void);
 /// Run the verb in this process, which ends by it.
 static void run_here(const test_case *which, size_t n, failing_mode mode, int report_to)
 {
-    char text[TEXT], *words[MOST_WORDS], *rest = NULL;
+    char text[TEXT], *words[MAX_WORDS], *rest = NULL;
     int count = 0;
     (void)snprintf(text, sizeof text, "%s", which->words);
-    for (char *word = strtok_r(text, " ", &rest); word != NULL && count < MOST_WORDS - 1; word = strtok_r(NULL, " ", &rest))
+    for (char *word = strtok_r(text, " ", &rest); word != NULL && count < MAX_WORDS - 1; word = strtok_r(NULL, " ", &rest))
         words[count++] = word;
     words[count] = NULL;
     // cmocka's own handlers would go on with the test here.

@@ -21,7 +21,7 @@ static bat_mesh decimate(const bat_mesh *fine, const bat_mesh_decimate_options *
 
 enum
 {
-    METHODS = BAT_MESH_DECIMATE_FAST + 1
+    METHODS = BAT_MESH_DECIMATE_METHOD_FAST + 1
 };
 
 static bat_mesh_decimate_options options_to(size_t vertices, size_t candidates)
@@ -76,8 +76,8 @@ static void test_pieces_stay(void **state)
         both.faces[i] = i < 3 * small.face_count ? small.faces[i] + 1
                                                  : large.faces[i - 3 * small.face_count] + (uint32_t)small.vertex_count + 2;
     bat_mesh_decimate_options options = options_to(0, 0);
-    options.least_normal = -1;
-    options.least_quality = 0;
+    options.min_normal = -1;
+    options.min_quality = 0;
     bat_mesh coarse = decimate(&both, &options, false);
     assert_int_equal(shape_topology_of(&coarse).euler, 2);
     // A sphere needs 4 vertices, a torus 7 (Möbius, Császár).
@@ -143,7 +143,7 @@ static void test_error_follows_size(void **state)
     for (size_t i = 0; i < 2; i++)
     {
         bat_mesh_decimate_options options = options_to(400 / (i + 1), 0);
-        options.method = BAT_MESH_DECIMATE_QUADRIC;
+        options.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
         bat_mesh coarse = decimate(&sphere, &options, false);
         lost[i] = fabs(shape_volume(&sphere) - shape_volume(&coarse));
         for (size_t v = 0; v < coarse.vertex_count; v++)
@@ -172,12 +172,12 @@ static void test_volume_stays(void **state)
         bat_mesh coarse = decimate(&sphere, &options, false);
         assert_int_equal(bat_mesh_compare(&coarse, &sphere, NULL, &distance, NULL), BAT_OK);
         distances[method] = distance.mean;
-        if (options.method == BAT_MESH_DECIMATE_MEMORYLESS)
+        if (options.method == BAT_MESH_DECIMATE_METHOD_MEMORYLESS)
             check_relative(shape_volume(&coarse), shape_volume(&sphere), 1e-10);
         bat_mesh_free(&coarse);
     }
-    assert_true(distances[BAT_MESH_DECIMATE_MEMORYLESS] < 0.9 * distances[BAT_MESH_DECIMATE_QUADRIC]);
-    assert_true(distances[BAT_MESH_DECIMATE_FAST] < 1.15 * distances[BAT_MESH_DECIMATE_MEMORYLESS]);
+    assert_true(distances[BAT_MESH_DECIMATE_METHOD_MEMORYLESS] < 0.9 * distances[BAT_MESH_DECIMATE_METHOD_QUADRIC]);
+    assert_true(distances[BAT_MESH_DECIMATE_METHOD_FAST] < 1.15 * distances[BAT_MESH_DECIMATE_METHOD_MEMORYLESS]);
     bat_mesh_free(&sphere);
 }
 
@@ -482,7 +482,7 @@ static void test_bounds_hold(void **state)
     {
         bat_mesh_decimate_options options = options_to(50, 10);
         options.seed = seed;
-        options.least_quality = 0.4;
+        options.min_quality = 0.4;
         bat_mesh coarse = decimate(&sphere, &options, true);
         for (size_t f = 0; f < coarse.face_count; f++)
         {
@@ -703,10 +703,10 @@ static void test_refusals(void **state)
     bat_mesh_map *map = NULL;
     bat_error error = {0};
     bat_mesh_decimate_options options = options_to(10, 0);
-    options.least_quality = 1.5;
+    options.min_quality = 1.5;
     assert_int_equal(bat_mesh_decimate(&torus, &options, &coarse, &map, &error), BAT_INVALID_ARGUMENT);
     options = options_to(10, 0);
-    options.least_normal = NAN;
+    options.min_normal = NAN;
     assert_int_equal(bat_mesh_decimate(&torus, &options, &coarse, &map, NULL), BAT_INVALID_ARGUMENT);
     options = options_to(10, 0);
     options.boundary_weight = -1;

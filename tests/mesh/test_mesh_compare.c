@@ -73,12 +73,12 @@ static bat_mesh_distance compare(const bat_mesh *first, const bat_mesh *second, 
     bat_status status = bat_mesh_compare(first, second, options, &distance, &error);
     if (status != BAT_OK)
         fail_msg("%s", error.text);
-    assert_true(distance.hausdorff == fmax(distance.hausdorff_there, distance.hausdorff_back));
-    assert_true(distance.mean_greater == fmax(distance.mean_there, distance.mean_back));
-    check_relative(distance.mean, (distance.mean_there + distance.mean_back) / 2, 1e-15);
-    assert_true(distance.rms_there >= distance.mean_there * (1 - 1e-12));
-    assert_true(distance.hausdorff_there >= distance.rms_there * (1 - 1e-12));
-    assert_true(distance.hausdorff_most >= distance.hausdorff);
+    assert_true(distance.hausdorff == fmax(distance.hausdorff_from_first, distance.hausdorff_from_second));
+    assert_true(distance.mean_max == fmax(distance.mean_from_first, distance.mean_from_second));
+    check_relative(distance.mean, (distance.mean_from_first + distance.mean_from_second) / 2, 1e-15);
+    assert_true(distance.rms_from_first >= distance.mean_from_first * (1 - 1e-12));
+    assert_true(distance.hausdorff_from_first >= distance.rms_from_first * (1 - 1e-12));
+    assert_true(distance.hausdorff_bound >= distance.hausdorff);
     return distance;
 }
 
@@ -88,12 +88,12 @@ static void test_parallel_planes(void **state)
     (void)state;
     bat_mesh a = plane(7, 5, 2, 1, 0), b = plane(3, 8, 2, 1, 0.25);
     bat_mesh_distance distance = compare(&a, &b, NULL);
-    check_near(distance.hausdorff_there, 0.25, 1e-15);
-    check_near(distance.hausdorff_back, 0.25, 1e-15);
-    check_near(distance.hausdorff_most, 0.25, 0.25 * 1.001e-4);
-    check_near(distance.mean_there, 0.25, 1e-12);
-    check_near(distance.mean_back, 0.25, 1e-12);
-    check_near(distance.rms_there, 0.25, 1e-12);
+    check_near(distance.hausdorff_from_first, 0.25, 1e-15);
+    check_near(distance.hausdorff_from_second, 0.25, 1e-15);
+    check_near(distance.hausdorff_bound, 0.25, 0.25 * 1.001e-4);
+    check_near(distance.mean_from_first, 0.25, 1e-12);
+    check_near(distance.mean_from_second, 0.25, 1e-12);
+    check_near(distance.rms_from_first, 0.25, 1e-12);
     check_near(distance.diagonal, sqrt(5), 1e-15);
     bat_mesh_free(&a);
     bat_mesh_free(&b);
@@ -105,15 +105,15 @@ static void test_one_sided(void **state)
     (void)state;
     bat_mesh small = plane(4, 4, 1, 1, 0), large = plane(6, 5, 2, 1, 0);
     bat_mesh_distance distance = compare(&small, &large, NULL);
-    check_near(distance.hausdorff_there, 0, 1e-15);
-    check_near(distance.mean_there, 0, 1e-15);
-    check_near(distance.hausdorff_back, 1, 1e-15);
-    check_relative(distance.mean_back, 0.25, 1e-4);
-    check_relative(distance.rms_back, sqrt(1.0 / 6), 1e-4);
-    check_near(distance.farthest_back[0], 2, 1e-15);
+    check_near(distance.hausdorff_from_first, 0, 1e-15);
+    check_near(distance.mean_from_first, 0, 1e-15);
+    check_near(distance.hausdorff_from_second, 1, 1e-15);
+    check_relative(distance.mean_from_second, 0.25, 1e-4);
+    check_relative(distance.rms_from_second, sqrt(1.0 / 6), 1e-4);
+    check_near(distance.farthest_from_second[0], 2, 1e-15);
     bat_mesh_distance turned = compare(&large, &small, NULL);
-    check_near(turned.hausdorff_there, 1, 1e-15);
-    check_near(turned.hausdorff_back, 0, 1e-15);
+    check_near(turned.hausdorff_from_first, 1, 1e-15);
+    check_near(turned.hausdorff_from_second, 0, 1e-15);
     bat_mesh_free(&small);
     bat_mesh_free(&large);
 }
@@ -126,13 +126,13 @@ static void test_inside_of_faces(void **state)
     bat_mesh flat = plane(1, 1, 1, 1, 0), roof = plane(2, 1, 1, 1, 0);
     roof.positions[3 * 2 + 2] = roof.positions[3 * 3 + 2] = 1;
     bat_mesh_distance distance = compare(&flat, &roof, NULL);
-    check_relative(distance.hausdorff_there, 0.5 / sqrt(1.25), 1e-4);
-    assert_true(distance.hausdorff_there <= 0.5 / sqrt(1.25) * (1 + 1e-14));
-    check_near(distance.hausdorff_back, 1, 1e-15);
-    check_relative(distance.mean_back, 0.5, 1e-4);
+    check_relative(distance.hausdorff_from_first, 0.5 / sqrt(1.25), 1e-4);
+    assert_true(distance.hausdorff_from_first <= 0.5 / sqrt(1.25) * (1 + 1e-14));
+    check_near(distance.hausdorff_from_second, 1, 1e-15);
+    check_relative(distance.mean_from_second, 0.5, 1e-4);
     // x / sqrt(1.25) on 0 … 1/2: the height of a right triangle.
-    check_relative(distance.mean_there, 0.25 / sqrt(1.25), 1e-4);
-    assert_true(distance.hausdorff_most >= 1);
+    check_relative(distance.mean_from_first, 0.25 / sqrt(1.25), 1e-4);
+    assert_true(distance.hausdorff_bound >= 1);
     bat_mesh_free(&flat);
     bat_mesh_free(&roof);
 }
@@ -144,13 +144,14 @@ static void test_spheres(void **state)
     bat_mesh inner = sphere(60, 120, 1), outer = sphere(70, 130, 1.5);
     double cut = 1 - cos(PI / 60) * cos(PI / 120), cut_outer = 1.5 * (1 - cos(PI / 70) * cos(PI / 130));
     bat_mesh_distance distance = compare(&inner, &outer, NULL);
-    assert_true(distance.hausdorff_there <= 0.5 + cut && distance.hausdorff_there >= 0.5 - cut_outer);
-    assert_true(distance.hausdorff_back <= 0.5 + cut && distance.hausdorff_back >= 0.5 - cut_outer);
-    check_near(distance.mean_there, 0.5, cut + cut_outer);
-    check_near(distance.mean_back, 0.5, cut + cut_outer);
+    assert_true(distance.hausdorff_from_first <= 0.5 + cut && distance.hausdorff_from_first >= 0.5 - cut_outer);
+    assert_true(distance.hausdorff_from_second <= 0.5 + cut && distance.hausdorff_from_second >= 0.5 - cut_outer);
+    check_near(distance.mean_from_first, 0.5, cut + cut_outer);
+    check_near(distance.mean_from_second, 0.5, cut + cut_outer);
     bat_mesh_distance back = compare(&outer, &inner, NULL);
-    assert_true(back.hausdorff_there == distance.hausdorff_back && back.hausdorff_back == distance.hausdorff_there);
-    assert_true(back.mean_there == distance.mean_back && back.rms_back == distance.rms_there);
+    assert_true(back.hausdorff_from_first == distance.hausdorff_from_second &&
+                back.hausdorff_from_second == distance.hausdorff_from_first);
+    assert_true(back.mean_from_first == distance.mean_from_second && back.rms_from_second == distance.rms_from_first);
     bat_mesh_free(&inner);
     bat_mesh_free(&outer);
 }
@@ -162,12 +163,12 @@ static void test_same_surface(void **state)
     bat_mesh ball = sphere(40, 50, 1);
     bat_mesh_distance distance = compare(&ball, &ball, NULL);
     check_near(distance.hausdorff, 0, 1e-15);
-    check_near(distance.hausdorff_most, 0, 1e-15);
+    check_near(distance.hausdorff_bound, 0, 1e-15);
     bat_mesh_free(&ball);
     bat_mesh coarse = plane(3, 3, 1, 1, 0.5), fine = plane(39, 42, 1, 1, 0.5);
     distance = compare(&coarse, &fine, NULL);
     check_near(distance.hausdorff, 0, 1e-15);
-    check_near(distance.hausdorff_most, 0, 1e-5);
+    check_near(distance.hausdorff_bound, 0, 1e-5);
     bat_mesh_free(&coarse);
     bat_mesh_free(&fine);
 }
@@ -181,18 +182,18 @@ static void test_bound(void **state)
         b.positions[3 * i] *= 1 + 0.3 * sin(7 * b.positions[3 * i + 1]);
     bat_mesh_compare_options options = bat_mesh_compare_defaults();
     bat_mesh_distance exact = compare(&a, &b, &options);
-    check_relative(exact.hausdorff_most, exact.hausdorff, 1.001e-4);
+    check_relative(exact.hausdorff_bound, exact.hausdorff, 1.001e-4);
     options.samples = 3000000;
     options.tolerance = 0;
     bat_mesh_distance dense = compare(&a, &b, &options);
-    assert_true(dense.hausdorff_there <= exact.hausdorff_there * (1 + 1e-4));
-    assert_true(dense.hausdorff_back <= exact.hausdorff_back * (1 + 1e-4));
+    assert_true(dense.hausdorff_from_first <= exact.hausdorff_from_first * (1 + 1e-4));
+    assert_true(dense.hausdorff_from_second <= exact.hausdorff_from_second * (1 + 1e-4));
     assert_true(dense.hausdorff >= exact.hausdorff * (1 - 1e-2));
-    check_relative(exact.mean_there, dense.mean_there, 5e-4);
-    check_relative(exact.mean_back, dense.mean_back, 5e-4);
+    check_relative(exact.mean_from_first, dense.mean_from_first, 5e-4);
+    check_relative(exact.mean_from_second, dense.mean_from_second, 5e-4);
     options.samples = 10;
     bat_mesh_distance sparse = compare(&a, &b, &options);
-    assert_true(sparse.hausdorff <= exact.hausdorff_most && sparse.hausdorff_most >= exact.hausdorff);
+    assert_true(sparse.hausdorff <= exact.hausdorff_bound && sparse.hausdorff_bound >= exact.hausdorff);
     bat_mesh_free(&a);
     bat_mesh_free(&b);
 }
@@ -214,10 +215,10 @@ static void test_vertices(void **state)
         squares += each[v] * each[v];
         greatest = fmax(greatest, each[v]);
     }
-    check_relative(distance.mean_there, sum / (double)a.vertex_count, 1e-14);
-    check_relative(distance.rms_there, sqrt(squares / (double)a.vertex_count), 1e-14);
-    check_relative(distance.hausdorff_there, greatest, 1e-15);
-    assert_true(isinf(distance.hausdorff_most));
+    check_relative(distance.mean_from_first, sum / (double)a.vertex_count, 1e-14);
+    check_relative(distance.rms_from_first, sqrt(squares / (double)a.vertex_count), 1e-14);
+    check_relative(distance.hausdorff_from_first, greatest, 1e-15);
+    assert_true(isinf(distance.hausdorff_bound));
     free(each);
     bat_mesh_free(&a);
     bat_mesh_free(&b);
@@ -264,17 +265,17 @@ static void test_rigid_motion(void **state)
     move(&a, 0.7, shift);
     move(&b, 0.7, shift);
     bat_mesh_distance after = compare(&a, &b, NULL);
-    check_relative(after.hausdorff_there, before.hausdorff_there, 1.001e-4);
-    check_relative(after.hausdorff_back, before.hausdorff_back, 1.001e-4);
-    check_relative(after.mean_there, before.mean_there, 1e-3);
-    check_relative(after.rms_back, before.rms_back, 1e-3);
+    check_relative(after.hausdorff_from_first, before.hausdorff_from_first, 1.001e-4);
+    check_relative(after.hausdorff_from_second, before.hausdorff_from_second, 1.001e-4);
+    check_relative(after.mean_from_first, before.mean_from_first, 1e-3);
+    check_relative(after.rms_from_second, before.rms_from_second, 1e-3);
     bat_mesh_compare_options options = bat_mesh_compare_defaults();
     options.vertices = true;
     after = compare(&a, &b, &options);
     move(&a, 0, (const double[3]){-3, 2, -0.5});
     move(&b, 0, (const double[3]){-3, 2, -0.5});
     before = compare(&a, &b, &options);
-    check_relative(after.mean_there, before.mean_there, 1e-13);
+    check_relative(after.mean_from_first, before.mean_from_first, 1e-13);
     check_relative(after.hausdorff, before.hausdorff, 1e-13);
     bat_mesh_free(&a);
     bat_mesh_free(&b);
@@ -296,7 +297,7 @@ static void test_magnitudes(void **state)
         bat_mesh_distance large = compare(&a, &b, NULL);
         assert_true(large.hausdorff == ldexp(plain.hausdorff, EXPONENTS[e]));
         assert_true(large.mean == ldexp(plain.mean, EXPONENTS[e]));
-        assert_true(large.rms_back == ldexp(plain.rms_back, EXPONENTS[e]));
+        assert_true(large.rms_from_second == ldexp(plain.rms_from_second, EXPONENTS[e]));
         assert_true(large.diagonal == ldexp(plain.diagonal, EXPONENTS[e]));
         for (size_t i = 0; i < 3 * a.vertex_count; i++)
             a.positions[i] = ldexp(a.positions[i], -EXPONENTS[e]);
@@ -358,8 +359,8 @@ static void test_refusals(void **state)
     options = bat_mesh_compare_defaults();
     options.vertices = true;
     bat_mesh_distance distance = compare(&flat, &good, &options);
-    check_near(distance.hausdorff_there, 0, 0);
-    check_near(distance.hausdorff_back, sqrt(2), 1e-15);
+    check_near(distance.hausdorff_from_first, 0, 0);
+    check_near(distance.hausdorff_from_second, sqrt(2), 1e-15);
     bat_mesh_free(&good);
     bat_mesh_free(&flat);
     bat_mesh_free(&far);

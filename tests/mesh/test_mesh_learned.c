@@ -518,7 +518,7 @@ static void shipped_weights_are_nearer_than_classical_schemes(void **state)
         bat_mesh shape, coarse;
         check_status(bat_mesh_shape(SHAPES[i].kind, 4000, 77, &shape, NULL), BAT_OK);
         bat_mesh_decimate_options decimate = bat_mesh_decimate_defaults();
-        decimate.method = BAT_MESH_DECIMATE_QUADRIC;
+        decimate.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
         decimate.vertices = 350;
         check_status(bat_mesh_decimate(&shape, &decimate, &coarse, NULL, NULL), BAT_OK);
         double best = fmin(fmin(distance(&coarse, &shape), refined_distance(&coarse, BAT_MESH_SCHEME_LOOP, &shape)),

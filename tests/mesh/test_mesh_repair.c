@@ -117,7 +117,7 @@ static void test_solids_at_one_edge(void **state)
     bat_mesh_repair_report report;
     size_t boundary;
     bat_mesh repaired = must_repair(&mesh, &report, &boundary);
-    check_report(&report, (bat_mesh_repair_report){.crowded_edges = 1, .split_vertices = 2, .added_vertices = 2});
+    check_report(&report, (bat_mesh_repair_report){.nonmanifold_edges = 1, .split_vertices = 2, .added_vertices = 2});
     assert_int_equal(boundary, 0);
     const uint32_t second[] = {6, 7, 4, 6, 4, 5, 6, 5, 7, 5, 4, 7};
     assert_memory_equal(repaired.faces, faces, 12 * sizeof *faces);
@@ -135,7 +135,7 @@ static void test_pages_of_a_book(void **state)
     bat_mesh_repair_report report;
     size_t boundary;
     bat_mesh repaired = must_repair(&mesh, &report, &boundary);
-    check_report(&report, (bat_mesh_repair_report){.crowded_edges = 1, .split_vertices = 2, .added_vertices = 4});
+    check_report(&report, (bat_mesh_repair_report){.nonmanifold_edges = 1, .split_vertices = 2, .added_vertices = 4});
     assert_int_equal(boundary, 9);
     bat_mesh_free(&mesh);
     bat_mesh_free(&repaired);
@@ -176,7 +176,7 @@ static void test_moebius_strip(void **state)
     bat_mesh_repair_report report;
     size_t boundary;
     bat_mesh repaired = must_repair(&mesh, &report, &boundary);
-    assert_int_equal(report.opposed_edges, 1);
+    assert_int_equal(report.unorientable_edges, 1);
     assert_int_equal(report.added_vertices, 2);
     assert_int_equal(boundary, 2 * LENGTH + 2);
     bat_mesh_free(&mesh);
@@ -276,7 +276,7 @@ static void test_what_is_carried_along(void **state)
     bat_mesh repaired = must_repair(&mesh, &report, NULL);
     check_report(&report, (bat_mesh_repair_report){.degenerate_faces = 1,
                                                    .flipped_faces = 1,
-                                                   .crowded_edges = 1,
+                                                   .nonmanifold_edges = 1,
                                                    .split_vertices = 2,
                                                    .added_vertices = 2,
                                                    .unused_vertices = 1});

@@ -36,15 +36,15 @@ static void test_cube(void **state)
     check_relative(summary.diagonal, 2 * sqrt(3), 1e-15);
     check_near(summary.low[1], 5, 0);
     check_near(summary.high[2], 7, 0);
-    check_relative(summary.least_edge, 2.0, 1e-15);
-    check_relative(summary.greatest_edge, sqrt(8), 1e-15);
+    check_relative(summary.min_edge, 2.0, 1e-15);
+    check_relative(summary.max_edge, sqrt(8), 1e-15);
     check_relative(summary.mean_edge, (12 * 2 + 6 * sqrt(8)) / 18, 1e-15);
-    check_relative(summary.least_quality, sqrt(3) / 2, 1e-15);
+    check_relative(summary.min_quality, sqrt(3) / 2, 1e-15);
     check_relative(summary.mean_quality, sqrt(3) / 2, 1e-15);
-    check_relative(summary.least_angle, PI / 4, 1e-15);
+    check_relative(summary.min_angle, PI / 4, 1e-15);
     check_relative(summary.max_angle, PI / 2, 1e-15);
-    assert_int_equal(summary.least_valence, 3);
-    assert_int_equal(summary.greatest_valence, 5);
+    assert_int_equal(summary.min_valence, 3);
+    assert_int_equal(summary.max_valence, 5);
     // With reversed faces.
     for (int f = 0; f < 12; f++)
     {
@@ -132,8 +132,8 @@ static void test_torus_converges(void **state)
         bat_mesh_summary summary = summarize(&mesh);
         errors[0][level] = fabs(summary.area - 8 * PI * PI);
         errors[1][level] = fabs(summary.volume - 4 * PI * PI);
-        assert_int_equal(summary.least_valence, 6);
-        assert_int_equal(summary.greatest_valence, 6);
+        assert_int_equal(summary.min_valence, 6);
+        assert_int_equal(summary.max_valence, 6);
         bat_mesh_free(&mesh);
     }
     check_near(errors[0][0] / errors[0][1], 4, 0.05);
@@ -171,7 +171,7 @@ static void test_no_manifolds(void **state)
     uint32_t book[9] = {0, 1, 2, 1, 0, 3, 1, 0, 4};
     bat_mesh mesh = {.positions = positions, .faces = book, .vertex_count = 9, .face_count = 3};
     bat_mesh_summary summary = summarize(&mesh);
-    assert_int_equal(summary.crowded_edges, 1);
+    assert_int_equal(summary.nonmanifold_edges, 1);
     assert_int_equal(summary.edges, 7);
     assert_int_equal(summary.isolated_vertices, 4);
     assert_int_equal(summary.pinched_vertices, 0);
@@ -185,7 +185,7 @@ static void test_no_manifolds(void **state)
     assert_int_equal(summary.pinched_vertices, 1);
     assert_int_equal(summary.components, 1);
     assert_int_equal(summary.boundary_loops, 2);
-    assert_int_equal(summary.greatest_valence, 4);
+    assert_int_equal(summary.max_valence, 4);
     assert_false(summary.manifold);
     // Separate triangles: two components.
     uint32_t apart[6] = {0, 1, 2, 3, 5, 6};
@@ -238,12 +238,12 @@ static void test_degenerate_faces(void **state)
     bat_mesh mesh = {.positions = positions, .faces = faces, .vertex_count = 7, .face_count = 3};
     bat_mesh_summary summary = summarize(&mesh);
     assert_int_equal(summary.degenerate_faces, 2);
-    check_near(summary.least_quality, 0, 0);
-    assert_int_equal(summary.least_quality_face, 0);
-    check_near(summary.least_angle, 0, 0);
+    check_near(summary.min_quality, 0, 0);
+    assert_int_equal(summary.min_quality_face, 0);
+    check_near(summary.min_angle, 0, 0);
     check_near(summary.max_angle, PI, 0);
     check_relative(summary.area, 5e-8, 1e-12);
-    check_near(summary.least_edge, 0, 0);
+    check_near(summary.min_edge, 0, 0);
 }
 
 /// Lengths, areas and volumes scale correctly where their squares overflow or underflow.
@@ -258,7 +258,7 @@ static void test_magnitudes(void **state)
     assert_true(large.area == ldexp(plain.area, 800));
     assert_true(isinf(large.volume));
     assert_true(large.mean_edge == ldexp(plain.mean_edge, 400));
-    assert_true(large.least_quality == plain.least_quality && large.least_angle == plain.least_angle);
+    assert_true(large.min_quality == plain.min_quality && large.min_angle == plain.min_angle);
     bat_mesh_free(&mesh);
 }
 

@@ -22,7 +22,7 @@ static double *array_of(const safetensors *content, const char *run, const char 
 }
 
 /// A run on the sphere. The program counts its points of order m from (m - 1) / 2 steps of each level later than we do.
-static void check_sphere(const safetensors *content, const char *run, bat_hermite_options options, bool closed)
+static void check_sphere(const safetensors *content, const char *run, bat_hermite_refine_options options, bool closed)
 {
     size_t count, fine_count, shift = ((options.order - 1) / 2) * (((size_t)1 << options.levels) - 1);
     bat_space sphere = bat_sphere(2);
@@ -48,7 +48,7 @@ static void check_sphere(const safetensors *content, const char *run, bat_hermit
 
 /// The program's rotations are matrices R; its tangents are R^T dR, skew, of Frobenius norm 1: the rotation vector of length
 /// 1 over sqrt 2. Their place in the matrix is that of the cross product.
-static void check_rotation(const safetensors *content, const char *run, bat_hermite_options options, bool closed)
+static void check_rotation(const safetensors *content, const char *run, bat_hermite_refine_options options, bool closed)
 {
     size_t count, fine_count;
     bat_space rotation = bat_rotation();
@@ -96,7 +96,7 @@ static void oracle_is_met(void **state)
         print_message("skipped: %s is not there\n", ORACLE);
         skip();
     }
-    bat_hermite_options options = bat_hermite_defaults();
+    bat_hermite_refine_options options = bat_hermite_refine_defaults();
     options.levels = 4;
     check_sphere(&content, "sphere-spiral-lr1-levels4", options, false);
     options.levels = 3;
@@ -106,7 +106,7 @@ static void oracle_is_met(void **state)
     options.order = 3;
     check_sphere(&content, "sphere-sinusoid-closed-lr3-levels3", options, true);
     options.order = 1;
-    options.kind = BAT_HERMITE_TRANSPORT;
+    options.kind = BAT_HERMITE_KIND_TRANSPORT;
     check_sphere(&content, "sphere-sinusoid-closed-parallel-transport-levels3", options, true);
     safetensors_free(&content);
 }

@@ -4,18 +4,18 @@
 
 #include "base/memory.h"
 
-static bat_hermite_options lane_riesenfeld(size_t order, size_t levels)
+static bat_hermite_refine_options lane_riesenfeld(size_t order, size_t levels)
 {
-    bat_hermite_options how = bat_hermite_defaults();
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
     how.order = order;
     how.levels = levels;
     return how;
 }
 
-static bat_hermite_options transport(bat_hermite_mask mask, size_t levels)
+static bat_hermite_refine_options transport(bat_hermite_mask mask, size_t levels)
 {
-    bat_hermite_options how = bat_hermite_defaults();
-    how.kind = BAT_HERMITE_TRANSPORT;
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
+    how.kind = BAT_HERMITE_KIND_TRANSPORT;
     how.mask = mask;
     how.levels = levels;
     return how;
@@ -52,7 +52,7 @@ static void order_one_and_merrien_keep_the_given(void **state)
         const bat_space *space = &spaces[s / 2];
         study_curve curve = smooth_curve(space, s);
         bat_hermite_curve coarse = even_directions(&curve, 9, s % 2 == 0);
-        bat_hermite_options how[2] = {lane_riesenfeld(1, 3), transport(bat_hermite_mask_merrien(-0.125, -0.5), 3)};
+        bat_hermite_refine_options how[2] = {lane_riesenfeld(1, 3), transport(bat_hermite_mask_merrien(-0.125, -0.5), 3)};
         for (int k = 0; k < 2; k++)
         {
             bat_hermite_curve fine = hermite_refined(&coarse, &how[k]);
@@ -82,7 +82,7 @@ static void threads_and_levels_make_no_difference(void **state)
         {
             study_curve curve = smooth_curve(&spaces[s], order);
             bat_hermite_curve coarse = even_directions(&curve, 301, true);
-            bat_hermite_options how = lane_riesenfeld(order, 6);
+            bat_hermite_refine_options how = lane_riesenfeld(order, 6);
             how.threads = 1;
             bat_hermite_curve one = hermite_refined(&coarse, &how);
             how.threads = 3;
@@ -112,7 +112,7 @@ static void times_go_along(void **state)
         for (size_t i = 1; i < coarse.count; i += 2)
             coarse.times[i] += 0.1;
         coarse.closing_time = coarse.closed ? 2 * PI + 0.3 - coarse.times[11] : 0;
-        bat_hermite_options how = lane_riesenfeld(order, 3);
+        bat_hermite_refine_options how = lane_riesenfeld(order, 3);
         bat_hermite_curve fine = hermite_refined(&coarse, &how);
         check_status(bat_hermite_check(&fine, NULL), BAT_OK);
         if (coarse.closed)
@@ -151,7 +151,7 @@ static void vector_code_agrees_with_the_spaces(void **state)
         memcpy(tangents + known->tangent_dim, pair.v1, known->tangent_dim * sizeof *points);
         bat_hermite_curve a = {.space = known, .points = points, .tangents = tangents, .count = 2}, b = a;
         b.space = &own;
-        bat_hermite_options how = lane_riesenfeld(1, 1);
+        bat_hermite_refine_options how = lane_riesenfeld(1, 1);
         bat_hermite_curve fine_a = hermite_refined(&a, &how), fine_b = hermite_refined(&b, &how);
         check_near_curves(&fine_a, &fine_b, 1e-14, 4e-15 + 2e-15 / distance);
         bat_hermite_free(&fine_a);
@@ -168,7 +168,7 @@ static void signs_of_quaternions_make_no_difference(void **state)
     for (size_t order = 1; order <= 5; order++)
     {
         bat_hermite_curve data = even_directions(&curve, 10, order % 2 == 0);
-        bat_hermite_options how = order == 5 ? transport(bat_hermite_mask_de_rham(), 3) : lane_riesenfeld(order, 3);
+        bat_hermite_refine_options how = order == 5 ? transport(bat_hermite_mask_de_rham(), 3) : lane_riesenfeld(order, 3);
         bat_hermite_curve plus = hermite_refined(&data, &how);
         for (size_t i = 0; i < 4 * data.count; i++)
             data.points[i] *= i / 4 % 3 == 0 ? -1 : 1;
@@ -200,7 +200,7 @@ static void reversal_reverses(void **state)
                    space->point_dim * sizeof(double));
             negate(space, coarse.tangents + i * space->tangent_dim, back.tangents + j * space->tangent_dim);
         }
-        bat_hermite_options how = lane_riesenfeld(order, 3);
+        bat_hermite_refine_options how = lane_riesenfeld(order, 3);
         bat_hermite_curve fine = hermite_refined(&coarse, &how), other = hermite_refined(&back, &how);
         // Parameter t becomes count - 1 - t; new point i is at i / 8, for even orders at (i + 7 / 2) / 8.
         size_t total = fine.count, shift = closed ? (order % 2 == 1 ? 7 : 14) : 0;
@@ -254,7 +254,7 @@ static void geodesics_are_reproduced(void **state)
         const size_t levels = 2, count = 6;
         size_t which = trial / SPACES;
         const double step = 0.2;
-        bat_hermite_options how = lane_riesenfeld(which + 1, levels);
+        bat_hermite_refine_options how = lane_riesenfeld(which + 1, levels);
         if (which >= 5)
             how = transport(which == 5 ? bat_hermite_mask_merrien(-0.125, -0.5) : bat_hermite_mask_de_rham(), levels);
         bool primal = which < 5 ? which % 2 == 0 : which == 5;
@@ -304,7 +304,7 @@ static void linear_schemes_reproduce_cubics(void **state)
         for (int i = 0; i < 6; i++)
             cubic(i, &points[i], &slopes[i]);
         bat_hermite_curve coarse = {.space = &line, .points = points, .tangents = slopes, .count = 6};
-        bat_hermite_options how = transport(masks[k % 2], 2);
+        bat_hermite_refine_options how = transport(masks[k % 2], 2);
         how.base = k < 2 ? BAT_CURVE_BASE_VERTEX : BAT_CURVE_BASE_MIDPOINT;
         bat_hermite_curve fine = hermite_refined(&coarse, &how);
         for (size_t i = k % 2 == 0 ? 0 : 4; i < (k % 2 == 0 ? 21 : 18); i++)
@@ -336,7 +336,7 @@ static void de_rham_limits_are_c2(void **state)
         for (int deep = 0; deep < 2; deep++)
         {
             size_t levels = deep == 0 ? 4 : 8;
-            bat_hermite_options how =
+            bat_hermite_refine_options how =
                 transport(k == 0 ? bat_hermite_mask_merrien(-0.125, -0.5) : bat_hermite_mask_de_rham(), levels);
             bat_hermite_curve fine = hermite_refined(&coarse, &how);
             double scale = ldexp(1, 2 * (int)levels), *p = fine.points;
@@ -372,7 +372,7 @@ static void geodesic_averages_of_points(void **state)
             check_status(bat_curve_refine(&coarse, &how, &b, NULL), BAT_OK);
             how.scheme = bat_curve_scheme_log_exp(bat_mask_lane_riesenfeld(order));
             how.scheme.base = order % 3 == 0 ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
-            how.ends = BAT_CURVE_END_REFLECT;
+            how.ends = BAT_CURVE_END_RULE_REFLECT;
             check_status(bat_curve_refine(&coarse, &how, &c, NULL), BAT_OK);
             assert_int_equal(a.count, b.count);
             assert_int_equal(a.count, c.count);
@@ -443,7 +443,7 @@ static void faults_are_named(void **state)
         {"not later", BAT_INVALID_POINT, 90, data.times + 90, -10},
         {"time of point 2999 is not finite", BAT_INVALID_POINT, 2999, data.times + 2999, NAN},
     };
-    bat_hermite_options how = lane_riesenfeld(1, 2);
+    bat_hermite_refine_options how = lane_riesenfeld(1, 2);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
     {
         bat_hermite_curve fine = {0};
@@ -465,7 +465,7 @@ static void faults_are_named(void **state)
     study_curve_free(&curve);
 }
 
-static void refused(const bat_hermite_curve *data, const bat_hermite_options *how, bat_status status, size_t index,
+static void refused(const bat_hermite_curve *data, const bat_hermite_refine_options *how, bat_status status, size_t index,
                     const char *words)
 {
     bat_hermite_curve fine = {0};
@@ -482,7 +482,7 @@ static void edges_at_fault_are_named(void **state)
     (void)state;
     study_curve curve;
     bat_hermite_curve data = good_data(&curve);
-    bat_hermite_options how = lane_riesenfeld(1, 2);
+    bat_hermite_refine_options how = lane_riesenfeld(1, 2);
     double kept[3], turned[3];
     memcpy(kept, data.points + 3 * 2001, sizeof kept);
     memcpy(data.points + 3 * 2001, data.points + 3 * 2000, sizeof kept);
@@ -514,7 +514,7 @@ static void edges_at_fault_are_named(void **state)
     double points[9] = {1, 0, 0, 0, 1, 0, 0, -1, 0}, tangents[9] = {0, 1, 0, 0, 0, 1, 0, 0, 1};
     data = (bat_hermite_curve){.space = &sphere, .points = points, .tangents = tangents, .count = 3};
     refused(&data, &how, BAT_CUT_LOCUS, 2, "points 1 and 2 have no unique shortest geodesic");
-    how.kind = BAT_HERMITE_TRANSPORT;
+    how.kind = BAT_HERMITE_KIND_TRANSPORT;
     refused(&data, &how, BAT_CUT_LOCUS, 2, "points 1 and 2 have no unique shortest geodesic");
 }
 
@@ -523,7 +523,7 @@ static void options_are_checked(void **state)
     (void)state;
     study_curve curve;
     bat_hermite_curve data = good_data(&curve);
-    bat_hermite_options how = lane_riesenfeld(0, 2);
+    bat_hermite_refine_options how = lane_riesenfeld(0, 2);
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 10");
     how = lane_riesenfeld(BAT_HERMITE_MAX_ORDER + 1, 2);
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 10");
@@ -557,7 +557,7 @@ static void progress_can_stop(void **state)
     (void)state;
     study_curve curve;
     bat_hermite_curve data = good_data(&curve), fine = {0};
-    bat_hermite_options how = lane_riesenfeld(1, 8);
+    bat_hermite_refine_options how = lane_riesenfeld(1, 8);
     double fraction = 0;
     how.progress = (bat_progress){stop_at_half, &fraction};
     how.threads = 1;

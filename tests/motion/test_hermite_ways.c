@@ -100,7 +100,7 @@ static way_result by_refinement(const way_list *list, size_t way, const hermite_
     double points[2 * DIM], tangents[2 * DIM];
     write_pair(list, way, pair, points, tangents);
     bat_hermite_curve coarse = {.space = space, .points = points, .tangents = tangents, .count = 2}, fine = {0};
-    bat_hermite_options how = bat_hermite_defaults();
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
     how.levels = 1;
     bat_status status = bat_hermite_refine(&coarse, &how, &fine, NULL);
     if (status != BAT_OK)
@@ -375,7 +375,7 @@ static void missing_functions_are_named(void **state)
         check_status(bat_hermite_refine(&keys, NULL, &fine, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_sample(&keys, &time, 1, out, NULL, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_estimate_tangents(&keys, 2, &errors[count++]), BAT_INVALID_ARGUMENT);
-        check_status(bat_motion_spline_new(&keys, NULL, &spline, &errors[count++]), BAT_INVALID_ARGUMENT);
+        check_status(bat_motion_spline_make(&keys, NULL, &spline, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(
             bat_hermite_length_of(&lacking[i], points, tangents, points + 3, tangents + 3, &length, &errors[count++]),
             BAT_INVALID_ARGUMENT);
@@ -404,23 +404,23 @@ static void directions_are_not_velocities(void **state)
     bat_motion_spline *spline;
     bat_error error;
     check_status(bat_hermite_estimate_tangents(&keys, 2, &error), BAT_OK);
-    assert_int_equal(keys.kind, BAT_HERMITE_DIRECTIONS);
+    assert_int_equal(keys.kind, BAT_HERMITE_TANGENTS_DIRECTIONS);
     check_status(bat_hermite_refine(&keys, NULL, &fine, &error), BAT_OK);
-    assert_int_equal(fine.kind, BAT_HERMITE_DIRECTIONS);
+    assert_int_equal(fine.kind, BAT_HERMITE_TANGENTS_DIRECTIONS);
     check_status(bat_hermite_sample(&fine, &time, 1, point, NULL, &error), BAT_INVALID_ARGUMENT);
     bat_hermite_free(&fine);
     keys.times = times;
     check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "not velocities"));
     check_status(bat_hermite_sample_rate(&keys, 4, &fine, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_motion_spline_new(&keys, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_motion_spline_make(&keys, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
     check_status(bat_hermite_estimate_tangents(&keys, 2, &error), BAT_OK);
-    assert_int_equal(keys.kind, BAT_HERMITE_VELOCITIES);
+    assert_int_equal(keys.kind, BAT_HERMITE_TANGENTS_VELOCITIES);
     check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, &error), BAT_OK);
-    bat_hermite_options how = bat_hermite_defaults();
-    how.kind = BAT_HERMITE_TRANSPORT;
+    bat_hermite_refine_options how = bat_hermite_refine_defaults();
+    how.kind = BAT_HERMITE_KIND_TRANSPORT;
     check_status(bat_hermite_refine(&keys, &how, &fine, &error), BAT_OK);
-    assert_int_equal(fine.kind, BAT_HERMITE_INDEX_DERIVATIVES);
+    assert_int_equal(fine.kind, BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES);
     check_status(bat_hermite_sample(&fine, &time, 1, point, NULL, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "by the index"));
     bat_hermite_free(&fine);

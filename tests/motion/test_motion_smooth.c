@@ -70,7 +70,7 @@ static bat_motion_spline *must_make(noisy_motion *m, const bat_motion_spline_opt
     bat_hermite_curve keys = keys_of(m);
     bat_motion_spline *spline;
     bat_error error = {0};
-    if (bat_motion_spline_new(&keys, options, &spline, &error) != BAT_OK)
+    if (bat_motion_spline_make(&keys, options, &spline, &error) != BAT_OK)
         fail_msg("%s", error.text);
     return spline;
 }
@@ -246,18 +246,18 @@ static void others_are_refused(void **state)
     bat_motion_spline_options options = smoothing(0.1, 0, BAT_MOTION_OUTLIERS_KEPT);
     double tangents[6 * KEYS] = {0};
     keys.tangents = tangents;
-    assert_int_equal(bat_motion_spline_new(&keys, &options, &spline, &error), BAT_UNSUPPORTED);
+    assert_int_equal(bat_motion_spline_make(&keys, &options, &spline, &error), BAT_UNSUPPORTED);
     keys.tangents = NULL;
     keys.closed = true;
     keys.closing_time = 1;
-    assert_int_equal(bat_motion_spline_new(&keys, &options, &spline, &error), BAT_UNSUPPORTED);
+    assert_int_equal(bat_motion_spline_make(&keys, &options, &spline, &error), BAT_UNSUPPORTED);
     bat_space sphere = bat_sphere(2);
     double points[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     bat_hermite_curve round = {.space = &sphere, .points = points, .count = 3};
-    assert_int_equal(bat_motion_spline_new(&round, &options, &spline, &error), BAT_UNSUPPORTED);
+    assert_int_equal(bat_motion_spline_make(&round, &options, &spline, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "sphere"));
     options = smoothing(0, 0.1, BAT_MOTION_OUTLIERS_KEPT);
-    assert_int_equal(bat_motion_spline_new(&round, &options, &spline, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_spline_make(&round, &options, &spline, &error), BAT_INVALID_ARGUMENT);
     options = smoothing(0, 0, BAT_MOTION_OUTLIERS_HUBER);
     assert_int_equal(bat_motion_spline_options_check(&options, &error), BAT_INVALID_ARGUMENT);
     options = smoothing(-1, 0, BAT_MOTION_OUTLIERS_KEPT);

@@ -77,7 +77,7 @@ static bat_motion_spline *must_make(const bat_hermite_curve *curve, const bat_mo
 {
     bat_motion_spline *spline = NULL;
     bat_error error = {.text = ""};
-    bat_status status = bat_motion_spline_new(curve, options, &spline, &error);
+    bat_status status = bat_motion_spline_make(curve, options, &spline, &error);
     if (status != BAT_OK)
         print_message("%s\n", error.text);
     assert_int_equal(status, BAT_OK);
@@ -635,18 +635,18 @@ static void bad_keys_are_refused(void **state)
     bat_motion_spline *spline;
     bat_error error;
     bat_hermite_curve curve = {.space = &rotation, .points = points, .count = 3};
-    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_CUT_LOCUS);
+    assert_int_equal(bat_motion_spline_make(&curve, NULL, &spline, &error), BAT_CUT_LOCUS);
     assert_int_equal(error.index, 1);
     points[4] = 1;
     points[5] = 0;
     curve.times = times;
-    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_INVALID_POINT);
+    assert_int_equal(bat_motion_spline_make(&curve, NULL, &spline, &error), BAT_INVALID_POINT);
     curve.count = 1;
-    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_spline_make(&curve, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
     curve.count = 2;
     hollow.transport = NULL;
     curve.space = &hollow;
-    assert_int_equal(bat_motion_spline_new(&curve, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_spline_make(&curve, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "transport"));
 }
 

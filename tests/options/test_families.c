@@ -191,7 +191,7 @@ static void no_function_is_missing(void **state)
         bat_space space;
         check_status(bat_space_by_name(row->name, 0, &space, NULL), BAT_OK);
     }
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     for (size_t i = 0; (row = bat_choices(&bat_motion_scheme_family, i)) != NULL; i++)
         check_status(bat_motion_scheme_by_name(row->name, &options, NULL), BAT_OK);
 }

@@ -13,8 +13,8 @@
 
 enum
 {
-    MOST_CALLS = 6,
-    MOST_FIELDS = 20,
+    MAX_CALLS = 6,
+    MAX_FIELDS = 20,
     LARGEST_OPTIONS = 4096
 };
 
@@ -380,8 +380,8 @@ static bat_status call_hermite_refine(const void *options, digest *result, bat_e
 static bat_status call_motion_picture(const void *options, digest *result, bat_error *error)
 {
     bat_curve_set keys;
-    bat_motion_options motion = bat_motion_defaults();
-    motion.method = BAT_MOTION_SPLINE;
+    bat_motion_curves_options motion = bat_motion_curves_defaults();
+    motion.method = BAT_MOTION_METHOD_SPLINE;
     check_status(bat_curve_read_memory(CSV, sizeof CSV - 1, NULL, &keys, NULL), BAT_OK);
     const char *path = output(".svg");
     bat_status status = finish_file(path, bat_motion_picture_write(path, &keys, &motion, options, error), result);
@@ -760,8 +760,8 @@ typedef struct option_family
     size_t size;
     void (*defaults)(void *options);
     bat_status (*check)(const void *options, bat_error *error);
-    option_call *calls[MOST_CALLS];
-    bad_value bad[MOST_FIELDS];
+    option_call *calls[MAX_CALLS];
+    bad_value bad[MAX_FIELDS];
 } option_family;
 
 // The functions of a family, with options as void pointers.
@@ -776,16 +776,16 @@ typedef struct option_family
     }
 
 FAMILY(curve_refine, bat_curve_refine_defaults)
-FAMILY(curve_map, bat_curve_map_defaults)
+FAMILY(curve_map_refine, bat_curve_map_refine_defaults)
 FAMILY(curve_measure, bat_curve_measure_defaults)
-FAMILY(analysis, bat_analysis_defaults)
+FAMILY(mask_analyze, bat_mask_analyze_defaults)
 FAMILY(mask_sweep, bat_mask_sweep_defaults)
 FAMILY(curve_read, bat_curve_read_defaults)
 FAMILY(curve_write, bat_curve_write_defaults)
 FAMILY(curve_refine_file, bat_curve_refine_file_defaults)
 FAMILY(curve_picture, bat_curve_picture_defaults)
-FAMILY(hermite, bat_hermite_defaults)
-FAMILY(motion, bat_motion_defaults)
+FAMILY(hermite_refine, bat_hermite_refine_defaults)
+FAMILY(motion_curves, bat_motion_curves_defaults)
 FAMILY(motion_picture, bat_motion_picture_defaults)
 FAMILY(mesh_refine, bat_mesh_refine_defaults)
 FAMILY(mesh_decimate, bat_mesh_decimate_defaults)
@@ -799,7 +799,7 @@ FAMILY(cloud_parameterize, bat_cloud_parameterize_defaults)
 FAMILY(cloud_read, bat_cloud_read_defaults)
 FAMILY(hierarchical, bat_hierarchical_defaults)
 FAMILY(surface_fit, bat_surface_fit_defaults)
-FAMILY(surface, bat_surface_defaults)
+FAMILY(surface_reconstruct, bat_surface_reconstruct_defaults)
 FAMILY(surface_write, bat_surface_write_defaults)
 FAMILY(surface_picture, bat_surface_picture_defaults)
 
@@ -818,25 +818,25 @@ static const option_family FAMILIES[] = {
       BAD(curve_refine, threads, BAD_INT, 1025), BAD(curve_refine, simple, BAD_INT, 3),
       BAD(curve_refine, simple, BAD_INT, -1), BAD(curve_refine, corner_angle, BAD_NUMBER, -0.1),
       BAD(curve_refine, corner_angle, BAD_NUMBER, 3.2), BAD(curve_refine, corner_angle, BAD_NUMBER, NAN),
-      BAD(curve_refine, max_segment, BAD_NUMBER, -1), BAD(curve_refine, max_segment, BAD_NUMBER, NAN),
+      BAD(curve_refine, max_edge, BAD_NUMBER, -1), BAD(curve_refine, max_edge, BAD_NUMBER, NAN),
       BAD(curve_refine, tolerance, BAD_NUMBER, -1), BAD(curve_refine, tolerance, BAD_NUMBER, INFINITY),
       BAD(curve_refine, max_levels, BAD_SIZE, 41), BAD(curve_refine, first_level, BAD_SIZE, 61)}},
-    {HEAD(curve_map),
+    {HEAD(curve_map_refine),
      {call_map_refine},
-     {BAD(curve_map, refine.levels, BAD_SIZE, 61), BAD(curve_map, topology, BAD_INT, 3),
-      BAD(curve_map, topology, BAD_INT, -1), BAD(curve_map, snap_tolerance, BAD_NUMBER, -1),
-      BAD(curve_map, snap_tolerance, BAD_NUMBER, NAN), BAD(curve_map, decimals, BAD_INT, -1),
-      BAD(curve_map, decimals, BAD_INT, 13)}},
+     {BAD(curve_map_refine, refine.levels, BAD_SIZE, 61), BAD(curve_map_refine, topology, BAD_INT, 3),
+      BAD(curve_map_refine, topology, BAD_INT, -1), BAD(curve_map_refine, snap_tolerance, BAD_NUMBER, -1),
+      BAD(curve_map_refine, snap_tolerance, BAD_NUMBER, NAN), BAD(curve_map_refine, decimals, BAD_INT, -1),
+      BAD(curve_map_refine, decimals, BAD_INT, 13)}},
     {HEAD(curve_measure),
      {call_curve_compare, call_curves_compare, call_curve_fairness, call_curves_fairness, call_chord_distance,
       call_curves_are_simple},
      {BAD(curve_measure, bending_offset, BAD_NUMBER, -1), BAD(curve_measure, bending_offset, BAD_NUMBER, NAN),
       BAD(curve_measure, bending_offset, BAD_NUMBER, INFINITY), BAD(curve_measure, threads, BAD_INT, -1)}},
-    {HEAD(analysis),
+    {HEAD(mask_analyze),
      {call_mask_analyze},
-     {BAD(analysis, depth, BAD_SIZE, 0), BAD(analysis, depth, BAD_SIZE, 25), BAD(analysis, tolerance, BAD_NUMBER, 0),
-      BAD(analysis, tolerance, BAD_NUMBER, NAN), BAD(analysis, vertices, BAD_SIZE, 0),
-      BAD(analysis, vertices, BAD_SIZE, 1e6)}},
+     {BAD(mask_analyze, depth, BAD_SIZE, 0), BAD(mask_analyze, depth, BAD_SIZE, 25),
+      BAD(mask_analyze, tolerance, BAD_NUMBER, 0), BAD(mask_analyze, tolerance, BAD_NUMBER, NAN),
+      BAD(mask_analyze, vertices, BAD_SIZE, 0), BAD(mask_analyze, vertices, BAD_SIZE, 1e6)}},
     {HEAD(mask_sweep),
      {call_mask_sweep},
      {BAD(mask_sweep, begin, BAD_NUMBER, NAN), BAD(mask_sweep, end, BAD_NUMBER, INFINITY),
@@ -857,17 +857,19 @@ static const option_family FAMILIES[] = {
       BAD(curve_picture, pixels_per_point, BAD_NUMBER, 21), BAD(curve_picture, projection, BAD_INT, 5),
       BAD(curve_picture, longitude, BAD_NUMBER, INFINITY), BAD(curve_picture, latitude, BAD_NUMBER, 2),
       BAD(curve_picture, comb_scale, BAD_NUMBER, -1)}},
-    {HEAD(hermite),
+    {HEAD(hermite_refine),
      {call_hermite_refine},
-     {BAD(hermite, kind, BAD_INT, 2), BAD(hermite, order, BAD_SIZE, 0), BAD(hermite, order, BAD_SIZE, 127),
-      BAD(hermite, base, BAD_INT, 2), BAD(hermite, levels, BAD_SIZE, 61), BAD(hermite, max_points, BAD_SIZE, 0),
-      BAD(hermite, threads, BAD_INT, -1)}},
-    {HEAD(motion),
+     {BAD(hermite_refine, kind, BAD_INT, 2), BAD(hermite_refine, order, BAD_SIZE, 0),
+      BAD(hermite_refine, order, BAD_SIZE, 127), BAD(hermite_refine, base, BAD_INT, 2),
+      BAD(hermite_refine, levels, BAD_SIZE, 61), BAD(hermite_refine, max_points, BAD_SIZE, 0),
+      BAD(hermite_refine, threads, BAD_INT, -1)}},
+    {HEAD(motion_curves),
      {call_motion_curves},
-     {BAD(motion, method, BAD_INT, 3), BAD(motion, spline.ends, BAD_INT, 4), BAD(motion, spline.shape, BAD_INT, -1),
-      BAD(motion, spline.threads, BAD_INT, -1), BAD(motion, rate, BAD_NUMBER, -1), BAD(motion, rate, BAD_NUMBER, NAN),
-      BAD(motion, tangent_order, BAD_SIZE, 1), BAD(motion, tangent_order, BAD_SIZE, 3),
-      BAD(motion, scheme.order, BAD_SIZE, 0)}},
+     {BAD(motion_curves, method, BAD_INT, 3), BAD(motion_curves, spline.ends, BAD_INT, 4),
+      BAD(motion_curves, spline.shape, BAD_INT, -1), BAD(motion_curves, spline.threads, BAD_INT, -1),
+      BAD(motion_curves, rate, BAD_NUMBER, -1), BAD(motion_curves, rate, BAD_NUMBER, NAN),
+      BAD(motion_curves, tangent_order, BAD_SIZE, 1), BAD(motion_curves, tangent_order, BAD_SIZE, 3),
+      BAD(motion_curves, scheme.order, BAD_SIZE, 0)}},
     {HEAD(motion_picture),
      {call_motion_picture},
      {BAD(motion_picture, width, BAD_NUMBER, 99), BAD(motion_picture, height, BAD_NUMBER, NAN),
@@ -886,8 +888,8 @@ static const option_family FAMILIES[] = {
       BAD(mesh_refine, tolerance, BAD_NUMBER, INFINITY), BAD(mesh_refine, max_edge, BAD_NUMBER, NAN)}},
     {HEAD(mesh_decimate),
      {call_mesh_decimate},
-     {BAD(mesh_decimate, least_normal, BAD_NUMBER, 1.5), BAD(mesh_decimate, least_normal, BAD_NUMBER, NAN),
-      BAD(mesh_decimate, least_quality, BAD_NUMBER, -0.5), BAD(mesh_decimate, boundary_weight, BAD_NUMBER, -1),
+     {BAD(mesh_decimate, min_normal, BAD_NUMBER, 1.5), BAD(mesh_decimate, min_normal, BAD_NUMBER, NAN),
+      BAD(mesh_decimate, min_quality, BAD_NUMBER, -0.5), BAD(mesh_decimate, boundary_weight, BAD_NUMBER, -1),
       BAD(mesh_decimate, boundary_weight, BAD_NUMBER, INFINITY), BAD(mesh_decimate, ratio, BAD_NUMBER, 1.5),
       BAD(mesh_decimate, error, BAD_NUMBER, NAN), BAD(mesh_decimate, attributes, BAD_NUMBER, -1),
       BAD(mesh_decimate, method, BAD_INT, 3), BAD(mesh_decimate, threads, BAD_INT, -1)}},
@@ -940,12 +942,12 @@ static const option_family FAMILIES[] = {
       BAD(surface_fit, smoothing, BAD_INT, 4), BAD(surface_fit, weight, BAD_NUMBER, -1),
       BAD(surface_fit, noise, BAD_NUMBER, NAN), BAD(surface_fit, corrections, BAD_INT, -1),
       BAD(surface_fit, final_corrections, BAD_INT, -1), BAD(surface_fit, threads, BAD_INT, -1)}},
-    {HEAD(surface),
+    {HEAD(surface_reconstruct),
      {call_reconstruct},
-     {BAD(surface, parameters, BAD_INT, 99), BAD(surface, parameters, BAD_INT, -1), BAD(surface, sides, BAD_INT, 3),
-      BAD(surface, fill_holes, BAD_NUMBER, -1), BAD(surface, fill_holes, BAD_NUMBER, NAN),
-      BAD(surface, fill_holes, BAD_NUMBER, 1), BAD(surface, fit.share, BAD_NUMBER, 0),
-      BAD(surface, fit.functions, BAD_SIZE, 8)}},
+     {BAD(surface_reconstruct, parameters, BAD_INT, 99), BAD(surface_reconstruct, parameters, BAD_INT, -1),
+      BAD(surface_reconstruct, sides, BAD_INT, 3), BAD(surface_reconstruct, fill_holes, BAD_NUMBER, -1),
+      BAD(surface_reconstruct, fill_holes, BAD_NUMBER, NAN), BAD(surface_reconstruct, fill_holes, BAD_NUMBER, 1),
+      BAD(surface_reconstruct, fit.share, BAD_NUMBER, 0), BAD(surface_reconstruct, fit.functions, BAD_SIZE, 8)}},
     {HEAD(surface_write),
      {call_surface_write},
      {BAD(surface_write, format, BAD_INT, 9), BAD(surface_write, samples, BAD_SIZE, 1025),
@@ -972,7 +974,7 @@ static void null_means_the_defaults(void **state)
         family->defaults(options);
         check_status(family->check(options, NULL), BAT_OK);
         check_status(family->check(NULL, NULL), BAT_OK);
-        for (size_t c = 0; c < MOST_CALLS && family->calls[c] != NULL; c++)
+        for (size_t c = 0; c < MAX_CALLS && family->calls[c] != NULL; c++)
         {
             digest with_null = 0, with_defaults = 0;
             bat_error error = {.text = ""};
@@ -1016,7 +1018,7 @@ static void fields_out_of_range_are_refused(void **state)
     (void)state;
     _Alignas(16) unsigned char options[LARGEST_OPTIONS];
     for (size_t f = 0; f < FAMILY_COUNT; f++)
-        for (size_t b = 0; b < MOST_FIELDS && FAMILIES[f].bad[b].field != NULL; b++)
+        for (size_t b = 0; b < MAX_FIELDS && FAMILIES[f].bad[b].field != NULL; b++)
         {
             const option_family *family = &FAMILIES[f];
             const bad_value *bad = &family->bad[b];
@@ -1027,7 +1029,7 @@ static void fields_out_of_range_are_refused(void **state)
                 (strncmp(own.text, name_of(bad), strlen(name_of(bad))) != 0 &&
                  strncmp(own.text, bad->field, strlen(bad->field)) != 0))
                 fail_msg("%s: %s of %g: '%s'", family->name, bad->field, bad->value, own.text);
-            for (size_t c = 0; c < MOST_CALLS && family->calls[c] != NULL; c++)
+            for (size_t c = 0; c < MAX_CALLS && family->calls[c] != NULL; c++)
             {
                 digest result = 0;
                 bat_status status = family->calls[c](options, &result, &error);

@@ -59,7 +59,7 @@ static void sets_make_motions(void **state)
     bat_curve_set set, fine;
     check_status(bat_curve_set_single(&curve, &set, NULL), BAT_OK);
     assert_false(bat_motion_has_times(&set));
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     options.rate = 4;
     check_status(bat_motion_curves(&set, &options, &fine, NULL, NULL), BAT_OK);
     assert_int_equal(fine.count, 1);

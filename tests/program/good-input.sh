@@ -124,11 +124,11 @@ done
 printf '{"type":"LineString","coordinates":[[0,0],[1,1],[2,1]]}' > line
 check "GeoJSON is no glTF" sh -c '"$1" measure line | grep -q "bending energy"' sh "$batten"
 "$batten" measure pyramid.obj square.off --json > distance.json
-check "the distance of two meshes" json distance.json '"hausdorff_there": 3.0'
+check "the distance of two meshes" json distance.json '"hausdorff_from_first": 3.0'
 "$batten" measure --mesh - square.off --json < pyramid.obj > again.json
 check "a mesh from standard input gives the same" same distance.json again.json
 "$batten" measure square.off square.off --at-vertices --json > vertices.json
-check "vertices alone prove nothing" json vertices.json '"hausdorff_most": null'
+check "vertices alone prove nothing" json vertices.json '"hausdorff_bound": null'
 "$batten" analyze chaikin --json > analyze.json
 check "analyze prints JSON" json analyze.json '"mask"'
 "$batten" list schemes --json > list.json

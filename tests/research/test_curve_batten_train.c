@@ -74,8 +74,9 @@ static void neither_threads_nor_stops_change_a_byte(void **state)
 static void make_validation(size_t count, bat_tension_set *sets)
 {
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-        check_status(bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, count, 2, &sets[space], NULL),
-                     BAT_OK);
+        check_status(
+            bat_tension_set_make((bat_tension_space)space, BAT_TENSION_SET_KIND_RESAMPLED, count, 2, &sets[space], NULL),
+            BAT_OK);
 }
 
 static void free_validation(bat_tension_set *sets)
@@ -173,7 +174,7 @@ static void options_out_of_range_are_refused(void **state)
         if (i == 0)
             options.embedding = BAT_TENSION_EMBEDDING_NONE;
         if (i == 1)
-            options.smoothness[BAT_TENSION_SPHERE] = 0.1;
+            options.smoothness[BAT_TENSION_SPACE_SPHERE] = 0.1;
         if (i == 2)
             options.bending = 0.1;
         if (i == 3)

@@ -116,8 +116,8 @@ static void check_published_step(fixture *f, const published_step *step, size_t 
     learn_tape_backward(&f->tape, loss.total, 1);
     check_status(learn_tape_status(&f->tape, NULL), BAT_OK);
     // On the sphere the stored points are of unit length to single precision only, and formulas differ in the seventh digit.
-    double values = DOUBLE && space != BAT_TENSION_SPHERE ? 1e-12 : 5e-6;
-    double gradients = DOUBLE && space != BAT_TENSION_SPHERE ? 1e-10 : 2e-4;
+    double values = DOUBLE && space != BAT_TENSION_SPACE_SPHERE ? 1e-12 : 5e-6;
+    double gradients = DOUBLE && space != BAT_TENSION_SPACE_SPHERE ? 1e-10 : 2e-4;
     const json_t *expected = json_array_get(step->values, space);
     check_relative((double)*loss.chamfer->value, json_real_value(json_object_get(expected, "chamfer")), values);
     check_relative((double)*loss.smoothness->value, json_real_value(json_object_get(expected, "smoothness")), values);
@@ -226,7 +226,7 @@ static void terms_add_up_to_the_loss(void **state)
         learn_tape_drop(&f.tape, 9);
         tension_loss loss = tension_sample_loss(&f.tape, &sample, &f.options, &random);
         check_status(learn_tape_status(&f.tape, NULL), BAT_OK);
-        double smoothness = space == BAT_TENSION_SPHERE ? 0.15 : 0.05, consistency = (double)*loss.consistency->value;
+        double smoothness = space == BAT_TENSION_SPACE_SPHERE ? 0.15 : 0.05, consistency = (double)*loss.consistency->value;
         double sum = (double)*loss.chamfer->value + smoothness * (double)*loss.smoothness->value +
                      1e-4 * (double)*loss.bending->value + 0.1 * consistency;
         check_relative((double)*loss.total->value, sum, DOUBLE ? 1e-14 : 1e-6);
@@ -275,14 +275,14 @@ static void distances_are_those_of_the_library(void **state)
     bat_tension_set sets[BAT_TENSION_SPACE_COUNT];
     memcpy(sets, f.data.validation, sizeof sets);
     for (size_t space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-        sets[space].count = space == BAT_TENSION_SPHERE ? 1 : 0;
+        sets[space].count = space == BAT_TENSION_SPACE_SPHERE ? 1 : 0;
     bat_curve_train_score scores[BAT_TENSION_SPACE_COUNT];
     check_status(curve_published_validate(&f.parameters, BAT_TENSION_EMBEDDING_LEARNED, sets, NULL, 0, scores, NULL),
                  BAT_OK);
-    assert_true(isnan(scores[BAT_TENSION_PLANE].mean_nn));
-    check_near(curve_published_metric(scores), scores[BAT_TENSION_SPHERE].mean_nn, 0);
+    assert_true(isnan(scores[BAT_TENSION_SPACE_PLANE].mean_nn));
+    check_near(curve_published_metric(scores), scores[BAT_TENSION_SPACE_SPHERE].mean_nn, 0);
 
-    tension_sample sample = tension_sample_of(sets + BAT_TENSION_SPHERE, BAT_TENSION_SPHERE, 0);
+    tension_sample sample = tension_sample_of(sets + BAT_TENSION_SPACE_SPHERE, BAT_TENSION_SPACE_SPHERE, 0);
     learn_tape_begin(&f.tape, &f.parameters, NULL);
     tape_polygon *polygon = tape_polygon_given(&f.tape, &sample.control);
     blas_single_begin();
@@ -292,14 +292,14 @@ static void distances_are_those_of_the_library(void **state)
     assert_int_equal(polygon->shape.count, 384);
     bat_space sphere = bat_sphere(2);
     bat_curve fine = {.space = &sphere, .points = (double *)polygon->shape.points, .count = 384, .closed = true};
-    bat_curve truth = bat_tension_truth(sets + BAT_TENSION_SPHERE, 0, &sphere);
+    bat_curve truth = bat_tension_truth(sets + BAT_TENSION_SPACE_SPHERE, 0, &sphere);
     bat_curve_distance distance;
     bat_curve_fairness_values fairness;
     check_status(bat_curve_compare(&fine, &truth, NULL, &distance, NULL), BAT_OK);
     check_status(bat_curve_fairness(&fine, NULL, &fairness, NULL), BAT_OK);
-    check_relative(scores[BAT_TENSION_SPHERE].mean_nn, distance.mean_nn, 1e-12);
-    check_relative(scores[BAT_TENSION_SPHERE].bending, fairness.bending, 1e-9);
-    check_relative(scores[BAT_TENSION_SPHERE].g1, fairness.g1, 1e-9);
+    check_relative(scores[BAT_TENSION_SPACE_SPHERE].mean_nn, distance.mean_nn, 1e-12);
+    check_relative(scores[BAT_TENSION_SPACE_SPHERE].bending, fairness.bending, 1e-9);
+    check_relative(scores[BAT_TENSION_SPACE_SPHERE].g1, fairness.g1, 1e-9);
     fixture_free(&f);
 }
 

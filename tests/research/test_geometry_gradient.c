@@ -269,7 +269,8 @@ static double value_of(profile_function function, const geometry_polygon *polygo
     case TENSION_OUTWARD:
     case TENSION_PRINTED:
         geometry_tension_angles(polygon, profile, -0.25,
-                                function == TENSION_OUTWARD ? BAT_CURVE_ANGLE_OUTWARD : BAT_CURVE_ANGLE_PRINTED, rows);
+                                function == TENSION_OUTWARD ? BAT_CURVE_ANGLE_SIGN_OUTWARD : BAT_CURVE_ANGLE_SIGN_PRINTED,
+                                rows);
         return weighted_rows(rows, edges, 1, 1, by);
     case SMOOTHNESS:
         return geometry_smoothness(polygon, profile);
@@ -298,9 +299,9 @@ static void gradient_of(profile_function function, const geometry_polygon *polyg
         return;
     case TENSION_OUTWARD:
     case TENSION_PRINTED:
-        geometry_tension_angles_back(polygon, profile, -0.25,
-                                     function == TENSION_OUTWARD ? BAT_CURVE_ANGLE_OUTWARD : BAT_CURVE_ANGLE_PRINTED, by,
-                                     gradient);
+        geometry_tension_angles_back(
+            polygon, profile, -0.25,
+            function == TENSION_OUTWARD ? BAT_CURVE_ANGLE_SIGN_OUTWARD : BAT_CURVE_ANGLE_SIGN_PRINTED, by, gradient);
         return;
     case SMOOTHNESS:
         geometry_smoothness_back(polygon, profile, 1, gradient);
@@ -373,9 +374,9 @@ static void tension_angles_are_limited(void **state)
     const double ones[] = {1, 1, 1, 1, 1, 1};
     geometry_polygon polygon = {NULL, 6, GEOMETRY_PLANE, true};
     geometry_profile profile = {angles, lengths};
-    geometry_tension_angles(&polygon, profile, -2, BAT_CURVE_ANGLE_OUTWARD, insertion);
+    geometry_tension_angles(&polygon, profile, -2, BAT_CURVE_ANGLE_SIGN_OUTWARD, insertion);
     assert_true(insertion[0] == -BAT_CURVE_ANGLE_LIMIT && insertion[3] == BAT_CURVE_ANGLE_LIMIT);
-    geometry_tension_angles_back(&polygon, profile, -2, BAT_CURVE_ANGLE_OUTWARD, ones,
+    geometry_tension_angles_back(&polygon, profile, -2, BAT_CURVE_ANGLE_SIGN_OUTWARD, ones,
                                  (geometry_profile){gradients, lengths});
     // Only edges 2 and 5, whose angles cancel, are not limited; vertex 1 is an outer one of both.
     check_near(gradients[2], -0.375, 1e-15);

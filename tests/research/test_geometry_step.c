@@ -129,7 +129,8 @@ static level *make_levels(geometry_surface surface, const double *control)
 static void forward(level *levels, const network *net, const measure *by)
 {
     by->forward(&levels[0].polygon, profile_of(&levels[0]));
-    geometry_tension_angles(&levels[0].polygon, profile_of(&levels[0]), -0.15, BAT_CURVE_ANGLE_PRINTED, levels[0].insertion);
+    geometry_tension_angles(&levels[0].polygon, profile_of(&levels[0]), -0.15, BAT_CURVE_ANGLE_SIGN_PRINTED,
+                            levels[0].insertion);
     geometry_insert(&levels[0].polygon, levels[0].insertion, levels[1].points);
     for (size_t k = 1; k < LEVELS - 1; k++)
     {

@@ -292,11 +292,12 @@ static void every_training_gives_the_same_bytes(void **state)
     s.shapes[1] = ball(2);
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
     {
-        check_status(bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, 5, 7, &s.data.train[space], NULL),
-                     BAT_OK);
         check_status(
-            bat_tension_set_make((bat_tension_space)space, BAT_TENSION_RESAMPLED, 2, 8, &s.data.validation[space], NULL),
+            bat_tension_set_make((bat_tension_space)space, BAT_TENSION_SET_KIND_RESAMPLED, 5, 7, &s.data.train[space], NULL),
             BAT_OK);
+        check_status(bat_tension_set_make((bat_tension_space)space, BAT_TENSION_SET_KIND_RESAMPLED, 2, 8,
+                                          &s.data.validation[space], NULL),
+                     BAT_OK);
     }
     for (s.kind = 0; s.kind < KINDS; s.kind++)
         for (size_t ranks = 1; ranks <= 4; ranks++)

@@ -39,9 +39,9 @@ static void interpolation_is_of_fourth_order(void **state)
         bool closed = trial / SPACES % 2 == 0;
         size_t kind = trial / SPACES / 2;
         study_curve curve = smooth_curve(space, trial);
-        bat_hermite_options how = bat_hermite_defaults();
+        bat_hermite_refine_options how = bat_hermite_refine_defaults();
         how.levels = 3;
-        how.kind = kind == 0 ? BAT_HERMITE_LANE_RIESENFELD : BAT_HERMITE_TRANSPORT;
+        how.kind = kind == 0 ? BAT_HERMITE_KIND_LANE_RIESENFELD : BAT_HERMITE_KIND_TRANSPORT;
         how.base = kind == 1 ? BAT_CURVE_BASE_MIDPOINT : BAT_CURVE_BASE_VERTEX;
         check_fourth_order(&curve, (study_setup){.count = closed ? 64 : 49, .closed = closed, .options = &how});
         study_curve_free(&curve);
@@ -58,7 +58,7 @@ static void smoothing_is_of_fourth_order(void **state)
     for (size_t trial = 0; trial < 3 * SPACES; trial++)
     {
         study_curve curve = smooth_curve(&spaces[trial % SPACES], trial);
-        bat_hermite_options how = bat_hermite_defaults();
+        bat_hermite_refine_options how = bat_hermite_refine_defaults();
         how.levels = 3;
         how.order = 2 + trial / SPACES;
         check_fourth_order(&curve, (study_setup){.count = 64, .closed = true, .options = &how});
@@ -76,7 +76,7 @@ static void points_alone_are_enough(void **state)
     {
         bool closed = trial < SPACES;
         study_curve curve = smooth_curve(&spaces[trial % SPACES], trial);
-        bat_hermite_options how = bat_hermite_defaults();
+        bat_hermite_refine_options how = bat_hermite_refine_defaults();
         how.levels = 3;
         check_fourth_order(
             &curve,
@@ -124,7 +124,7 @@ static void levels_contract_and_stay_near(void **state)
         study_curve curve = smooth_curve(&spaces[trial % SPACES], trial);
         size_t order = 1 + trial / SPACES;
         bat_hermite_curve coarse = even_directions(&curve, 24, true);
-        bat_hermite_options how = bat_hermite_defaults();
+        bat_hermite_refine_options how = bat_hermite_refine_defaults();
         how.levels = 1;
         how.order = order;
         for (int level = 0; level < 3; level++)

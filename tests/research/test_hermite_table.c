@@ -21,7 +21,7 @@ static int release(void **state)
 }
 
 /// What a scheme's errors must fall by, at least, when the spacing is halved.
-static double least_order(const char *scheme)
+static double min_order(const char *scheme)
 {
     bool spline = strstr(scheme, "lane-riesenfeld") != NULL || strstr(scheme, "geodesic") != NULL;
     return spline ? 1.99 : 3.9;
@@ -35,12 +35,12 @@ static void errors_fall_with_their_orders(void **state)
     {
         const bat_hermite_measure *row = &table.rows[i];
         bool ends = i + 1 == table.count || !isfinite(table.rows[i + 1].order);
-        if (row->quantity != BAT_HERMITE_ERROR || !ends)
+        if (row->quantity != BAT_HERMITE_QUANTITY_ERROR || !ends)
             continue;
         last++;
         check_near(row->h, 2 * PI / 128, 1e-12);
         check_near(row->order, log2(table.rows[i - 1].value / row->value), 1e-12);
-        if (!(row->order >= least_order(row->scheme)))
+        if (!(row->order >= min_order(row->scheme)))
             fail_msg("%s, %s: order %.2f", row->space, row->scheme, row->order);
     }
     assert_int_equal(last, 9 * 10);
@@ -57,29 +57,29 @@ static void floors_are_met(void **state)
         counts[row->quantity]++;
         switch (row->quantity)
         {
-        case BAT_HERMITE_GEODESIC_ERROR:
+        case BAT_HERMITE_QUANTITY_GEODESIC_ERROR:
             assert_true(row->value < 1e-13);
             break;
-        case BAT_HERMITE_POINT_PROXIMITY:
+        case BAT_HERMITE_QUANTITY_POINT_PROXIMITY:
             assert_true(isnan(row->order) || fabs(row->order - 2) < 0.05);
             break;
-        case BAT_HERMITE_ANGLE_PROXIMITY:
+        case BAT_HERMITE_QUANTITY_ANGLE_PROXIMITY:
             assert_true(isnan(row->order) || row->order > 1);
             break;
-        case BAT_HERMITE_CONTRACTION:
+        case BAT_HERMITE_QUANTITY_CONTRACTION:
             assert_true(row->value > 0.49 && row->value < 0.51);
             break;
-        case BAT_HERMITE_DISPLACEMENT:
+        case BAT_HERMITE_QUANTITY_DISPLACEMENT:
             assert_true(row->value < 0.5 && (strcmp(row->scheme, "hermite:order=1") != 0 || row->value == 0));
             break;
-        case BAT_HERMITE_HALVING: // The assumption of theorem 4.8 holds to first order of the spacing only.
+        case BAT_HERMITE_QUANTITY_HALVING: // The assumption of theorem 4.8 holds to first order of the spacing only.
             assert_true(row->value > 0.005 && row->value < 0.2);
             assert_true(fabs(row->h - 2 * PI / 128) > 1e-12 || fabs(row->order - 1) < 0.05);
             break;
-        case BAT_HERMITE_HALF_SHARE:
+        case BAT_HERMITE_QUANTITY_HALF_SHARE:
             assert_true(row->value > 0.5 && row->value < 0.75);
             break;
-        case BAT_HERMITE_TRIANGLE:
+        case BAT_HERMITE_QUANTITY_TRIANGLE:
             assert_true(row->value > 0.5 && row->value < 1.25);
             steepest = fmax(steepest, row->value);
             break;
@@ -90,7 +90,7 @@ static void floors_are_met(void **state)
     assert_true(steepest > 1.01); // Eq. (4.11) does not hold.
     const size_t expected[9] = {9 * 10 * 4, 9, 4, 4, 9 * 5, 9 * 5, 9 * 4, 9, 9};
     assert_memory_equal(counts, expected, sizeof counts);
-    assert_string_equal(bat_hermite_quantity_name(BAT_HERMITE_DISPLACEMENT), "displacement");
+    assert_string_equal(bat_hermite_quantity_name(BAT_HERMITE_QUANTITY_DISPLACEMENT), "displacement");
     assert_string_equal(bat_hermite_quantity_name((bat_hermite_quantity)99), "unknown");
 }
 

@@ -13,7 +13,7 @@ static const bool DOUBLE = sizeof(real) == sizeof(double);
 enum
 {
     SEEDS = 6,
-    MOST_INPUTS = 6
+    MAX_INPUTS = 6
 };
 
 /// Sizes that are drawn at random, from LEAST to MOST.
@@ -38,7 +38,7 @@ typedef struct operation_case
 {
     const char *name;
     learn_array *(*apply)(learn_tape *tape, learn_array **inputs);
-    shape inputs[MOST_INPUTS];
+    shape inputs[MAX_INPUTS];
     size_t input_count;
     bool positive; ///< whether it wants numbers away from 0
 } operation_case;
@@ -268,7 +268,7 @@ static learn_parameters make_inputs(const operation_case *operation, uint64_t se
 {
     learn_parameters inputs = {0};
     bat_random random = bat_random_seed(seed);
-    static const char *const names[MOST_INPUTS] = {"a", "b", "c", "d", "e", "f"};
+    static const char *const names[MAX_INPUTS] = {"a", "b", "c", "d", "e", "f"};
     size_t drawn[3];
     for (size_t i = 0; i < 3; i++)
         drawn[i] = LEAST + bat_random_bits(&random) % (MOST - LEAST + 1);
@@ -294,7 +294,7 @@ static learn_array *loss_of(learn_tape *tape, const operation_case *operation, c
 {
     learn_tape_begin(tape, inputs, gradient);
     learn_tape_drop(tape, DROPOUT_KEY);
-    learn_array *arrays[MOST_INPUTS];
+    learn_array *arrays[MAX_INPUTS];
     for (size_t i = 0; i < operation->input_count; i++)
         arrays[i] = learn_scale(tape, learn_parameter_array(tape, i), 1);
     learn_array *output = operation->apply(tape, arrays);

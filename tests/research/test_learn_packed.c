@@ -10,9 +10,9 @@ static const double TOLERANCE = sizeof(real) == sizeof(double) ? 1e-12 : 1e-5;
 
 enum
 {
-    MOST_ROWS = 5 * LEARN_TILE,
-    MOST_COLUMNS = 3 * LEARN_PANEL,
-    MOST_INPUTS = 45
+    MAX_ROWS = 5 * LEARN_TILE,
+    MAX_COLUMNS = 3 * LEARN_PANEL,
+    MAX_INPUTS = 45
 };
 
 static void fill(real *values, size_t count, bat_random *random)
@@ -26,7 +26,7 @@ typedef struct layer
 {
     learn_parameters parameters;
     learn_packed packed;
-    _Alignas(64) real memory[(MOST_INPUTS + 1) * MOST_COLUMNS];
+    _Alignas(64) real memory[(MAX_INPUTS + 1) * MAX_COLUMNS];
 } layer;
 
 static layer *make_layer(size_t inputs, size_t outputs, bat_random *random)
@@ -54,14 +54,14 @@ static void linear_layers_are_those_of_a_tape(void **state)
 {
     (void)state;
     static const size_t sizes[][2] = {{1, 1}, {6, 7}, {14, 32}, {32, 33}, {45, 96}, {44, 64}};
-    static real x[MOST_ROWS * MOST_INPUTS], y[MOST_ROWS * MOST_COLUMNS];
+    static real x[MAX_ROWS * MAX_INPUTS], y[MAX_ROWS * MAX_COLUMNS];
     bat_random random = bat_random_seed(3);
     learn_tape tape = learn_tape_make();
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
     {
         size_t inputs = sizes[s][0], outputs = sizes[s][1];
         layer *l = make_layer(inputs, outputs, &random);
-        for (size_t rows = LEARN_TILE; rows <= MOST_ROWS; rows += LEARN_TILE)
+        for (size_t rows = LEARN_TILE; rows <= MAX_ROWS; rows += LEARN_TILE)
         {
             fill(x, rows * inputs, &random);
             learn_packed_linear(&l->packed, rows, x, inputs, y);
@@ -86,27 +86,27 @@ static void products_of_all_widths_agree(void **state)
         INPUTS = 37,
         OUTPUTS = 90
     };
-    static real x[MOST_ROWS * INPUTS], narrow[MOST_ROWS * MOST_COLUMNS], wide[MOST_ROWS * MOST_COLUMNS];
+    static real x[MAX_ROWS * INPUTS], narrow[MAX_ROWS * MAX_COLUMNS], wide[MAX_ROWS * MAX_COLUMNS];
     bat_random random = bat_random_seed(6);
     layer *l = make_layer(INPUTS, OUTPUTS, &random);
-    size_t count = MOST_ROWS * l->packed.columns;
-    fill(x, MOST_ROWS * INPUTS, &random);
-    product_128(&l->packed, MOST_ROWS, x, INPUTS, narrow);
+    size_t count = MAX_ROWS * l->packed.columns;
+    fill(x, MAX_ROWS * INPUTS, &random);
+    product_128(&l->packed, MAX_ROWS, x, INPUTS, narrow);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
     {
-        product_256(&l->packed, MOST_ROWS, x, INPUTS, wide);
+        product_256(&l->packed, MAX_ROWS, x, INPUTS, wide);
         for (size_t i = 0; i < count; i++)
             check_near((double)wide[i], (double)narrow[i], 10 * TOLERANCE);
     }
     if (__builtin_cpu_supports("avx512f"))
     {
-        product_512(&l->packed, MOST_ROWS, x, INPUTS, wide);
+        product_512(&l->packed, MAX_ROWS, x, INPUTS, wide);
         for (size_t i = 0; i < count; i++)
             check_near((double)wide[i], (double)narrow[i], 10 * TOLERANCE);
     }
 #endif
-    learn_packed_linear(&l->packed, MOST_ROWS, x, INPUTS, wide);
+    learn_packed_linear(&l->packed, MAX_ROWS, x, INPUTS, wide);
     for (size_t i = 0; i < count; i++)
         check_near((double)wide[i], (double)narrow[i], 10 * TOLERANCE);
     free_layer(l);
@@ -121,16 +121,16 @@ static void a_row_depends_on_nothing_but_itself(void **state)
         INPUTS = 45,
         OUTPUTS = 70
     };
-    static real x[MOST_ROWS * INPUTS], y[MOST_ROWS * MOST_COLUMNS], alone[LEARN_TILE * INPUTS],
-        result[LEARN_TILE * MOST_COLUMNS], norm[2 * MOST_COLUMNS];
+    static real x[MAX_ROWS * INPUTS], y[MAX_ROWS * MAX_COLUMNS], alone[LEARN_TILE * INPUTS],
+        result[LEARN_TILE * MAX_COLUMNS], norm[2 * MAX_COLUMNS];
     bat_random random = bat_random_seed(4);
     layer *l = make_layer(INPUTS, OUTPUTS, &random);
     size_t columns = l->packed.columns;
     fill(norm, 2 * columns, &random);
-    fill(x, MOST_ROWS * INPUTS, &random);
-    learn_packed_linear(&l->packed, MOST_ROWS, x, INPUTS, y);
-    learn_packed_norm_gelu(MOST_ROWS, columns, norm, norm + columns, NULL, y);
-    for (size_t r = 0; r < MOST_ROWS; r++)
+    fill(x, MAX_ROWS * INPUTS, &random);
+    learn_packed_linear(&l->packed, MAX_ROWS, x, INPUTS, y);
+    learn_packed_norm_gelu(MAX_ROWS, columns, norm, norm + columns, NULL, y);
+    for (size_t r = 0; r < MAX_ROWS; r++)
     {
         size_t place = (r * 5 + 1) % LEARN_TILE;
         fill(alone, LEARN_TILE * INPUTS, &random);
@@ -145,10 +145,10 @@ static void a_row_depends_on_nothing_but_itself(void **state)
 static void norm_and_gelu_are_those_of_a_tape(void **state)
 {
     (void)state;
-    static real y[MOST_ROWS * MOST_COLUMNS], skip[MOST_ROWS * MOST_COLUMNS];
+    static real y[MAX_ROWS * MAX_COLUMNS], skip[MAX_ROWS * MAX_COLUMNS];
     bat_random random = bat_random_seed(5);
     learn_tape tape = learn_tape_make();
-    for (size_t columns = 3; columns <= MOST_COLUMNS; columns += 31)
+    for (size_t columns = 3; columns <= MAX_COLUMNS; columns += 31)
         for (int with_skip = 0; with_skip < 2; with_skip++)
         {
             learn_parameters norm = {0};
@@ -156,19 +156,19 @@ static void norm_and_gelu_are_those_of_a_tape(void **state)
             (void)learn_parameters_add(&norm, 0, columns, "shift");
             check_status(learn_parameters_allocate(&norm, NULL), BAT_OK);
             fill(norm.values, norm.total, &random);
-            fill(y, MOST_ROWS * columns, &random);
-            fill(skip, MOST_ROWS * columns, &random);
+            fill(y, MAX_ROWS * columns, &random);
+            fill(skip, MAX_ROWS * columns, &random);
             learn_tape_begin(&tape, &norm, NULL);
-            learn_array *from = learn_constant(&tape, MOST_ROWS, columns, skip);
+            learn_array *from = learn_constant(&tape, MAX_ROWS, columns, skip);
             const learn_array *expected =
-                learn_layer_norm_gelu(&tape, learn_constant(&tape, MOST_ROWS, columns, y), learn_parameter_array(&tape, 0),
+                learn_layer_norm_gelu(&tape, learn_constant(&tape, MAX_ROWS, columns, y), learn_parameter_array(&tape, 0),
                                       learn_parameter_array(&tape, 1), with_skip ? from : NULL, 0);
-            const learn_array *twice = learn_gelu(&tape, learn_constant(&tape, MOST_ROWS, columns, expected->value));
-            learn_packed_norm_gelu(MOST_ROWS, columns, norm.values, norm.values + columns, with_skip ? skip : NULL, y);
-            for (size_t i = 0; i < MOST_ROWS * columns; i++)
+            const learn_array *twice = learn_gelu(&tape, learn_constant(&tape, MAX_ROWS, columns, expected->value));
+            learn_packed_norm_gelu(MAX_ROWS, columns, norm.values, norm.values + columns, with_skip ? skip : NULL, y);
+            for (size_t i = 0; i < MAX_ROWS * columns; i++)
                 check_near((double)y[i], (double)expected->value[i], TOLERANCE);
-            learn_packed_gelu(MOST_ROWS * columns, y);
-            for (size_t i = 0; i < MOST_ROWS * columns; i++)
+            learn_packed_gelu(MAX_ROWS * columns, y);
+            for (size_t i = 0; i < MAX_ROWS * columns; i++)
                 check_near((double)y[i], (double)twice->value[i], TOLERANCE);
             learn_parameters_free(&norm);
         }

@@ -253,7 +253,7 @@ static void weights_of_the_library_are_nearer_than_the_butterfly(void **state)
         bat_mesh shape, coarse, butterfly;
         check_status(bat_mesh_shape(KINDS[i], 4000, 77, &shape, NULL), BAT_OK);
         bat_mesh_decimate_options decimate = bat_mesh_decimate_defaults();
-        decimate.method = BAT_MESH_DECIMATE_QUADRIC;
+        decimate.method = BAT_MESH_DECIMATE_METHOD_QUADRIC;
         decimate.vertices = 350;
         check_status(bat_mesh_decimate(&shape, &decimate, &coarse, NULL, NULL), BAT_OK);
         size_t fallback = 1;

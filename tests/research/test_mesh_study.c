@@ -166,7 +166,7 @@ static void shapes_are_repaired_where_needed(void **state)
     (void)fclose(stream);
     check_status(bat_mesh_study_read(file("fins.obj"), &mesh, &repaired, &report, NULL), BAT_OK);
     assert_true(repaired);
-    assert_int_equal(report.crowded_edges, 1);
+    assert_int_equal(report.nonmanifold_edges, 1);
     bat_mesh_connectivity links = connected(&mesh);
     bat_mesh_connectivity_free(&links);
     bat_mesh_free(&mesh);
@@ -193,15 +193,15 @@ static void every_variant_is_measured(void **state)
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
     {
         assert_string_equal(rows[i].variant, NAMES[i]);
-        assert_int_equal(rows[i].report.run.epochs, i == BAT_MESH_LEARN_LOOP ? 8 : 1);
+        assert_int_equal(rows[i].report.run.epochs, i == BAT_MESH_VARIANT_LEARN_LOOP ? 8 : 1);
         for (size_t level = 0; level < BAT_MESH_TRAIN_LEVELS; level++)
             assert_true(rows[i].errors[level] > 0 && rows[i].errors[level] < 0.5);
         assert_true(rows[i].straight.mean > 0 && rows[i].turned.mean > 0);
         assert_true(rows[i].straight.diagonal == rows[i].turned.diagonal);
     }
     // The untrained networks differ in what they see.
-    assert_true(rows[BAT_MESH_FULL].straight.mean != rows[BAT_MESH_FIXED_FRAMES].straight.mean);
-    assert_true(rows[BAT_MESH_FULL].errors[1] != rows[BAT_MESH_LEARN_LOOP].errors[1]);
+    assert_true(rows[BAT_MESH_VARIANT_FULL].straight.mean != rows[BAT_MESH_VARIANT_FIXED_FRAMES].straight.mean);
+    assert_true(rows[BAT_MESH_VARIANT_FULL].errors[1] != rows[BAT_MESH_VARIANT_LEARN_LOOP].errors[1]);
     check_status(bat_mesh_ablate(&shape, 1, &shape, &options, again, &error), BAT_OK);
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
         assert_true(again[i].straight.mean == rows[i].straight.mean);

@@ -29,7 +29,8 @@ static void right_surfaces_are_accepted(void **state)
         const bat_scan_verdict_row *row = &rows[i];
         crops += strcmp(row->shape, "ball.off") == 0;
         if (row->failure[0] != '\0' || !row->is_right || !row->is_accepted)
-            fail_msg("%s: %s, missed %g, strays %g, area %g", row->shape, row->failure, row->missed, row->strays, row->area);
+            fail_msg("%s: %s, missed %g, strays %g, area %g", row->shape, row->failure, row->distance_from_surface,
+                     row->distance_from_points, row->area);
         assert_int_equal(row->fault, BAT_SURFACE_FAULT_NONE);
         assert_true(row->points >= 600 && row->noise <= 0.005);
     }

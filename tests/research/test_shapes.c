@@ -269,7 +269,7 @@ static void test_quarter_arc_stays_a_circle(void **state)
     bat_curve_set set = read_example(EXAMPLES "quarter-arc.csv");
     bat_curve_refine_options how = bat_curve_refine_defaults();
     how.scheme = bat_curve_scheme_angle(BAT_CURVE_TENSION_FOUR_POINT);
-    how.ends = BAT_CURVE_END_EXTRAPOLATE;
+    how.ends = BAT_CURVE_END_RULE_EXTRAPOLATE;
     bat_curve fine;
     check_status(bat_curve_refine(&set.curves[0], &how, &fine, NULL), BAT_OK);
     for (size_t i = 0; i < fine.count; i++)

@@ -10,7 +10,7 @@ enum
 {
     ROWS = 2
 };
-static const bat_tension_variant VARIANTS[ROWS] = {BAT_TENSION_NO_EMBEDDING, BAT_TENSION_NO_CONSISTENCY};
+static const bat_tension_variant VARIANTS[ROWS] = {BAT_TENSION_VARIANT_NO_EMBEDDING, BAT_TENSION_VARIANT_NO_CONSISTENCY};
 
 static int make_folder(void **state)
 {

@@ -10,19 +10,21 @@ enum
 {
     POINTS = 1000,
     DRAWS = 200,
-    MOST_CONTROL = 64
+    MAX_CONTROL = 64
 };
 
 static const double PI = 3.14159265358979323846;
 
 static size_t dim_of(bat_tension_space space)
 {
-    return space == BAT_TENSION_SPHERE ? 3 : 2;
+    return space == BAT_TENSION_SPACE_SPHERE ? 3 : 2;
 }
 
 static bat_space space_of(bat_tension_space space)
 {
-    return space == BAT_TENSION_PLANE ? bat_euclidean(2) : space == BAT_TENSION_SPHERE ? bat_sphere(2) : bat_disk();
+    return space == BAT_TENSION_SPACE_PLANE    ? bat_euclidean(2)
+           : space == BAT_TENSION_SPACE_SPHERE ? bat_sphere(2)
+                                               : bat_disk();
 }
 
 static double chord(const double *p, const double *q, size_t dim)
@@ -80,12 +82,12 @@ static void check_points(bat_tension_space space, bool unseen, size_t family, ba
         double radius = chord(p, origin, dim);
         assert_true(isfinite(radius));
         greatest = fmax(greatest, radius);
-        if (space == BAT_TENSION_SPHERE)
+        if (space == BAT_TENSION_SPACE_SPHERE)
             check_near(radius, 1, 1e-15);
     }
-    if (space == BAT_TENSION_PLANE)
+    if (space == BAT_TENSION_SPACE_PLANE)
         check_near(greatest, 1, 1e-14);
-    if (space == BAT_TENSION_DISK)
+    if (space == BAT_TENSION_SPACE_DISK)
         assert_true(greatest > 0.05 && greatest < 0.95);
 }
 
@@ -147,7 +149,7 @@ static void curves_do_not_depend_on_the_number_of_points(void **state)
         for (size_t family = 0; family < tension_family_count(space, false); family++)
         {
             const char *name = tension_family_name(space, false, family);
-            bool exact = space == BAT_TENSION_SPHERE || strcmp(name, "circle") == 0;
+            bool exact = space == BAT_TENSION_SPACE_SPHERE || strcmp(name, "circle") == 0;
             bat_random one = bat_random_seed(7 + family), same = one;
             tension_family_draw(space, false, family, &one, 120, coarse);
             tension_family_draw(space, false, family, &same, 360, fine);
@@ -162,14 +164,14 @@ static void even_sampling_is_that_of_the_published_data(void **state)
 {
     (void)state;
     double points[2 * POINTS], lengths[POINTS + 1];
-    size_t expected[MOST_CONTROL], samples[MOST_CONTROL];
+    size_t expected[MAX_CONTROL], samples[MAX_CONTROL];
     bat_random random = bat_random_seed(3);
-    for (size_t n = 4; n <= MOST_CONTROL; n++)
+    for (size_t n = 4; n <= MAX_CONTROL; n++)
     {
-        tension_family_draw(BAT_TENSION_PLANE, false, n % 5, &random, POINTS, points);
+        tension_family_draw(BAT_TENSION_SPACE_PLANE, false, n % 5, &random, POINTS, points);
         arc_samples(points, POINTS, 2, true, lengths, n, expected);
         tension_control_plan plan = {.count = n};
-        assert_true(tension_control_sample(BAT_TENSION_PLANE, points, POINTS, &plan, NULL, lengths, samples));
+        assert_true(tension_control_sample(BAT_TENSION_SPACE_PLANE, points, POINTS, &plan, NULL, lengths, samples));
         assert_memory_equal(samples, expected, n * sizeof *samples);
     }
 }
@@ -186,7 +188,7 @@ static void start_and_jitter_do_as_they_say(void **state)
         points[2 * i + 1] = sin(2 * PI * (double)i / POINTS);
     }
     tension_control_plan turned = {.count = 20, .start = 0.93};
-    assert_true(tension_control_sample(BAT_TENSION_PLANE, points, POINTS, &turned, NULL, lengths, samples));
+    assert_true(tension_control_sample(BAT_TENSION_SPACE_PLANE, points, POINTS, &turned, NULL, lengths, samples));
     for (size_t k = 0; k < 20; k++)
         assert_int_equal(samples[k], (930 + 50 * k) % POINTS);
 
@@ -195,7 +197,7 @@ static void start_and_jitter_do_as_they_say(void **state)
     double low = 0, high = 0;
     for (int draw = 0; draw < 200; draw++)
     {
-        assert_true(tension_control_sample(BAT_TENSION_PLANE, points, POINTS, &uneven, &random, lengths, samples));
+        assert_true(tension_control_sample(BAT_TENSION_SPACE_PLANE, points, POINTS, &uneven, &random, lengths, samples));
         for (size_t k = 0; k < 20; k++)
         {
             double moved = remainder((double)samples[k] - (1 + 50 * (double)k), POINTS) / 50;
@@ -215,15 +217,15 @@ static void unfit_neighbours_are_refused(void **state)
     tension_control_plan four = {.count = 4};
     // There and back: the second and the fourth coincide, but they are no neighbours; then neighbours do.
     const double back[] = {0, 0, 1, 0, 2, 0, 1, 0}, twice[] = {0, 0, 1, 0, 2, 0, 2, 0, 2, 0, 2, 0, 2, 1e-9, 1, 0};
-    assert_true(tension_control_sample(BAT_TENSION_PLANE, back, 4, &four, NULL, lengths, samples));
+    assert_true(tension_control_sample(BAT_TENSION_SPACE_PLANE, back, 4, &four, NULL, lengths, samples));
     tension_control_plan three = {.count = 3};
     const double triangle[] = {0, 0, 1, 0};
-    assert_false(tension_control_sample(BAT_TENSION_PLANE, triangle, 2, &three, NULL, lengths, samples));
+    assert_false(tension_control_sample(BAT_TENSION_SPACE_PLANE, triangle, 2, &three, NULL, lengths, samples));
     tension_control_plan eight = {.count = 8};
     size_t more[8];
-    assert_false(tension_control_sample(BAT_TENSION_PLANE, twice, 8, &eight, NULL, lengths, more));
+    assert_false(tension_control_sample(BAT_TENSION_SPACE_PLANE, twice, 8, &eight, NULL, lengths, more));
     const double poles[] = {0, 0, 1, 0.01, 0, -0.99995, 1, 0, 0};
-    assert_false(tension_control_sample(BAT_TENSION_SPHERE, poles, 3, &three, NULL, lengths, samples));
+    assert_false(tension_control_sample(BAT_TENSION_SPACE_SPHERE, poles, 3, &three, NULL, lengths, samples));
 }
 
 static void check_control(bat_tension_space space, bool unseen, size_t family, bat_random *random, const double *points)
@@ -231,7 +233,7 @@ static void check_control(bat_tension_space space, bool unseen, size_t family, b
     (void)unseen;
     (void)family;
     double lengths[POINTS + 1];
-    size_t samples[MOST_CONTROL];
+    size_t samples[MAX_CONTROL];
     tension_control_plan plan = {.count = 4 + (size_t)(61 * bat_random_uniform(random)),
                                  .start = bat_random_uniform(random),
                                  .jitter = 0.9 * bat_random_uniform(random)};

@@ -178,7 +178,7 @@ static void gradients_go_with_the_last_layer(void **state)
         for (size_t k = 0; k < TENSION_HEAD; k++)
             f.parameters.values[last->offset + k] = (real)(factor * (double)f.parameters.values[last->offset + k]);
         bat_tension_mechanism_report report = report_of(&f, &options);
-        gradients[i] = report.spaces[BAT_TENSION_SPHERE].largest_gradient;
+        gradients[i] = report.spaces[BAT_TENSION_SPACE_SPHERE].largest_gradient;
     }
     assert_true(gradients[0] > 0);
     check_relative(gradients[1], 0.5 * gradients[0], 1e-4);

@@ -12,7 +12,9 @@ enum
 
 static bat_space space_of(bat_tension_space space)
 {
-    return space == BAT_TENSION_PLANE ? bat_euclidean(2) : space == BAT_TENSION_SPHERE ? bat_sphere(2) : bat_disk();
+    return space == BAT_TENSION_SPACE_PLANE    ? bat_euclidean(2)
+           : space == BAT_TENSION_SPACE_SPHERE ? bat_sphere(2)
+                                               : bat_disk();
 }
 
 static bat_tension_set make(bat_tension_space space, bat_tension_set_kind kind, size_t count, uint64_t seed)
@@ -21,14 +23,14 @@ static bat_tension_set make(bat_tension_space space, bat_tension_set_kind kind, 
     bat_error error;
     assert_int_equal(bat_tension_set_make(space, kind, count, seed, &set, &error), BAT_OK);
     assert_int_equal(set.count, count);
-    assert_int_equal(set.dim, space == BAT_TENSION_SPHERE ? 3 : 2);
+    assert_int_equal(set.dim, space == BAT_TENSION_SPACE_SPHERE ? 3 : 2);
     return set;
 }
 
 /// Call `check` on a small set of each kind in each space.
 static void for_every_set(void (*check)(bat_tension_space space, bat_tension_set_kind kind, const bat_tension_set *set))
 {
-    const bat_tension_set_kind kinds[] = {BAT_TENSION_RESAMPLED, BAT_TENSION_UNSEEN};
+    const bat_tension_set_kind kinds[] = {BAT_TENSION_SET_KIND_RESAMPLED, BAT_TENSION_SET_KIND_UNSEEN};
     for (int s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
         for (size_t k = 0; k < 2; k++)
         {
@@ -138,7 +140,7 @@ static void no_edge_is_much_shorter_than_the_others(void **state)
 static void numbers_tell_the_family(void **state)
 {
     (void)state;
-    bat_tension_set set = make(BAT_TENSION_DISK, BAT_TENSION_RESAMPLED, 40, 1);
+    bat_tension_set set = make(BAT_TENSION_SPACE_DISK, BAT_TENSION_SET_KIND_RESAMPLED, 40, 1);
     for (size_t c = 1; c < set.count; c += 4) // circles: four points are concyclic
     {
         const double *p = set.truth + c * TRUTH * 2;
@@ -147,7 +149,7 @@ static void numbers_tell_the_family(void **state)
         check_relative(f * g, a * d + b * e, 1e-12); // Ptolemy
     }
     bat_tension_set_free(&set);
-    set = make(BAT_TENSION_PLANE, BAT_TENSION_RESAMPLED, 40, 1);
+    set = make(BAT_TENSION_SPACE_PLANE, BAT_TENSION_SET_KIND_RESAMPLED, 40, 1);
     for (size_t c = 0; c < set.count; c += 5) // ellipses: (x / a)^2 + (y / b)^2 = 1
     {
         const double *p = set.truth + c * TRUTH * 2;
@@ -164,8 +166,9 @@ static void the_seed_decides_and_the_count_does_not(void **state)
     for (int s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
     {
         bat_tension_space space = (bat_tension_space)s;
-        bat_tension_set few = make(space, BAT_TENSION_UNSEEN, 7, 5), many = make(space, BAT_TENSION_UNSEEN, 20, 5);
-        bat_tension_set other = make(space, BAT_TENSION_UNSEEN, 7, 6);
+        bat_tension_set few = make(space, BAT_TENSION_SET_KIND_UNSEEN, 7, 5),
+                        many = make(space, BAT_TENSION_SET_KIND_UNSEEN, 20, 5);
+        bat_tension_set other = make(space, BAT_TENSION_SET_KIND_UNSEEN, 7, 6);
         assert_memory_equal(few.truth, many.truth, 7 * TRUTH * few.dim * sizeof(double));
         assert_memory_equal(few.control, many.control, 7 * CONTROL * few.dim * sizeof(double));
         for (size_t c = 0; c < 7; c++)
@@ -182,11 +185,13 @@ static void bad_arguments_are_refused(void **state)
     (void)state;
     bat_tension_set set = {.count = 77};
     bat_error error;
-    check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_PUBLISHED, 3, 1, &set, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_PLANE, BAT_TENSION_RESAMPLED, 0, 1, &set, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_SPACE_COUNT, BAT_TENSION_RESAMPLED, 3, 1, &set, NULL),
+    check_status(bat_tension_set_make(BAT_TENSION_SPACE_PLANE, BAT_TENSION_SET_KIND_PUBLISHED, 3, 1, &set, &error),
                  BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_set_make(BAT_TENSION_DISK, BAT_TENSION_RESAMPLED, SIZE_MAX / 2, 1, &set, &error),
+    check_status(bat_tension_set_make(BAT_TENSION_SPACE_PLANE, BAT_TENSION_SET_KIND_RESAMPLED, 0, 1, &set, &error),
+                 BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_set_make(BAT_TENSION_SPACE_COUNT, BAT_TENSION_SET_KIND_RESAMPLED, 3, 1, &set, NULL),
+                 BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_set_make(BAT_TENSION_SPACE_DISK, BAT_TENSION_SET_KIND_RESAMPLED, SIZE_MAX / 2, 1, &set, &error),
                  BAT_NO_MEMORY);
     assert_int_equal(set.count, 77);
 }

@@ -33,7 +33,7 @@ static bat_tension_row table1[BAT_TENSION_TABLE1_ROWS];
 static int make_table1(void **state)
 {
     (void)state;
-    return bat_tension_table1(BAT_TENSION_PUBLISHED, table1, 0, (bat_progress){0}, NULL) == BAT_OK ? 0 : -1;
+    return bat_tension_table1(BAT_TENSION_SET_KIND_PUBLISHED, table1, 0, (bat_progress){0}, NULL) == BAT_OK ? 0 : -1;
 }
 
 static const bat_tension_row *find(const bat_tension_row *rows, size_t count, const char *space, const char *method)
@@ -105,7 +105,8 @@ static void a_table_can_be_stopped(void **state)
     (void)state;
     bat_tension_row rows[BAT_TENSION_TABLE1_ROWS];
     bat_error error;
-    assert_int_equal(bat_tension_table1(BAT_TENSION_PUBLISHED, rows, 1, (bat_progress){stop, NULL}, &error), BAT_CANCELLED);
+    assert_int_equal(bat_tension_table1(BAT_TENSION_SET_KIND_PUBLISHED, rows, 1, (bat_progress){stop, NULL}, &error),
+                     BAT_CANCELLED);
 }
 
 enum
@@ -129,7 +130,8 @@ static void own_methods_meet_the_built_in_ones(void **state)
     bat_tension_method own[OWN];
     bat_tension_row mine[3 * OWN];
     own_methods(own);
-    check_status(bat_tension_table1_methods(BAT_TENSION_PUBLISHED, own, OWN, mine, 0, (bat_progress){0}, NULL), BAT_OK);
+    check_status(bat_tension_table1_methods(BAT_TENSION_SET_KIND_PUBLISHED, own, OWN, mine, 0, (bat_progress){0}, NULL),
+                 BAT_OK);
     for (size_t i = 0; i < 3 * OWN; i++)
     {
         const bat_tension_row *row = find(table1, BAT_TENSION_TABLE1_ROWS, SPACES[i / OWN], same[i % OWN]);
@@ -173,7 +175,7 @@ static double mean_nn_of(bat_tension_space kind, bat_tension_set_kind curves, co
 static void test_curves_are_those_of_the_set(void **state)
 {
     (void)state;
-    const bat_tension_set_kind kinds[] = {BAT_TENSION_RESAMPLED, BAT_TENSION_UNSEEN};
+    const bat_tension_set_kind kinds[] = {BAT_TENSION_SET_KIND_RESAMPLED, BAT_TENSION_SET_KIND_UNSEEN};
     bat_tension_method own[OWN];
     own_methods(own);
     for (size_t k = 0; k < 2; k++)
@@ -208,7 +210,8 @@ static void bad_tables_are_refused(void **state)
     bat_progress silent = {0};
     bat_error error;
     check_status(bat_tension_table1((bat_tension_set_kind)9, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
-    check_status(bat_tension_table1_methods(BAT_TENSION_RESAMPLED, NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_tension_table1_methods(BAT_TENSION_SET_KIND_RESAMPLED, NULL, 0, rows, 1, silent, &error),
+                 BAT_INVALID_ARGUMENT);
     check_status(bat_tension_table5_methods(NULL, 0, rows, 1, silent, &error), BAT_INVALID_ARGUMENT);
 }
 

@@ -18,7 +18,7 @@ static inline bat_analysis analyze(bat_mask mask)
 
 static inline bat_analysis analyze_to_depth(bat_mask mask, size_t depth)
 {
-    bat_analysis_options options = bat_analysis_defaults();
+    bat_mask_analyze_options options = bat_mask_analyze_defaults();
     options.depth = depth;
     bat_analysis analysis;
     check_status(bat_mask_analyze(&mask, &options, &analysis, NULL), BAT_OK);

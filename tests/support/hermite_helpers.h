@@ -127,7 +127,7 @@ static inline void reflect(const bat_space *space, const double *centre, const d
     negate(space, moved, moved);
 }
 
-static inline bat_hermite_curve hermite_refined(const bat_hermite_curve *coarse, const bat_hermite_options *how)
+static inline bat_hermite_curve hermite_refined(const bat_hermite_curve *coarse, const bat_hermite_refine_options *how)
 {
     bat_hermite_curve fine = {0};
     bat_error error;

@@ -18,12 +18,12 @@ static inline size_t below(bat_random *random, size_t count)
     return (size_t)(bat_random_bits(random) % count);
 }
 
-static inline bat_hierarchical_options random_options(bat_random *random, int most_degree)
+static inline bat_hierarchical_options random_options(bat_random *random, int max_degree)
 {
     bat_hierarchical_options options = bat_hierarchical_defaults();
     for (int d = 0; d < 2; d++)
     {
-        options.degree[d] = 1 + (int)below(random, (size_t)most_degree);
+        options.degree[d] = 1 + (int)below(random, (size_t)max_degree);
         options.spans[d] = 1 + below(random, 6);
     }
     return options;

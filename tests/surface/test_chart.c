@@ -121,7 +121,7 @@ static void writes_charts(void **state)
     const double x[] = {0.1, 1.0, 10.0, 100.0};
     const double y[] = {3.0, 1e-9, 5e6, 2.0};
     const char *names[] = {"a", NULL, "a rather long name", ""};
-    for (int mark = 0; mark <= BAT_CHART_BARS; mark++)
+    for (int mark = 0; mark <= BAT_CHART_MARK_BARS; mark++)
     {
         for (int axes = 0; axes < 4; axes++)
         {
@@ -131,7 +131,7 @@ static void writes_charts(void **state)
             chart.series_count = 1;
             chart.x_label = chart.y_label = chart.title = "text";
             chart.log_x = axes % 2 == 1;
-            chart.log_y = axes >= 2 && mark != BAT_CHART_BARS;
+            chart.log_y = axes >= 2 && mark != BAT_CHART_MARK_BARS;
             bat_curve_picture_options options = bat_curve_picture_defaults();
             options.width = 300;
             options.height = 200;
@@ -156,7 +156,7 @@ static void bad_charts_are_refused(void **state)
     path_of(path, "chart.svg");
     double x[] = {1.0, 2.0, 3.0};
     double y[] = {1.0, 0.0, 3.0};
-    bat_chart_series series = {x, y, 3, BAT_CHART_LINE, NULL, NULL, 0};
+    bat_chart_series series = {x, y, 3, BAT_CHART_MARK_LINE, NULL, NULL, 0};
     bat_chart chart = bat_chart_defaults();
     bat_error error;
     assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_ARGUMENT);
@@ -174,7 +174,7 @@ static void bad_charts_are_refused(void **state)
     assert_int_equal(error.index, 2);
     y[2] = 1.0;
     x[1] = 0.5;
-    series.mark = BAT_CHART_BARS;
+    series.mark = BAT_CHART_MARK_BARS;
     assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 1);
     series.count = 0;

@@ -80,7 +80,7 @@ static void test_noise_and_uneven_density(void **state)
     static const struct
     {
         size_t side, interior;
-        double noise, unevenness, most, most_mean; ///< in spacings
+        double noise, unevenness, most, max_mean; ///< in spacings
     } cases[] = {{33, 1000, 0, 2, 1, 0.2},      {33, 1000, 0.005, 1, 1.5, 0.4}, {33, 1000, 0.01, 1, 2.5, 0.7},
                  {15, 200, 0.05, 1, 5, 1.6},    {33, 1000, 0.05, 1, 9, 3.2},    {8, 50, 0.01, 1, 1, 0.4},
                  {33, 1000, 0.005, 2, 1.5, 0.5}};
@@ -97,7 +97,7 @@ static void test_noise_and_uneven_density(void **state)
             greatest[1] =
                 distance_to_loop(clean.points, clean.boundary_count, cloud.points, cloud.boundary_count, &means[1]);
             for (int k = 0; k < 2; k++)
-                if (greatest[k] > cases[i].most * spacing || means[k] > cases[i].most_mean * spacing)
+                if (greatest[k] > cases[i].most * spacing || means[k] > cases[i].max_mean * spacing)
                     fail_msg("case %zu, seed %u: %g and on average %g spacings off", i, (unsigned)seed,
                              greatest[k] / spacing, means[k] / spacing);
             bat_cloud_free(&cloud);
@@ -321,7 +321,7 @@ static void test_too_few_or_degenerate_points(void **state)
 
 /// A loop that the file gives, found again in the shuffled points. Distances are in the spacing of the cloud's points: the
 /// median distance to the nearest other one.
-static void find_again(const char *name, double most_off, double most_mean, double most_mean_of_given)
+static void find_again(const char *name, double most_off, double max_mean, double max_mean_of_given)
 {
     char path[1024];
     (void)snprintf(path, sizeof path, SHARED_DATA "/data/clouds/%s.xyz", name);
@@ -354,10 +354,10 @@ static void find_again(const char *name, double most_off, double most_mean, doub
     }
     double mean, spacing = nearest[SAMPLES / 2];
     double off = distance_to_loop(cloud.points, cloud.boundary_count, given.points, given.boundary_count, &mean);
-    if (off > most_off * spacing || mean > most_mean * spacing)
+    if (off > most_off * spacing || mean > max_mean * spacing)
         fail_msg("%s: found %g and on average %g spacings from the given loop", name, off / spacing, mean / spacing);
     (void)distance_to_loop(given.points, given.boundary_count, cloud.points, cloud.boundary_count, &mean);
-    if (mean > most_mean_of_given * spacing)
+    if (mean > max_mean_of_given * spacing)
         fail_msg("%s: given on average %g spacings from the loop that was found", name, mean / spacing);
     bat_cloud_free(&cloud);
     bat_cloud_free(&given);

@@ -37,7 +37,7 @@ static void corners_turn_the_loop(void **state)
         // The loop and the triangles turn over together: parameters stay without a fold.
         double boundary[2 * 36], parameters[200];
         bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-        options.method = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+        options.method = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE;
         bat_cloud_parameters_report report;
         check_status(bat_cloud_boundary_parameters(&turned, BAT_CLOUD_SIDES_CHORD_LENGTH, boundary, NULL), BAT_OK);
         check_status(bat_cloud_parameterize(&turned, boundary, &options, parameters, NULL), BAT_OK);

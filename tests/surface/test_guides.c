@@ -2,7 +2,7 @@
 
 #include "surface_fit_helpers.h"
 
-#include "surface/guides.h"
+#include "surface/virtual_points.h"
 
 /// A bent sheet.
 static void sheet(double u, double v, double *point)
@@ -19,8 +19,8 @@ static void guides_lie_on_triangles(void **state)
     double points[] = {0, 0, 1, 1, 0, 2, 1, 1, 3, 0, 1, 5}, parameters[] = {0, 0, 0, 0.5, 0.5, 0.5, 0.5, 0};
     uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
     bat_cloud cloud = {.points = points, .count = 4, .triangles = triangles, .triangle_count = 2};
-    surface_guides guides;
-    assert_int_equal(surface_guides_make(&cloud, parameters, &guides, NULL), BAT_OK);
+    virtual_points guides;
+    assert_int_equal(virtual_points_make(&cloud, parameters, &guides, NULL), BAT_OK);
     // Two centres, and the node (1/4, 1/4) of a grid of 2 x 2: the others lie outside.
     assert_int_equal(guides.count, 3);
     size_t nodes = 0;
@@ -35,7 +35,7 @@ static void guides_lie_on_triangles(void **state)
         nodes += at[0] == 0.25 && at[1] == 0.25;
     }
     assert_int_equal(nodes, 1);
-    surface_guides_free(&guides);
+    virtual_points_free(&guides);
 }
 
 /// The largest distance in the middle of the square between a surface and the sheet.

@@ -68,8 +68,8 @@ static void a_crowded_finger_spreads(void **state)
     for (size_t k = 0; k < sizeof heights / sizeof *heights; k++)
     {
         bat_cloud disc = make_finger(heights[k]);
-        double before = energy_by(&disc, BAT_CLOUD_PARAMETERIZE_MEAN_VALUE);
-        double after = energy_by(&disc, BAT_CLOUD_PARAMETERIZE_ISOMETRIC);
+        double before = energy_by(&disc, BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE);
+        double after = energy_by(&disc, BAT_CLOUD_PARAMETERIZATION_ISOMETRIC);
         // An isometric map has 4. That of a finger cannot be, but no part of it crowds.
         assert_true(after < 30);
         crowded = fmax(crowded, before);

@@ -5,8 +5,9 @@
 #include "surface/cloud/spatial_order.h"
 #include "surface/parameterize/weights.h"
 
-static const bat_cloud_parameterization MESHLESS[] = {
-    BAT_CLOUD_PARAMETERIZE_UNIFORM, BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING};
+static const bat_cloud_parameterization MESHLESS[] = {BAT_CLOUD_PARAMETERIZATION_UNIFORM,
+                                                      BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE,
+                                                      BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING};
 
 /// Parameters of a patch from its boundary's; release them with free().
 static double *find(const patch *from, bat_cloud_parameterization method, bool published)
@@ -36,11 +37,11 @@ static double largest_difference(const double *a, const double *b, size_t count)
 static void names_and_defaults(void **state)
 {
     (void)state;
-    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_UNIFORM), "uniform");
-    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_MEAN_VALUE),
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZATION_UNIFORM), "uniform");
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE),
                         "mean-value");
-    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_COUNT), "unknown");
-    assert_int_equal(bat_cloud_parameterize_defaults().method, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING);
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZATION_COUNT), "unknown");
+    assert_int_equal(bat_cloud_parameterize_defaults().method, BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING);
     assert_false(bat_cloud_parameterize_defaults().published);
 }
 
@@ -52,8 +53,8 @@ static void planes_are_parameterized_exactly(void **state)
     {
         patch cloud = patch_scatter(patch_plane, 10 + seed, 40 * seed * seed, 0, seed);
         patch mesh = patch_mesh(patch_plane, 8 + 3 * seed, 0.2, seed);
-        double *ours = find(&cloud, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING, false);
-        double *means = find(&mesh, BAT_CLOUD_PARAMETERIZE_MEAN_VALUE, false);
+        double *ours = find(&cloud, BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING, false);
+        double *means = find(&mesh, BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE, false);
         check_near(largest_difference(ours, cloud.parameters, 2 * cloud.cloud.count), 0, 1e-12);
         check_near(largest_difference(means, mesh.parameters, 2 * mesh.cloud.count), 0, 1e-12);
         patch_free(&cloud);
@@ -62,7 +63,7 @@ static void planes_are_parameterized_exactly(void **state)
         free(means);
     }
     patch cloud = patch_scatter(patch_plane, 22, 400, 0, 3);
-    double *published = find(&cloud, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING, true);
+    double *published = find(&cloud, BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING, true);
     check_near(largest_difference(published, cloud.parameters, 2 * cloud.cloud.count), 0, 1e-12);
     patch_free(&cloud);
     free(published);
@@ -116,9 +117,9 @@ static void weights_are_positive_and_sum_to_one(void **state)
     patch patches[3] = {patch_scatter(patch_waves, 15, 200, 0, 1), patch_scatter(patch_waves, 15, 200, 0.05, 2),
                         patch_mesh(patch_waves, 20, 0.4, 3)};
     for (size_t p = 0; p < 3; p++)
-        for (int method = 0; method < BAT_CLOUD_PARAMETERIZE_COUNT; method++)
+        for (int method = 0; method < BAT_CLOUD_PARAMETERIZATION_COUNT; method++)
         {
-            if (method == BAT_CLOUD_PARAMETERIZE_MEAN_VALUE && p < 2)
+            if (method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE && p < 2)
                 continue;
             bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
             options.method = (bat_cloud_parameterization)method;
@@ -169,7 +170,7 @@ static void mean_values_never_fold_a_mesh(void **state)
     for (uint64_t seed = 1; seed <= 10; seed++)
     {
         patch mesh = patch_mesh(surfaces[seed % 2], 10 + 2 * seed, 0.45, seed);
-        double *found = find(&mesh, BAT_CLOUD_PARAMETERIZE_MEAN_VALUE, false);
+        double *found = find(&mesh, BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE, false);
         for (size_t t = 0; t < mesh.cloud.triangle_count; t++)
         {
             const uint32_t *corner = mesh.cloud.triangles + 3 * t;
@@ -314,7 +315,7 @@ static void bad_input_is_refused(void **state)
     (void)state;
     patch cloud = patch_scatter(patch_waves, 9, 50, 0, 1);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults(), wrong = options;
-    wrong.method = BAT_CLOUD_PARAMETERIZE_COUNT;
+    wrong.method = BAT_CLOUD_PARAMETERIZATION_COUNT;
     check_refused(&cloud.cloud, cloud.parameters, &wrong, BAT_INVALID_ARGUMENT, "method is");
     wrong = options;
     wrong.radius = -1;
@@ -322,7 +323,7 @@ static void bad_input_is_refused(void **state)
     wrong.radius = NAN;
     check_refused(&cloud.cloud, cloud.parameters, &wrong, BAT_INVALID_ARGUMENT, "radius");
     wrong = options;
-    wrong.method = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+    wrong.method = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE;
     check_refused(&cloud.cloud, cloud.parameters, &wrong, BAT_UNSUPPORTED, "triangles");
     cloud.parameters[6] = INFINITY;
     check_refused(&cloud.cloud, cloud.parameters, &options, BAT_INVALID_ARGUMENT, "point 3");

@@ -268,7 +268,7 @@ static void repair_is_as_good_as_uniform_weights(void **state)
     {
         patch cloud = patch_scatter(patch_waves, 16, 200, seed % 3 == 0 ? 0.05 : 0, seed);
         bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-        options.method = BAT_CLOUD_PARAMETERIZE_UNIFORM;
+        options.method = BAT_CLOUD_PARAMETERIZATION_UNIFORM;
         double *uniform = copy_parameters(&cloud), *garbage = copy_parameters(&cloud);
         check_status(bat_cloud_parameterize(&cloud.cloud, cloud.parameters, &options, uniform, NULL), BAT_OK);
         for (size_t k = 2 * cloud.cloud.boundary_count; k < 2 * cloud.cloud.count; k++)

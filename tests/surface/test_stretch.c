@@ -71,7 +71,7 @@ static double stretch_to_nearest(const bat_cloud *cloud, const double *parameter
 static void it_has_a_name(void **state)
 {
     (void)state;
-    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING),
+    assert_string_equal(bat_choice_name(&bat_cloud_parameterization_family, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING),
                         "stretch-minimizing");
 }
 
@@ -79,8 +79,8 @@ static void the_stretch_of_deep_shapes_falls(void **state)
 {
     (void)state;
     patch made = patch_scatter(deep_sphere, 8, 1000, 0, 1);
-    double *before = find(&made, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING, 1),
-           *after = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+    double *before = find(&made, BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING, 1),
+           *after = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
     assert_true(stretch_to_nearest(&made.cloud, after) < 0.5 * stretch_to_nearest(&made.cloud, before));
     bat_cloud_parameters_report report;
     check_status(bat_cloud_parameters_check(&made.cloud, after, &report, NULL), BAT_OK);
@@ -98,7 +98,7 @@ static void parameters_stay_in_the_square(void **state)
     for (size_t k = 0; k < 6; k++)
     {
         patch made = patch_scatter(surfaces[k / 2], 12, 500, k % 2 == 0 ? 0 : 0.02, k);
-        double *found = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+        double *found = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
         assert_memory_equal(found, made.parameters, 2 * made.cloud.boundary_count * sizeof *found);
         for (size_t i = 0; i < 2 * made.cloud.count; i++)
             assert_true(found[i] >= 0 && found[i] <= 1);
@@ -115,7 +115,7 @@ static void planes_are_kept(void **state)
     patch *const planes[] = {&scattered, &grid};
     for (size_t k = 0; k < 2; k++)
     {
-        double *found = find(planes[k], BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+        double *found = find(planes[k], BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
         for (size_t i = 0; i < 2 * planes[k]->cloud.count; i++)
             check_near(found[i], planes[k]->parameters[i], 1e-12);
         free(found);
@@ -127,10 +127,10 @@ static void threads_change_no_byte(void **state)
 {
     (void)state;
     patch made = patch_scatter(deep_sphere, 13, 3000, 0.01, 5);
-    double *one = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+    double *one = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
     for (int threads = 0; threads < 5; threads += 2)
     {
-        double *many = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, threads);
+        double *many = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, threads);
         assert_memory_equal(one, many, 2 * made.cloud.count * sizeof *one);
         free(many);
     }
@@ -143,10 +143,10 @@ static void size_does_not_matter(void **state)
 {
     (void)state;
     patch made = patch_scatter(deep_sphere, 6, 500, 0, 6);
-    double *before = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+    double *before = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
     for (size_t i = 0; i < 3 * made.cloud.count; i++)
         made.cloud.points[i] *= 0x1p-20;
-    double *after = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+    double *after = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
     for (size_t i = 0; i < 2 * made.cloud.count; i++)
         check_near(after[i], before[i], 1e-12);
     free(before);
@@ -167,8 +167,8 @@ static void the_end_of_a_tube_is_seen(void **state)
 {
     (void)state;
     patch made = patch_scatter(test_tube, 16, 4000, 0, 4);
-    double *before = find(&made, BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING, 0),
-           *after = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 0);
+    double *before = find(&made, BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING, 0),
+           *after = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 0);
     assert_true(coincident_in(&made, before) > 100);
     assert_true(coincident_in(&made, after) < coincident_in(&made, before) / 10);
     free(before);
@@ -214,7 +214,7 @@ static void few_points_are_no_different(void **state)
     for (size_t interior = 0; interior < 4; interior++)
     {
         patch made = patch_scatter(patch_waves, 2, interior, 0, interior);
-        double *found = find(&made, BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING, 1);
+        double *found = find(&made, BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING, 1);
         for (size_t i = 0; i < 2 * made.cloud.count; i++)
             assert_true(found[i] >= 0 && found[i] <= 1);
         free(found);

@@ -7,16 +7,16 @@
 #include "batten/batten.h"
 #include "batten/research/research.h"
 
-static bat_surface_options options_for(bat_surface_parameters parameters, size_t functions)
+static bat_surface_reconstruct_options options_for(bat_surface_parameters parameters, size_t functions)
 {
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     options.parameters = parameters;
     options.fit.functions = functions;
     options.fit.threads = 1;
     return options;
 }
 
-static bat_surface_result must_reconstruct(bat_cloud *cloud, const bat_surface_options *options)
+static bat_surface_result must_reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_options *options)
 {
     bat_surface_result result = {0};
     bat_error error = {0};
@@ -38,8 +38,8 @@ static void names_and_defaults(void **state)
                         "shape-preserving");
     assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_GIVEN), "given");
     assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_COUNT), "unknown");
-    assert_int_equal(bat_surface_defaults().parameters, BAT_SURFACE_PARAMETERS_AUTO);
-    assert_int_equal(bat_surface_defaults().sides, BAT_CLOUD_SIDES_CHORD_LENGTH);
+    assert_int_equal(bat_surface_reconstruct_defaults().parameters, BAT_SURFACE_PARAMETERS_AUTO);
+    assert_int_equal(bat_surface_reconstruct_defaults().sides, BAT_CLOUD_SIDES_CHORD_LENGTH);
 }
 
 /// A Bézier surface with its true parameters lies in the coarsest space.
@@ -55,7 +55,8 @@ static void bezier_surfaces_come_back(void **state)
         bat_cloud cloud;
         double *truth;
         check_status(bat_cloud_bezier(&make, &random, &cloud, &truth, NULL), BAT_OK);
-        bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, (size_t)((degree + 1) * (degree + 1)));
+        bat_surface_reconstruct_options options =
+            options_for(BAT_SURFACE_PARAMETERS_GIVEN, (size_t)((degree + 1) * (degree + 1)));
         options.given = truth;
         options.fit.space.degree[0] = options.fit.space.degree[1] = degree;
         options.fit.smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
@@ -76,7 +77,7 @@ static void given_parameters_need_no_boundary(void **state)
     patch made = patch_scatter(patch_waves, 10, 400, 0, 3);
     for (size_t k = 0; k < 2 * made.cloud.count; k++)
         made.parameters[k] = 0.1 + 0.8 * made.parameters[k];
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 100);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 100);
     options.given = made.parameters;
     for (int known = 0; known < 2; known++)
     {
@@ -97,7 +98,7 @@ static void auto_takes_the_best_by_measure(void **state)
     for (int mesh = 0; mesh < 2; mesh++)
     {
         patch made = mesh == 1 ? patch_mesh(patch_waves, 20, 0.3, 5) : patch_scatter(patch_waves, 20, 500, 0.002, 5);
-        bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 60);
+        bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 60);
         bat_surface_result result = must_reconstruct(&made.cloud, &options);
         assert_int_equal(result.candidate_count, mesh == 1 ? (size_t)5 : 4);
         assert_int_equal(result.trial_points, made.cloud.count);
@@ -107,7 +108,7 @@ static void auto_takes_the_best_by_measure(void **state)
             const bat_surface_candidate *candidate = &result.candidates[i];
             bool fitted = isfinite(candidate->mean_squared);
             assert_true((candidate->failure.status == BAT_OK) == fitted);
-            assert_true(candidate->strays || !(candidate->mean_squared < last_round(&result)->mean_squared));
+            assert_true(candidate->excluded || !(candidate->mean_squared < last_round(&result)->mean_squared));
             if (candidate->parameters == result.chosen)
                 check_near(candidate->mean_squared, last_round(&result)->mean_squared, 0);
         }
@@ -131,21 +132,21 @@ static void what_strays_is_out(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_cup, 16, 3000, 0, 3);
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 600);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 600);
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     double least = INFINITY, taken = INFINITY;
     for (size_t i = 0; i < result.candidate_count; i++)
     {
         const bat_surface_candidate *candidate = &result.candidates[i];
         if (candidate->failure.status == BAT_OK)
-            least = fmin(least, candidate->stray);
+            least = fmin(least, candidate->hausdorff);
         if (candidate->parameters == result.chosen)
-            taken = candidate->stray;
+            taken = candidate->hausdorff;
     }
     assert_true(least > 0 && taken <= 2 * least);
     for (size_t i = 0; i < result.candidate_count; i++)
         if (result.candidates[i].failure.status == BAT_OK)
-            assert_int_equal(result.candidates[i].strays, result.candidates[i].stray > 2 * least);
+            assert_int_equal(result.candidates[i].excluded, result.candidates[i].hausdorff > 2 * least);
     bat_surface_result_free(&result);
     patch_free(&made);
 }
@@ -155,7 +156,7 @@ static void auto_is_its_choice(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 16, 400, 0.01, 8);
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 50);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 50);
     bat_surface_result all = must_reconstruct(&made.cloud, &options);
     options.parameters = all.chosen;
     bat_surface_result one = must_reconstruct(&made.cloud, &options);
@@ -173,7 +174,7 @@ static void unknown_boundaries_are_found(void **state)
     shuffle_cloud(&made.cloud, 4);
     made.cloud.boundary_count = 0;
     made.cloud.has_corners = false;
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 100);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 100);
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     assert_true(result.boundary_found && result.corners_found);
     assert_true(made.cloud.boundary_count >= 60);
@@ -189,7 +190,7 @@ static void threads_do_not_matter(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 20, 800, 0.005, 9);
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 150);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 150);
     bat_surface_result one = must_reconstruct(&made.cloud, &options);
     options.fit.threads = 3;
     bat_surface_result three = must_reconstruct(&made.cloud, &options);
@@ -207,7 +208,7 @@ static void large_clouds_are_tried_in_part(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 150, 22000, 0, 2);
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 200);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 200);
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     assert_true(result.trial_points < made.cloud.count);
     assert_true(last_round(&result)->functions <= 200);
@@ -236,7 +237,7 @@ static void the_order_of_points_does_not_matter(void **state)
         for (size_t i = 0; i < made.cloud.count && seed == 4; i++)
             made.cloud.points[3 * i] = -made.cloud.points[3 * i];
         shuffle_cloud(&made.cloud, 20 + seed);
-        bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 0);
+        bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_AUTO, 0);
         bat_surface_result result = must_reconstruct(&made.cloud, &options);
         double rms = last_round(&result)->rms;
         first = seed == 0 ? rms : first;
@@ -257,7 +258,7 @@ static void wrong_surfaces_are_refused(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 16, 600, 0, 4);
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 150);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 150);
     bat_random random = bat_random_seed(5);
     for (size_t k = 2 * made.cloud.boundary_count; k < 2 * made.cloud.count; k++)
         made.parameters[k] = bat_random_uniform(&random);
@@ -306,7 +307,7 @@ static void scan_lines_are_fitted(void **state)
                     made.cloud.points + 3 * i);
     made.cloud.boundary_count = 0;
     made.cloud.has_corners = false;
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
     assert_true(result.trial_points < made.cloud.count / 4);
@@ -329,7 +330,7 @@ static void stages_are_cancelled(void **state)
         patch made = patch_scatter(patch_waves, 30, 1500, 0, 2);
         made.cloud.boundary_count = 0;
         made.cloud.has_corners = false;
-        bat_surface_options options = bat_surface_defaults();
+        bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
         options.fit.progress = (bat_progress){stop_when, &limit};
         bat_surface_result result = {0};
         check_status(bat_surface_reconstruct(&made.cloud, &options, &result, NULL), BAT_CANCELLED);
@@ -397,7 +398,7 @@ static void sparse_points_are_no_fault(void **state)
         patch_waves(at[0], at[1], place);
         add_point(&cloud, place[0], place[1], place[2]);
     }
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 200);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 200);
     options.given = parameters;
     bat_surface_result result = must_reconstruct(&cloud, &options);
     assert_true(result.verdict.farthest > 0.06 && result.verdict.spacing < 0.03);
@@ -411,7 +412,7 @@ static void a_tolerance_below_the_noise_is_told(void **state)
 {
     (void)state;
     patch made = patch_scatter(patch_waves, 20, 1500, 0.01, 15);
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 0);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_SHAPE_PRESERVING, 0);
     options.fit.tolerance = 0.002;
     bat_surface_result result = must_reconstruct(&made.cloud, &options);
     assert_true(result.below_noise && !result.report.reached);
@@ -438,7 +439,7 @@ static void what_is_wrong_is_refused(void **state)
     patch made = patch_scatter(patch_waves, 10, 100, 0, 6);
     bat_surface_result result;
     bat_error error;
-    bat_surface_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 0);
+    bat_surface_reconstruct_options options = options_for(BAT_SURFACE_PARAMETERS_GIVEN, 0);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);
     options = options_for((bat_surface_parameters)99, 0);
     check_status(bat_surface_reconstruct(&made.cloud, &options, &result, &error), BAT_INVALID_ARGUMENT);

@@ -223,8 +223,8 @@ static bool stop_at_once(void *context, double fraction)
 static void charts_are_stopped(void **state)
 {
     (void)state;
-    static const bat_cloud_parameterization METHODS[] = {BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING,
-                                                         BAT_CLOUD_PARAMETERIZE_ISOMETRIC};
+    static const bat_cloud_parameterization METHODS[] = {BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING,
+                                                         BAT_CLOUD_PARAMETERIZATION_ISOMETRIC};
     patch made = patch_scatter(patch_helicoid, SIDE, INTERIOR, 0, 7);
     double *found = calloc(2 * made.cloud.count, sizeof *found);
     assert_non_null(found);

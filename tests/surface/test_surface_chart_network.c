@@ -378,7 +378,7 @@ static void deep_shapes_get_parameters_of_little_stretch(void **state)
     patch made = patch_scatter(deep_sphere, 8, 1000, 0, 3);
     double *found = parameterize(model, &made.cloud, made.parameters), *classical = numbers(2 * made.cloud.count);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-    options.method = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING;
+    options.method = BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING;
     check_status(bat_cloud_parameterize(&made.cloud, made.parameters, &options, classical, NULL), BAT_OK);
     for (size_t i = 0; i < 2 * made.cloud.count; i++)
         check_near(found[i], classical[i], 1e-6);

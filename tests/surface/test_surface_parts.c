@@ -74,7 +74,7 @@ static void small_clouds_and_other_options_have_no_chart(void **state)
 {
     (void)state;
     bat_cloud cloud = sheet(1000);
-    bat_surface_options options = bat_surface_defaults();
+    bat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();
     bat_surface_chart *chart = NULL;
     bat_error error;
     check_status(bat_surface_chart_find(&cloud, NULL, &chart, &error), BAT_INVALID_ARGUMENT);
@@ -83,7 +83,7 @@ static void small_clouds_and_other_options_have_no_chart(void **state)
     cloud = sheet(POINTS);
     options.trim = true;
     check_status(bat_surface_chart_find(&cloud, &options, &chart, NULL), BAT_INVALID_ARGUMENT);
-    options = bat_surface_defaults();
+    options = bat_surface_reconstruct_defaults();
     options.parameters = BAT_SURFACE_PARAMETERS_LEARNED;
     check_status(bat_surface_chart_find(&cloud, &options, &chart, NULL), BAT_INVALID_ARGUMENT);
     assert_null(chart);

@@ -13,20 +13,20 @@ static const char *const NONE[] = {NULL};
 static bat_status refine(const engine_call *call, engine_object *result, bat_error *error, bool map)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION(bat_curve_map_options, refine.levels, ENGINE_SIZE),
-        ENGINE_OPTION_CHOICE(bat_curve_map_options, refine.ends, &bat_curve_end_rule_family),
-        ENGINE_OPTION(bat_curve_map_options, refine.snap, ENGINE_BOOL),
-        ENGINE_OPTION(bat_curve_map_options, refine.max_points, ENGINE_SIZE),
-        ENGINE_OPTION_CHOICE(bat_curve_map_options, refine.simple, &bat_curve_simple_family),
-        ENGINE_OPTION(bat_curve_map_options, refine.corner_angle, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_curve_map_options, refine.max_segment, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_curve_map_options, refine.tolerance, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_curve_map_options, refine.max_levels, ENGINE_SIZE),
-        ENGINE_OPTION(bat_curve_map_options, refine.first_level, ENGINE_SIZE),
-        ENGINE_OPTION_CHOICE(bat_curve_map_options, topology, &bat_curve_map_topology_family),
-        ENGINE_OPTION(bat_curve_map_options, snap_tolerance, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_curve_map_options, keep_area, ENGINE_BOOL),
-        ENGINE_OPTION(bat_curve_map_options, decimals, ENGINE_INT),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.levels, ENGINE_SIZE),
+        ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, refine.ends, &bat_curve_end_rule_family),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.snap, ENGINE_BOOL),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.max_points, ENGINE_SIZE),
+        ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, refine.simple, &bat_curve_simple_family),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.corner_angle, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.max_edge, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.tolerance, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.max_levels, ENGINE_SIZE),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.first_level, ENGINE_SIZE),
+        ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, topology, &bat_curve_map_topology_family),
+        ENGINE_OPTION(bat_curve_map_refine_options, snap_tolerance, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_curve_map_refine_options, keep_area, ENGINE_BOOL),
+        ENGINE_OPTION(bat_curve_map_refine_options, decimals, ENGINE_INT),
     };
     // Without the prefix that tells the inner struct.
     engine_option rows[ENGINE_COUNT(OPTIONS)];
@@ -34,7 +34,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
     memcpy(rows, OPTIONS, sizeof rows);
     for (size_t i = 0; i < ENGINE_COUNT(rows) - of_maps; i++)
         rows[i].name += strlen("refine.");
-    bat_curve_map_options options = bat_curve_map_defaults();
+    bat_curve_map_refine_options options = bat_curve_map_refine_defaults();
     bat_status status = engine_options(call->options, rows, count, SCHEME, &options, error);
     const char *name = NULL;
     if (status == BAT_OK)
@@ -46,7 +46,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
     options.refine.progress = ENGINE_PROGRESS;
     const bat_curve_set *set = &call->inputs[0]->set;
     size_t failed = BAT_NO_INDEX;
-    bat_curve_map_report report = {0};
+    bat_curve_map_refine_report report = {0};
     if (map)
     {
         options.report = &report;
@@ -268,11 +268,11 @@ static json_t *weights(const double *values, size_t count, int first)
 static bat_status analyze(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION(bat_analysis_options, depth, ENGINE_SIZE),
-        ENGINE_OPTION(bat_analysis_options, tolerance, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_analysis_options, vertices, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mask_analyze_options, depth, ENGINE_SIZE),
+        ENGINE_OPTION(bat_mask_analyze_options, tolerance, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mask_analyze_options, vertices, ENGINE_SIZE),
     };
-    bat_analysis_options options = bat_analysis_defaults();
+    bat_mask_analyze_options options = bat_mask_analyze_defaults();
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), SCHEME, &options, error);
     bat_mask mask;
     bat_analysis analysis;

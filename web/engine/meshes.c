@@ -112,8 +112,8 @@ static bat_status decimate(const engine_call *call, engine_object *result, bat_e
         ENGINE_OPTION_CHOICE(bat_mesh_decimate_options, method, &bat_mesh_decimate_method_family),
         ENGINE_OPTION(bat_mesh_decimate_options, candidates, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_decimate_options, seed, ENGINE_UINT64),
-        ENGINE_OPTION(bat_mesh_decimate_options, least_normal, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_mesh_decimate_options, least_quality, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, min_normal, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, min_quality, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_decimate_options, boundary_weight, ENGINE_NUMBER),
         ENGINE_OPTION(bat_mesh_decimate_options, attributes, ENGINE_NUMBER),
     };
@@ -135,8 +135,8 @@ static void report_repairs(engine_object *result, const bat_mesh_repair_report *
     engine_set(json, "degenerate_faces", engine_size(report->degenerate_faces));
     engine_set(json, "duplicate_faces", engine_size(report->duplicate_faces));
     engine_set(json, "flipped_faces", engine_size(report->flipped_faces));
-    engine_set(json, "crowded_edges", engine_size(report->crowded_edges));
-    engine_set(json, "opposed_edges", engine_size(report->opposed_edges));
+    engine_set(json, "nonmanifold_edges", engine_size(report->nonmanifold_edges));
+    engine_set(json, "unorientable_edges", engine_size(report->unorientable_edges));
     engine_set(json, "split_vertices", engine_size(report->split_vertices));
     engine_set(json, "added_vertices", engine_size(report->added_vertices));
     engine_set(json, "unused_vertices", engine_size(report->unused_vertices));

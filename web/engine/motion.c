@@ -14,17 +14,17 @@ static const engine_option SPLINE_OPTIONS[] = {
 static bat_status motion_curves(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
-        ENGINE_OPTION(bat_motion_options, rate, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_motion_options, tangent_order, ENGINE_SIZE),
-        ENGINE_OPTION(bat_motion_options, velocities, ENGINE_BOOL),
-        {"levels", offsetof(bat_motion_options, scheme.levels), ENGINE_SIZE, NULL},
-        {"ends", offsetof(bat_motion_options, spline.ends), ENGINE_CHOICE, &bat_motion_ends_family},
-        {"shape", offsetof(bat_motion_options, spline.shape), ENGINE_CHOICE, &bat_motion_shape_family},
-        {"sigma", offsetof(bat_motion_options, spline.sigma), ENGINE_NUMBER, NULL},
-        {"angle_sigma", offsetof(bat_motion_options, spline.angle_sigma), ENGINE_NUMBER, NULL},
+        ENGINE_OPTION(bat_motion_curves_options, rate, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_motion_curves_options, tangent_order, ENGINE_SIZE),
+        ENGINE_OPTION(bat_motion_curves_options, velocities, ENGINE_BOOL),
+        {"levels", offsetof(bat_motion_curves_options, scheme.levels), ENGINE_SIZE, NULL},
+        {"ends", offsetof(bat_motion_curves_options, spline.ends), ENGINE_CHOICE, &bat_motion_ends_family},
+        {"shape", offsetof(bat_motion_curves_options, spline.shape), ENGINE_CHOICE, &bat_motion_shape_family},
+        {"sigma", offsetof(bat_motion_curves_options, spline.sigma), ENGINE_NUMBER, NULL},
+        {"angle_sigma", offsetof(bat_motion_curves_options, spline.angle_sigma), ENGINE_NUMBER, NULL},
     };
     static const char *const ALSO[] = {"scheme", NULL};
-    bat_motion_options options = bat_motion_defaults();
+    bat_motion_curves_options options = bat_motion_curves_defaults();
     const char *name = NULL;
     bat_status status = engine_text(call->options, "scheme", &name, error);
     if (status == BAT_OK && name != NULL)
@@ -49,7 +49,7 @@ static bat_status sample_spline(const engine_call *call, engine_object *result, 
                               .times = curve->channel_count == 1 ? curve->channels : NULL,
                               .count = curve->count,
                               .closed = curve->closed,
-                              .kind = BAT_HERMITE_VELOCITIES};
+                              .kind = BAT_HERMITE_TANGENTS_VELOCITIES};
     size_t count = call->size / sizeof(double);
     const bat_space *space = curve->space;
     double *points = engine_own(result, malloc((count * space->point_dim + 1) * sizeof *points));
@@ -59,7 +59,7 @@ static bat_status sample_spline(const engine_call *call, engine_object *result, 
         return engine_fail(error, BAT_NO_MEMORY, "memory is used up", "");
     bat_motion_spline *spline = NULL;
     if (status == BAT_OK)
-        status = bat_motion_spline_new(&keys, &options, &spline, error);
+        status = bat_motion_spline_make(&keys, &options, &spline, error);
     if (status == BAT_OK)
         status = bat_motion_spline_sample(spline, call->bytes, count, points, velocities, accelerations, error);
     bat_motion_spline_free(spline);

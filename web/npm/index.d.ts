@@ -94,7 +94,7 @@ export interface CurveRefineOptions extends Progress {
   simple?: string;
   max_points?: number;
   corner_angle?: number;
-  max_segment?: number;
+  max_edge?: number;
   tolerance?: number;
   max_levels?: number;
   first_level?: number;
@@ -278,8 +278,8 @@ export interface MeshDecimateOptions extends Progress {
   method?: string;
   candidates?: number;
   seed?: number;
-  least_normal?: number;
-  least_quality?: number;
+  min_normal?: number;
+  min_quality?: number;
   boundary_weight?: number;
   attributes?: number;
 }

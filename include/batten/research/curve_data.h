@@ -20,9 +20,9 @@ BAT_C_BEGIN
 /// The spaces of the data set.
 typedef enum bat_tension_space
 {
-    BAT_TENSION_PLANE,
-    BAT_TENSION_SPHERE,
-    BAT_TENSION_DISK,
+    BAT_TENSION_SPACE_PLANE,
+    BAT_TENSION_SPACE_SPHERE,
+    BAT_TENSION_SPACE_DISK,
     BAT_TENSION_SPACE_COUNT
 } bat_tension_space;
 
@@ -67,9 +67,9 @@ BAT_API void bat_tension_data_free(bat_tension_data *data);
 /// Sets of curves for the evaluation of a method.
 typedef enum bat_tension_set_kind
 {
-    BAT_TENSION_PUBLISHED, ///< the published validation curves
-    BAT_TENSION_RESAMPLED, ///< from the training families, by other random streams
-    BAT_TENSION_UNSEEN     ///< from families without a member in common with the training families
+    BAT_TENSION_SET_KIND_PUBLISHED, ///< the published validation curves
+    BAT_TENSION_SET_KIND_RESAMPLED, ///< from the training families, by other random streams
+    BAT_TENSION_SET_KIND_UNSEEN     ///< from families without a member in common with the training families
 } bat_tension_set_kind;
 
 /// Number of curves of a test set in each space, for the tables.
@@ -96,7 +96,8 @@ typedef enum bat_tension_set_kind
 /// The same arguments give the same curves, up to rounding in the C library; a smaller count gives the first of them. No
 /// training of the library draws from the same random streams, whatever its seed.
 ///
-/// @param kind  BAT_TENSION_RESAMPLED or BAT_TENSION_UNSEEN; bat_tension_data_make() gives the published curves
+/// @param kind  BAT_TENSION_SET_KIND_RESAMPLED or BAT_TENSION_SET_KIND_UNSEEN; bat_tension_data_make() gives the published
+/// curves
 /// @param count curves, at least 1; 300 take 5 to 7 MB
 /// @param seed  BAT_TENSION_TEST_SEED for the tables' sets
 /// @param set   receives the set; release it with bat_tension_set_free()

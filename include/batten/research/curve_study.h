@@ -76,7 +76,8 @@ typedef struct bat_tension_method
 /// The oracles search tensions from -0.5 to 0.05 in steps of 0.025 for the minimum of the mean of mean_nn, as in the paper;
 /// the adaptive heuristics use the result as mu*.
 ///
-/// @param curves BAT_TENSION_PUBLISHED: the 240 validation curves; else BAT_TENSION_TEST_CURVES curves in each space from
+/// @param curves BAT_TENSION_SET_KIND_PUBLISHED: the 240 validation curves; else BAT_TENSION_TEST_CURVES curves in each
+/// space from
 ///               bat_tension_set_make() with the seed BAT_TENSION_TEST_SEED
 /// @param rows   receives BAT_TENSION_TABLE1_ROWS rows: plane, sphere, disk
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (no such curves), BAT_CANCELLED or BAT_NO_MEMORY
@@ -154,12 +155,12 @@ BAT_API bat_status bat_tension_table2_method(const char *method, const bat_curve
 /// The change to the published recipe.
 typedef enum bat_tension_variant
 {
-    BAT_TENSION_FULL,           ///< nothing: "full"
-    BAT_TENSION_ONE_HOT,        ///< BAT_TENSION_EMBEDDING_ONE_HOT: "one-hot"
-    BAT_TENSION_NO_EMBEDDING,   ///< BAT_TENSION_EMBEDDING_NONE: "no-embedding"
-    BAT_TENSION_NO_CONSISTENCY, ///< without eq. (22): "no-consistency"
-    BAT_TENSION_NO_BENDING,     ///< without eq. (21): "no-bending"
-    BAT_TENSION_NO_SMOOTHNESS,  ///< without eq. (20): "no-smoothness"
+    BAT_TENSION_VARIANT_FULL,           ///< nothing: "full"
+    BAT_TENSION_VARIANT_ONE_HOT,        ///< BAT_TENSION_EMBEDDING_ONE_HOT: "one-hot"
+    BAT_TENSION_VARIANT_NO_EMBEDDING,   ///< BAT_TENSION_EMBEDDING_NONE: "no-embedding"
+    BAT_TENSION_VARIANT_NO_CONSISTENCY, ///< without eq. (22): "no-consistency"
+    BAT_TENSION_VARIANT_NO_BENDING,     ///< without eq. (21): "no-bending"
+    BAT_TENSION_VARIANT_NO_SMOOTHNESS,  ///< without eq. (20): "no-smoothness"
     BAT_TENSION_VARIANT_COUNT
 } bat_tension_variant;
 

@@ -94,12 +94,12 @@ BAT_API bat_status bat_mesh_study_draw(const char *path, const char *title, cons
 /// The networks of bat_mesh_ablate(), in its order.
 typedef enum bat_mesh_variant
 {
-    BAT_MESH_FULL,           ///< the published recipe, with cosine decay of the learning rate
-    BAT_MESH_FIXED_FRAMES,   ///< "fixed-frames": coordinate axes instead of half-flap frames (section 6, figure 21)
-    BAT_MESH_NO_DIFFERENCES, ///< "no-differences": without differential coordinates (appendix H)
-    BAT_MESH_LAST_LEVEL,     ///< "last-level": loss of the last level only (appendix H)
-    BAT_MESH_CHAMFER,        ///< "chamfer": the Chamfer distance as loss (section 6)
-    BAT_MESH_LEARN_LOOP,     ///< "learn-loop": the targets are Loop's refinement (appendix G); eight times the epochs
+    BAT_MESH_VARIANT_FULL,           ///< the published recipe, with cosine decay of the learning rate
+    BAT_MESH_VARIANT_FIXED_FRAMES,   ///< "fixed-frames": coordinate axes instead of half-flap frames (section 6, figure 21)
+    BAT_MESH_VARIANT_NO_DIFFERENCES, ///< "no-differences": without differential coordinates (appendix H)
+    BAT_MESH_VARIANT_LAST_LEVEL,     ///< "last-level": loss of the last level only (appendix H)
+    BAT_MESH_VARIANT_CHAMFER,        ///< "chamfer": the Chamfer distance as loss (section 6)
+    BAT_MESH_VARIANT_LEARN_LOOP, ///< "learn-loop": the targets are Loop's refinement (appendix G); eight times the epochs
     BAT_MESH_VARIANT_COUNT
 } bat_mesh_variant;
 

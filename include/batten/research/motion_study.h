@@ -12,18 +12,19 @@ BAT_C_BEGIN
 /// The measured quantities.
 typedef enum bat_hermite_quantity
 {
-    BAT_HERMITE_ERROR,           ///< largest distance of the refined curve from the smooth curve of its samples
-    BAT_HERMITE_GEODESIC_ERROR,  ///< largest distance from the geodesic whose end points and directions are refined
-                                 ///< (proposition 3.5)
-    BAT_HERMITE_POINT_PROXIMITY, ///< largest |q - b| of De Casteljau and Bézier averages of the same data (lemma 3.7,
-                                 ///< eq. 4.7)
-    BAT_HERMITE_ANGLE_PROXIMITY, ///< largest difference of their angles (eq. 4.8)
-    BAT_HERMITE_CONTRACTION,     ///< largest ratio of the longest edges of consecutive levels (eq. 4.2)
-    BAT_HERMITE_DISPLACEMENT, ///< largest distance of new point 2 i from old point i, relative to the longest edge (eq. 4.3)
-    BAT_HERMITE_HALVING,      ///< largest |L_H of half a pair / L_H of the pair - 1/2| of neighbours on a smooth curve: 0 by
-                              ///< the assumption of theorem 4.8 (eq. 4.14)
-    BAT_HERMITE_HALF_SHARE,   ///< the largest such quotient of pairs with angles up to 45 degrees: mu of eq. (4.12)
-    BAT_HERMITE_TRIANGLE      ///< largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)): at most 1 by eq. (4.11)
+    BAT_HERMITE_QUANTITY_ERROR,           ///< largest distance of the refined curve from the smooth curve of its samples
+    BAT_HERMITE_QUANTITY_GEODESIC_ERROR,  ///< largest distance from the geodesic whose end points and directions are refined
+                                          ///< (proposition 3.5)
+    BAT_HERMITE_QUANTITY_POINT_PROXIMITY, ///< largest |q - b| of De Casteljau and Bézier averages of the same data
+                                          ///< (lemma 3.7, eq. 4.7)
+    BAT_HERMITE_QUANTITY_ANGLE_PROXIMITY, ///< largest difference of their angles (eq. 4.8)
+    BAT_HERMITE_QUANTITY_CONTRACTION,     ///< largest ratio of the longest edges of consecutive levels (eq. 4.2)
+    BAT_HERMITE_QUANTITY_DISPLACEMENT, ///< largest distance of new point 2 i from old point i, relative to the longest edge
+                                       ///< (eq. 4.3)
+    BAT_HERMITE_QUANTITY_HALVING, ///< largest |L_H of half a pair / L_H of the pair - 1/2| of neighbours on a smooth curve:
+                                  ///< 0 by the assumption of theorem 4.8 (eq. 4.14)
+    BAT_HERMITE_QUANTITY_HALF_SHARE, ///< the largest such quotient of pairs with angles up to 45 degrees: mu of eq. (4.12)
+    BAT_HERMITE_QUANTITY_TRIANGLE    ///< largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)): at most 1 by eq. (4.11)
 } bat_hermite_quantity;
 
 /// A measurement. The strings are constants.
@@ -118,7 +119,7 @@ typedef struct bat_keyframes_row
     const char *motion; ///< "quadrotor", "car", "arm", "satellite" or "fr1-xyz"; a constant
     bool noisy;         ///< poses are disturbed by uniform noise, up to half the mean step in each coordinate
     size_t step;        ///< 5, 10, 20 or 50
-    double errors[2];   ///< of bat_motion_spline_new() by default
+    double errors[2];   ///< of bat_motion_spline_make() by default
     double limited[2];  ///< of BAT_MOTION_SHAPE_LIMITED
     double peers[3]
                 [2]; ///< of scipy 1.10: CubicSpline with RotationSpline, Akima with squad, lines with Slerp. Stored figures

@@ -110,14 +110,14 @@ typedef struct bat_scan_verdict_row
     char failure[BAT_ERROR_TEXT_SIZE]; ///< why there is no surface; empty where there is one
     bat_surface_fault fault;
     bool is_accepted, is_right;
-    double missed; ///< distance from the surface of 99 % of the truth's vertices
-    double strays; ///< distance from the truth of 99 % of the surface's samples
-    double area;   ///< of the surface over that of the truth
+    double distance_from_surface; ///< distance from the surface of 99 % of the truth's vertices
+    double distance_from_points;  ///< distance from the truth of 99 % of the surface's samples
+    double area;                  ///< of the surface over that of the truth
 } bat_scan_verdict_row;
 
 /// Judge surfaces of discs that are cut from meshes, and of deep shapes of formulas, with noise of 0 to 0.005 of the size.
-/// A surface is right if `missed` is at most 0.02 and `strays` at most 0.03, both beside twice the noise, and `area` between
-/// 0.8 and 1.25.
+/// A surface is right if `distance_from_surface` is at most 0.02 and `distance_from_points` at most 0.03, both beside twice
+/// the noise, and `area` between 0.8 and 1.25.
 /// @param folder with meshes in OBJ, OFF or PLY; those that are no triangle meshes, or too small, are left out
 /// @param rows   receives the rows, in the order of the files' names; release it with free()
 /// @return BAT_OK; BAT_FILE_ACCESS (a folder that cannot be read, or without meshes); BAT_INVALID_ARGUMENT; BAT_CANCELLED;

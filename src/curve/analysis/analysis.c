@@ -12,23 +12,23 @@
 #include <stdlib.h>
 
 static const bat_choice VERDICTS[] = {
-    {.name = "undecided", .summary = "a deeper search may tell", .value = BAT_ANALYSIS_UNDECIDED},
-    {.name = "proven", .summary = "proven", .value = BAT_ANALYSIS_PROVEN},
-    {.name = "disproven", .summary = "disproven", .value = BAT_ANALYSIS_DISPROVEN},
+    {.name = "undecided", .summary = "a deeper search may tell", .value = BAT_ANALYSIS_VERDICT_UNDECIDED},
+    {.name = "proven", .summary = "proven", .value = BAT_ANALYSIS_VERDICT_PROVEN},
+    {.name = "disproven", .summary = "disproven", .value = BAT_ANALYSIS_VERDICT_DISPROVEN},
 };
 const bat_family bat_analysis_verdict_family = FAMILY("verdict", VERDICTS);
 
-bat_analysis_options bat_analysis_defaults(void)
+bat_mask_analyze_options bat_mask_analyze_defaults(void)
 {
-    return (bat_analysis_options){.depth = 12, .tolerance = 1e-10, .vertices = 1000};
+    return (bat_mask_analyze_options){.depth = 12, .tolerance = 1e-10, .vertices = 1000};
 }
 
-bat_status bat_analysis_options_check(const bat_analysis_options *options, bat_error *error)
+bat_status bat_mask_analyze_options_check(const bat_mask_analyze_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_analysis_options, depth, OPTION_SIZE, 1, BAT_ANALYSIS_MAX_DEPTH),
-        OPTION_FIELD(bat_analysis_options, tolerance, OPTION_ABOVE, 0, 1),
-        OPTION_FIELD(bat_analysis_options, vertices, OPTION_SIZE, 1, ANALYSIS_VERTEX_LIMIT),
+        OPTION_FIELD(bat_mask_analyze_options, depth, OPTION_SIZE, 1, BAT_ANALYSIS_MAX_DEPTH),
+        OPTION_FIELD(bat_mask_analyze_options, tolerance, OPTION_ABOVE, 0, 1),
+        OPTION_FIELD(bat_mask_analyze_options, vertices, OPTION_SIZE, 1, ANALYSIS_VERTEX_LIMIT),
     };
     return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
 }
@@ -78,12 +78,13 @@ static void describe_product(const joint_radius *radius, bat_analysis *analysis)
 static bat_analysis_verdict convergence(const joint_radius *radius)
 {
     if (radius->upper < 1.0)
-        return BAT_ANALYSIS_PROVEN;
-    return radius->lower * (1.0 + BAT_ANALYSIS_EQUALITY) >= 1.0 ? BAT_ANALYSIS_DISPROVEN : BAT_ANALYSIS_UNDECIDED;
+        return BAT_ANALYSIS_VERDICT_PROVEN;
+    return radius->lower * (1.0 + BAT_ANALYSIS_EQUALITY) >= 1.0 ? BAT_ANALYSIS_VERDICT_DISPROVEN
+                                                                : BAT_ANALYSIS_VERDICT_UNDECIDED;
 }
 
-static bat_status describe_smoothness(const mask_symbol *symbol, const bat_analysis_options *options, bat_analysis *analysis,
-                                      bat_error *error)
+static bat_status describe_smoothness(const mask_symbol *symbol, const bat_mask_analyze_options *options,
+                                      bat_analysis *analysis, bat_error *error)
 {
     joint_radius radius;
     bat_status status = smoothness_radius(&symbol->quotient, options, 0.0, &radius, error);
@@ -94,9 +95,9 @@ static bat_status describe_smoothness(const mask_symbol *symbol, const bat_analy
     analysis->exponent_lower = -log2(radius.upper);
     analysis->exponent_upper = INFINITY;
     analysis->smooth_proven =
-        analysis->converges == BAT_ANALYSIS_PROVEN ? proven_smoothness(radius.upper, symbol->multiplicity) : -1;
-    analysis->smooth_disproven = analysis->converges == BAT_ANALYSIS_DISPROVEN ? 0 : -1;
-    analysis->is_stable = analysis->converges == BAT_ANALYSIS_PROVEN &&
+        analysis->converges == BAT_ANALYSIS_VERDICT_PROVEN ? proven_smoothness(radius.upper, symbol->multiplicity) : -1;
+    analysis->smooth_disproven = analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN ? 0 : -1;
+    analysis->is_stable = analysis->converges == BAT_ANALYSIS_VERDICT_PROVEN &&
                           (analysis->is_interpolatory || smoothness_is_stable(&symbol->quotient, 0.0));
     if (analysis->is_stable)
     {
@@ -116,7 +117,7 @@ static bat_status describe_limits(const mask_symbol *symbol, bat_analysis *analy
         return error_memory(error, entries * sizeof *analysis->matrix);
     limit_matrix(&symbol->mask, analysis->matrix);
     bat_status status = limit_eigenvalues(symbol, analysis, error);
-    if (status != BAT_OK || analysis->converges != BAT_ANALYSIS_PROVEN)
+    if (status != BAT_OK || analysis->converges != BAT_ANALYSIS_VERDICT_PROVEN)
         return status;
     status = limit_point(symbol, &analysis->limit, error);
     if (status == BAT_OK)
@@ -142,7 +143,7 @@ static bool is_defective_at(const bat_analysis *analysis, size_t order)
 /// every level, and for a stable scheme only there.
 static bat_status describe_lipschitz(const mask_symbol *symbol, size_t depth, bat_analysis *analysis, bat_error *error)
 {
-    analysis->lipschitz = BAT_ANALYSIS_UNDECIDED;
+    analysis->lipschitz = BAT_ANALYSIS_VERDICT_UNDECIDED;
     if (analysis->smooth_proven < 0)
         return BAT_OK;
     const size_t order = (size_t)analysis->smooth_proven + 1;
@@ -153,18 +154,18 @@ static bat_status describe_lipschitz(const mask_symbol *symbol, size_t depth, ba
         return status;
     const bool is_smaller = analysis->exponent_upper < (double)order - BAT_ANALYSIS_EQUALITY;
     if (is_bounded)
-        analysis->lipschitz = BAT_ANALYSIS_PROVEN;
+        analysis->lipschitz = BAT_ANALYSIS_VERDICT_PROVEN;
     else if (analysis->is_stable && (is_smaller || is_defective_at(analysis, order)))
-        analysis->lipschitz = BAT_ANALYSIS_DISPROVEN;
+        analysis->lipschitz = BAT_ANALYSIS_VERDICT_DISPROVEN;
     return BAT_OK;
 }
 
-bat_status bat_mask_analyze(const bat_mask *mask, const bat_analysis_options *options, bat_analysis *analysis,
+bat_status bat_mask_analyze(const bat_mask *mask, const bat_mask_analyze_options *options, bat_analysis *analysis,
                             bat_error *error)
 {
-    const bat_analysis_options chosen = options != NULL ? *options : bat_analysis_defaults();
+    const bat_mask_analyze_options chosen = options != NULL ? *options : bat_mask_analyze_defaults();
     mask_symbol symbol;
-    bat_status status = bat_analysis_options_check(&chosen, error);
+    bat_status status = bat_mask_analyze_options_check(&chosen, error);
     if (status == BAT_OK)
         status = symbol_make(mask, &symbol, error);
     if (status != BAT_OK)

@@ -171,7 +171,7 @@ static bat_status convergent_point(const bat_mask *mask, mask_symbol *symbol, ba
     bat_status status = symbol_make(mask, symbol, error);
     if (status != BAT_OK)
         return status;
-    const bat_analysis_options options = bat_analysis_defaults();
+    const bat_mask_analyze_options options = bat_mask_analyze_defaults();
     joint_radius radius;
     status = smoothness_radius(&symbol->quotient, &options, 1.0, &radius, error);
     if (status != BAT_OK)

@@ -142,7 +142,7 @@ bat_status smoothness_is_bounded(const bat_mask *mask, double factor, size_t dep
     return BAT_OK;
 }
 
-bat_status smoothness_radius(const bat_mask *mask, const bat_analysis_options *options, double stop_below,
+bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_options *options, double stop_below,
                              joint_radius *radius, bat_error *error)
 {
     double known_upper;

@@ -19,7 +19,7 @@ static inline size_t smoothness_dimension(const bat_mask *mask)
 /// Bounds of the joint spectral radius of a mask's matrices, which is the growth rate of its subdivision operator in the
 /// maximum norm.
 /// @param stop_below stop as soon as the radius is proven to be below this; 0 for never
-bat_status smoothness_radius(const bat_mask *mask, const bat_analysis_options *options, double stop_below,
+bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_options *options, double stop_below,
                              joint_radius *radius, bat_error *error);
 
 /// Whether the subdivision operator of the mask times `factor` has powers of norm at most 1, looking at the first `depth`.

@@ -19,7 +19,7 @@
 #define VALUE_ROUNDING 1e-13
 
 /// A lower bound of |q| over cell `cell` of the circle, whose middle has the angle 2 pi (cell + 1/2) / CELLS.
-static double least_modulus(const bat_mask *q, size_t cell, double distance)
+static double min_modulus(const bat_mask *q, size_t cell, double distance)
 {
     const double pi = 3.14159265358979323846;
     const double angle = 2.0 * pi * ((double)cell + 0.5) / CELLS;
@@ -91,7 +91,7 @@ bool smoothness_is_stable(const bat_mask *quotient, double distance)
     bool may_vanish[CELLS];
     bool alive[CELLS];
     for (size_t cell = 0; cell < CELLS; cell++)
-        may_vanish[cell] = least_modulus(quotient, cell, distance) <= 0.0;
+        may_vanish[cell] = min_modulus(quotient, cell, distance) <= 0.0;
     for (size_t cell = 0; cell < CELLS; cell++)
         alive[cell] = may_vanish[(cell + CELLS / 2) % CELLS];
     return !has_symmetric_zeros(may_vanish) && !has_cycle(alive);

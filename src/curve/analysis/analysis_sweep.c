@@ -21,7 +21,7 @@
 
 bat_mask_sweep_options bat_mask_sweep_defaults(void)
 {
-    return (bat_mask_sweep_options){.begin = 0.0, .end = 1.0, .smoothness = 1, .analysis = bat_analysis_defaults()};
+    return (bat_mask_sweep_options){.begin = 0.0, .end = 1.0, .smoothness = 1, .analysis = bat_mask_analyze_defaults()};
 }
 
 /// The state of a sweep.
@@ -184,9 +184,9 @@ static bat_status disprove(const sweep *s, double begin, double end, const inter
         status = joint_radius_word_below(&m->middle, word, largest_distance(m), &throughout, s->error);
     if (status != BAT_OK || at_middle * (1.0 + BAT_ANALYSIS_EQUALITY) < threshold)
         return status;
-    result->middle = BAT_ANALYSIS_DISPROVEN;
+    result->middle = BAT_ANALYSIS_VERDICT_DISPROVEN;
     if (throughout * (1.0 + BAT_ANALYSIS_EQUALITY) >= threshold && is_stable_between(s, begin, end))
-        result->interval = BAT_ANALYSIS_DISPROVEN;
+        result->interval = BAT_ANALYSIS_VERDICT_DISPROVEN;
     return BAT_OK;
 }
 
@@ -197,10 +197,10 @@ static bat_status judge_matrices(sweep *s, double begin, double end, const inter
     if (s->breaker.length > 0)
     {
         const bat_status status = disprove(s, begin, end, m, &s->breaker, threshold, result);
-        if (status != BAT_OK || result->middle == BAT_ANALYSIS_DISPROVEN)
+        if (status != BAT_OK || result->middle == BAT_ANALYSIS_VERDICT_DISPROVEN)
             return status;
     }
-    const bat_analysis_options *analysis = &s->options->analysis;
+    const bat_mask_analyze_options *analysis = &s->options->analysis;
     const joint_radius_limits limits = {.depth = analysis->depth,
                                         .vertices = analysis->vertices,
                                         .tolerance = analysis->tolerance,
@@ -218,21 +218,22 @@ static bat_status judge_matrices(sweep *s, double begin, double end, const inter
     }
     if (radius.upper >= threshold)
         return BAT_OK;
-    result->middle = BAT_ANALYSIS_PROVEN;
+    result->middle = BAT_ANALYSIS_VERDICT_PROVEN;
     bool proven;
     status = joint_radius_prove_below(&m->ends, &m->middle, &radius, &limits, threshold, &proven, s->error);
     if (status == BAT_OK && proven)
-        result->interval = BAT_ANALYSIS_PROVEN;
+        result->interval = BAT_ANALYSIS_VERDICT_PROVEN;
     return status;
 }
 
 static bat_status judge(sweep *s, double begin, double end, judgement *result)
 {
-    *result = (judgement){BAT_ANALYSIS_UNDECIDED, BAT_ANALYSIS_UNDECIDED};
+    *result = (judgement){BAT_ANALYSIS_VERDICT_UNDECIDED, BAT_ANALYSIS_VERDICT_UNDECIDED};
     if (!has_all_factors(s))
     {
         // C^k needs the factor (1 + z)^(k + 1) when the scheme is stable, and the caller has taken out where it is there.
-        result->interval = is_stable_between(s, begin, end) ? BAT_ANALYSIS_DISPROVEN : BAT_ANALYSIS_UNDECIDED;
+        result->interval =
+            is_stable_between(s, begin, end) ? BAT_ANALYSIS_VERDICT_DISPROVEN : BAT_ANALYSIS_VERDICT_UNDECIDED;
         return BAT_OK;
     }
     interval_matrices matrices;
@@ -257,8 +258,8 @@ static bat_status judge_parts(sweep *s, double begin, double end)
     if (status != BAT_OK)
         return status;
     const double middle = 0.5 * (begin + end);
-    const double shortest = s->tolerance * (result.middle == BAT_ANALYSIS_DISPROVEN ? DISPROOF_SHARE : 1.0);
-    if (result.interval != BAT_ANALYSIS_UNDECIDED || end - begin <= shortest || middle <= begin || middle >= end)
+    const double shortest = s->tolerance * (result.middle == BAT_ANALYSIS_VERDICT_DISPROVEN ? DISPROOF_SHARE : 1.0);
+    if (result.interval != BAT_ANALYSIS_VERDICT_UNDECIDED || end - begin <= shortest || middle <= begin || middle >= end)
         return append(s, begin, end, result.interval);
     status = judge_parts(s, begin, middle);
     return status == BAT_OK ? judge_parts(s, middle, end) : status;
@@ -271,10 +272,10 @@ static void join_splinters(sweep *s)
     {
         bat_mask_interval *interval = &s->intervals[i];
         const bool is_splinter = interval->begin < interval->end && interval->end - interval->begin < s->tolerance;
-        const bool after = i > 0 && s->intervals[i - 1].verdict == BAT_ANALYSIS_UNDECIDED;
-        const bool before = i + 1 < s->count && s->intervals[i + 1].verdict == BAT_ANALYSIS_UNDECIDED;
+        const bool after = i > 0 && s->intervals[i - 1].verdict == BAT_ANALYSIS_VERDICT_UNDECIDED;
+        const bool before = i + 1 < s->count && s->intervals[i + 1].verdict == BAT_ANALYSIS_VERDICT_UNDECIDED;
         if (is_splinter && (after || before))
-            interval->verdict = BAT_ANALYSIS_UNDECIDED;
+            interval->verdict = BAT_ANALYSIS_VERDICT_UNDECIDED;
     }
     const size_t count = s->count;
     s->count = 0;
@@ -293,11 +294,11 @@ static bat_status judge_point(sweep *s, double parameter)
     if (status != BAT_OK)
         return status;
     const int wanted = (int)s->options->smoothness;
-    bat_analysis_verdict verdict = BAT_ANALYSIS_UNDECIDED;
+    bat_analysis_verdict verdict = BAT_ANALYSIS_VERDICT_UNDECIDED;
     if (analysis.smooth_proven >= wanted)
-        verdict = BAT_ANALYSIS_PROVEN;
+        verdict = BAT_ANALYSIS_VERDICT_PROVEN;
     else if (analysis.smooth_disproven >= 0 && analysis.smooth_disproven <= wanted)
-        verdict = BAT_ANALYSIS_DISPROVEN;
+        verdict = BAT_ANALYSIS_VERDICT_DISPROVEN;
     bat_analysis_free(&analysis);
     return append(s, parameter, parameter, verdict);
 }
@@ -355,7 +356,7 @@ bat_status bat_mask_sweep_options_check(const bat_mask_sweep_options *options, b
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && !(options->begin < options->end))
         status = error_option(error, "end", "is %.10g, but must be above begin, %.10g", options->end, options->begin);
-    return status == BAT_OK ? bat_analysis_options_check(&options->analysis, error) : status;
+    return status == BAT_OK ? bat_mask_analyze_options_check(&options->analysis, error) : status;
 }
 
 static bat_status check_masks(const sweep *s, const bat_mask *begin, const bat_mask *end)
@@ -383,15 +384,15 @@ static bat_status sweep_run(sweep *s, const bat_mask *begin, const bat_mask *end
     if (status == BAT_OK)
         join_splinters(s);
     // The ends of the range are often where a family degenerates; they deserve a verdict of their own.
-    if (status == BAT_OK && s->intervals[0].verdict == BAT_ANALYSIS_UNDECIDED)
+    if (status == BAT_OK && s->intervals[0].verdict == BAT_ANALYSIS_VERDICT_UNDECIDED)
         status = judge_point(s, from);
-    if (status == BAT_OK && s->intervals[0].verdict == BAT_ANALYSIS_UNDECIDED)
+    if (status == BAT_OK && s->intervals[0].verdict == BAT_ANALYSIS_VERDICT_UNDECIDED)
     {
         const bat_mask_interval point = s->intervals[s->count - 1];
         memmove(s->intervals + 1, s->intervals, (s->count - 1) * sizeof *s->intervals);
         s->intervals[0] = point;
     }
-    if (status == BAT_OK && s->intervals[s->count - 1].verdict == BAT_ANALYSIS_UNDECIDED)
+    if (status == BAT_OK && s->intervals[s->count - 1].verdict == BAT_ANALYSIS_VERDICT_UNDECIDED)
         status = judge_point(s, to);
     return status;
 }

@@ -27,7 +27,7 @@ typedef struct arc_job
     const arc_graph *graph;
     const bat_curve_refine_options *options;
     const map_chart *chart;
-    bat_curve_map_report *report;
+    bat_curve_map_refine_report *report;
     given_pair *given; ///< in order
     size_t given_count, given_capacity;
     bool failed;         ///< out of memory while pairs were found
@@ -190,7 +190,7 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
 
 static bool has_stops(const bat_curve_refine_options *options)
 {
-    return options->max_segment > 0 || options->tolerance > 0;
+    return options->max_edge > 0 || options->tolerance > 0;
 }
 
 static bool keeps_points(const bat_curve_refine_options *options)
@@ -404,7 +404,7 @@ static bat_status check_room(const arc_job *job, size_t *arc, bat_error *error)
 }
 
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             bat_curve_map_report *report, size_t *arc, refined_arcs *fine, bat_error *error)
+                             bat_curve_map_refine_report *report, size_t *arc, refined_arcs *fine, bat_error *error)
 {
     *fine = (refined_arcs){0};
     arc_job job = {.graph = graph, .options = options, .chart = chart, .report = report, .fine = fine};

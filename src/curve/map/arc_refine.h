@@ -25,7 +25,7 @@ typedef struct refined_arcs
 /// @param fine    release it with refined_arcs_free(), also on failure
 /// @return as bat_curve_map_refine()
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             bat_curve_map_report *report, size_t *arc, refined_arcs *fine, bat_error *error);
+                             bat_curve_map_refine_report *report, size_t *arc, refined_arcs *fine, bat_error *error);
 
 /// The row of a refined arc where vertex `i` of the arc is, for schemes that keep the given points.
 size_t refined_arcs_row(const refined_arcs *fine, const arc_graph *graph, size_t arc, size_t i);

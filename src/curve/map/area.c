@@ -5,7 +5,7 @@
 #include "curve/polygon.h"
 #include "curve/refine.h"
 #include "curve/topology/edge_tree.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

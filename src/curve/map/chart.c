@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "curve/polygon.h"
+#include "space/builtin.h"
 #include "space/degrees.h"
-#include "space/known.h"
 
 #include <math.h>
 #include <stdlib.h>

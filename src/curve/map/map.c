@@ -19,23 +19,25 @@
 #include <string.h>
 
 static const bat_choice TOPOLOGIES[] = {
-    {.name = "features", .summary = "files with features, such as GeoJSON, are maps", .value = BAT_CURVE_MAP_FEATURES},
-    {.name = "shared", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_ALWAYS},
-    {.name = "separate", .summary = "every curve is refined by itself", .value = BAT_CURVE_MAP_SEPARATE},
+    {.name = "features",
+     .summary = "files with features, such as GeoJSON, are maps",
+     .value = BAT_CURVE_MAP_TOPOLOGY_FEATURES},
+    {.name = "shared", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_TOPOLOGY_ALWAYS},
+    {.name = "separate", .summary = "every curve is refined by itself", .value = BAT_CURVE_MAP_TOPOLOGY_SEPARATE},
 };
 const bat_family bat_curve_map_topology_family = FAMILY("map topology", TOPOLOGIES);
 
-bat_curve_map_options bat_curve_map_defaults(void)
+bat_curve_map_refine_options bat_curve_map_refine_defaults(void)
 {
-    return (bat_curve_map_options){.refine = bat_curve_refine_defaults(), .decimals = 10};
+    return (bat_curve_map_refine_options){.refine = bat_curve_refine_defaults(), .decimals = 10};
 }
 
-bat_status bat_curve_map_options_check(const bat_curve_map_options *options, bat_error *error)
+bat_status bat_curve_map_refine_options_check(const bat_curve_map_refine_options *options, bat_error *error)
 {
     static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_curve_map_options, topology, bat_curve_map_topology_family),
-        OPTION_FIELD(bat_curve_map_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_curve_map_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
+        OPTION_FAMILY(bat_curve_map_refine_options, topology, bat_curve_map_topology_family),
+        OPTION_FIELD(bat_curve_map_refine_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_curve_map_refine_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
     };
     if (options == NULL)
         return BAT_OK;
@@ -50,7 +52,7 @@ typedef struct map_job
     size_t count;
     snapped_curves snapped;
     bat_curve_refine_options refine; ///< complete
-    bat_curve_map_report report;
+    bat_curve_map_refine_report report;
     unsigned char **corners; ///< of each curve; null without corners
     arc_graph graph;
     refined_arcs fine;
@@ -298,13 +300,13 @@ static void name_place(const map_job *job, size_t arc, size_t *failed, bat_error
     error->index = job->snapped.curves != NULL ? job->snapped.origins[origin.curve][point] : point;
 }
 
-static bat_status refine_map(map_job *job, const bat_curve_map_options *options, size_t *failed, bat_error *error)
+static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *options, size_t *failed, bat_error *error)
 {
     const bat_space *space = job->curves[0].space;
     map_chart chart;
     bool has_chart = chart_of_space(space, options->decimals, &chart);
     bool tested = has_chart && job->refine.simple != BAT_CURVE_SIMPLE_NEVER;
-    if (job->refine.ends == BAT_CURVE_END_FREE)
+    if (job->refine.ends == BAT_CURVE_END_RULE_FREE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "the end rule free leaves gaps between the arcs of a map; refine the curves separately");
     bat_status status = prepare(job, has_chart ? &chart : NULL, options->snap_tolerance, failed, error);
@@ -330,13 +332,13 @@ static bat_status refine_map(map_job *job, const bat_curve_map_options *options,
 }
 
 /// Whether a set is refined as a map.
-static bool is_map(const bat_curve_set *set, const bat_curve_map_options *options)
+static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options *options)
 {
     map_chart chart;
-    if (options->topology == BAT_CURVE_MAP_ALWAYS)
+    if (options->topology == BAT_CURVE_MAP_TOPOLOGY_ALWAYS)
         return true;
     bool features = set->attributes != NULL && set->attributes->remainder.content != NULL;
-    return options->topology == BAT_CURVE_MAP_FEATURES && features && set->count > 0 &&
+    return options->topology == BAT_CURVE_MAP_TOPOLOGY_FEATURES && features && set->count > 0 &&
            chart_of_space(set->space, options->decimals, &chart);
 }
 
@@ -349,15 +351,15 @@ static bat_status refine_separately(map_job *job, size_t *failed, bat_error *err
     return bat_curves_refine(job->curves, job->count, &job->refine, job->result, failed, error);
 }
 
-bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_options *options, bat_curve_set *fine,
-                                size_t *failed, bat_error *error)
+bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_refine_options *options,
+                                bat_curve_set *fine, size_t *failed, bat_error *error)
 {
-    bat_curve_map_options defaults = bat_curve_map_defaults();
+    bat_curve_map_refine_options defaults = bat_curve_map_refine_defaults();
     options = options != NULL ? options : &defaults;
     size_t place = BAT_NO_INDEX;
     failed = failed != NULL ? failed : &place;
     *failed = BAT_NO_INDEX;
-    bat_status status = bat_curve_map_options_check(options, error);
+    bat_status status = bat_curve_map_refine_options_check(options, error);
     if (status != BAT_OK)
         return status;
     map_job job = {.curves = coarse->curves, .count = coarse->count, .refine = options->refine};

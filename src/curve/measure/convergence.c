@@ -5,7 +5,7 @@
 #include "base/threads.h"
 #include "curve/coordinates.h"
 #include "search/segment.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 
@@ -88,7 +88,7 @@ static double distance_from_limit(const question *asked, size_t vertex)
     return sqrt(squared) / scale;
 }
 
-static double block_greatest(const question *asked, size_t begin, bat_error *error)
+static double block_max(const question *asked, size_t begin, bat_error *error)
 {
     size_t end = asked->end - begin < BLOCK ? asked->end : begin + BLOCK;
     double greatest = 0;
@@ -105,8 +105,8 @@ static double block_greatest(const question *asked, size_t begin, bat_error *err
     return greatest;
 }
 
-static bat_status greatest_distance(const question *asked, const bat_curve_measure_options *options, double *distance,
-                                    bat_error *error)
+static bat_status max_distance(const question *asked, const bat_curve_measure_options *options, double *distance,
+                               bat_error *error)
 {
     bat_curve_measure_options how = options != NULL ? *options : bat_curve_measure_defaults();
     size_t count = asked->end > asked->begin ? asked->end - asked->begin : 0, blocks = count / BLOCK + (count % BLOCK > 0);
@@ -119,7 +119,7 @@ static bat_status greatest_distance(const question *asked, const bat_curve_measu
         if (!shared_work_wants(&work, block))
             continue;
         bat_error own;
-        double here = block_greatest(asked, asked->begin + block * BLOCK, &own);
+        double here = block_max(asked, asked->begin + block * BLOCK, &own);
         greatest = fmax(greatest, here);
         shared_work_finish(&work, block, isfinite(here) ? BAT_OK : BAT_INVALID_POINT, &own);
     }
@@ -146,7 +146,7 @@ bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fi
     if (status == BAT_OK)
         status = coordinates_check(fine, "fine", error);
     question asked = {.curve = fine, .coarse = coarse, .distance = distance_from_edges, .end = fine->count};
-    return status == BAT_OK ? greatest_distance(&asked, options, distance, error) : status;
+    return status == BAT_OK ? max_distance(&asked, options, distance, error) : status;
 }
 
 bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
@@ -169,5 +169,5 @@ bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stenc
         asked.begin = before;
         asked.end = curve->count > after ? curve->count - after : 0;
     }
-    return status == BAT_OK ? greatest_distance(&asked, options, distance, error) : status;
+    return status == BAT_OK ? max_distance(&asked, options, distance, error) : status;
 }

@@ -11,13 +11,13 @@ static const double *row(const bat_curve *curve, size_t index)
 }
 
 /// Spaces multiply the lengths of the two edges on their way to a signed angle; outside of this range they lose digits.
-static const double LEAST_PRODUCT = 1e-250, MOST_PRODUCT = 1e250;
+static const double MIN_PRODUCT = 1e-250, MAX_PRODUCT = 1e250;
 
 /// The absolute exterior angle at p between its neighbours; `product` is that of the lengths of its edges.
 static bat_status exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
                                  double product, double *angle)
 {
-    if (space->exterior_angle != NULL && product >= LEAST_PRODUCT && product <= MOST_PRODUCT)
+    if (space->exterior_angle != NULL && product >= MIN_PRODUCT && product <= MAX_PRODUCT)
     {
         *angle = fabs(space->exterior_angle(space, before, p, after));
         return BAT_OK;

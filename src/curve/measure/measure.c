@@ -10,8 +10,8 @@
 #include "curve/coordinates.h"
 #include "curve/measure/metric_tree.h"
 #include "search/nearest.h"
+#include "space/builtin.h"
 #include "space/disk.h"
-#include "space/known.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -45,13 +45,13 @@ static const bat_measure FAIRNESS[] = {
 
 static const bat_measure DISTANCES[] = {
     MEASURE(bat_curve_distance, mean_nn, "mean nearest neighbour, A to B", NUMBER),
-    MEASURE(bat_curve_distance, mean_nn_back, "mean nearest neighbour, B to A", NUMBER),
+    MEASURE(bat_curve_distance, mean_nn_from_second, "mean nearest neighbour, B to A", NUMBER),
     MEASURE(bat_curve_distance, mean_symmetric, "mean nearest neighbour, both ways", NUMBER),
-    MEASURE(bat_curve_distance, hausdorff_there, "greatest nearest neighbour, A to B", NUMBER),
-    MEASURE(bat_curve_distance, hausdorff_back, "greatest nearest neighbour, B to A", NUMBER),
+    MEASURE(bat_curve_distance, hausdorff_from_first, "greatest nearest neighbour, A to B", NUMBER),
+    MEASURE(bat_curve_distance, hausdorff_from_second, "greatest nearest neighbour, B to A", NUMBER),
     MEASURE(bat_curve_distance, hausdorff, "Hausdorff distance", NUMBER),
-    MEASURE(bat_curve_distance, farthest_there, "farthest point of A", COUNT),
-    MEASURE(bat_curve_distance, farthest_back, "farthest point of B", COUNT),
+    MEASURE(bat_curve_distance, farthest_from_first, "farthest point of A", COUNT),
+    MEASURE(bat_curve_distance, farthest_from_second, "farthest point of B", COUNT),
 };
 
 bool bat_curve_measures(size_t curves, size_t index, bat_measure *measure)
@@ -282,12 +282,12 @@ bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, co
     if (status != BAT_OK)
         return status;
     *distance = (bat_curve_distance){.mean_nn = there.mean,
-                                     .mean_nn_back = back.mean,
+                                     .mean_nn_from_second = back.mean,
                                      .mean_symmetric = there.mean / 2 + back.mean / 2,
-                                     .hausdorff_there = there.greatest,
-                                     .hausdorff_back = back.greatest,
+                                     .hausdorff_from_first = there.greatest,
+                                     .hausdorff_from_second = back.greatest,
                                      .hausdorff = fmax(there.greatest, back.greatest),
-                                     .farthest_there = there.farthest,
-                                     .farthest_back = back.farthest};
+                                     .farthest_from_first = there.farthest,
+                                     .farthest_from_second = back.farthest};
     return BAT_OK;
 }

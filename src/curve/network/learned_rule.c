@@ -3,7 +3,7 @@
 #include "batten/curve_scheme.h"
 #include "curve/network/learned_inference.h"
 #include "learn/weights.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

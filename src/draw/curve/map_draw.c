@@ -21,15 +21,15 @@
 line_style map_line(const scene_panel *panel, size_t index)
 {
     const bat_curve_picture_layer *layer = &panel->drawn->layers[index];
-    bool result = layer->role == BAT_CURVE_LAYER_CURVE || panel->given_only;
+    bool result = layer->role == BAT_CURVE_LAYER_ROLE_CURVE || panel->given_only;
     bool world = panel->space == VIEW_SPHERE && panel->frame.map.projection != BAT_CURVE_PROJECTION_LOCAL;
-    if (layer->role == BAT_CURVE_LAYER_TRUTH)
+    if (layer->role == BAT_CURVE_LAYER_ROLE_TRUTH)
         return (line_style){COLOUR_TRUTH, 0.7 * LINE_TRUTH, 4.0, 2.2};
     if (!result)
         return (line_style){COLOUR_GIVEN, world ? 0.7 * LINE_GIVEN : LINE_GIVEN, 0.0, 0.0};
     if (layer->polygon > 0)
         return (line_style){COLOUR_BORDER, world ? 0.7 * LINE_BORDER : LINE_BORDER, 0.0, 0.0};
-    line_style line = style_curve(layer->role == BAT_CURVE_LAYER_CURVE ? scene_colour(panel->drawn, index) : 1);
+    line_style line = style_curve(layer->role == BAT_CURVE_LAYER_ROLE_CURVE ? scene_colour(panel->drawn, index) : 1);
     line.width = LINE_ROUTE;
     return line;
 }
@@ -86,8 +86,8 @@ void map_draw_fills(cairo_t *cairo, const draw_view *view, const scene_panel *pa
     const bat_curve_picture_panel *drawn = panel->drawn;
     bool results = false;
     for (size_t i = 0; i < drawn->layer_count; i++)
-        results = results || (drawn->layers[i].polygon > 0 && drawn->layers[i].role == BAT_CURVE_LAYER_CURVE);
-    bat_curve_layer_role role = results ? BAT_CURVE_LAYER_CURVE : BAT_CURVE_LAYER_CONTROL;
+        results = results || (drawn->layers[i].polygon > 0 && drawn->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE);
+    bat_curve_layer_role role = results ? BAT_CURVE_LAYER_ROLE_CURVE : BAT_CURVE_LAYER_ROLE_CONTROL;
     cairo_fill_rule_t rule = cairo_get_fill_rule(cairo);
     cairo_set_fill_rule(cairo, CAIRO_FILL_RULE_EVEN_ODD);
     for (size_t first = 0, end = 0; first < drawn->layer_count && panel->polygons; first = end)

@@ -151,9 +151,9 @@ static line_style plain_line(const bat_curve_picture_panel *panel, size_t index)
 {
     switch (panel->layers[index].role)
     {
-    case BAT_CURVE_LAYER_CONTROL:
+    case BAT_CURVE_LAYER_ROLE_CONTROL:
         return (line_style){COLOUR_CONTROL, LINE_CONTROL, 3.0, 2.2};
-    case BAT_CURVE_LAYER_TRUTH:
+    case BAT_CURVE_LAYER_ROLE_TRUTH:
         return (line_style){COLOUR_TRUTH, LINE_TRUTH, 4.0, 2.2};
     default:
         return style_curve(scene_colour(panel, index));
@@ -173,7 +173,7 @@ static line_style layer_line(const scene_panel *panel, size_t index)
 
 static bool has_rings(const bat_curve_picture_layer *layer)
 {
-    return layer->role == BAT_CURVE_LAYER_CONTROL && layer->curve->count <= MANY_RINGS;
+    return layer->role == BAT_CURVE_LAYER_ROLE_CONTROL && layer->curve->count <= MANY_RINGS;
 }
 
 legend_item panel_legend_item(const scene_panel *panel, size_t index, const bat_curve_picture_options *options)
@@ -181,7 +181,7 @@ legend_item panel_legend_item(const scene_panel *panel, size_t index, const bat_
     const bat_curve_picture_layer *layer = &panel->source->layers[index];
     bool map = scene_is_map(panel) && panel->drawn == panel->source;
     legend_item item = {layer->label, map ? map_line(panel, index) : plain_line(panel->source, index), LEGEND_NO_MARK};
-    if (layer->role == BAT_CURVE_LAYER_CONTROL)
+    if (layer->role == BAT_CURVE_LAYER_ROLE_CONTROL)
     {
         item.line.width = options->control_polygon ? item.line.width : 0.0;
         item.mark = has_rings(layer) && scene_points_shown(panel, options) ? LEGEND_RING : LEGEND_NO_MARK;
@@ -311,7 +311,7 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
     bat_status status = BAT_OK;
     if (options->control_polygon)
     {
-        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_CONTROL, side, error);
+        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CONTROL, side, error);
     }
     if (status == BAT_OK && options->comb && side == VIEW_FRONT)
     {
@@ -319,11 +319,11 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
     }
     if (status == BAT_OK)
     {
-        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_TRUTH, side, error);
+        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_TRUTH, side, error);
     }
     if (status == BAT_OK)
     {
-        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_CURVE, side, error);
+        status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CURVE, side, error);
     }
     return status;
 }

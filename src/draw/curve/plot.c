@@ -31,13 +31,13 @@ legend_item plot_legend_item(const bat_chart *chart, size_t index)
 {
     const bat_chart_series *series = &chart->series[index];
     legend_item item = {series->label, style_curve(plot_colour(chart, index)), LEGEND_NO_MARK};
-    if (series->mark == BAT_CHART_POINTS || series->mark == BAT_CHART_BARS)
+    if (series->mark == BAT_CHART_MARK_POINTS || series->mark == BAT_CHART_MARK_BARS)
     {
         item.line.width = 0.0;
     }
-    if (series->mark != BAT_CHART_LINE)
+    if (series->mark != BAT_CHART_MARK_LINE)
     {
-        item.mark = series->mark == BAT_CHART_BARS ? LEGEND_BAR : LEGEND_DOT;
+        item.mark = series->mark == BAT_CHART_MARK_BARS ? LEGEND_BAR : LEGEND_DOT;
     }
     return item;
 }
@@ -271,9 +271,10 @@ static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis 
         for (size_t i = 0; i < chart->series_count; i++)
         {
             const bat_chart_series *series = &chart->series[i];
-            bool line = series->mark == BAT_CHART_LINE || series->mark == BAT_CHART_LINE_POINTS;
-            bool dots = series->mark == BAT_CHART_POINTS || series->mark == BAT_CHART_LINE_POINTS || series->count == 1;
-            if (layer == 0 && series->mark == BAT_CHART_BARS)
+            bool line = series->mark == BAT_CHART_MARK_LINE || series->mark == BAT_CHART_MARK_LINE_POINTS;
+            bool dots =
+                series->mark == BAT_CHART_MARK_POINTS || series->mark == BAT_CHART_MARK_LINE_POINTS || series->count == 1;
+            if (layer == 0 && series->mark == BAT_CHART_MARK_BARS)
             {
                 draw_bars(cairo, series, x, y, plot_colour(chart, i));
             }

@@ -71,14 +71,14 @@ static bat_status check_series(const bat_chart *chart, size_t index, bat_error *
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu has no numbers", index);
     }
-    if (series->mark < BAT_CHART_LINE || series->mark > BAT_CHART_BARS || series->colour < 0)
+    if (series->mark < BAT_CHART_MARK_LINE || series->mark > BAT_CHART_MARK_BARS || series->colour < 0)
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: no such mark or colour", index);
     }
     bat_status status = check_texts(series, index, error);
     status = status == BAT_OK ? check_numbers(series->x, series->count, chart->log_x, "x", index, error) : status;
     status = status == BAT_OK ? check_numbers(series->y, series->count, chart->log_y, "y", index, error) : status;
-    return status == BAT_OK && series->mark == BAT_CHART_BARS ? check_bars(series, chart->log_y, index, error) : status;
+    return status == BAT_OK && series->mark == BAT_CHART_MARK_BARS ? check_bars(series, chart->log_y, index, error) : status;
 }
 
 static void include(plot_axis *axis, double number)
@@ -94,7 +94,7 @@ static void include_series(const bat_chart_series *series, plot_axis *x, plot_ax
         include(x, plot_number(x, series->x[i]));
         include(y, plot_number(y, series->y[i]));
     }
-    if (series->mark == BAT_CHART_BARS)
+    if (series->mark == BAT_CHART_MARK_BARS)
     {
         size_t last = series->count - 1;
         double first_half = 0.5 * (plot_number(x, series->x[1]) - plot_number(x, series->x[0]));
@@ -142,7 +142,7 @@ bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot
             return status;
         }
         include_series(&chart->series[i], x, y);
-        bars = bars || chart->series[i].mark == BAT_CHART_BARS;
+        bars = bars || chart->series[i].mark == BAT_CHART_MARK_BARS;
     }
     if (!finish_range(x, chart->x_low, chart->x_high, false) || !finish_range(y, chart->y_low, chart->y_high, bars))
     {

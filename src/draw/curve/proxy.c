@@ -115,19 +115,20 @@ static line_style column_line(bat_curve_layer_role role, draw_colour colour, siz
 {
     static const double shades[3] = {1.0, 0.72, 0.48};
     draw_colour shade = style_mix(colour, COLOUR_BACKGROUND, shades[c]);
-    if (role == BAT_CURVE_LAYER_CONTROL)
+    if (role == BAT_CURVE_LAYER_ROLE_CONTROL)
     {
         return (line_style){shade, LINE_CONTROL, 3.0, 2.2};
     }
-    return role == BAT_CURVE_LAYER_TRUTH ? (line_style){shade, LINE_TRUTH, 4.0, 2.2}
-                                         : (line_style){shade, LINE_CURVE, 0.0, 0.0};
+    return role == BAT_CURVE_LAYER_ROLE_TRUTH ? (line_style){shade, LINE_TRUTH, 4.0, 2.2}
+                                              : (line_style){shade, LINE_CURVE, 0.0, 0.0};
 }
 
 static bat_status add_columns(proxy *made, const bat_curve_picture_layer *layer, draw_colour colour, bat_error *error)
 {
     const bat_curve *curve = layer->curve;
     // The triangles at control points are layers with the role of a control polygon.
-    bat_curve_layer_role role = layer->role == BAT_CURVE_LAYER_CURVE ? BAT_CURVE_LAYER_CURVE : BAT_CURVE_LAYER_TRUTH;
+    bat_curve_layer_role role =
+        layer->role == BAT_CURVE_LAYER_ROLE_CURVE ? BAT_CURVE_LAYER_ROLE_CURVE : BAT_CURVE_LAYER_ROLE_TRUTH;
     bool closed = curve->closed && curve->count > 1;
     size_t count = closed ? 0 : 1;
     for (size_t i = 0; i < edge_count(curve); i++)
@@ -149,7 +150,7 @@ static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *
     for (size_t k = 0; k < frames_of(curve) && status == BAT_OK; k++)
     {
         line_style line = {style_mix(COLOUR_CONTROL, COLOUR_BACKGROUND, 0.6), 0.6, 0.0, 0.0};
-        status = add_curve(made, 3, true, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_CONTROL}, line, error);
+        status = add_curve(made, 3, true, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_ROLE_CONTROL}, line, error);
         for (size_t c = 0; c < 3 && status == BAT_OK; c++)
         {
             column_of(curve->points + 4 * frame_index(curve, k), c, made->curves[made->count - 1].points + 3 * c);
@@ -162,9 +163,9 @@ static draw_colour layer_colour(const bat_curve_picture_panel *panel, size_t ind
 {
     switch (panel->layers[index].role)
     {
-    case BAT_CURVE_LAYER_CONTROL:
+    case BAT_CURVE_LAYER_ROLE_CONTROL:
         return COLOUR_CONTROL;
-    case BAT_CURVE_LAYER_TRUTH:
+    case BAT_CURVE_LAYER_ROLE_TRUTH:
         return COLOUR_TRUTH;
     default:
         return style_palette(scene_colour(panel, index));
@@ -178,7 +179,7 @@ static bat_status add_rotations(proxy *made, const bat_curve_picture_panel *pane
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
         const bat_curve_picture_layer *layer = &panel->layers[i];
-        bool control = layer->role == BAT_CURVE_LAYER_CONTROL;
+        bool control = layer->role == BAT_CURVE_LAYER_ROLE_CONTROL;
         if (!control || options->control_polygon)
         {
             status = add_columns(made, layer, layer_colour(panel, i), error);
@@ -235,8 +236,8 @@ static bat_status add_axes(proxy *made, const bat_curve *curve, double length, b
         const double *point = curve->points + 7 * frame_index(curve, k / 3);
         draw_colour colour = style_mix(style_palette(colours[k % 3]), COLOUR_BACKGROUND, given ? 1.0 : 0.55);
         line_style line = {colour, given ? 1.7 : 0.7, 0.0, 0.0};
-        status =
-            add_curve(made, 2, false, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_CURVE, .colour = 1}, line, error);
+        status = add_curve(made, 2, false, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_ROLE_CURVE, .colour = 1}, line,
+                           error);
         if (status == BAT_OK)
         {
             double *ends = made->curves[made->count - 1].points;
@@ -259,14 +260,14 @@ static bat_status add_motions(proxy *made, const bat_curve_picture_panel *panel,
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
         status = add_path(made, &panel->layers[i], scene_colour(panel, i), error);
-        if (status == BAT_OK && panel->layers[i].role == BAT_CURVE_LAYER_CURVE)
+        if (status == BAT_OK && panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE)
         {
             status = add_axes(made, panel->layers[i].curve, length, false, error);
         }
     }
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
     {
-        if (panel->layers[i].role == BAT_CURVE_LAYER_CONTROL && options->control_points)
+        if (panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CONTROL && options->control_points)
         {
             status = add_axes(made, panel->layers[i].curve, length, true, error);
         }

@@ -24,7 +24,7 @@
 
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options)
 {
-    return layer->role != BAT_CURVE_LAYER_CONTROL || options->control_points || options->control_polygon;
+    return layer->role != BAT_CURVE_LAYER_ROLE_CONTROL || options->control_points || options->control_polygon;
 }
 
 bool scene_is_map(const scene_panel *panel)
@@ -43,7 +43,7 @@ int scene_colour(const bat_curve_picture_panel *panel, size_t index)
     int place = 1;
     for (size_t i = 0; i < index && panel->layers[index].colour == 0; i++)
     {
-        place += panel->layers[i].role == BAT_CURVE_LAYER_CURVE ? 1 : 0;
+        place += panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE ? 1 : 0;
     }
     return panel->layers[index].colour > 0 ? panel->layers[index].colour : place;
 }
@@ -100,7 +100,7 @@ static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel
         error->index = index;
     if (status != BAT_OK)
         return error_prefix(error, status, "panel %zu, layer %zu: ", panel, index);
-    if (layer->role < BAT_CURVE_LAYER_CURVE || layer->role > BAT_CURVE_LAYER_TRUTH || layer->colour < 0)
+    if (layer->role < BAT_CURVE_LAYER_ROLE_CURVE || layer->role > BAT_CURVE_LAYER_ROLE_TRUTH || layer->colour < 0)
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu, layer %zu: no such role or colour", panel,
                          index);
@@ -153,7 +153,7 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
     for (size_t i = 0; i < source->layer_count && status == BAT_OK; i++)
     {
         bool itself = source == panel->source && panel->space != VIEW_TENSOR;
-        if (itself && source->layers[i].role == BAT_CURVE_LAYER_CURVE)
+        if (itself && source->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE)
         {
             status = comb_make(source->layers[i].curve, &panel->combs[i], error);
         }
@@ -417,8 +417,8 @@ static void summarize(scene_panel *panel)
     {
         const bat_curve_picture_layer *layer = &panel->drawn->layers[k];
         panel->polygons = panel->polygons || (holds && layer->polygon > 0);
-        panel->given_only = panel->given_only && layer->role != BAT_CURVE_LAYER_CURVE;
-        panel->given_points += layer->role == BAT_CURVE_LAYER_CONTROL ? layer->curve->count : 0;
+        panel->given_only = panel->given_only && layer->role != BAT_CURVE_LAYER_ROLE_CURVE;
+        panel->given_points += layer->role == BAT_CURVE_LAYER_ROLE_CONTROL ? layer->curve->count : 0;
     }
 }
 

@@ -33,7 +33,7 @@ typedef struct scene_panel
     comb *combs;         ///< one for each drawn layer, empty except for curves; null without combs
     bool polygons;       ///< whether a layer is a ring of a polygon
     bool given_only;     ///< whether no layer is a result; on a map the given curves stand for results then
-    size_t given_points; ///< of all BAT_CURVE_LAYER_CONTROL
+    size_t given_points; ///< of all BAT_CURVE_LAYER_ROLE_CONTROL
     map_network network; ///< all zero without polygons
     scene_frame frame;
 } scene_panel;

@@ -144,9 +144,9 @@ static draw_colour shade_of(const bat_curve_picture_panel *panel, size_t layer, 
 {
     switch (panel->layers[layer].role)
     {
-    case BAT_CURVE_LAYER_CONTROL:
+    case BAT_CURVE_LAYER_ROLE_CONTROL:
         return style_mix(COLOUR_CONTROL, COLOUR_BACKGROUND, 0.75);
-    case BAT_CURVE_LAYER_TRUTH:
+    case BAT_CURVE_LAYER_ROLE_TRUTH:
         return COLOUR_TRUTH;
     default:
         return style_mix(style_palette(scene_colour(panel, layer)), (draw_colour){0.99, 0.90, 0.62}, 0.95 - 0.65 * share);
@@ -242,7 +242,7 @@ static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_pa
             return status;
         }
         turn(view, &drawn);
-        draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_CURVE_LAYER_CONTROL, view->scale,
+        draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_CURVE_LAYER_ROLE_CONTROL, view->scale,
                        view_x(view, COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) * share), y,
                        shade_of(panel->source, layer, share));
     }

@@ -36,7 +36,7 @@ bat_mesh_picture_options bat_mesh_picture_defaults(void)
     return (bat_mesh_picture_options){.pixels_per_point = 2.0,
                                       .longitude = NAN,
                                       .latitude = NAN,
-                                      .hollows = true,
+                                      .ambient_occlusion = true,
                                       .boundaries = true,
                                       .value_low = NAN,
                                       .value_high = NAN};
@@ -202,7 +202,7 @@ static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_b
                         .value_high = made->value_high,
                         .wires = panel->wires,
                         .flat = panel->flat,
-                        .occlusion = options->hollows,
+                        .occlusion = options->ambient_occlusion,
                         .boundaries = options->boundaries,
                         .placing = placing,
                         .line = WIRE_WIDTH * place->per_point,

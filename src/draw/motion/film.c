@@ -5,7 +5,7 @@
 #include "batten/curve_picture.h"
 #include "curve/curve_attributes.h"
 #include "draw/curve/view.h"
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -157,7 +157,7 @@ static bat_status sample(const film *shown, film_track *track, size_t parts, bat
     return status;
 }
 
-static bat_status make_track(film *made, size_t index, bat_motion_spline *given, const bat_motion_options *motion,
+static bat_status make_track(film *made, size_t index, bat_motion_spline *given, const bat_motion_curves_options *motion,
                              bat_error *error)
 {
     film_track *track = &made->tracks[index];
@@ -219,8 +219,9 @@ static void shift_times(film *made)
     made->end -= made->origin;
 }
 
-bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *splines, const bat_motion_options *motion,
-                     const bat_motion_picture_options *options, film *made, bat_error *error)
+bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *splines,
+                     const bat_motion_curves_options *motion, const bat_motion_picture_options *options, film *made,
+                     bat_error *error)
 {
     *made = (film){.keyframes = keyframes, .space = keyframes->space, .poses = options->poses};
     if (keyframes->count == 0 || keyframes->count > BAT_MOTION_PICTURE_MOTIONS)

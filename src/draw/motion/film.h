@@ -53,8 +53,9 @@ typedef struct film
 } film;
 
 /// Sample the splines of keyframes, and make them where `splines` is null. Release the film with film_free().
-bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *splines, const bat_motion_options *motion,
-                     const bat_motion_picture_options *options, film *made, bat_error *error);
+bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *splines,
+                     const bat_motion_curves_options *motion, const bat_motion_picture_options *options, film *made,
+                     bat_error *error);
 void film_free(film *made);
 
 /// Evaluate a motion within its range, at a time relative to the film's origin.

@@ -123,7 +123,7 @@ static void add_speeds(film_page *page, bool turns, const char *label)
                        (bat_chart_series){.x = track->key_times,
                                           .y = at_keys,
                                           .count = track->key_count,
-                                          .mark = BAT_CHART_POINTS,
+                                          .mark = BAT_CHART_MARK_POINTS,
                                           .colour = colour_of(page, k)});
     }
     chart->y_low = 0;
@@ -231,7 +231,7 @@ static bat_status make_shape(film_page *page, bat_error *error)
         const film_track *track = &shown->tracks[k];
         page->curves[k] = (bat_curve){.space = shown->space, .points = track->points, .count = track->count};
         page->layers[2 * k] = (bat_curve_picture_layer){
-            .curve = &shown->keyframes->curves[k], .role = BAT_CURVE_LAYER_CONTROL, .label = "keyframes"};
+            .curve = &shown->keyframes->curves[k], .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = "keyframes"};
         page->layers[2 * k + 1] = (bat_curve_picture_layer){.curve = &page->curves[k],
                                                             .label = tensors ? "motion at equal times" : "motion",
                                                             .colour = tensors ? (int)k + 1 : colour_of(page, k)};
@@ -379,7 +379,7 @@ static void free_page(film_page *page)
 
 /// Draw the splines of keyframes; null: make them.
 static bat_status write_motions(const char *path, const bat_curve_set *keyframes, bat_motion_spline *const *splines,
-                                const bat_motion_options *motion, const bat_motion_picture_options *options,
+                                const bat_motion_curves_options *motion, const bat_motion_picture_options *options,
                                 bat_error *error)
 {
     bat_motion_picture_options defaults = bat_motion_picture_defaults();
@@ -402,10 +402,11 @@ static bat_status write_motions(const char *path, const bat_curve_set *keyframes
     return status;
 }
 
-bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyframes, const bat_motion_options *motion,
-                                    const bat_motion_picture_options *options, bat_error *error)
+bat_status bat_motion_picture_write(const char *path, const bat_curve_set *keyframes,
+                                    const bat_motion_curves_options *motion, const bat_motion_picture_options *options,
+                                    bat_error *error)
 {
-    bat_motion_options how = bat_motion_defaults();
+    bat_motion_curves_options how = bat_motion_curves_defaults();
     return write_motions(path, keyframes, NULL, motion != NULL ? motion : &how, options, error);
 }
 
@@ -413,7 +414,7 @@ bat_status bat_motion_splines_picture_write(const char *path, const bat_curve_se
                                             bat_motion_spline *const *splines, bat_motion_outliers outliers,
                                             const bat_motion_picture_options *options, bat_error *error)
 {
-    bat_motion_options how = bat_motion_defaults();
+    bat_motion_curves_options how = bat_motion_curves_defaults();
     how.spline.outliers = outliers;
     how.spline.sigma = 1; // rules are refused without
     if (splines == NULL)

@@ -254,7 +254,7 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
 {
     enum
     {
-        MOST_SPLITS = 1000 ///< a bound for the stack
+        MAX_SPLITS = 1000 ///< a bound for the stack
     };
     size_t begin = rings->position_count;
     bool backward = false;
@@ -273,7 +273,7 @@ static void trace_ring(const degree_grid *grid, border *edge, size_t chain, glob
             rings->positions[begin].start = rings->positions[last].start;
         rings->position_count--;
     }
-    end_ring(grid, begin, MOST_SPLITS, rings);
+    end_ring(grid, begin, MAX_SPLITS, rings);
 }
 
 static void add_whole_ring(const globe_curve *ring, globe_lines *rings)

@@ -407,14 +407,14 @@ static bat_status check_guess(const csv_reader *reader, const text_line *line, b
 {
     enum
     {
-        MOST_GUESSED = 3
+        MAX_GUESSED = 3
     };
     const csv_columns *columns = reader->attributes->csv;
     const csv_choice *choice = &reader->choice;
     bool others = choice->times != BAT_NO_INDEX;
     for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
         others = others || (columns->kinds[i] != CSV_NUMBER && columns->kinds[i] != CSV_EMPTY);
-    if (!choice->by_place || !others || (choice->count >= 2 && (choice->count <= MOST_GUESSED || named_space)))
+    if (!choice->by_place || !others || (choice->count >= 2 && (choice->count <= MAX_GUESSED || named_space)))
         return BAT_OK;
     (void)error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line > 0 ? reader->header_line : line->number,
                     "cannot tell which of %zu columns hold the coordinates", reader->column_count);

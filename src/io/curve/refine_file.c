@@ -16,8 +16,8 @@
 enum
 {
     FIRST_BYTES = 1 << 16, ///< of the first part
-    LEAST_BYTES = 1 << 14, ///< of a part
-    MOST_BYTES = 1 << 22,
+    MIN_BYTES = 1 << 14,   ///< of a part
+    MAX_BYTES = 1 << 22,
     PART_POINTS = 1 << 20, ///< refined points of a part, unless it is a single feature
     READ_BYTES = 1 << 18   ///< read together
 };
@@ -178,7 +178,7 @@ static void stream_adapt(record_stream *stream, size_t fine_points)
     double bytes = (double)stream->used * PART_POINTS / (double)(fine_points + 1);
     double most = 4.0 * (double)stream->wanted;
     bytes = bytes > most ? most : bytes;
-    stream->wanted = bytes < LEAST_BYTES ? LEAST_BYTES : bytes > MOST_BYTES ? MOST_BYTES : (size_t)bytes;
+    stream->wanted = bytes < MIN_BYTES ? MIN_BYTES : bytes > MAX_BYTES ? MAX_BYTES : (size_t)bytes;
 }
 
 static size_t count_points(const bat_curve_set *set)

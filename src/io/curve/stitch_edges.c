@@ -220,7 +220,7 @@ static bool make_half_edges(stitch_edges *edges, const seam_nodes *nodes, seam_p
     // Valid polygons overlap nowhere, so that each interval has at most two edges; outlines of the whole map add some.
     enum
     {
-        MOST_OVERLAPS = 64
+        MAX_OVERLAPS = 64
     };
     for (size_t r = 0; r < edges->geometry->count && !*tangled; r++)
     {
@@ -231,7 +231,7 @@ static bool make_half_edges(stitch_edges *edges, const seam_nodes *nodes, seam_p
         {
             if (!add_edge(edges, nodes, r, k, pieces))
                 return false;
-            *tangled = pieces->count > MOST_OVERLAPS * (nodes->count + 1);
+            *tangled = pieces->count > MAX_OVERLAPS * (nodes->count + 1);
         }
         for (size_t i = first; i < edges->count; i++)
         {

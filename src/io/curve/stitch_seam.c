@@ -28,11 +28,11 @@ static int decimals_of(double number)
 /// the two sides of a cut often differ in the last digits of a double; at least 1e-11 degrees from a great circle.
 static stitch_tolerance stitch_tolerance_of_decimals(int decimals)
 {
-    static const double UNITS = 1.5, MOST = 1e-7, LEAST_OFFSET = 1e-11;
+    static const double UNITS = 1.5, MOST = 1e-7, MIN_OFFSET = 1e-11;
     double rounding = UNITS * pow(10.0, -decimals);
     rounding = rounding < MOST ? rounding : MOST;
     return (stitch_tolerance){.latitude = rounding > NEAR_SEAM ? rounding : NEAR_SEAM,
-                              .offset = rounding > LEAST_OFFSET ? rounding : LEAST_OFFSET};
+                              .offset = rounding > MIN_OFFSET ? rounding : MIN_OFFSET};
 }
 
 stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count)

@@ -560,7 +560,7 @@ static bat_status write_whole(const output_job *job, const char *path, bat_error
         return job->write(job->context, path, error);
     bat_outputs *outputs;
     const char *hidden;
-    bat_status status = bat_outputs_new(&outputs, error);
+    bat_status status = bat_outputs_make(&outputs, error);
     if (status != BAT_OK)
         return status;
     status = bat_outputs_add(outputs, path, &hidden, error);

@@ -76,12 +76,12 @@ bat_status bat_surface_write_options_check(const bat_surface_write_options *opti
 {
     enum
     {
-        MOST_SAMPLES = 1024
+        MAX_SAMPLES = 1024
     };
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_surface_write_options, format, bat_surface_format_family),
         OPTION_FAMILY(bat_surface_write_options, unit, bat_surface_unit_family),
-        OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MOST_SAMPLES),
+        OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MAX_SAMPLES),
     };
     if (options == NULL)
         return BAT_OK;

@@ -33,23 +33,23 @@ static const double SHRINK = 0.98;
 
 static const bat_choice METHODS[] = {
     {.name = "quadric",
-     .value = BAT_MESH_DECIMATE_QUADRIC,
+     .value = BAT_MESH_DECIMATE_METHOD_QUADRIC,
      .summary = "squared distances from the planes of the given faces (Garland and Heckbert)"},
     {.name = "memoryless",
-     .value = BAT_MESH_DECIMATE_MEMORYLESS,
+     .value = BAT_MESH_DECIMATE_METHOD_MEMORYLESS,
      .summary = "squared volumes to the present faces, at preserved volume (Lindstrom and Turk)"},
     {.name = "fast",
-     .value = BAT_MESH_DECIMATE_FAST,
+     .value = BAT_MESH_DECIMATE_METHOD_FAST,
      .summary = "quadric errors in sweeps to three times the target, then memoryless errors"},
 };
 const bat_family bat_mesh_decimate_method_family = FAMILY("decimation method", METHODS);
 
 bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
 {
-    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_MEMORYLESS,
+    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS,
                                        .seed = 1,
-                                       .least_normal = 0.2,
-                                       .least_quality = 0.1,
+                                       .min_normal = 0.2,
+                                       .min_quality = 0.1,
                                        .boundary_weight = 1000,
                                        .attributes = 0.5};
 }
@@ -60,8 +60,8 @@ bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *opti
         OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, error, OPTION_NUMBER, 0, INFINITY),
         OPTION_FAMILY(bat_mesh_decimate_options, method, bat_mesh_decimate_method_family),
-        OPTION_FIELD(bat_mesh_decimate_options, least_normal, OPTION_NUMBER, -1, 1),
-        OPTION_FIELD(bat_mesh_decimate_options, least_quality, OPTION_NUMBER, 0, 1),
+        OPTION_FIELD(bat_mesh_decimate_options, min_normal, OPTION_NUMBER, -1, 1),
+        OPTION_FIELD(bat_mesh_decimate_options, min_quality, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_mesh_decimate_options, attributes, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_mesh_decimate_options),
@@ -145,7 +145,7 @@ static bat_status measure(const bat_mesh *fine, const bat_mesh *coarse, const ba
         progress_part part = part_of_attempt(progress, attempt);
         how.progress = progress_of_part(&part);
         status = bat_mesh_compare(coarse, fine, &how, distance, error);
-        again = distance->hausdorff <= bound && distance->hausdorff_most > bound && SAMPLE_FACTOR * how.samples <= most;
+        again = distance->hausdorff <= bound && distance->hausdorff_bound > bound && SAMPLE_FACTOR * how.samples <= most;
         if (again && distance->hausdorff > 0)
             how.tolerance = fmax(ACCURACY, (1 - ACCURACY) * (bound / distance->hausdorff - 1));
     }
@@ -195,21 +195,21 @@ static bat_status run_within(const bat_mesh *fine, const bat_mesh_decimate_optio
     {
         status = run_once(fine, &topology, options, allowed, bound, part_of_attempt(progress, run), coarse, map, &distance,
                           error);
-        kept = status == BAT_OK && distance.hausdorff_most <= bound;
+        kept = status == BAT_OK && distance.hausdorff_bound <= bound;
         if (status != BAT_OK || kept)
             break;
         drop(coarse, map);
-        double exceeded = distance.hausdorff > bound ? distance.hausdorff : fmin(distance.hausdorff_most, UNPROVEN * bound);
+        double exceeded = distance.hausdorff > bound ? distance.hausdorff : fmin(distance.hausdorff_bound, UNPROVEN * bound);
         allowed *= bound / exceeded * SHRINK;
     }
     bat_mesh_connectivity_free(&topology);
     if (status == BAT_OK && !kept)
     {
-        distance.hausdorff_most = 0;
+        distance.hausdorff_bound = 0;
         status = decimation_run(fine, options, &whole, NULL, coarse, map, error);
     }
     if (status == BAT_OK && options->distance != NULL)
-        *options->distance = distance.hausdorff_most;
+        *options->distance = distance.hausdorff_bound;
     return status;
 }
 

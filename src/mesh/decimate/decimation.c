@@ -81,7 +81,7 @@ static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, b
     all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
     all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
     all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
-    bool dated = all->options->method != BAT_MESH_DECIMATE_QUADRIC;
+    bool dated = all->options->method != BAT_MESH_DECIMATE_METHOD_QUADRIC;
     all->changed = dated ? calloc(fine->vertex_count, sizeof *all->changed) : NULL;
     all->computed = dated ? calloc(all->mesh.edge_count, sizeof *all->computed) : NULL;
     all->workspace = mapped ? malloc(sizeof *all->workspace) : NULL;
@@ -167,7 +167,7 @@ static bool flatten(decimation *all, const double *position)
     for (uint32_t k = 0; k < collapse_ring_vertices(ring); k++)
         memcpy(all->points[FLAT_RING + k], all->vertices[ring->vertex[k]].position, sizeof all->points[0]);
     return flatten_ring(ring, (const double(*)[3])all->points, all->workspace, all->flat) &&
-           flat_is_valid(ring, (const double(*)[2])all->flat, all->options->least_quality);
+           flat_is_valid(ring, (const double(*)[2])all->flat, all->options->min_quality);
 }
 
 /// Put the refused edges around a vertex back into the queue.
@@ -254,7 +254,7 @@ static void collapse(decimation *all, const error_placement *placed, uint32_t ke
 static bool is_sound(decimation *all, const double *position, uint32_t kept)
 {
     const bat_mesh_decimate_options *options = all->options;
-    return error_faces_stay_valid(all->vertices, &all->ring, position, options->least_normal, options->least_quality) &&
+    return error_faces_stay_valid(all->vertices, &all->ring, position, options->min_normal, options->min_quality) &&
            attributes_stay_valid(&all->fields, &all->mesh, all->vertices, &all->ring, position, kept) &&
            (all->bound == NULL || tolerance_allows(all->bound, all->vertices, &all->ring, position)) &&
            (all->map == NULL || flatten(all, position));
@@ -398,8 +398,8 @@ static bat_status run(decimation *all, bat_error *error)
 {
     bat_status status = BAT_OK;
     all->initial = (decimation_target){all->mesh.vertices_left, all->mesh.faces_left};
-    all->memoryless = all->options->method == BAT_MESH_DECIMATE_MEMORYLESS;
-    if (all->options->method == BAT_MESH_DECIMATE_FAST)
+    all->memoryless = all->options->method == BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
+    if (all->options->method == BAT_MESH_DECIMATE_METHOD_FAST)
     {
         memset(all->errors, 0, all->mesh.edge_count * sizeof *all->errors);
         status = sweep(all, error);

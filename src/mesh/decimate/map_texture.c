@@ -175,7 +175,7 @@ static void spread_samples(double (*shares)[3])
 }
 
 /// The sample that no seam separates from the most other samples.
-static size_t most_connected(const texture_point *samples)
+static size_t max_connected(const texture_point *samples)
 {
     size_t best = 0, best_count = 0;
     for (size_t i = 0; i < SAMPLES; i++)
@@ -271,7 +271,7 @@ static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *spli
     status = texture_at_images(all, corners, coarse_face, SAMPLES, (const double(*)[3])shares, samples, error);
     if (status != BAT_OK)
         return status;
-    size_t centre = most_connected(samples);
+    size_t centre = max_connected(samples);
     fit(samples, (const double(*)[3])shares, centre, fitted);
     (void)assign_side(all, vertices, &samples[centre], (const double(*)[2])fitted, numbers);
     return BAT_OK;

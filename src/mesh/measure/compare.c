@@ -308,22 +308,22 @@ static bat_mesh_distance put_together(const compare_way ways[2], double diagonal
 {
     const compare_way *there = &ways[0], *back = &ways[1];
     bat_mesh_distance distance = {
-        .hausdorff_there = there->greatest * unscale,
-        .hausdorff_back = back->greatest * unscale,
+        .hausdorff_from_first = there->greatest * unscale,
+        .hausdorff_from_second = back->greatest * unscale,
         .hausdorff = fmax(there->greatest, back->greatest) * unscale,
-        .hausdorff_most = fmax(there->most, back->most) * unscale,
-        .mean_there = there->mean * unscale,
-        .mean_back = back->mean * unscale,
+        .hausdorff_bound = fmax(there->most, back->most) * unscale,
+        .mean_from_first = there->mean * unscale,
+        .mean_from_second = back->mean * unscale,
         .mean = (there->mean + back->mean) / 2 * unscale,
-        .mean_greater = fmax(there->mean, back->mean) * unscale,
-        .rms_there = sqrt(there->mean_square) * unscale,
-        .rms_back = sqrt(back->mean_square) * unscale,
+        .mean_max = fmax(there->mean, back->mean) * unscale,
+        .rms_from_first = sqrt(there->mean_square) * unscale,
+        .rms_from_second = sqrt(back->mean_square) * unscale,
         .diagonal = diagonal * unscale,
     };
     for (int k = 0; k < 3; k++)
     {
-        distance.farthest_there[k] = there->farthest[k] * unscale;
-        distance.farthest_back[k] = back->farthest[k] * unscale;
+        distance.farthest_from_first[k] = there->farthest[k] * unscale;
+        distance.farthest_from_second[k] = back->farthest[k] * unscale;
     }
     return distance;
 }

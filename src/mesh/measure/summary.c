@@ -184,7 +184,7 @@ static void count_edge(const topology *made, size_t edge, bat_mesh_summary *summ
     for (uint32_t i = 1; i < count; i++)
         join_corners(made, half_edges[0], half_edges[i]);
     summary->boundary_edges += count == 1;
-    summary->crowded_edges += count > 2;
+    summary->nonmanifold_edges += count > 2;
     summary->reversed_edges += count == 2 && faces[half_edges[1]] == a;
 }
 
@@ -209,15 +209,15 @@ static size_t count_loops(const topology *made)
 static void count_vertices(const topology *made, bat_mesh_summary *summary)
 {
     const bat_mesh *mesh = made->mesh;
-    summary->least_valence = SIZE_MAX;
+    summary->min_valence = SIZE_MAX;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
     {
         size_t valence = made->valence[v];
         summary->isolated_vertices += valence == 0;
         summary->components += valence > 0 && sets_find(made->vertex_sets, v) == v;
-        summary->greatest_valence = valence > summary->greatest_valence ? valence : summary->greatest_valence;
-        if (valence > 0 && valence < summary->least_valence)
-            summary->least_valence = valence;
+        summary->max_valence = valence > summary->max_valence ? valence : summary->max_valence;
+        if (valence > 0 && valence < summary->min_valence)
+            summary->min_valence = valence;
     }
     uint32_t *fan_count = made->valence;
     memset(fan_count, 0, mesh->vertex_count * sizeof *fan_count);
@@ -234,8 +234,8 @@ static void sum_up_topology(const topology *made, bat_mesh_summary *summary)
     summary->edges = made->edges.count;
     summary->boundary_loops = count_loops(made);
     summary->euler = (int64_t)(summary->vertices - summary->isolated_vertices + summary->faces) - (int64_t)summary->edges;
-    summary->manifold = summary->crowded_edges == 0 && summary->pinched_vertices == 0;
-    summary->oriented = summary->crowded_edges == 0 && summary->reversed_edges == 0;
+    summary->manifold = summary->nonmanifold_edges == 0 && summary->pinched_vertices == 0;
+    summary->oriented = summary->nonmanifold_edges == 0 && summary->reversed_edges == 0;
     summary->closed = summary->boundary_edges == 0;
     bool has_genus = summary->manifold && summary->oriented && summary->closed;
     summary->genus = has_genus ? (int64_t)summary->components - summary->euler / 2 : -1;
@@ -350,7 +350,7 @@ static const mesh_measure MEASURES[] = {
     GIVEN(isolated_vertices, "  without a face", COUNT),
     GIVEN(edges, "edges", COUNT),
     GIVEN(boundary_edges, "  at a boundary", COUNT),
-    GIVEN(crowded_edges, "  of more than two faces", COUNT),
+    GIVEN(nonmanifold_edges, "  of more than two faces", COUNT),
     GIVEN(reversed_edges, "  of faces that run against each other", COUNT),
     GIVEN(faces, "faces", COUNT),
     GIVEN(degenerate_faces, "  degenerate", COUNT),
@@ -367,16 +367,16 @@ static const mesh_measure MEASURES[] = {
     GIVEN(low, "lowest coordinates", POINT),
     GIVEN(high, "highest coordinates", POINT),
     GIVEN(diagonal, "diagonal of the bounding box", NUMBER),
-    OF_EDGES(least_edge, "shortest edge", MIN),
+    OF_EDGES(min_edge, "shortest edge", MIN),
     OF_EDGES(mean_edge, "mean edge", MEAN),
-    OF_EDGES(greatest_edge, "longest edge", MAX),
-    OF_FACES(least_quality, "least triangle quality", MIN, quality_of, 0),
-    GIVEN(least_quality_face, "  of face", COUNT),
+    OF_EDGES(max_edge, "longest edge", MAX),
+    OF_FACES(min_quality, "least triangle quality", MIN, quality_of, 0),
+    GIVEN(min_quality_face, "  of face", COUNT),
     OF_FACES(mean_quality, "mean triangle quality", MEAN, quality_of, 0),
-    OF_FACES(least_angle, "least angle, radians", MIN, min_angle_of, 0),
+    OF_FACES(min_angle, "least angle, radians", MIN, min_angle_of, 0),
     OF_FACES(max_angle, "largest angle, radians", MAX, max_angle_of, 0),
-    GIVEN(least_valence, "least valence", COUNT),
-    GIVEN(greatest_valence, "greatest valence", COUNT),
+    GIVEN(min_valence, "least valence", COUNT),
+    GIVEN(max_valence, "greatest valence", COUNT),
 };
 
 enum
@@ -432,8 +432,8 @@ static void reduced_end(const reduced *from, size_t count, double scale, bat_mes
             value /= scale;
         size_t offset = from[i].measure->row.offset;
         memcpy((char *)summary + offset, &value, sizeof value);
-        if (offset == offsetof(bat_mesh_summary, least_quality))
-            summary->least_quality_face = from[i].where;
+        if (offset == offsetof(bat_mesh_summary, min_quality))
+            summary->min_quality_face = from[i].where;
     }
 }
 
@@ -501,19 +501,19 @@ static void sum_up_geometry(const bat_mesh *mesh, const edge_groups *edges, bat_
 }
 
 static const bat_measure DISTANCES[] = {
-    MEASURE(bat_mesh_distance, hausdorff_there, "greatest distance, A to B", LENGTH),
-    MEASURE(bat_mesh_distance, hausdorff_back, "greatest distance, B to A", LENGTH),
+    MEASURE(bat_mesh_distance, hausdorff_from_first, "greatest distance, A to B", LENGTH),
+    MEASURE(bat_mesh_distance, hausdorff_from_second, "greatest distance, B to A", LENGTH),
     MEASURE(bat_mesh_distance, hausdorff, "Hausdorff distance", LENGTH),
-    MEASURE(bat_mesh_distance, hausdorff_most, "  proven to be at most", LENGTH),
-    MEASURE(bat_mesh_distance, mean_there, "mean distance, A to B", LENGTH),
-    MEASURE(bat_mesh_distance, mean_back, "mean distance, B to A", LENGTH),
+    MEASURE(bat_mesh_distance, hausdorff_bound, "  proven to be at most", LENGTH),
+    MEASURE(bat_mesh_distance, mean_from_first, "mean distance, A to B", LENGTH),
+    MEASURE(bat_mesh_distance, mean_from_second, "mean distance, B to A", LENGTH),
     MEASURE(bat_mesh_distance, mean, "mean distance, both ways", LENGTH),
-    MEASURE(bat_mesh_distance, mean_greater, "greater of the two means", LENGTH),
-    MEASURE(bat_mesh_distance, rms_there, "root mean square, A to B", LENGTH),
-    MEASURE(bat_mesh_distance, rms_back, "root mean square, B to A", LENGTH),
+    MEASURE(bat_mesh_distance, mean_max, "greater of the two means", LENGTH),
+    MEASURE(bat_mesh_distance, rms_from_first, "root mean square, A to B", LENGTH),
+    MEASURE(bat_mesh_distance, rms_from_second, "root mean square, B to A", LENGTH),
     MEASURE(bat_mesh_distance, diagonal, "diagonal of B's bounding box", LENGTH),
-    MEASURE(bat_mesh_distance, farthest_there, "farthest point of A", POINT),
-    MEASURE(bat_mesh_distance, farthest_back, "farthest point of B", POINT),
+    MEASURE(bat_mesh_distance, farthest_from_first, "farthest point of A", POINT),
+    MEASURE(bat_mesh_distance, farthest_from_second, "farthest point of B", POINT),
 };
 
 bool bat_mesh_measures(size_t meshes, size_t index, bat_measure *measure)

@@ -77,6 +77,7 @@ bat_surface_fit_options bat_surface_fit_defaults(void)
         .neighbours = 1,
         .smoothing = BAT_SURFACE_SMOOTHING_LIKELIHOOD,
         .corrections = 1,
+        .restarts = true,
     };
 }
 
@@ -416,7 +417,7 @@ static bat_status measure_distances(fit_loop *loop, double reach, bat_error *err
         status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
     if (status == BAT_OK && correct)
         status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
-    if (status == BAT_OK && correct && !loop->options->no_restarts)
+    if (status == BAT_OK && correct && loop->options->restarts)
         status = fit_correct_wrong_feet(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && loop->options->robust)
         status = fit_robust_weights(&loop->points, loop->size, &loop->outliers, error);

@@ -118,7 +118,7 @@ static bat_status fit_side(size_t dimension, const bat_surface_fit_options *opti
         curve.hold_out = 0;
         curve.iterations = 0;
         curve.final_corrections = CURVE_CORRECTIONS;
-        curve.no_restarts = true;
+        curve.restarts = false;
         curve.robust = options->robust;
         curve.threads = options->threads;
         status = bat_surface_fit(&data, &curve, &side->curve, NULL, error);

@@ -173,7 +173,7 @@ static bat_status parameterize_deep(const bat_cloud *cloud, const double *bounda
     if (all == NULL)
         return error_memory(error, cloud->count * 2 * sizeof *all);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-    options.method = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING;
+    options.method = BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING;
     options.threads = threads;
     bat_status status = bat_cloud_parameterize(cloud, boundary, &options, all, error);
     if (status == BAT_OK)

@@ -27,26 +27,26 @@ static const double RADIUS_FACTOR = 3;
 static const bat_choice METHODS[] = {
     {.name = "shape-preserving",
      .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/algorithms/parameterization.md",
-     .value = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING},
+     .value = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING},
     {.name = "inverse-distance",
      .summary = "weights by the inverse distance of neighbours",
-     .value = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE},
-    {.name = "uniform", .summary = "all neighbours weigh the same", .value = BAT_CLOUD_PARAMETERIZE_UNIFORM},
+     .value = BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE},
+    {.name = "uniform", .summary = "all neighbours weigh the same", .value = BAT_CLOUD_PARAMETERIZATION_UNIFORM},
     {.name = "mean-value",
      .summary = "Floater's mean values, for clouds that are meshes",
-     .value = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE},
+     .value = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE},
     {.name = "stretch-minimizing",
      .summary = "shape-preserving, evened out: for deep shapes",
-     .value = BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING},
+     .value = BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING},
     {.name = "isometric",
      .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
-     .value = BAT_CLOUD_PARAMETERIZE_ISOMETRIC},
+     .value = BAT_CLOUD_PARAMETERIZATION_ISOMETRIC},
 };
 const bat_family bat_cloud_parameterization_family = FAMILY("parameterization", METHODS);
 
 bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
 {
-    return (bat_cloud_parameterize_options){.method = BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING};
+    return (bat_cloud_parameterize_options){.method = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING};
 }
 
 bat_status bat_cloud_parameterize_options_check(const bat_cloud_parameterize_options *options, bat_error *error)
@@ -67,7 +67,7 @@ static bat_status check_cloud(const bat_cloud *cloud, const double *boundary, co
         return status;
     if (cloud->boundary_count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
-    if (options->method == BAT_CLOUD_PARAMETERIZE_MEAN_VALUE && cloud->triangle_count == 0)
+    if (options->method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE && cloud->triangle_count == 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
         if (!isfinite(boundary[i]))
@@ -88,7 +88,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     weight_source source = {
         .cloud = cloud, .tree = &tree, .method = options->method, .radius = radius * weights_longest_side(cloud)};
     sparse_rows rows = {0};
-    bool star = options->method == BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING;
+    bool star = options->method == BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING;
     status = weights_build(&source, star ? weights_of_triangulated_ball : weights_of_ball, options->threads, &rows, error);
     size_t unjoined = BAT_NO_INDEX;
     if (status == BAT_OK)
@@ -125,9 +125,9 @@ static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *bo
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
         status = averages_solve(&order.cloud, &rows, NULL, solver, ordered, error);
     }
-    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING)
+    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING)
         status = stretch_minimize(&order.cloud, &rows, solver, ordered, error);
-    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZE_ISOMETRIC)
+    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZATION_ISOMETRIC)
         status = isometric_minimize(&order.cloud, &rows, solver, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
@@ -147,7 +147,7 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
         status = check_cloud(cloud, boundary, options, error);
     if (status != BAT_OK)
         return status;
-    if (options->published && options->method < BAT_CLOUD_PARAMETERIZE_MEAN_VALUE)
+    if (options->published && options->method < BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE)
         return parameterize_published(cloud, boundary, options, parameters, error);
     return parameterize_adaptive(cloud, boundary, options, parameters, error);
 }

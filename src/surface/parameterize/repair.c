@@ -62,7 +62,7 @@ static bat_status repair_make(const fold_finder *finder, repair *work, bat_error
     memset(work->moved, 0, count * sizeof *work->moved);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
     if (cloud->triangle_count > 0)
-        options.method = BAT_CLOUD_PARAMETERIZE_MEAN_VALUE;
+        options.method = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE;
     bat_status status = parameter_faults_make(count, &work->faults, error);
     if (status == BAT_OK)
         status = weights_make(cloud, &finder->order.tree, &options, &work->rows, error);
@@ -125,7 +125,7 @@ static bat_status blend(repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &work->finder->order.cloud;
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
-    options.method = BAT_CLOUD_PARAMETERIZE_UNIFORM;
+    options.method = BAT_CLOUD_PARAMETERIZATION_UNIFORM;
     sparse_rows rows = {0};
     bat_status status = weights_make(cloud, &work->finder->order.tree, &options, &rows, error);
     memcpy(work->uniform, work->current, 2 * cloud->boundary_count * sizeof *work->uniform);

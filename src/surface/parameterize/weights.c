@@ -163,11 +163,11 @@ bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, cons
 {
     weight_source source = {
         .cloud = cloud, .tree = tree, .method = options->method, .radius = options->radius * weights_longest_side(cloud)};
-    bool star = options->method == BAT_CLOUD_PARAMETERIZE_SHAPE_PRESERVING ||
-                options->method == BAT_CLOUD_PARAMETERIZE_STRETCH_MINIMIZING ||
-                options->method == BAT_CLOUD_PARAMETERIZE_ISOMETRIC;
+    bool star = options->method == BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING ||
+                options->method == BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING ||
+                options->method == BAT_CLOUD_PARAMETERIZATION_ISOMETRIC;
     bat_status status =
-        options->method == BAT_CLOUD_PARAMETERIZE_MEAN_VALUE
+        options->method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE
             ? weights_of_triangles(cloud, rows, error)
             : weights_build(&source, star ? weights_of_star : weights_of_nearest, options->threads, rows, error);
     if (status == BAT_OK)

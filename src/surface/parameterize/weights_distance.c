@@ -26,7 +26,7 @@ static bat_status append_neighbours(const weight_source *source, const neighbour
         const neighbour *entry = &near->entries[k];
         if (entry->item == point)
             continue;
-        double weight = source->method == BAT_CLOUD_PARAMETERIZE_UNIFORM ? 1 : 1 / sqrt(entry->squared);
+        double weight = source->method == BAT_CLOUD_PARAMETERIZATION_UNIFORM ? 1 : 1 / sqrt(entry->squared);
         chunk->columns[chunk->count] = entry->item;
         chunk->values[chunk->count++] = weight;
         sum += weight;

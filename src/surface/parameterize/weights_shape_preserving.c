@@ -84,7 +84,7 @@ bat_status weights_of_star(const weight_source *source, weight_scratch *scratch,
     if (!lay_out(source, scratch, point, corners, count, closed, ring))
     {
         weight_source by_distance = *source;
-        by_distance.method = BAT_CLOUD_PARAMETERIZE_INVERSE_DISTANCE;
+        by_distance.method = BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE;
         by_distance.radius = 0;
         return weights_of_nearest(&by_distance, scratch, point, chunk, error);
     }

@@ -113,16 +113,16 @@ static bat_curve_set make_map(const bat_space *space, double roughness)
     return set;
 }
 
-static bat_curve_map_options map_options(const char *name, size_t levels, bat_curve_map_report *report)
+static bat_curve_map_refine_options map_options(const char *name, size_t levels, bat_curve_map_refine_report *report)
 {
-    bat_curve_map_options result = bat_curve_map_defaults();
+    bat_curve_map_refine_options result = bat_curve_map_refine_defaults();
     result.refine = options(name, levels);
-    result.topology = BAT_CURVE_MAP_ALWAYS;
+    result.topology = BAT_CURVE_MAP_TOPOLOGY_ALWAYS;
     result.report = report;
     return result;
 }
 
-static bat_curve_set refined_map(const bat_curve_set *coarse, const bat_curve_map_options *how)
+static bat_curve_set refined_map(const bat_curve_set *coarse, const bat_curve_map_refine_options *how)
 {
     bat_curve_set fine;
     bat_error error;
@@ -215,14 +215,14 @@ static size_t count_shared(const bat_curve_set *set)
 
 static const size_t INNER_BORDERS = 2 * CELLS * (CELLS - 1);
 
-static void check_map(const bat_space *space, const char *name, double roughness, bat_curve_map_report *sum)
+static void check_map(const bat_space *space, const char *name, double roughness, bat_curve_map_refine_report *sum)
 {
-    bat_curve_map_report report;
+    bat_curve_map_refine_report report;
     bat_curve_set coarse = make_map(space, roughness);
     assert_int_equal(count_crossings(&coarse), 0);
     for (size_t levels = 1; levels <= 3; levels++)
     {
-        bat_curve_map_options how = map_options(name, levels, &report);
+        bat_curve_map_refine_options how = map_options(name, levels, &report);
         bat_curve_set fine = refined_map(&coarse, &how);
         assert_int_equal(count_shared(&fine), INNER_BORDERS * BORDER_EDGES << levels);
         assert_int_equal(count_crossings(&fine), 0);
@@ -243,7 +243,7 @@ static void test_borders_stay_shared_and_nothing_crosses(void **state)
 {
     (void)state;
     bat_space spaces[] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
-    bat_curve_map_report sum = {0};
+    bat_curve_map_refine_report sum = {0};
     for (size_t s = 0; s < 3; s++)
         for (double roughness = 0.3; roughness < 1; roughness += 0.4)
         {
@@ -263,8 +263,8 @@ static void test_two_and_two_levels_are_four(void **state)
     bat_curve_set coarse = make_map(&plane, 0.9);
     for (size_t n = 0; n < 4; n++)
     {
-        bat_curve_map_report report;
-        bat_curve_map_options two = map_options(NAMES[n], 2, &report), four = map_options(NAMES[n], 4, &report);
+        bat_curve_map_refine_report report;
+        bat_curve_map_refine_options two = map_options(NAMES[n], 2, &report), four = map_options(NAMES[n], 4, &report);
         bat_curve_set half = refined_map(&coarse, &two);
         two.refine.first_level = 2;
         bat_curve_set twice = refined_map(&half, &two), once = refined_map(&coarse, &four);
@@ -302,7 +302,7 @@ static void test_order_direction_and_threads_do_not_matter(void **state)
                 *p = *q;
                 *q = kept;
             }
-    bat_curve_map_options how = map_options("learned", 3, NULL);
+    bat_curve_map_refine_options how = map_options("learned", 3, NULL);
     how.refine.threads = 1;
     bat_curve_set one = refined_map(&coarse, &how), other = refined_map(&turned, &how);
     how.refine.threads = 3;
@@ -333,14 +333,14 @@ static void test_separate_is_curves_refine(void **state)
     bat_space plane = bat_euclidean(2);
     bat_curve_set coarse = make_map(&plane, 0.3);
     bat_curve fine[MAP_CURVES];
-    bat_curve_map_report report;
-    bat_curve_map_options how = map_options("learned", 3, &report);
-    how.topology = BAT_CURVE_MAP_SEPARATE;
+    bat_curve_map_refine_report report;
+    bat_curve_map_refine_options how = map_options("learned", 3, &report);
+    how.topology = BAT_CURVE_MAP_TOPOLOGY_SEPARATE;
     bat_curve_set separate = refined_map(&coarse, &how);
     assert_false(report.map);
     assert_int_equal(report.curves.checked, MAP_CURVES - 1);
     // A set without features is no map by default.
-    how.topology = BAT_CURVE_MAP_FEATURES;
+    how.topology = BAT_CURVE_MAP_TOPOLOGY_FEATURES;
     bat_curve_set features = refined_map(&coarse, &how);
     assert_false(report.map);
     assert_int_equal(bat_curves_refine(coarse.curves, MAP_CURVES, &how.refine, fine, NULL, NULL), BAT_OK);
@@ -380,8 +380,8 @@ static void test_point_on_a_border_becomes_its_vertex(void **state)
     static const size_t COUNTS[] = {4, 4, 4};
     bat_space plane = bat_euclidean(2);
     bat_curve_set coarse = rings_of(&plane, POINTS, COUNTS, 3);
-    bat_curve_map_report report;
-    bat_curve_map_options how = map_options("four-point", 3, &report);
+    bat_curve_map_refine_report report;
+    bat_curve_map_refine_options how = map_options("four-point", 3, &report);
     bat_curve_set fine = refined_map(&coarse, &how);
     assert_int_equal(report.snapped, 1);
     assert_int_equal(report.shared, 3);
@@ -399,8 +399,8 @@ static void test_near_points_are_joined(void **state)
     static const size_t COUNTS[] = {4, 5};
     bat_space plane = bat_euclidean(2);
     bat_curve_set coarse = rings_of(&plane, POINTS, COUNTS, 2);
-    bat_curve_map_report report;
-    bat_curve_map_options how = map_options("four-point", 2, &report);
+    bat_curve_map_refine_report report;
+    bat_curve_map_refine_options how = map_options("four-point", 2, &report);
     bat_curve_set fine = refined_map(&coarse, &how);
     assert_int_equal(report.shared, 0);
     assert_int_equal(report.snapped, 0);
@@ -431,8 +431,8 @@ static void test_areas_are_kept(void **state)
     for (size_t n = 0; n < 2; n++)
     {
         bat_curve_set coarse = make_map(&plane, 0.5);
-        bat_curve_map_report report;
-        bat_curve_map_options how = map_options(NAMES[n], 3, &report);
+        bat_curve_map_refine_report report;
+        bat_curve_map_refine_options how = map_options(NAMES[n], 3, &report);
         bat_curve_set free = refined_map(&coarse, &how);
         how.keep_area = true;
         bat_curve_set fine = refined_map(&coarse, &how);
@@ -475,7 +475,7 @@ static void test_channels_follow_the_points(void **state)
         for (size_t i = 0; i < curve->count; i++)
             curve->channels[i] = curve->points[2 * i];
     }
-    bat_curve_map_options how = map_options("four-point", 3, NULL);
+    bat_curve_map_refine_options how = map_options("four-point", 3, NULL);
     how.refine.simple = BAT_CURVE_SIMPLE_NEVER;
     bat_curve_set fine = refined_map(&coarse, &how);
     for (size_t c = 0; c < MAP_CURVES; c++)
@@ -493,8 +493,8 @@ static void test_corners_are_nodes(void **state)
     static const size_t COUNTS[] = {4, 4};
     bat_space plane = bat_euclidean(2);
     bat_curve_set coarse = rings_of(&plane, POINTS, COUNTS, 2);
-    bat_curve_map_report report;
-    bat_curve_map_options how = map_options("learned", 3, &report);
+    bat_curve_map_refine_report report;
+    bat_curve_map_refine_options how = map_options("learned", 3, &report);
     how.refine.corner_angle = 1;
     bat_curve_set fine = refined_map(&coarse, &how);
     assert_int_equal(report.curves.corners, 8);
@@ -520,9 +520,9 @@ static void test_stops_work_on_maps(void **state)
     (void)state;
     bat_space sphere = bat_sphere(2);
     bat_curve_set coarse = make_map(&sphere, 0.9);
-    bat_curve_map_report report;
-    bat_curve_map_options how = map_options("learned", 5, &report);
-    how.refine.max_segment = 0.005;
+    bat_curve_map_refine_report report;
+    bat_curve_map_refine_options how = map_options("learned", 5, &report);
+    how.refine.max_edge = 0.005;
     bat_curve_set fine = refined_map(&coarse, &how);
     assert_true(report.curves.max_levels > report.curves.min_levels);
     assert_int_equal(count_crossings(&fine), 0);
@@ -542,8 +542,8 @@ static void test_islands_stay_where_they_are(void **state)
     bat_curve_set coarse = rings_of(&plane, POINTS, COUNTS, 2);
     for (size_t n = 0; n < 3; n++)
     {
-        bat_curve_map_report report;
-        bat_curve_map_options how = map_options(NAMES[n], 4, &report);
+        bat_curve_map_refine_report report;
+        bat_curve_map_refine_options how = map_options(NAMES[n], 4, &report);
         bat_curve_set fine = refined_map(&coarse, &how);
         const bat_curve *coast = &fine.curves[0];
         double area = area_of(coast);
@@ -570,8 +570,8 @@ static void test_what_cannot_be_is_refused(void **state)
     bat_curve_set coarse = make_map(&plane, 0.3), fine;
     bat_error error;
     size_t failed;
-    bat_curve_map_options how = map_options("four-point", 2, NULL);
-    how.refine.ends = BAT_CURVE_END_FREE;
+    bat_curve_map_refine_options how = map_options("four-point", 2, NULL);
+    how.refine.ends = BAT_CURVE_END_RULE_FREE;
     assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &failed, &error), BAT_UNSUPPORTED);
     how = map_options("four-point", 2, NULL);
     coarse.curves[3].points[2 * 7] = NAN;

@@ -1,4 +1,4 @@
-#include "space/known.h"
+#include "space/builtin.h"
 
 #include "batten/space.h"
 

@@ -1,5 +1,5 @@
-#ifndef SPACE_KNOWN_H
-#define SPACE_KNOWN_H
+#ifndef SPACE_BUILTIN_H
+#define SPACE_BUILTIN_H
 
 #include "batten/space.h"
 

@@ -1,5 +1,5 @@
-#ifndef SPACE_WHOLE_H
-#define SPACE_WHOLE_H
+#ifndef SPACE_COMPLETE_H
+#define SPACE_COMPLETE_H
 
 #include "batten/space.h"
 
@@ -9,6 +9,6 @@ const char *space_lack(const bat_space *space);
 /// Whether a space has all functions that are not optional, dimensions within bounds and an injectivity radius. Null is no
 /// space.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names what is missing
-bat_status space_check_whole(const bat_space *space, bat_error *error);
+bat_status space_check_complete(const bat_space *space, bat_error *error);
 
 #endif

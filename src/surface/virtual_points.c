@@ -1,4 +1,4 @@
-#include "surface/guides.h"
+#include "surface/virtual_points.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -7,11 +7,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-void surface_guides_free(surface_guides *guides)
+void virtual_points_free(virtual_points *guides)
 {
     free(guides->places);
     free(guides->parameters);
-    *guides = (surface_guides){0};
+    *guides = (virtual_points){0};
 }
 
 /// The first node of a side that is not before a parameter.
@@ -22,7 +22,7 @@ static size_t node_from(double parameter, size_t side)
 }
 
 /// Add a place with the shares of three corners.
-static void add_place(const double *const place[3], const double *const at[3], const double share[3], surface_guides *guides)
+static void add_place(const double *const place[3], const double *const at[3], const double share[3], virtual_points *guides)
 {
     for (size_t d = 0; d < 3; d++)
         guides->places[3 * guides->count + d] = share[0] * place[0][d] + share[1] * place[1][d] + share[2] * place[2][d];
@@ -34,7 +34,7 @@ static void add_place(const double *const place[3], const double *const at[3], c
 
 /// Add the centre of a triangle, and its nodes that no other triangle has.
 static void add_triangle(const bat_cloud *cloud, const double *parameters, const uint32_t *corners, size_t side, bool *taken,
-                         surface_guides *guides)
+                         virtual_points *guides)
 {
     const double *at[3], *place[3];
     for (size_t k = 0; k < 3; k++)
@@ -65,11 +65,11 @@ static void add_triangle(const bat_cloud *cloud, const double *parameters, const
         }
 }
 
-bat_status surface_guides_make(const bat_cloud *cloud, const double *parameters, surface_guides *guides, bat_error *error)
+bat_status virtual_points_make(const bat_cloud *cloud, const double *parameters, virtual_points *guides, bat_error *error)
 {
     size_t side = (size_t)ceil(sqrt((double)cloud->count)), nodes = side * side;
     size_t most = nodes + cloud->triangle_count;
-    *guides = (surface_guides){.places = memory_array(most, 3 * sizeof *guides->places),
+    *guides = (virtual_points){.places = memory_array(most, 3 * sizeof *guides->places),
                                .parameters = memory_array(most, 2 * sizeof *guides->parameters)};
     bool *taken = calloc(nodes + 1, sizeof *taken);
     bool made = guides->places != NULL && guides->parameters != NULL && taken != NULL;
@@ -78,6 +78,6 @@ bat_status surface_guides_make(const bat_cloud *cloud, const double *parameters,
     free(taken);
     if (made)
         return BAT_OK;
-    surface_guides_free(guides);
+    virtual_points_free(guides);
     return error_memory(error, most * 5 * sizeof *guides->places);
 }
