@@ -108,7 +108,7 @@ static bool check_sweep(analyze_job *job)
     job->family.scheme = job->call.input;
     if (!read_sweep(argument(given, "sweep"), &job->family, options))
         return argument_refused(given, "sweep", "NAME=A:B, as in w=0:0.25");
-    if (!usage_accepts(given, bat_mask_sweep_options_check(options, &error), &error))
+    if (!usage_accepts(given, bat_options_check(&bat_mask_sweep_fields, options, &error), &error))
         return false;
     double ends[] = {options->begin, options->end};
     for (size_t i = 0; i < 2; i++)

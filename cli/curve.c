@@ -223,7 +223,7 @@ static bool check_stops(curve_job *job)
     bat_error error;
     if (stops && argument(given, "levels") != NULL)
         refine->max_levels = refine->levels;
-    if (!usage_accepts(given, bat_curve_refine_options_check(refine, &error), &error))
+    if (!usage_accepts(given, bat_options_check(&bat_curve_refine_fields, refine, &error), &error))
         return false;
     if (stops && job->panel_count > 0)
         (void)usage_error(given, "--panel draws levels, and does not go with --max-edge and --tolerance");

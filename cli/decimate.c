@@ -125,7 +125,7 @@ static bool check(void *of)
         (void)usage_error(given, "--seed needs --random K");
     else
         return read_target(given, &job->decimate) &&
-               usage_accepts(given, bat_mesh_decimate_options_check(&job->decimate, &error), &error) &&
+               usage_accepts(given, bat_options_check(&bat_mesh_decimate_fields, &job->decimate, &error), &error) &&
                mesh_files_check(&job->files, &job->call);
     return false;
 }

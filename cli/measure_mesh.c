@@ -198,6 +198,6 @@ bool measure_check_meshes(measure_job *job)
         (void)usage_error(given, "--%s needs a second file to measure the distance from", argument_first(given, FOR_TWO));
     else
         return argument_choice(given, "from", &bat_mesh_format_family, &job->read_mesh.format) &&
-               usage_accepts(given, bat_mesh_compare_options_check(&job->compare, &error), &error);
+               usage_accepts(given, bat_options_check(&bat_mesh_compare_fields, &job->compare, &error), &error);
     return false;
 }

@@ -124,7 +124,7 @@ static bool check(void *of)
     if (job->gigabytes > 1e9)
         return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");
     job->refine.max_memory = (size_t)(1e9 * job->gigabytes);
-    if (!usage_accepts(given, bat_mesh_refine_options_check(&job->refine, &error), &error))
+    if (!usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, &error), &error))
         return false;
     const char *fault = find_fault(job);
     if (fault != NULL)

@@ -162,7 +162,8 @@ bool motion_read(curve_job *job)
     if (job->is_motion && !job->is_verb)
         job->hint = "is treated as a motion";
     return read_tangents(given, job) && read_sigma(given, job) && read_units(given, job) &&
-           usage_accepts(given, bat_motion_curves_options_check(&job->motion, &error), &error) && check_options(given, job);
+           usage_accepts(given, bat_options_check(&bat_motion_curves_fields, &job->motion, &error), &error) &&
+           check_options(given, job);
 }
 
 const char *motion_scheme(const curve_job *job)

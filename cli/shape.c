@@ -227,7 +227,7 @@ static bool check(void *of)
     else if (!mesh && argument(given, "to") != NULL)
         (void)usage_error(given, "--to is for meshes; the file's ending says how a cloud or a map is written");
     else
-        return usage_accepts(given, bat_shape_map_options_check(&job->map, &error), &error) &&
+        return usage_accepts(given, bat_options_check(&bat_shape_map_fields, &job->map, &error), &error) &&
                (!mesh || argument_ending(given, &bat_mesh_format_family, (int)job->write.format));
     return false;
 }

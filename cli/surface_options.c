@@ -70,7 +70,8 @@ bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit)
         fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
     else if (argument(given, "noise") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_NOISE;
-    if (!read_degrees(given, fit->space.degree) || !usage_accepts(given, bat_surface_fit_options_check(fit, &error), &error))
+    if (!read_degrees(given, fit->space.degree) ||
+        !usage_accepts(given, bat_options_check(&bat_surface_fit_fields, fit, &error), &error))
         return false;
     if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
         (void)usage_error(given, "--noise and --smoothing exclude each other");

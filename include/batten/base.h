@@ -128,6 +128,20 @@ typedef struct bat_measure
     size_t offset; ///< of the field in its struct
 } bat_measure;
 
+/// A struct of options with the ranges of its fields. The table of bat_x_options is bat_x_fields, in the header of the
+/// struct.
+typedef struct bat_options_table
+{
+    const char *name;                                           ///< of the struct
+    bat_status (*check)(const void *options, bat_error *error); ///< what bat_options_check() calls
+} bat_options_table;
+
+/// Check options. Every call that takes options does so first; a caller may do so before a long preparation.
+///
+/// @param options the struct of the table; null passes
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT for the first field out of its range, which the error names
+BAT_API bat_status bat_options_check(const bat_options_table *table, const void *options, bat_error *error);
+
 /// A family of choices: a table whose rows begin with a bat_choice. The family of an enumeration bat_x is bat_x_family, in
 /// the header of the enumeration.
 typedef struct bat_family

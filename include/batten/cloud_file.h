@@ -44,9 +44,8 @@ typedef struct bat_cloud_read_options
 
 /// The options' default values.
 BAT_API bat_cloud_read_options bat_cloud_read_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_cloud_read_fields;
 
 /// Read a cloud. A PLY or OBJ file with faces is a mesh, which bat_cloud_from_mesh() converts.
 /// @param path    "-" for standard input

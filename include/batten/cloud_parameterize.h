@@ -45,9 +45,8 @@ typedef struct bat_cloud_parameterize_options
 
 /// The default options.
 BAT_API bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_cloud_parameterize_options_check(const bat_cloud_parameterize_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_cloud_parameterize_fields;
 
 /// Compute the parameters of the interior points.
 /// @param cloud      with boundary

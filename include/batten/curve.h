@@ -115,9 +115,8 @@ typedef struct bat_curve_refine_options
 
 /// The options' default values.
 BAT_API bat_curve_refine_options bat_curve_refine_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK; BAT_INVALID_ARGUMENT with the field out of range; BAT_UNSUPPORTED for a mask that the scheme cannot use
-BAT_API bat_status bat_curve_refine_options_check(const bat_curve_refine_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_refine_fields;
 
 /// The number of points that refinement gives. A closed curve gets count * 2^levels points. An open curve gets
 /// (count - 1) * 2^levels + 1 points where the scheme has vertices at the ends: masks of odd length, all interpolatory

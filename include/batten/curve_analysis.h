@@ -42,9 +42,8 @@ typedef struct bat_mask_analyze_options
 
 /// The default options.
 BAT_API bat_mask_analyze_options bat_mask_analyze_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mask_analyze_options_check(const bat_mask_analyze_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mask_analyze_fields;
 
 /// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
 typedef struct bat_mask_stencil
@@ -178,9 +177,8 @@ typedef struct bat_mask_sweep_options
 
 /// The default options.
 BAT_API bat_mask_sweep_options bat_mask_sweep_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mask_sweep_options_check(const bat_mask_sweep_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mask_sweep_fields;
 
 /// Parameters from begin to end, both included, with one verdict for all of them. A single parameter has begin = end, and
 /// then its verdict goes before those of the intervals beside it.

@@ -46,9 +46,8 @@ typedef struct bat_curve_read_options
 
 /// The options' default values.
 BAT_API bat_curve_read_options bat_curve_read_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_curve_read_options_check(const bat_curve_read_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_read_fields;
 
 /// Read the curves of a file.
 ///
@@ -88,9 +87,8 @@ typedef struct bat_curve_write_options
 
 /// The options' default values.
 BAT_API bat_curve_write_options bat_curve_write_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_write_fields;
 
 /// Write the curves of a set. The file appears whole or not at all; on failure an existing one stays as it was.
 ///
@@ -128,9 +126,8 @@ typedef struct bat_curve_refine_file_report
 
 /// The options' default values.
 BAT_API bat_curve_refine_file_options bat_curve_refine_file_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or as the checks of `read`, `refine` and `write`
-BAT_API bat_status bat_curve_refine_file_options_check(const bat_curve_refine_file_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_refine_file_fields;
 
 /// Read the curves of a file, refine each by itself, and write them. A sequence of GeoJSON that is written as GeoJSON or as
 /// a sequence is read, refined and written part by part: the memory does not grow with the number of features. A part has

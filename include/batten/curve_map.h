@@ -52,9 +52,8 @@ typedef struct bat_curve_map_refine_options
 
 /// The options' default values.
 BAT_API bat_curve_map_refine_options bat_curve_map_refine_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_curve_map_refine_options_check(const bat_curve_map_refine_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_map_refine_fields;
 
 /// Refine a set of curves as a map. docs/algorithms/maps.md describes how.
 ///

@@ -30,9 +30,8 @@ typedef struct bat_curve_measure_options
 
 /// The options' default values.
 BAT_API bat_curve_measure_options bat_curve_measure_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_curve_measure_options_check(const bat_curve_measure_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_measure_fields;
 
 /// Distances between two curves. A point's distance is that to the nearest vertex (or edge) of the other curve.
 typedef struct bat_curve_distance

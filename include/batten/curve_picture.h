@@ -99,9 +99,8 @@ BAT_API bat_status bat_picture_check(const char *path, bat_error *error);
 
 /// The options' default values.
 BAT_API bat_curve_picture_options bat_curve_picture_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_curve_picture_options_check(const bat_curve_picture_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_curve_picture_fields;
 
 /// Draw panels into a file, whose ending chooses the format: .svg, .png or .pdf, in small or capital letters.
 ///
@@ -203,9 +202,8 @@ typedef struct bat_motion_picture_options
 
 /// The options' default values.
 BAT_API bat_motion_picture_options bat_motion_picture_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_motion_picture_options_check(const bat_motion_picture_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_motion_picture_fields;
 
 /// Draw the splines of the keyframes in a set over their whole duration into a file, whose ending chooses the format: .svg,
 /// .png or .pdf.

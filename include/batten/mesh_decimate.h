@@ -66,9 +66,8 @@ typedef struct bat_mesh_decimate_options
 
 /// The options' default values.
 BAT_API bat_mesh_decimate_options bat_mesh_decimate_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mesh_decimate_fields;
 
 /// A bijective map between a mesh and its decimation. Opaque.
 typedef struct bat_mesh_map bat_mesh_map;

@@ -57,9 +57,8 @@ typedef struct bat_mesh_read_options
 
 /// The options' default values.
 BAT_API bat_mesh_read_options bat_mesh_read_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mesh_read_fields;
 
 /// Read the mesh of a file: at least one face, finite numbers, faces of existing vertices. bat_mesh_connect() tells whether
 /// the faces are a manifold.
@@ -109,9 +108,8 @@ typedef struct bat_mesh_write_options
 
 /// The options' default values.
 BAT_API bat_mesh_write_options bat_mesh_write_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mesh_write_fields;
 
 /// Write a mesh. The file appears whole or not at all; an existing one survives a failure.
 ///

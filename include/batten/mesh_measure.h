@@ -33,9 +33,8 @@ typedef struct bat_mesh_compare_options
 
 /// The options' default values.
 BAT_API bat_mesh_compare_options bat_mesh_compare_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mesh_compare_options_check(const bat_mesh_compare_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mesh_compare_fields;
 
 /// Distances between two meshes. A point's distance is that to the closest point of the other mesh's surface.
 typedef struct bat_mesh_distance

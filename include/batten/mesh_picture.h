@@ -57,9 +57,8 @@ typedef struct bat_mesh_picture_options
 
 /// The options' default values.
 BAT_API bat_mesh_picture_options bat_mesh_picture_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mesh_picture_fields;
 
 /// Draw meshes into a file, whose ending chooses the format: .png, .svg or .pdf, in small or capital letters. The file
 /// appears whole or not at all; the same input gives the same bytes.

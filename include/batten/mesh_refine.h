@@ -97,9 +97,8 @@ struct bat_mesh_refine_options
 
 /// The options' default values.
 BAT_API bat_mesh_refine_options bat_mesh_refine_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_mesh_refine_fields;
 
 /// Refine a mesh by subdivision.
 ///

@@ -19,8 +19,8 @@ BAT_C_BEGIN
 /// How a motion is made.
 typedef enum bat_motion_method
 {
-    BAT_MOTION_METHOD_AUTO, ///< BAT_MOTION_METHOD_SPLINE where there are times, or a rate; BAT_MOTION_METHOD_HERMITE where
-                            ///< there are none, or for another Hermite scheme than the default one
+    BAT_MOTION_METHOD_AUTO,   ///< BAT_MOTION_METHOD_SPLINE where there are times, or a rate; BAT_MOTION_METHOD_HERMITE where
+                              ///< there are none, or for another Hermite scheme than the default one
     BAT_MOTION_METHOD_SPLINE, ///< bat_motion_spline_make(): keyframes are samples in time
     BAT_MOTION_METHOD_HERMITE ///< Hermite schemes: bat_hermite_refine() by levels, for shapes; times do not steer it. At a
                               ///< rate, bat_hermite_sample_rate()
@@ -75,9 +75,8 @@ extern BAT_API const bat_family bat_motion_scheme_family;
 
 /// The options' default values.
 BAT_API bat_motion_curves_options bat_motion_curves_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_motion_curves_options_check(const bat_motion_curves_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_motion_curves_fields;
 
 /// Whether the curves of a set have times: a channel from a column of that name.
 BAT_API bool bat_motion_has_times(const bat_curve_set *set);

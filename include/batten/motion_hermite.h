@@ -131,9 +131,8 @@ typedef struct bat_hermite_refine_options
 
 /// The options' default values.
 BAT_API bat_hermite_refine_options bat_hermite_refine_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_hermite_refine_options_check(const bat_hermite_refine_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_hermite_refine_fields;
 
 /// Refine Hermite data by repeated subdivision.
 ///

@@ -77,9 +77,8 @@ typedef struct bat_motion_spline_options
 
 /// The options' default values.
 BAT_API bat_motion_spline_options bat_motion_spline_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_motion_spline_options_check(const bat_motion_spline_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_motion_spline_fields;
 
 /// A spline prepared for evaluation. It never changes, so that threads may share it.
 typedef struct bat_motion_spline bat_motion_spline;

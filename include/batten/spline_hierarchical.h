@@ -35,9 +35,8 @@ typedef struct bat_hierarchical_options
 
 /// The default options.
 BAT_API bat_hierarchical_options bat_hierarchical_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_hierarchical_options_check(const bat_hierarchical_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_hierarchical_fields;
 
 /// Cells of one level: those of columns low[0] to high[0] - 1 and rows low[1] to high[1] - 1 of the level's grid.
 typedef struct bat_spline_box

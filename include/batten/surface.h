@@ -51,9 +51,8 @@ typedef struct bat_surface_reconstruct_options
 
 /// The default options.
 BAT_API bat_surface_reconstruct_options bat_surface_reconstruct_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_surface_reconstruct_options_check(const bat_surface_reconstruct_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_surface_reconstruct_fields;
 
 /// What is wrong with a surface.
 typedef enum bat_surface_fault

@@ -49,9 +49,8 @@ typedef struct bat_surface_write_options
 
 /// The options' default values.
 BAT_API bat_surface_write_options bat_surface_write_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_surface_write_options_check(const bat_surface_write_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_surface_write_fields;
 
 /// Write a surface; the file appears whole or not at all.
 /// @param path    "-" for standard output (with a format)

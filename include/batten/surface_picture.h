@@ -32,9 +32,8 @@ typedef struct bat_surface_picture_options
 
 /// The options' default values.
 BAT_API bat_surface_picture_options bat_surface_picture_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_surface_picture_options_check(const bat_surface_picture_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_surface_picture_fields;
 
 /// Draw rows of panels: cloud, surface, points coloured by error, parameter plane with the hierarchical mesh. The ending
 /// chooses PNG, SVG or PDF. The file appears whole or not at all; the same input gives the same bytes.

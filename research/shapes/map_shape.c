@@ -33,14 +33,16 @@ bat_shape_map_options bat_shape_map_defaults(void)
     return (bat_shape_map_options){.countries = 200, .detail = 2, .seed = 1};
 }
 
-bat_status bat_shape_map_options_check(const bat_shape_map_options *options, bat_error *error)
+static bat_status shape_map_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_shape_map_options, countries, OPTION_SIZE, MAP_MIN_COUNTRIES, MAP_MAX_COUNTRIES),
         OPTION_FIELD(bat_shape_map_options, detail, OPTION_SIZE, 1, MAX_DETAIL),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_shape_map_fields = {"bat_shape_map_options", shape_map_options_check};
 
 static const char *pick(bat_random *random, const char *const *words, size_t count)
 {
@@ -220,7 +222,7 @@ bat_status bat_shape_map(const bat_shape_map_options *options, bat_curve_set *se
 {
     const bat_shape_map_options defaults = bat_shape_map_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_shape_map_options_check(options, error);
+    bat_status status = bat_options_check(&bat_shape_map_fields, options, error);
     if (status != BAT_OK)
         return status;
     bat_random random = bat_random_seed(hash_bytes(HASH_BEGIN, "map", 3) + options->seed * UINT64_C(0x9e3779b97f4a7c15));

@@ -82,18 +82,19 @@ void bezier_surface_at(const bezier_surface *surface, const double parameter[2],
         point[c] = sum[c];
 }
 
-bat_status bat_cloud_bezier_options_check(const bat_cloud_bezier_options *options, bat_error *error)
+static bat_status cloud_bezier_options_check(const void *opaque, bat_error *error)
 {
+    const bat_cloud_bezier_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_cloud_bezier_options, degree, OPTION_INT, 1, BEZIER_MAX_DEGREE),
         OPTION_FIELD(bat_cloud_bezier_options, noise, OPTION_NUMBER, 0, INFINITY),
     };
-    if (options == NULL)
-        return BAT_OK;
     if (options->side == 1)
         return error_option(error, "side", "is 1, but must be 0 or at least 2");
     return OPTIONS_CHECK(options, FIELDS, error);
 }
+
+const bat_options_table bat_cloud_bezier_fields = {"bat_cloud_bezier_options", cloud_bezier_options_check};
 
 /// Equally spaced boundary parameters, then uniformly distributed interior ones.
 static void draw_parameters(sampled_cloud *sampled, size_t side, bat_random *random)
@@ -111,7 +112,7 @@ bat_status bat_cloud_bezier(const bat_cloud_bezier_options *options, bat_random 
 {
     const bat_cloud_bezier_options defaults = bat_cloud_bezier_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_cloud_bezier_options_check(options, error);
+    bat_status status = bat_options_check(&bat_cloud_bezier_fields, options, error);
     if (status != BAT_OK)
         return status;
     size_t side = options->side > 0 ? options->side : 2 + (size_t)lround(sqrt((double)options->interior));

@@ -91,3 +91,8 @@ bat_status options_check(const void *options, const option_field *fields, size_t
     }
     return BAT_OK;
 }
+
+bat_status bat_options_check(const bat_options_table *table, const void *options, bat_error *error)
+{
+    return options == NULL ? BAT_OK : table->check(options, error);
+}

@@ -22,8 +22,9 @@ bat_curve_refine_options bat_curve_refine_defaults(void)
     };
 }
 
-bat_status bat_curve_refine_options_check(const bat_curve_refine_options *options, bat_error *error)
+static bat_status curve_refine_options_check(const void *opaque, bat_error *error)
 {
+    const bat_curve_refine_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_curve_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
         OPTION_FAMILY(bat_curve_refine_options, ends, bat_curve_end_rule_family),
@@ -36,11 +37,11 @@ bat_status bat_curve_refine_options_check(const bat_curve_refine_options *option
         OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
         OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     return status == BAT_OK ? bat_curve_scheme_check(&options->scheme, error) : status;
 }
+
+const bat_options_table bat_curve_refine_fields = {"bat_curve_refine_options", curve_refine_options_check};
 
 /// Whether a checked scheme has a meaning in a space, with the other options.
 static bat_status check_space(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)
@@ -134,7 +135,7 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_opti
                             bat_error *error)
 {
     *plan = (refine_plan){.options = options != NULL ? *options : bat_curve_refine_defaults()};
-    bat_status status = bat_curve_refine_options_check(&plan->options, error);
+    bat_status status = bat_options_check(&bat_curve_refine_fields, &plan->options, error);
     if (status != BAT_OK)
         return status;
     if (plan->options.scheme.kind == BAT_CURVE_SCHEME_AUTO)

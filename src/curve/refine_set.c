@@ -79,7 +79,7 @@ bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_cu
     size_t failed = 0;
     for (size_t i = 0; i < count; i++)
         fine[i] = (bat_curve){.space = coarse[i].space};
-    bat_status status = bat_curve_refine_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_refine_fields, options, error);
     if (status != BAT_OK)
         return status;
     int threads = threads_for(options->threads, SIZE_MAX);

@@ -52,8 +52,9 @@ static const bat_choice KINDS[] = {
 };
 const bat_family bat_hermite_kind_family = FAMILY("kind of Hermite schemes", KINDS);
 
-bat_status bat_hermite_refine_options_check(const bat_hermite_refine_options *options, bat_error *error)
+static bat_status hermite_refine_options_check(const void *opaque, bat_error *error)
 {
+    const bat_hermite_refine_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_hermite_refine_options, kind, bat_hermite_kind_family),
         OPTION_FIELD(bat_hermite_refine_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
@@ -62,11 +63,13 @@ bat_status bat_hermite_refine_options_check(const bat_hermite_refine_options *op
         OPTION_FIELD(bat_hermite_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
         OPTION_THREADS(bat_hermite_refine_options),
     };
-    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK || options == NULL || options->kind != BAT_HERMITE_KIND_TRANSPORT)
         return status;
     return hermite_mask_check(&options->mask, error);
 }
+
+const bat_options_table bat_hermite_refine_fields = {"bat_hermite_refine_options", hermite_refine_options_check};
 
 static refine_kernel make_kernel(const hermite_plan *plan)
 {
@@ -314,7 +317,7 @@ bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite
     // Without a step, or with one that does not check its edges, every edge is checked here.
     hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
     parts.admissible = directions && parts.edges;
-    bat_status status = bat_hermite_refine_options_check(plan.options, error);
+    bat_status status = bat_options_check(&bat_hermite_refine_fields, plan.options, error);
     if (status == BAT_OK)
         status = hermite_check(coarse, parts, plan.options->threads, error);
     if (status == BAT_OK)

@@ -259,24 +259,25 @@ static bat_status check_times(const bat_motion_curves_options *options, bat_erro
     return BAT_OK;
 }
 
-bat_status bat_motion_curves_options_check(const bat_motion_curves_options *options, bat_error *error)
+static bat_status motion_curves_options_check(const void *opaque, bat_error *error)
 {
+    const bat_motion_curves_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_motion_curves_options, method, bat_motion_method_family),
         OPTION_FIELD(bat_motion_curves_options, rate, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_motion_curves_options, tangent_order, OPTION_SIZE, 0, 4),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options->tangent_order % 2 == 1)
         status = error_option(error, "tangent_order", "is %zu, but must be 0, 2 or 4", options->tangent_order);
     if (status == BAT_OK)
         status = check_times(options, error);
     if (status == BAT_OK)
-        status = bat_motion_spline_options_check(&options->spline, error);
-    return status == BAT_OK ? bat_hermite_refine_options_check(&options->scheme, error) : status;
+        status = bat_options_check(&bat_motion_spline_fields, &options->spline, error);
+    return status == BAT_OK ? bat_options_check(&bat_hermite_refine_fields, &options->scheme, error) : status;
 }
+
+const bat_options_table bat_motion_curves_fields = {"bat_motion_curves_options", motion_curves_options_check};
 
 /// Whether the options fit the columns of a set.
 static bat_status check_columns(const bat_curve_set *set, const bat_motion_curves_options *options,
@@ -306,7 +307,7 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
     bat_hermite_curve made;
     bat_error fault = {.index = BAT_NO_INDEX};
     motion_channels channels = channels_of(set);
-    bat_status status = bat_motion_curves_options_check(options, &fault);
+    bat_status status = bat_options_check(&bat_motion_curves_fields, options, &fault);
     if (status == BAT_OK)
         status = check_columns(set, options, &channels, &fault);
     bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT ||
@@ -705,7 +706,7 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_cu
     if (failed != NULL)
         *failed = 0;
     motion_channels channels = channels_of(keyframes);
-    bat_status status = bat_motion_curves_options_check(options, error);
+    bat_status status = bat_options_check(&bat_motion_curves_fields, options, error);
     if (status == BAT_OK)
         status = check_columns(keyframes, options, &channels, error);
     if (status == BAT_OK)

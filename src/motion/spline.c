@@ -87,8 +87,9 @@ bat_motion_spline_options bat_motion_spline_defaults(void)
     return (bat_motion_spline_options){.ends = BAT_MOTION_ENDS_AUTO, .shape = BAT_MOTION_SHAPE_RESTING};
 }
 
-bat_status bat_motion_spline_options_check(const bat_motion_spline_options *options, bat_error *error)
+static bat_status motion_spline_options_check(const void *opaque, bat_error *error)
 {
+    const bat_motion_spline_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_motion_spline_options, ends, bat_motion_ends_family),
         OPTION_FAMILY(bat_motion_spline_options, shape, bat_motion_shape_family),
@@ -97,8 +98,6 @@ bat_status bat_motion_spline_options_check(const bat_motion_spline_options *opti
         OPTION_FAMILY(bat_motion_spline_options, outliers, bat_motion_outliers_family),
         OPTION_THREADS(bat_motion_spline_options),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_KEPT && !(options->sigma > 0) &&
         !(options->angle_sigma > 0))
@@ -110,6 +109,8 @@ bat_status bat_motion_spline_options_check(const bat_motion_spline_options *opti
                             bat_choice_name(&bat_motion_ends_family, (int)options->ends));
     return status;
 }
+
+const bat_options_table bat_motion_spline_fields = {"bat_motion_spline_options", motion_spline_options_check};
 
 void bat_motion_spline_free(bat_motion_spline *spline)
 {
@@ -320,7 +321,7 @@ bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motio
                                   bat_motion_spline **spline, bat_error *error)
 {
     bat_motion_spline_options defaults = bat_motion_spline_defaults();
-    bat_status status = bat_motion_spline_options_check(options, error);
+    bat_status status = bat_options_check(&bat_motion_spline_fields, options, error);
     if (status == BAT_OK)
         status = check_keys(keys, error);
     options = options != NULL ? options : &defaults;

@@ -87,18 +87,17 @@ void bat_surface_result_free(bat_surface_result *result)
     *result = (bat_surface_result){0};
 }
 
-bat_status bat_surface_reconstruct_options_check(const bat_surface_reconstruct_options *options, bat_error *error)
+static bat_status surface_reconstruct_options_check(const void *opaque, bat_error *error)
 {
+    const bat_surface_reconstruct_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_surface_reconstruct_options, parameters, bat_surface_parameters_family),
         OPTION_FAMILY(bat_surface_reconstruct_options, sides, bat_cloud_sides_family),
         OPTION_FIELD(bat_surface_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK)
-        status = bat_surface_fit_options_check(&options->fit, error);
+        status = bat_options_check(&bat_surface_fit_fields, &options->fit, error);
     if (status != BAT_OK)
         return status;
     if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
@@ -115,6 +114,9 @@ bat_status bat_surface_reconstruct_options_check(const bat_surface_reconstruct_o
                             options->fit.functions, minimum);
     return BAT_OK;
 }
+
+const bat_options_table bat_surface_reconstruct_fields = {"bat_surface_reconstruct_options",
+                                                          surface_reconstruct_options_check};
 
 /// The state of a reconstruction.
 typedef struct reconstruction
@@ -618,7 +620,7 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstru
     bat_surface_result made = {0};
     bat_error failure = {0};
     bool one_sided = false;
-    bat_status status = bat_surface_reconstruct_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_reconstruct_fields, options, error);
     if (status != BAT_OK)
         return status;
     options = options != NULL ? options : &defaults;
@@ -690,7 +692,7 @@ bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_reconstruc
                                   bat_surface_chart **chart, bat_error *error)
 {
     const bat_surface_reconstruct_options defaults = bat_surface_reconstruct_defaults();
-    bat_status status = bat_surface_reconstruct_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_reconstruct_fields, options, error);
     options = options != NULL ? options : &defaults;
     if (status == BAT_OK && (cloud->count <= BAT_SURFACE_ALL_POINTS || cloud->triangle_count > 0 || options->published ||
                              options->trim || options->parameters != BAT_SURFACE_PARAMETERS_AUTO))

@@ -641,7 +641,7 @@ bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud 
 {
     const bat_surface_fit_options defaults = bat_surface_fit_defaults();
     cloud_geometry geometry = {0};
-    bat_status status = bat_surface_fit_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
     options = options != NULL ? options : &defaults;
     if (status == BAT_OK)
         status = bat_cloud_check(cloud, error);

@@ -259,9 +259,9 @@ static void others_are_refused(void **state)
     options = smoothing(0, 0.1, BAT_MOTION_OUTLIERS_KEPT);
     assert_int_equal(bat_motion_spline_make(&round, &options, &spline, &error), BAT_INVALID_ARGUMENT);
     options = smoothing(0, 0, BAT_MOTION_OUTLIERS_HUBER);
-    assert_int_equal(bat_motion_spline_options_check(&options, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_options_check(&bat_motion_spline_fields, &options, &error), BAT_INVALID_ARGUMENT);
     options = smoothing(-1, 0, BAT_MOTION_OUTLIERS_KEPT);
-    assert_int_equal(bat_motion_spline_options_check(&options, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_options_check(&bat_motion_spline_fields, &options, &error), BAT_INVALID_ARGUMENT);
     assert_null(spline);
 }
 

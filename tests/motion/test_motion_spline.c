@@ -614,7 +614,7 @@ static void clamped_ends_take_velocities(void **state)
         bat_motion_spline_velocities(spline, velocities);
         options.begin_velocity = velocities;
         options.end_velocity = velocities + 8 * space->tangent_dim;
-        assert_int_equal(bat_motion_spline_options_check(&options, NULL), BAT_INVALID_ARGUMENT);
+        assert_int_equal(bat_options_check(&bat_motion_spline_fields, &options, NULL), BAT_INVALID_ARGUMENT);
         options.ends = BAT_MOTION_ENDS_CLAMPED;
         bat_motion_spline *clamped = must_make(&made.curve, &options);
         must_give(clamped, 4, p[0], v, NULL);

@@ -772,7 +772,7 @@ typedef struct option_family
     }                                                                                                                       \
     static bat_status stem##_verify(const void *options, bat_error *error)                                                  \
     {                                                                                                                       \
-        return bat_##stem##_options_check(options, error);                                                                  \
+        return bat_options_check(&bat_##stem##_fields, options, error);                                                     \
     }
 
 FAMILY(curve_refine, bat_curve_refine_defaults)

@@ -19,9 +19,8 @@ typedef struct bat_shape_map_options
 
 /// The options' default values.
 BAT_API bat_shape_map_options bat_shape_map_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_shape_map_options_check(const bat_shape_map_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_shape_map_fields;
 
 /// Make a map of the Earth's size: polygons of longitude and latitude that border on each other, with islands, lakes,
 /// islands in lakes, enclaves, straight borders along meridians (of one edge) and parallels, one country around the south

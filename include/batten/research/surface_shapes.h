@@ -21,9 +21,8 @@ typedef struct bat_cloud_bezier_options
 
 /// The options' default values.
 BAT_API bat_cloud_bezier_options bat_cloud_bezier_defaults(void);
-/// Check options; null passes.
-/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the field out of range
-BAT_API bat_status bat_cloud_bezier_options_check(const bat_cloud_bezier_options *options, bat_error *error);
+/// Its table, for bat_options_check().
+extern BAT_API const bat_options_table bat_cloud_bezier_fields;
 
 /// Sample a tensor-product Bézier surface whose control point (i, j) is drawn from [i/p - 1/(2p), i/p + 1/(2p)] x the same
 /// of j x [-1, 1] (Giannelli et al., 2023, section 4.2, there for p = 2).

@@ -23,15 +23,17 @@ bat_mask_analyze_options bat_mask_analyze_defaults(void)
     return (bat_mask_analyze_options){.depth = 12, .tolerance = 1e-10, .vertices = 1000};
 }
 
-bat_status bat_mask_analyze_options_check(const bat_mask_analyze_options *options, bat_error *error)
+static bat_status mask_analyze_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mask_analyze_options, depth, OPTION_SIZE, 1, BAT_ANALYSIS_MAX_DEPTH),
         OPTION_FIELD(bat_mask_analyze_options, tolerance, OPTION_ABOVE, 0, 1),
         OPTION_FIELD(bat_mask_analyze_options, vertices, OPTION_SIZE, 1, ANALYSIS_VERTEX_LIMIT),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_mask_analyze_fields = {"bat_mask_analyze_options", mask_analyze_options_check};
 
 /// The largest k >= 0 with radius < 2^-k, or -1: limits are C^k where differences of order k + 1 shrink faster than 2^-k,
 /// and those of order k + 1 <= n shrink like the larger of `radius` and 2^-(k + 1). Never above n - 1.
@@ -165,7 +167,7 @@ bat_status bat_mask_analyze(const bat_mask *mask, const bat_mask_analyze_options
 {
     const bat_mask_analyze_options chosen = options != NULL ? *options : bat_mask_analyze_defaults();
     mask_symbol symbol;
-    bat_status status = bat_mask_analyze_options_check(&chosen, error);
+    bat_status status = bat_options_check(&bat_mask_analyze_fields, &chosen, error);
     if (status == BAT_OK)
         status = symbol_make(mask, &symbol, error);
     if (status != BAT_OK)

@@ -343,21 +343,22 @@ static size_t common_factors(const sweep *s, const bat_mask *begin, const bat_ma
     return factors;
 }
 
-bat_status bat_mask_sweep_options_check(const bat_mask_sweep_options *options, bat_error *error)
+static bat_status mask_sweep_options_check(const void *opaque, bat_error *error)
 {
+    const bat_mask_sweep_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mask_sweep_options, begin, OPTION_NUMBER, -INFINITY, INFINITY),
         OPTION_FIELD(bat_mask_sweep_options, end, OPTION_NUMBER, -INFINITY, INFINITY),
         OPTION_FIELD(bat_mask_sweep_options, smoothness, OPTION_SIZE, 0, SMOOTHNESS_LIMIT),
         OPTION_FIELD(bat_mask_sweep_options, tolerance, OPTION_NUMBER, 0, INFINITY),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && !(options->begin < options->end))
         status = error_option(error, "end", "is %.10g, but must be above begin, %.10g", options->end, options->begin);
-    return status == BAT_OK ? bat_mask_analyze_options_check(&options->analysis, error) : status;
+    return status == BAT_OK ? bat_options_check(&bat_mask_analyze_fields, &options->analysis, error) : status;
 }
+
+const bat_options_table bat_mask_sweep_fields = {"bat_mask_sweep_options", mask_sweep_options_check};
 
 static bat_status check_masks(const sweep *s, const bat_mask *begin, const bat_mask *end)
 {
@@ -402,7 +403,7 @@ bat_status bat_mask_sweep(bat_mask_family family, void *context, const bat_mask_
 {
     const bat_mask_sweep_options defaults = bat_mask_sweep_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_mask_sweep_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mask_sweep_fields, options, error);
     if (status != BAT_OK)
         return status;
     const double length = options->end - options->begin;

@@ -32,18 +32,19 @@ bat_curve_map_refine_options bat_curve_map_refine_defaults(void)
     return (bat_curve_map_refine_options){.refine = bat_curve_refine_defaults(), .decimals = 10};
 }
 
-bat_status bat_curve_map_refine_options_check(const bat_curve_map_refine_options *options, bat_error *error)
+static bat_status curve_map_refine_options_check(const void *opaque, bat_error *error)
 {
+    const bat_curve_map_refine_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_curve_map_refine_options, topology, bat_curve_map_topology_family),
         OPTION_FIELD(bat_curve_map_refine_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_map_refine_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    return status == BAT_OK ? bat_curve_refine_options_check(&options->refine, error) : status;
+    return status == BAT_OK ? bat_options_check(&bat_curve_refine_fields, &options->refine, error) : status;
 }
+
+const bat_options_table bat_curve_map_refine_fields = {"bat_curve_map_refine_options", curve_map_refine_options_check};
 
 /// A map during refinement.
 typedef struct map_job
@@ -359,7 +360,7 @@ bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map
     size_t place = BAT_NO_INDEX;
     failed = failed != NULL ? failed : &place;
     *failed = BAT_NO_INDEX;
-    bat_status status = bat_curve_map_refine_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_map_refine_fields, options, error);
     if (status != BAT_OK)
         return status;
     map_job job = {.curves = coarse->curves, .count = coarse->count, .refine = options->refine};

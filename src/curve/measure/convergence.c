@@ -132,7 +132,7 @@ static bat_status max_distance(const question *asked, const bat_curve_measure_op
 bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine, const bat_curve_measure_options *options,
                                     double *distance, bat_error *error)
 {
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
         return status;
     if (coarse->count < 2 || fine->count == 0)
@@ -152,7 +152,7 @@ bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fi
 bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
                                     const bat_curve_measure_options *options, double *distance, bat_error *error)
 {
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
         return status;
     if (curve->count == 0)

@@ -89,7 +89,7 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_op
                               bat_curve_fairness_values *fairness, bat_error *error)
 {
     double offset = options == NULL ? BAT_CURVE_BENDING_OFFSET : options->bending_offset;
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status == BAT_OK && curve->count == 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the curve has no points");
     if (status == BAT_OK)

@@ -28,14 +28,16 @@ bat_curve_measure_options bat_curve_measure_defaults(void)
     return (bat_curve_measure_options){.bending_offset = BAT_CURVE_BENDING_OFFSET};
 }
 
-bat_status bat_curve_measure_options_check(const bat_curve_measure_options *options, bat_error *error)
+static bat_status curve_measure_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_curve_measure_options, bending_offset, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_measure_options),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_curve_measure_fields = {"bat_curve_measure_options", curve_measure_options_check};
 
 static const bat_measure FAIRNESS[] = {
     MEASURE(bat_curve_fairness_values, bending, "bending energy", NUMBER),
@@ -268,7 +270,7 @@ bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, co
     bat_curve_measure_options defaults = bat_curve_measure_defaults();
     options = options == NULL ? &defaults : options;
     one_way there = {0}, back = {0};
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status == BAT_OK)
         status = check_pair(first, second, options, error);
     if (status != BAT_OK)

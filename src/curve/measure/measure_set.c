@@ -71,7 +71,7 @@ bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, s
                               bat_error *error)
 {
     set_task task = {.first = first, .second = second, .distances = distances};
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
         return status;
     task.options = options != NULL ? *options : bat_curve_measure_defaults();
@@ -84,7 +84,7 @@ bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_
                                bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error)
 {
     set_task task = {.first = curves, .fairness = fairness};
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
         return status;
     task.options = options != NULL ? *options : bat_curve_measure_defaults();

@@ -42,7 +42,7 @@ bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat_error *
 bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
                                  bool *simple, size_t *failed_curve, bat_error *error)
 {
-    bat_status status = bat_curve_measure_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
         return status;
     const bat_curve_measure_options own = options != NULL ? *options : bat_curve_measure_defaults();

@@ -121,7 +121,7 @@ bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t cou
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "charts need a file name and at least one chart");
     }
     chart_set set = {charts, options != NULL ? options : &defaults, NULL};
-    bat_status status = bat_curve_picture_options_check(set.options, error);
+    bat_status status = bat_options_check(&bat_curve_picture_fields, set.options, error);
     if (status != BAT_OK)
     {
         return status;

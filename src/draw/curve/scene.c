@@ -74,8 +74,9 @@ static const bat_choice PROJECTIONS[] = {
 };
 const bat_family bat_curve_projection_family = FAMILY("projection", PROJECTIONS);
 
-bat_status bat_curve_picture_options_check(const bat_curve_picture_options *options, bat_error *error)
+static bat_status curve_picture_options_check(const void *opaque, bat_error *error)
 {
+    const bat_curve_picture_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_curve_picture_options, width, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
         OPTION_FIELD(bat_curve_picture_options, height, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
@@ -85,13 +86,15 @@ bat_status bat_curve_picture_options_check(const bat_curve_picture_options *opti
         OPTION_FIELD(bat_curve_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
         OPTION_FIELD(bat_curve_picture_options, comb_scale, OPTION_NUMBER, 0, INFINITY),
     };
-    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options != NULL && !text_is_valid(options->title))
         status = error_option(error, "title", "must be UTF-8 without control characters");
     if (status == BAT_OK && options != NULL && !text_is_valid(options->unit))
         status = error_option(error, "unit", "must be UTF-8 without control characters");
     return status;
 }
+
+const bat_options_table bat_curve_picture_fields = {"bat_curve_picture_options", curve_picture_options_check};
 
 static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel, size_t index, bat_error *error)
 {
@@ -453,7 +456,7 @@ static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_e
 bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, const bat_curve_picture_options *options,
                          scene *made, bat_error *error)
 {
-    bat_status status = bat_curve_picture_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_picture_fields, options, error);
     if (status != BAT_OK)
     {
         return status;

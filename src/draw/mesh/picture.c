@@ -61,8 +61,9 @@ static const bat_choice UP_AXES[] = {
 };
 const bat_family bat_mesh_up_family = FAMILY("axis", UP_AXES);
 
-bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *options, bat_error *error)
+static bat_status mesh_picture_options_check(const void *opaque, bat_error *error)
 {
+    const bat_mesh_picture_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_picture_options, width, OPTION_NUMBER, 0, LARGEST_SIDE),
         OPTION_FIELD(bat_mesh_picture_options, height, OPTION_NUMBER, 0, LARGEST_SIDE),
@@ -74,8 +75,6 @@ bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *option
         OPTION_FIELD(bat_mesh_picture_options, value_high, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
         OPTION_THREADS(bat_mesh_picture_options),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK)
         return status;
@@ -86,6 +85,8 @@ bat_status bat_mesh_picture_options_check(const bat_mesh_picture_options *option
                                                                : NULL;
     return wrong == NULL ? BAT_OK : error_option(error, wrong, "must be UTF-8 without control characters");
 }
+
+const bat_options_table bat_mesh_picture_fields = {"bat_mesh_picture_options", mesh_picture_options_check};
 
 /// Prefix the text of an error with the number of its panel.
 static bat_status name_panel(bat_error *error, bat_status status, size_t panel)
@@ -152,7 +153,7 @@ static void find_frames(mesh_scene *made)
 static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count, const bat_mesh_picture_options *options,
                               mesh_scene *made, bat_error *error)
 {
-    bat_status status = bat_mesh_picture_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mesh_picture_fields, options, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = check_panel(&panels[i], i, error);
     if (status != BAT_OK)

@@ -64,22 +64,23 @@ bat_motion_picture_options bat_motion_picture_defaults(void)
     return (bat_motion_picture_options){.pixels_per_point = 2, .legend = true};
 }
 
-bat_status bat_motion_picture_options_check(const bat_motion_picture_options *options, bat_error *error)
+static bat_status motion_picture_options_check(const void *opaque, bat_error *error)
 {
+    const bat_motion_picture_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_motion_picture_options, width, OPTION_ZERO, 100, 10000),
         OPTION_FIELD(bat_motion_picture_options, height, OPTION_ZERO, 100, 10000),
         OPTION_FIELD(bat_motion_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
         OPTION_FIELD(bat_motion_picture_options, poses, OPTION_SIZE, 0, 1000),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK &&
         !(text_is_valid(options->title) && text_is_valid(options->length_unit) && text_is_valid(options->time_unit)))
         status = error_option(error, "title", "and units must be UTF-8 without control characters");
     return status;
 }
+
+const bat_options_table bat_motion_picture_fields = {"bat_motion_picture_options", motion_picture_options_check};
 
 // Charts
 
@@ -389,7 +390,7 @@ static bat_status write_motions(const char *path, const bat_curve_set *keyframes
     options = options != NULL ? options : &defaults;
     bat_status status = canvas_format_of(path, &format, error);
     if (status == BAT_OK)
-        status = bat_motion_picture_options_check(options, error);
+        status = bat_options_check(&bat_motion_picture_fields, options, error);
     if (status != BAT_OK)
         return status;
     film_page *page = calloc(1, sizeof *page);
@@ -419,6 +420,6 @@ bat_status bat_motion_splines_picture_write(const char *path, const bat_curve_se
     how.spline.sigma = 1; // rules are refused without
     if (splines == NULL)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture of splines needs splines");
-    bat_status status = bat_motion_spline_options_check(&how.spline, error);
+    bat_status status = bat_options_check(&bat_motion_spline_fields, &how.spline, error);
     return status == BAT_OK ? write_motions(path, keyframes, splines, &how, options, error) : status;
 }

@@ -32,8 +32,9 @@ bat_surface_picture_options bat_surface_picture_defaults(void)
     return (bat_surface_picture_options){.width = 0};
 }
 
-bat_status bat_surface_picture_options_check(const bat_surface_picture_options *options, bat_error *error)
+static bat_status surface_picture_options_check(const void *opaque, bat_error *error)
 {
+    const bat_surface_picture_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_surface_picture_options, largest_error, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_surface_picture_options, view[0], OPTION_NUMBER, -INFINITY, INFINITY),
@@ -43,12 +44,12 @@ bat_status bat_surface_picture_options_check(const bat_surface_picture_options *
         OPTION_FIELD(bat_surface_picture_options, up[1], OPTION_NUMBER, -INFINITY, INFINITY),
         OPTION_FIELD(bat_surface_picture_options, up[2], OPTION_NUMBER, -INFINITY, INFINITY),
     };
-    if (options == NULL)
-        return BAT_OK;
     if (options->width != 0 && (options->width < MIN_WIDTH || options->width > MAX_WIDTH))
         return error_option(error, "width", "is %d, but must be 0 or from %d to %d", options->width, MIN_WIDTH, MAX_WIDTH);
     return OPTIONS_CHECK(options, FIELDS, error);
 }
+
+const bat_options_table bat_surface_picture_fields = {"bat_surface_picture_options", surface_picture_options_check};
 
 /// Check that the parts of a row are consistent.
 static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
@@ -99,7 +100,7 @@ static bat_status check_surface(const bat_spline_surface *surface, size_t index,
 static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
                                         const bat_surface_picture_options *options, bat_error *error)
 {
-    bat_status status = bat_surface_picture_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_picture_fields, options, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         status = check_parts(&rows[i], i, error);

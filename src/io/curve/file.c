@@ -183,30 +183,33 @@ bat_curve_write_options bat_curve_write_defaults(void)
     return (bat_curve_write_options){.format = BAT_CURVE_FORMAT_AUTO, .precision = 10};
 }
 
-bat_status bat_curve_read_options_check(const bat_curve_read_options *options, bat_error *error)
+static bat_status curve_read_options_check(const void *opaque, bat_error *error)
 {
+    const bat_curve_read_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_curve_read_options, format, bat_curve_format_family),
         OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
         OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_read_options),
     };
-    if (options == NULL)
-        return BAT_OK;
     const char *fault = poses_euler_fault(options->euler);
     return fault == NULL ? OPTIONS_CHECK(options, FIELDS, error)
                          : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
 }
 
-bat_status bat_curve_write_options_check(const bat_curve_write_options *options, bat_error *error)
+const bat_options_table bat_curve_read_fields = {"bat_curve_read_options", curve_read_options_check};
+
+static bat_status curve_write_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_curve_write_options, format, bat_curve_format_family),
         OPTION_FIELD(bat_curve_write_options, precision, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
         OPTION_THREADS(bat_curve_write_options),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_curve_write_fields = {"bat_curve_write_options", curve_write_options_check};
 
 /// Whether a format has what the options name.
 static bat_status check_format_options(bat_curve_format format, const bat_curve_read_options *options, bat_error *error)
@@ -287,7 +290,7 @@ bat_status bat_curve_read(const char *path, const bat_curve_read_options *option
     bat_curve_read_options defaults = bat_curve_read_defaults();
     if (options == NULL)
         options = &defaults;
-    bat_status status = bat_curve_read_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_read_fields, options, error);
     if (status != BAT_OK)
         return status;
     bat_curve_format format = options->format;
@@ -311,7 +314,7 @@ bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_
     bat_curve_read_options defaults = bat_curve_read_defaults();
     if (options == NULL)
         options = &defaults;
-    bat_status status = bat_curve_read_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_read_fields, options, error);
     if (status != BAT_OK)
         return status;
     file_text copy;
@@ -326,7 +329,7 @@ bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_
 /// Check what is to be written and begin its report.
 static bat_status check_write(const bat_curve_set *set, const bat_curve_write_options *options, bat_error *error)
 {
-    bat_status status = bat_curve_write_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_write_fields, options, error);
     if (options->report != NULL)
         *options->report = (bat_curve_write_report){.first_left_out = BAT_NO_INDEX};
     if (status != BAT_OK)

@@ -57,15 +57,16 @@ bat_curve_refine_file_options bat_curve_refine_file_defaults(void)
         .read = bat_curve_read_defaults(), .refine = bat_curve_refine_defaults(), .write = bat_curve_write_defaults()};
 }
 
-bat_status bat_curve_refine_file_options_check(const bat_curve_refine_file_options *options, bat_error *error)
+static bat_status curve_refine_file_options_check(const void *opaque, bat_error *error)
 {
-    if (options == NULL)
-        return BAT_OK;
-    bat_status status = bat_curve_read_options_check(&options->read, error);
+    const bat_curve_refine_file_options *options = opaque;
+    bat_status status = bat_options_check(&bat_curve_read_fields, &options->read, error);
     if (status == BAT_OK)
-        status = bat_curve_refine_options_check(&options->refine, error);
-    return status == BAT_OK ? bat_curve_write_options_check(&options->write, error) : status;
+        status = bat_options_check(&bat_curve_refine_fields, &options->refine, error);
+    return status == BAT_OK ? bat_options_check(&bat_curve_write_fields, &options->write, error) : status;
 }
+
+const bat_options_table bat_curve_refine_file_fields = {"bat_curve_refine_file_options", curve_refine_file_options_check};
 
 static bat_status stream_open(const char *path, record_stream *stream, bat_error *error)
 {
@@ -407,7 +408,7 @@ bat_status bat_curve_refine_file(const char *input, const char *output, const ba
     const bat_curve_refine_file_options defaults = bat_curve_refine_file_defaults();
     bat_error unread;
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_curve_refine_file_options_check(options, error);
+    bat_status status = bat_options_check(&bat_curve_refine_file_fields, options, error);
     if (status != BAT_OK)
         return status;
     if (options->write.report != NULL)

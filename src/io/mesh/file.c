@@ -158,15 +158,17 @@ bat_mesh_write_options bat_mesh_write_defaults(void)
     return (bat_mesh_write_options){.format = BAT_MESH_FORMAT_AUTO, .encoding = BAT_MESH_ENCODING_BINARY};
 }
 
-bat_status bat_mesh_read_options_check(const bat_mesh_read_options *options, bat_error *error)
+static bat_status mesh_read_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_mesh_read_options, format, bat_mesh_format_family),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
 
-bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, bat_error *error)
+const bat_options_table bat_mesh_read_fields = {"bat_mesh_read_options", mesh_read_options_check};
+
+static bat_status mesh_write_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_mesh_write_options, format, bat_mesh_format_family),
@@ -174,8 +176,10 @@ bat_status bat_mesh_write_options_check(const bat_mesh_write_options *options, b
         OPTION_THREADS(bat_mesh_write_options),
         OPTION_FAMILY(bat_mesh_write_options, normals, bat_mesh_normals_family),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_mesh_write_fields = {"bat_mesh_write_options", mesh_write_options_check};
 
 /// The format whose signature a text has; BAT_MESH_FORMAT_AUTO for none. OBJ has no signature.
 static bat_mesh_format format_of_text(const file_text *text)
@@ -304,7 +308,7 @@ bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options,
         options = &defaults;
     file_text text;
     bat_mesh_format format;
-    bat_status status = bat_mesh_read_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mesh_read_fields, options, error);
     if (status == BAT_OK)
         status = format_for_path(path, false, options->format, &format, error);
     if (status == BAT_OK)
@@ -323,7 +327,7 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
     if (options == NULL)
         options = &defaults;
     file_text text;
-    bat_status status = bat_mesh_read_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mesh_read_fields, options, error);
     if (status == BAT_OK)
         status = file_text_copy(bytes, size, &text, error);
     if (status != BAT_OK)
@@ -353,7 +357,7 @@ bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, const ba
 
 static bat_status check_write(bat_mesh_format format, const bat_mesh_write_options *options, bat_error *error)
 {
-    bat_status status = bat_mesh_write_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mesh_write_fields, options, error);
     if (status != BAT_OK)
         return status;
     if (format == BAT_MESH_FORMAT_AUTO)

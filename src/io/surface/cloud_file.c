@@ -382,13 +382,12 @@ bat_cloud_read_options bat_cloud_read_defaults(void)
     return (bat_cloud_read_options){.format = BAT_CLOUD_FORMAT_AUTO};
 }
 
-bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, bat_error *error)
+static bat_status cloud_read_options_check(const void *opaque, bat_error *error)
 {
+    const bat_cloud_read_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_cloud_read_options, format, bat_cloud_format_family),
     };
-    if (options == NULL)
-        return BAT_OK;
     if (options->boundary > 0 && options->boundary_path != NULL)
         return error_option(error, "boundary",
                             "is %zu, but must be 0 beside a boundary_path: it is the first points or a file",
@@ -396,11 +395,13 @@ bat_status bat_cloud_read_options_check(const bat_cloud_read_options *options, b
     return OPTIONS_CHECK(options, FIELDS, error);
 }
 
+const bat_options_table bat_cloud_read_fields = {"bat_cloud_read_options", cloud_read_options_check};
+
 bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
 {
     const bat_cloud_read_options defaults = bat_cloud_read_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_cloud_read_options_check(options, error);
+    bat_status status = bat_options_check(&bat_cloud_read_fields, options, error);
     if (status != BAT_OK)
         return status;
     file_text text = {0}, boundary_text = {0};

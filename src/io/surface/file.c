@@ -72,8 +72,9 @@ bat_surface_write_options bat_surface_write_defaults(void)
     return (bat_surface_write_options){.format = BAT_SURFACE_FORMAT_AUTO};
 }
 
-bat_status bat_surface_write_options_check(const bat_surface_write_options *options, bat_error *error)
+static bat_status surface_write_options_check(const void *opaque, bat_error *error)
 {
+    const bat_surface_write_options *options = opaque;
     enum
     {
         MAX_SAMPLES = 1024
@@ -83,8 +84,6 @@ bat_status bat_surface_write_options_check(const bat_surface_write_options *opti
         OPTION_FAMILY(bat_surface_write_options, unit, bat_surface_unit_family),
         OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MAX_SAMPLES),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK)
         return status;
@@ -100,10 +99,12 @@ bat_status bat_surface_write_options_check(const bat_surface_write_options *opti
     return BAT_OK;
 }
 
+const bat_options_table bat_surface_write_fields = {"bat_surface_write_options", surface_write_options_check};
+
 bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
                          const bat_surface_write_options *options, bat_error *error)
 {
-    bat_status status = bat_surface_write_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_write_fields, options, error);
     if (status != BAT_OK)
         return status;
     if (format == BAT_SURFACE_FORMAT_AUTO)

@@ -54,8 +54,9 @@ bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
                                        .attributes = 0.5};
 }
 
-bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *options, bat_error *error)
+static bat_status mesh_decimate_options_check(const void *opaque, bat_error *error)
 {
+    const bat_mesh_decimate_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
         OPTION_FIELD(bat_mesh_decimate_options, error, OPTION_NUMBER, 0, INFINITY),
@@ -66,8 +67,6 @@ bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *opti
         OPTION_FIELD(bat_mesh_decimate_options, attributes, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_mesh_decimate_options),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     int targets = (options->vertices > 0) + (options->faces > 0) + (options->ratio > 0) + (options->error > 0);
     if (status == BAT_OK && targets > 1)
@@ -75,6 +74,8 @@ bat_status bat_mesh_decimate_options_check(const bat_mesh_decimate_options *opti
                          "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
     return status;
 }
+
+const bat_options_table bat_mesh_decimate_fields = {"bat_mesh_decimate_options", mesh_decimate_options_check};
 
 /// The numbers of vertices and faces to stop at.
 static bat_status find_target(const bat_mesh *fine, const bat_mesh_decimate_options *options, decimation_target *target,
@@ -219,7 +220,7 @@ bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_optio
     const bat_mesh_decimate_options defaults = bat_mesh_decimate_defaults();
     decimation_target target;
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_mesh_decimate_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mesh_decimate_fields, options, error);
     if (status == BAT_OK)
         status = bat_mesh_check(fine, error);
     if (status == BAT_OK)

@@ -341,22 +341,24 @@ static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error 
     return BAT_OK;
 }
 
-bat_status bat_mesh_compare_options_check(const bat_mesh_compare_options *options, bat_error *error)
+static bat_status mesh_compare_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_compare_options, samples, OPTION_SIZE, 1, MAX_SAMPLES),
         OPTION_FIELD(bat_mesh_compare_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_mesh_compare_options),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_mesh_compare_fields = {"bat_mesh_compare_options", mesh_compare_options_check};
 
 bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const bat_mesh_compare_options *options,
                             bat_mesh_distance *distance, bat_error *error)
 {
     bat_mesh_compare_options defaults = bat_mesh_compare_defaults();
     options = options == NULL ? &defaults : options;
-    bat_status status = bat_mesh_compare_options_check(options, error);
+    bat_status status = bat_options_check(&bat_mesh_compare_fields, options, error);
     if (status == BAT_OK)
         status = error_operand(error, check_side(first, "first", error), 0);
     if (status == BAT_OK)

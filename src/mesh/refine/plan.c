@@ -30,8 +30,9 @@ static const mesh_scheme *last_scheme(const bat_mesh_refine_options *options)
     return scheme->learned ? mesh_scheme_of(options->then) : scheme;
 }
 
-bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options, bat_error *error)
+static bat_status mesh_refine_options_check(const void *opaque, bat_error *error)
 {
+    const bat_mesh_refine_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_mesh_refine_options, scheme, bat_mesh_scheme_family),
         OPTION_FIELD(bat_mesh_refine_options, fairness, OPTION_NUMBER, 0, 1),
@@ -46,8 +47,6 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
         OPTION_FAMILY(bat_mesh_refine_options, rules.linear, bat_mesh_linear_family),
         OPTION_THREADS(bat_mesh_refine_options),
     };
-    if (options == NULL)
-        return BAT_OK;
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK)
         return status;
@@ -60,6 +59,8 @@ bat_status bat_mesh_refine_options_check(const bat_mesh_refine_options *options,
         return error_option(error, "limit_normals", "need limit and Loop's or Catmull and Clark's scheme at the end");
     return BAT_OK;
 }
+
+const bat_options_table bat_mesh_refine_fields = {"bat_mesh_refine_options", mesh_refine_options_check};
 
 static bat_status check_support(const bat_mesh_refine_options *options, bat_error *error)
 {

@@ -695,7 +695,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
         how.limit_normals = &normals;
     bat_status status = bat_mesh_check(coarse, error);
     if (status == BAT_OK)
-        status = bat_mesh_refine_options_check(&how, error);
+        status = bat_options_check(&bat_mesh_refine_fields, &how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
         how.scheme = choose_scheme(&how, bat_mesh_scheme_for(coarse));
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
@@ -775,7 +775,8 @@ static bat_status refine_triangles(const bat_polygon_mesh *coarse, const bat_mes
         if (coarse->offsets[f + 1] - coarse->offsets[f] != 3)
         {
             (void)error_set(error, BAT_UNSUPPORTED, f, 0, "face %zu has %u corners, but the scheme %s refines triangles", f,
-                            coarse->offsets[f + 1] - coarse->offsets[f], bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
+                            coarse->offsets[f + 1] - coarse->offsets[f],
+                            bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
             return error_remedy(error, BAT_UNSUPPORTED, "scheme", "catmull-clark refines polygons as they are");
         }
     bat_status status = bat_mesh_refine(&view, options, &made, fallback, error);
@@ -801,7 +802,7 @@ bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mes
     bool quads = false;
     bat_status status = bat_polygon_mesh_check(coarse, error);
     if (status == BAT_OK)
-        status = bat_mesh_refine_options_check(&how, error);
+        status = bat_options_check(&bat_mesh_refine_fields, &how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
         how.scheme = choose_scheme(&how, bat_polygon_mesh_scheme_for(coarse));
     if (status == BAT_OK)

@@ -98,8 +98,9 @@ static const bat_choice SMOOTHINGS[] = {
 };
 const bat_family bat_surface_smoothing_family = FAMILY("choice of smoothing", SMOOTHINGS);
 
-bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options, bat_error *error)
+static bat_status surface_fit_options_check(const void *opaque, bat_error *error)
 {
+    const bat_surface_fit_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_surface_fit_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_surface_fit_options, share, OPTION_ABOVE, 0, 1),
@@ -113,15 +114,17 @@ bat_status bat_surface_fit_options_check(const bat_surface_fit_options *options,
         OPTION_FIELD(bat_surface_fit_options, final_corrections, OPTION_INT, 0, MAX_ROUNDS),
         OPTION_THREADS(bat_surface_fit_options),
     };
-    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK || options == NULL)
         return status;
     if (options->smoothing == BAT_SURFACE_SMOOTHING_NOISE && !(options->noise > 0))
         return error_option(error, "noise", "is %.10g, but must be finite and above 0", options->noise);
     if (options->hold_out == 1)
         return error_option(error, "hold_out", "is 1, but must be 0 or 2 to %d", MAX_HOLD_OUT);
-    return bat_hierarchical_options_check(&options->space, error);
+    return bat_options_check(&bat_hierarchical_fields, &options->space, error);
 }
+
+const bat_options_table bat_surface_fit_fields = {"bat_surface_fit_options", surface_fit_options_check};
 
 /// The largest absolute coordinate.
 static bat_status size_of(const fit_points *points, double *size, bat_error *error)
@@ -737,7 +740,7 @@ static bat_status fit_all(const bat_group *group, const bat_surface_fit_backend 
     fit_loop loop = {0};
     const bat_surface_fit_options defaults = bat_surface_fit_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_surface_fit_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
     if (status == BAT_OK)
         status = numbers == NULL ? fit_points_check(data, error) : fit_points_check_part(group, data, numbers, error);
     if (status == BAT_OK)

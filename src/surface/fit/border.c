@@ -544,7 +544,7 @@ bat_status bat_surface_border_make(const bat_surface_fit_data *data, const bat_s
                                    bat_surface_border **border, bat_error *error)
 {
     const bat_surface_fit_options defaults = bat_surface_fit_defaults();
-    bat_status status = bat_surface_fit_options_check(options, error);
+    bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
     bat_surface_fit_data loop = *data;
     loop.count = data->boundary_count;
     if (status == BAT_OK)

@@ -49,15 +49,17 @@ bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
     return (bat_cloud_parameterize_options){.method = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING};
 }
 
-bat_status bat_cloud_parameterize_options_check(const bat_cloud_parameterize_options *options, bat_error *error)
+static bat_status cloud_parameterize_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_cloud_parameterize_options, method, bat_cloud_parameterization_family),
         OPTION_FIELD(bat_cloud_parameterize_options, radius, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_cloud_parameterize_options),
     };
-    return options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    return OPTIONS_CHECK(opaque, FIELDS, error);
 }
+
+const bat_options_table bat_cloud_parameterize_fields = {"bat_cloud_parameterize_options", cloud_parameterize_options_check};
 
 static bat_status check_cloud(const bat_cloud *cloud, const double *boundary, const bat_cloud_parameterize_options *options,
                               bat_error *error)
@@ -142,7 +144,7 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
 {
     const bat_cloud_parameterize_options defaults = bat_cloud_parameterize_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_cloud_parameterize_options_check(options, error);
+    bat_status status = bat_options_check(&bat_cloud_parameterize_fields, options, error);
     if (status == BAT_OK)
         status = check_cloud(cloud, boundary, options, error);
     if (status != BAT_OK)

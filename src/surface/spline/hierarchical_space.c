@@ -22,8 +22,9 @@ bat_hierarchical_options bat_hierarchical_defaults(void)
     return (bat_hierarchical_options){.degree = {2, 2}, .spans = {1, 1}, .truncated = true};
 }
 
-bat_status bat_hierarchical_options_check(const bat_hierarchical_options *options, bat_error *error)
+static bat_status hierarchical_options_check(const void *opaque, bat_error *error)
 {
+    const bat_hierarchical_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_hierarchical_options, degree[0], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
         OPTION_FIELD(bat_hierarchical_options, degree[1], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
@@ -31,11 +32,13 @@ bat_status bat_hierarchical_options_check(const bat_hierarchical_options *option
         OPTION_FIELD(bat_hierarchical_options, spans[1], OPTION_SIZE, 1, INFINITY),
         OPTION_FIELD(bat_hierarchical_options, admissible, OPTION_INT, 0, INT_MAX),
     };
-    bat_status status = options == NULL ? BAT_OK : OPTIONS_CHECK(options, FIELDS, error);
+    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK && options != NULL && options->admissible == 1)
         status = error_option(error, "admissible", "is 1, but must be 0 or at least 2");
     return status;
 }
+
+const bat_options_table bat_hierarchical_fields = {"bat_hierarchical_options", hierarchical_options_check};
 
 /// Whether the cells and functions of a level in each direction can be numbered with 32 bits.
 static bool level_fits(const bat_hierarchical_options *options, size_t level)
@@ -90,7 +93,7 @@ bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, 
 {
     const bat_hierarchical_options defaults = bat_hierarchical_defaults();
     options = options != NULL ? options : &defaults;
-    bat_status status = bat_hierarchical_options_check(options, error);
+    bat_status status = bat_options_check(&bat_hierarchical_fields, options, error);
     if (status != BAT_OK)
         return status;
     if (!level_fits(options, 0))
