@@ -183,7 +183,7 @@ int motion_read_times(curve_job *job)
 {
     bat_error error;
     size_t count;
-    if (bat_motion_times_read_since(job->times_file, bat_curve_set_time_origin(&job->coarse), &job->times, &count, &error) !=
+    if (bat_motion_times_read(job->times_file, bat_curve_set_time_origin(&job->coarse), &job->times, &count, &error) !=
         BAT_OK)
         return report_bad_input(job->call.given, job->times_file, &error);
     job->motion.times = job->times;

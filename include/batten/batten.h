@@ -36,7 +36,6 @@
 #include "batten/cloud.h"
 #include "batten/cloud_parameterize.h"
 #include "batten/spline.h"
-#include "batten/spline_hierarchical.h"
 #include "batten/surface.h"
 #include "batten/surface_fit.h"
 #endif

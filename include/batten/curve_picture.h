@@ -80,7 +80,7 @@ typedef struct bat_curve_picture_options
     bool own_frames;                 ///< every panel has its own scale and view, else a row shares them; default false
     bat_curve_projection projection; ///< default BAT_CURVE_PROJECTION_AUTO
     double longitude;                ///< of the middle of the globe or map, radians; NaN: automatic; default NaN
-    double latitude; ///< the same, -pi/2 to pi/2; automatic when either is NaN: see bat_curve_picture_view(); default NaN
+    double latitude;      ///< the same, -pi/2 to pi/2; automatic when either is NaN: see curve_picture_view(); default NaN
     bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_ROLE_CONTROL; default true
     bool control_points;  ///< draw the points of BAT_CURVE_LAYER_ROLE_CONTROL, if there are at most 5000; default true
     bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_ROLE_CURVE; default false
@@ -127,14 +127,6 @@ BAT_API bat_status bat_curve_picture_write(const char *path, const bat_curve_pic
 BAT_API bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, size_t count,
                                                 const bat_curve_picture_options *options, bat_curve_projection *taken,
                                                 bat_error *error);
-
-/// The automatic middle of the globe for curves on S^2: the direction of the mean of all points, weighted by length. Where
-/// curves surround the sphere and the mean says little, a view that shows the best plane through them obliquely, from
-/// the north.
-/// @param longitude,latitude receive radians
-/// @return BAT_OK, or as bat_curve_picture_write()
-BAT_API bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
-                                          bat_error *error);
 
 /// How the numbers of a series are drawn.
 typedef enum bat_chart_mark

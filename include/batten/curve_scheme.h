@@ -213,11 +213,6 @@ BAT_API bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *
 /// The schemes by name, with their settings.
 extern BAT_API const bat_family bat_curve_scheme_family;
 
-/// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
-BAT_API bool bat_mask_is_interpolatory(const bat_mask *mask);
-/// Whether a(c - k) = a(c + k) for some centre c.
-BAT_API bool bat_mask_is_symmetric(const bat_mask *mask);
-
 // Learned curve schemes: the one that the library comes with, and those of networks that are read from files.
 
 /// The learned scheme that the library comes with: for the plane, the sphere S^2 and the disk, curves of any scale and

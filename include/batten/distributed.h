@@ -180,7 +180,7 @@ BAT_API bat_status bat_surface_chart_unpack(const void *bytes, size_t size, bat_
 /// The parameters of points that are not on the boundary: those of their feet on the surface of the part.
 /// @param points     count x 3
 /// @param parameters receives count x 2
-/// @return BAT_OK, BAT_NO_MEMORY or the failures of bat_spline_correct()
+/// @return BAT_OK, BAT_NO_MEMORY or the failures of spline_correct()
 BAT_API bat_status bat_surface_chart_locate(const bat_surface_chart *chart, const double *points, size_t count,
                                             double *parameters, bat_error *error);
 /// The boundary loop, with its parameters: the first points of the cloud.

@@ -97,17 +97,6 @@ BAT_API bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point 
 /// @return as bat_mesh_map_to_fine()
 BAT_API bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error);
 
-/// The numbers of vertices and faces of the meshes of a map.
-typedef struct bat_mesh_map_sizes
-{
-    size_t fine_vertices, fine_faces;
-    size_t coarse_vertices, coarse_faces;
-    size_t collapses;
-} bat_mesh_map_sizes;
-
-/// The sizes of a map.
-BAT_API bat_mesh_map_sizes bat_mesh_map_size(const bat_mesh_map *map);
-
 /// The vertices of a mesh subdivided `levels` times at the midpoints of its edges, as points of the mesh. Their numbering is
 /// that of batten/mesh_refine.h.
 ///

@@ -128,18 +128,16 @@ BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curv
 BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options,
                                      bat_curve_set *fine, size_t *failed, bat_error *error);
 
-/// Read increasing times: a number a line. Blank lines, lines that begin with # and a first line of "time" are skipped.
+/// Read increasing times: a number a line, or a date with a time of day (ISO 8601). Whole numbers from 1e17 on are
+/// nanoseconds, others seconds. Blank lines, lines that begin with # and a first line of "time" are skipped.
 ///
-/// @param path  "-" is standard input
-/// @param times receives `count` numbers, at least one; release them with free()
-/// @param error its `line` is that of the failure
+/// @param path   "-" is standard input
+/// @param origin seconds since 1970 from which the times count: that of a set is bat_curve_set_time_origin(); 0 for none
+/// @param times  receives `count` numbers, at least one; release them with free()
+/// @param error  its `line` is that of the failure
 /// @return BAT_OK, BAT_BAD_FILE (no number, more than one in a line, a time that does not come after the one before),
 ///         BAT_FILE_ACCESS or BAT_NO_MEMORY; `times` is untouched on failure
-BAT_API bat_status bat_motion_times_read(const char *path, double **times, size_t *count, bat_error *error);
-/// The same for times that count from an origin, as those of a set do (bat_curve_set_time_origin()). The file has the times
-/// themselves: seconds, ISO 8601, or whole nanoseconds from 1e17 on; all of their digits count.
-BAT_API bat_status bat_motion_times_read_since(const char *path, int64_t origin, double **times, size_t *count,
-                                               bat_error *error);
+BAT_API bat_status bat_motion_times_read(const char *path, int64_t origin, double **times, size_t *count, bat_error *error);
 
 BAT_C_END
 

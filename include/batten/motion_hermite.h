@@ -55,11 +55,6 @@ BAT_API void bat_hermite_free(bat_hermite_curve *curve);
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT or BAT_CUT_LOCUS, with the index of the first failing point
 BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *error);
 
-/// Check, in addition, unit tangents and admissible data (definition 3.2 of Ben-Zion Vardi, Dyn and Sharon). Neighbours are
-/// distinct, and the angles of an edge with its tangents sum to at most BAT_HERMITE_ANGLE_LIMIT.
-/// @return as bat_hermite_check()
-BAT_API bat_status bat_hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error);
-
 /// Bring all tangents to unit length; they are BAT_HERMITE_TANGENTS_DIRECTIONS then.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (the space lacks a function), or BAT_INVALID_POINT with the first tangent that is
 /// zero or not finite; those before it are done

@@ -54,9 +54,6 @@ typedef enum bat_motion_outliers
 /// The rules for outliers by name.
 extern BAT_API const bat_family bat_motion_outliers_family;
 
-/// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_KEPT.
-BAT_API double bat_motion_outliers_threshold(bat_motion_outliers outliers);
-
 /// Options of splines. Begin with bat_motion_spline_defaults().
 typedef struct bat_motion_spline_options
 {

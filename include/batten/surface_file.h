@@ -1,7 +1,7 @@
 #ifndef BATTEN_SURFACE_FILE_H
 #define BATTEN_SURFACE_FILE_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 BAT_C_BEGIN
 

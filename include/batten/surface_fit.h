@@ -1,7 +1,7 @@
 #ifndef BATTEN_SURFACE_FIT_H
 #define BATTEN_SURFACE_FIT_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 BAT_C_BEGIN
 
@@ -115,31 +115,12 @@ typedef struct bat_surface_fit_report
 /// Free what a report owns and make it empty.
 BAT_API void bat_surface_fit_report_free(bat_surface_fit_report *report);
 
-/// Fit control points over a space by penalized least squares, eq. (5) of the paper:
-///     min  1/2 sum_i w_i |S(u_i) - x_i|^2  +  lambda  integral |S_uu|^2 + |S_uv|^2 + |S_vv|^2
-/// The matrix of the thin plate is exact (Gauss quadrature on every cell). Where lambda is 0 and functions have no data, the
-/// least smoothing that makes the system regular in double precision is added; `*lambda` receives it.
-/// @param weights count, at least 0; null: ones
-/// @param lambda  the weight of smoothing, at least 0; receives the weight used
-/// @param control receives functions x dimension
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or whose parameter is not
-///         in the square; BAT_NO_CONVERGENCE for a system that is singular even so; BAT_TOO_LARGE; BAT_NO_MEMORY
-BAT_API bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data,
-                                  const double *weights, double *lambda, double *control, bat_error *error);
-
-/// Parameter correction: the parameter of the nearest foot of each point, eq. (6), by a safeguarded Newton method that never
-/// increases a distance. Boundary parameters stay on their side and go at most half way to its corners.
-/// @param moved receives the number of changed parameters; may be null
-/// @return as bat_spline_fit()
-BAT_API bat_status bat_spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved,
-                                      bat_error *error);
-
 /// Fit a surface adaptively: fit, measure, mark, refine, correct. Some points are held out. Refinement ends when their
 /// distances no longer fall, unless a number of functions is given. The last fit is to all points in the best space.
 /// @param options null for the defaults
 /// @param surface receives the surface; release it with bat_spline_surface_free()
 /// @param report  may be null; else release it with bat_surface_fit_report_free()
-/// @return as bat_spline_fit(), or BAT_CANCELLED; results are untouched on failure
+/// @return as spline_fit(), or BAT_CANCELLED; results are untouched on failure
 BAT_API bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options,
                                    bat_spline_surface *surface, bat_surface_fit_report *report, bat_error *error);
 

@@ -2,7 +2,7 @@
 #define BATTEN_SURFACE_PICTURE_H
 
 #include "batten/cloud.h"
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 BAT_C_BEGIN
 

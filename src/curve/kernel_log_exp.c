@@ -1,4 +1,5 @@
 #include "curve/kernel.h"
+#include "curve/mask.h"
 
 #include "base/lanes.h"
 #include "space/builtin.h"
@@ -332,7 +333,7 @@ static refine_kernel smoothing_kernel(const bat_space *space, const bat_curve_sc
 
 refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *scheme)
 {
-    if (!bat_mask_is_interpolatory(&scheme->mask))
+    if (!mask_is_interpolatory(&scheme->mask))
         return smoothing_kernel(space, scheme);
     mask_taps odd = mask_taps_of(&scheme->mask, 1);
     // The stencil always holds the edge's own ends.

@@ -120,7 +120,7 @@ bat_mask bat_mask_lane_riesenfeld(size_t order)
     return mask;
 }
 
-bool bat_mask_is_interpolatory(const bat_mask *mask)
+bool mask_is_interpolatory(const bat_mask *mask)
 {
     size_t begin, end;
     mask_support(mask, &begin, &end);
@@ -138,7 +138,7 @@ bool bat_mask_is_interpolatory(const bat_mask *mask)
 }
 
 /// Pairs of coefficients may differ by the rounding of a few operations, as 0.3 and 1 - 0.7 do.
-bool bat_mask_is_symmetric(const bat_mask *mask)
+bool mask_is_symmetric(const bat_mask *mask)
 {
     size_t begin, end;
     mask_support(mask, &begin, &end);

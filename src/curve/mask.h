@@ -28,4 +28,10 @@ typedef struct mask_taps
 /// `parity` is 0 or 1.
 mask_taps mask_taps_of(const bat_mask *mask, int parity);
 
+/// Whether the refined curve contains the vertices of the coarse one: a(0) = 1 and every other even coefficient 0.
+bool mask_is_interpolatory(const bat_mask *mask);
+
+/// Whether a(c - k) = a(c + k) for some centre c.
+bool mask_is_symmetric(const bat_mask *mask);
+
 #endif

@@ -1,4 +1,5 @@
 #include "curve/refine.h"
+#include "curve/mask.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -144,7 +145,7 @@ static bat_status refine_rows(const refine_input *from, const bat_curve_scheme *
     }
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
     bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_RULE_REFLECT && scheme_kind_of(scheme)->linear &&
-                     bat_mask_is_symmetric(&scheme->mask);
+                     mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (plan->ends_added || keep_ends))
     {
         memcpy(fine, rows, dim * sizeof *fine);
@@ -277,7 +278,7 @@ static bat_status prepare_source(const refine_input *from, const bat_curve_schem
     task.snap = plan->snap;
     task.base = from->base;
     ptrdiff_t centre = (task.kernel.first + task.kernel.last) / 2;
-    source->shift = plan->snap.count > 0 && !bat_mask_is_interpolatory(&scheme->mask) ? centre : 0;
+    source->shift = plan->snap.count > 0 && !mask_is_interpolatory(&scheme->mask) ? centre : 0;
     size_t edges = polygon_edges(from->count, from->closed);
     padded_rows padded = {.space = from->space, .count = from->count, .closed = from->closed};
     for (task.levels = 0; task.levels <= from->levels; task.levels++)

@@ -1,3 +1,4 @@
+#include "curve/mask.h"
 #include "curve/scheme_kind.h"
 
 #include "base/choice.h"
@@ -210,7 +211,7 @@ static bool keeps_always(const bat_curve_scheme *scheme)
 
 static bool keeps_by_mask(const bat_curve_scheme *scheme)
 {
-    return bat_mask_is_interpolatory(&scheme->mask);
+    return mask_is_interpolatory(&scheme->mask);
 }
 
 static polygon_end end_of_angles(const bat_curve_scheme *scheme)
@@ -221,7 +222,7 @@ static polygon_end end_of_angles(const bat_curve_scheme *scheme)
 
 static polygon_end end_of_mask(const bat_curve_scheme *scheme)
 {
-    return bat_mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
+    return mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
 }
 
 static bat_curve_scheme channels_by_four_point(const bat_curve_scheme *scheme)

@@ -1,4 +1,5 @@
 #include "curve/stop.h"
+#include "curve/mask.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -35,7 +36,7 @@ bat_status stop_check(const refine_plan *plan, bat_error *error)
     const bat_curve_scheme *scheme = &plan->options.scheme;
     const char *fault = NULL;
     bool keeps = scheme_keeps_points(scheme);
-    bool odd = mask_trimmed(&scheme->mask).count % 2 == 1 && bat_mask_is_symmetric(&scheme->mask);
+    bool odd = mask_trimmed(&scheme->mask).count % 2 == 1 && mask_is_symmetric(&scheme->mask);
     if (scheme_needs_whole_polygons(scheme))
         fault = "a rule that uses the whole polygon of each level; give a number of levels instead";
     else if (!scheme_goes_by_levels(scheme))

@@ -18,4 +18,9 @@ bat_status hermite_check(const bat_hermite_curve *curve, hermite_check_parts par
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status hermite_check_velocities(const bat_hermite_curve *curve, bat_error *error);
 
+/// Check, in addition, unit tangents and admissible data (definition 3.2 of Ben-Zion Vardi, Dyn and Sharon). Neighbours are
+/// distinct, and the angles of an edge with its tangents sum to at most BAT_HERMITE_ANGLE_LIMIT.
+/// @return as bat_hermite_check()
+bat_status hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error);
+
 #endif

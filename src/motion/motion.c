@@ -1,4 +1,5 @@
 #include "batten/motion.h"
+#include "motion/spline_smooth.h"
 
 #include "base/choice.h"
 #include "base/error.h"
@@ -714,7 +715,7 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_cu
     if (status != BAT_OK)
         return status;
     if (options->report != NULL)
-        *options->report = (bat_motion_report){.threshold = bat_motion_outliers_threshold(options->spline.outliers),
+        *options->report = (bat_motion_report){.threshold = motion_outliers_threshold(options->spline.outliers),
                                                .outlier = BAT_NO_INDEX,
                                                .outlier_curve = BAT_NO_INDEX};
     bat_curve *curves = calloc(keyframes->count, sizeof *curves);

@@ -75,7 +75,7 @@ static const bat_choice OUTLIERS[] = {
 };
 const bat_family bat_motion_outliers_family = FAMILY("rule for outliers", OUTLIERS);
 
-double bat_motion_outliers_threshold(bat_motion_outliers outliers)
+double motion_outliers_threshold(bat_motion_outliers outliers)
 {
     return outliers == BAT_MOTION_OUTLIERS_HUBER   ? BAT_MOTION_HUBER
            : outliers == BAT_MOTION_OUTLIERS_TUKEY ? BAT_MOTION_TUKEY

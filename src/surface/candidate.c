@@ -7,6 +7,7 @@
 /// where Y holds the corners and the centre of every cell of S. The second detects oscillations between the points.
 
 #include "surface/candidate.h"
+#include "surface/fit/system.h"
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -359,7 +360,7 @@ bat_status surface_candidate_extend(surface_candidate *candidate, const cloud_pa
         cloud_part_spread(&frame, &part->cloud, candidate->corrected, cloud->points, cloud->count, parameters, error);
     memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
     if (status == BAT_OK)
-        status = bat_spline_correct(&candidate->surface, &data, NULL, error);
+        status = spline_correct(&candidate->surface, &data, NULL, error);
     // Correction moves the parameters of the boundary too.
     memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
     if (status != BAT_OK)

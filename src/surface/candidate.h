@@ -43,7 +43,7 @@ bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surfac
 /// Give the parameters of a candidate that was fitted to a part of a cloud to all points: those of their feet on its
 /// surface, found from that of the nearest point of the part. The surface and the report of its fit are dropped.
 /// @param boundary cloud->boundary_count x 2
-/// @return BAT_OK, BAT_NO_MEMORY or the failures of bat_spline_correct()
+/// @return BAT_OK, BAT_NO_MEMORY or the failures of spline_correct()
 bat_status surface_candidate_extend(surface_candidate *candidate, const cloud_part *part, const bat_cloud *cloud,
                                     const double *boundary, bat_error *error);
 

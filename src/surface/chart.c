@@ -2,6 +2,7 @@
 /// Charts; see chart.h. reconstruct.c finds them.
 
 #include "surface/chart.h"
+#include "surface/fit/system.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -48,7 +49,7 @@ bat_status bat_surface_chart_locate(const bat_surface_chart *chart, const double
         status =
             cloud_part_spread(&chart->frame, &chart->part, chart->of_part, data.points, data.count, data.parameters, error);
         if (status == BAT_OK)
-            status = bat_spline_correct(&chart->surface, &data, NULL, error);
+            status = spline_correct(&chart->surface, &data, NULL, error);
     }
     return status;
 }
@@ -91,7 +92,7 @@ bat_status bat_surface_chart_pack(const bat_surface_chart *chart, void **bytes, 
     bat_spline_box *boxes = NULL;
     // Padding is sent too.
     memset(&head, 0, sizeof head);
-    bat_status status = bat_hierarchical_space_regions(chart->surface.space, &boxes, &head.boxes, error);
+    bat_status status = hierarchical_space_regions(chart->surface.space, &boxes, &head.boxes, error);
     if (status != BAT_OK)
         return status;
     head.frame = chart->frame;

@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "batten/curve_scheme.h"
+#include "curve/mask.h"
 
 static double coefficient(const bat_mask *mask, int index)
 {
@@ -124,21 +125,21 @@ static void interpolatory_masks_are_told(void **state)
 {
     (void)state;
     bat_mask four = bat_mask_four_point(0.1);
-    assert_true(bat_mask_is_interpolatory(&four));
+    assert_true(mask_is_interpolatory(&four));
     const bat_mask six = bat_mask_six_point(0.01);
-    assert_true(bat_mask_is_interpolatory(&six));
+    assert_true(mask_is_interpolatory(&six));
     const bat_mask hat = bat_mask_lane_riesenfeld(1);
-    assert_true(bat_mask_is_interpolatory(&hat));
+    assert_true(mask_is_interpolatory(&hat));
     const bat_mask chaikin = bat_mask_chaikin();
-    assert_false(bat_mask_is_interpolatory(&chaikin));
+    assert_false(mask_is_interpolatory(&chaikin));
     const bat_mask cubic = bat_mask_lane_riesenfeld(3);
-    assert_false(bat_mask_is_interpolatory(&cubic));
+    assert_false(mask_is_interpolatory(&cubic));
     four.first += 1;
-    assert_false(bat_mask_is_interpolatory(&four));
+    assert_false(mask_is_interpolatory(&four));
     four.first += 1; // the 1 now stands at index 2
-    assert_false(bat_mask_is_interpolatory(&four));
+    assert_false(mask_is_interpolatory(&four));
     four.count = 0;
-    assert_false(bat_mask_is_interpolatory(&four));
+    assert_false(mask_is_interpolatory(&four));
 }
 
 static void symmetric_masks_are_told(void **state)
@@ -152,14 +153,14 @@ static void symmetric_masks_are_told(void **state)
                                   // zeros at one end do not count
                                   {.coefficients = {0.0, 0.0, 0.5, 1.0, 0.5}, .count = 5, .first = 3}};
     for (size_t m = 0; m < sizeof symmetric / sizeof *symmetric; ++m)
-        assert_true(bat_mask_is_symmetric(&symmetric[m]));
+        assert_true(mask_is_symmetric(&symmetric[m]));
     const bat_mask others[] = {bat_mask_corner_cutting(0.3, 0.8),
                                {.coefficients = {0.5, 1.0, 0.5 + 1e-12}, .count = 3, .first = 0},
                                {.coefficients = {NAN, 1.0, NAN}, .count = 3, .first = 0},
                                {.coefficients = {0.0, 0.0}, .count = 2, .first = 0},
                                {.count = 0}};
     for (size_t m = 0; m < sizeof others / sizeof *others; ++m)
-        assert_false(bat_mask_is_symmetric(&others[m]));
+        assert_false(mask_is_symmetric(&others[m]));
 }
 
 int main(void)

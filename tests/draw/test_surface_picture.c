@@ -1,6 +1,7 @@
 // Pictures of fitted surfaces: views, positions, colours, and refusals.
 #include "picture_helpers.h"
 #include "pixel_helpers.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include "batten/mesh_measure.h"
 #include "batten/research/surface_shapes.h"
@@ -26,7 +27,7 @@ static bat_spline_surface make_flat(size_t spans)
     assert_non_null(flat.control);
     for (size_t i = 0; i < count; i++)
     {
-        bat_spline_function function = bat_hierarchical_space_function(flat.space, i);
+        bat_spline_function function = hierarchical_space_function(flat.space, i);
         flat.control[3 * i] = (double)function.i / (double)spans;
         flat.control[3 * i + 1] = (double)function.j / (double)spans;
     }
@@ -482,7 +483,7 @@ static void small_cells_are_drawn(void **state)
     assert_non_null(flat.control);
     for (size_t i = 0; i < count; i++)
     {
-        bat_spline_function function = bat_hierarchical_space_function(flat.space, i);
+        bat_spline_function function = hierarchical_space_function(flat.space, i);
         flat.control[3 * i] = ldexp((double)function.i, -(int)function.level);
         flat.control[3 * i + 1] = ldexp((double)function.j, -(int)function.level);
     }

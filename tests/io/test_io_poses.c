@@ -219,7 +219,7 @@ static void times_count_from_an_origin(void **state)
     size_t count;
     assert_true(file >= 0 && write(file, text, sizeof text - 1) == (ssize_t)(sizeof text - 1));
     (void)close(file);
-    assert_int_equal(bat_motion_times_read_since(path, 1403715524, &times, &count, NULL), BAT_OK);
+    assert_int_equal(bat_motion_times_read(path, 1403715524, &times, &count, NULL), BAT_OK);
     assert_int_equal(count, 4);
     assert_true(times[0] == 0.907143168 && times[1] == 0.907143169 && times[2] == 0.9071432 && times[3] == 2);
     free(times);

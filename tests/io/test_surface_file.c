@@ -1,5 +1,6 @@
 // Spline surfaces as XML and JSON: exact round trips, and errors with their lines.
 
+#include "surface/spline/hierarchical_space.h"
 #include "surface_helpers.h"
 
 #include <unistd.h>
@@ -126,7 +127,7 @@ static void test_gismo(void **state)
     surface.control = malloc(3 * count * sizeof *surface.control);
     for (size_t f = 0; f < count; f++)
     {
-        bat_spline_function function = bat_hierarchical_space_function(surface.space, f);
+        bat_spline_function function = hierarchical_space_function(surface.space, f);
         const uint32_t index[2] = {function.i, function.j};
         for (int d = 0; d < 2; d++)
         {

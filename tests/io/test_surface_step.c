@@ -1,5 +1,7 @@
 // Spline surfaces as STEP: the text is parsed, its faces evaluate to the surface, and its edges join them.
 
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 #include "surface_helpers.h"
 
 #include "io/surface/cut.h"
@@ -139,13 +141,13 @@ static bat_knot_vector read_knots(int degree, const char *multiplicities, const 
     return knots;
 }
 
-static bat_tensor_surface read_surface(const step_file *file, size_t number)
+static tensor_surface read_surface(const step_file *file, size_t number)
 {
     const entity *of = must_be(file, number, "B_SPLINE_SURFACE_WITH_KNOTS");
-    bat_tensor_surface surface = {.dimension = 3};
+    tensor_surface surface = {.dimension = 3};
     surface.knots[0] = read_knots(atoi(parameter(of, 1)), parameter(of, 8), parameter(of, 10));
     surface.knots[1] = read_knots(atoi(parameter(of, 2)), parameter(of, 9), parameter(of, 11));
-    size_t columns = bat_knot_vector_functions(&surface.knots[0]), rows = bat_knot_vector_functions(&surface.knots[1]);
+    size_t columns = knot_vector_functions(&surface.knots[0]), rows = knot_vector_functions(&surface.knots[1]);
     double *points = malloc(3 * MAX_NUMBERS * sizeof *points);
     assert_int_equal(read_points(file, parameter(of, 3), points), columns * rows);
     surface.control = malloc(3 * columns * rows * sizeof *surface.control);
@@ -153,33 +155,33 @@ static bat_tensor_surface read_surface(const step_file *file, size_t number)
         for (size_t j = 0; j < rows; j++)
             memcpy(surface.control + 3 * (j * columns + i), points + 3 * (i * rows + j), 3 * sizeof *points);
     free(points);
-    check_status(bat_tensor_surface_check(&surface, NULL), BAT_OK);
+    check_status(tensor_surface_check(&surface, NULL), BAT_OK);
     return surface;
 }
 
 /// A curve as a surface that is constant in v.
-static bat_tensor_surface read_curve(const step_file *file, size_t number)
+static tensor_surface read_curve(const step_file *file, size_t number)
 {
     const entity *of = must_be(file, number, "B_SPLINE_CURVE_WITH_KNOTS");
-    bat_tensor_surface curve = {.dimension = 3, .control = malloc(3 * MAX_NUMBERS * sizeof *curve.control)};
+    tensor_surface curve = {.dimension = 3, .control = malloc(3 * MAX_NUMBERS * sizeof *curve.control)};
     curve.knots[0] = read_knots(atoi(parameter(of, 1)), parameter(of, 6), parameter(of, 7));
     curve.knots[1] = (bat_knot_vector){.knots = calloc(2, sizeof(double)), .count = 2};
     curve.knots[1].knots[1] = 1;
-    assert_int_equal(read_points(file, parameter(of, 2), curve.control), bat_knot_vector_functions(&curve.knots[0]));
-    check_status(bat_tensor_surface_check(&curve, NULL), BAT_OK);
+    assert_int_equal(read_points(file, parameter(of, 2), curve.control), knot_vector_functions(&curve.knots[0]));
+    check_status(tensor_surface_check(&curve, NULL), BAT_OK);
     return curve;
 }
 
 static void domain(const bat_knot_vector *knots, double range[2])
 {
     range[0] = knots->knots[knots->degree];
-    range[1] = knots->knots[bat_knot_vector_functions(knots)];
+    range[1] = knots->knots[knot_vector_functions(knots)];
     // Clamped at both ends.
     assert_true(knots->knots[0] == range[0] && knots->knots[knots->count - 1] == range[1]);
 }
 
 /// Compare a face's patch with the surface; returns the patch's area in the square.
-static double check_patch(const bat_spline_surface *surface, const bat_tensor_surface *patch)
+static double check_patch(const bat_spline_surface *surface, const tensor_surface *patch)
 {
     double u[2], v[2];
     domain(&patch->knots[0], u);
@@ -190,7 +192,7 @@ static double check_patch(const bat_spline_surface *surface, const bat_tensor_su
             const double at[2] = {i == 6 ? u[1] : u[0] + (u[1] - u[0]) * i / 6,
                                   j == 6 ? v[1] : v[0] + (v[1] - v[0]) * j / 6};
             double found[3], expected[3];
-            check_status(bat_tensor_surface_evaluate(patch, at, 1, 0, found, NULL), BAT_OK);
+            check_status(tensor_surface_evaluate(patch, at, 1, 0, found, NULL), BAT_OK);
             evaluate_at(surface, at[0], at[1], expected);
             for (int c = 0; c < 3; c++)
                 check_near(found[c], expected[c], 1e-14);
@@ -205,12 +207,12 @@ typedef struct edge_uses
 } edge_uses;
 
 /// The parameters at the ends of an edge, in its direction, on a side of a patch.
-static void edge_ends(const bat_tensor_surface *curve, const double point[3], bool begin)
+static void edge_ends(const tensor_surface *curve, const double point[3], bool begin)
 {
     double range[2], at[2] = {0, 0.5}, found[3];
     domain(&curve->knots[0], range);
     at[0] = range[begin ? 0 : 1];
-    check_status(bat_tensor_surface_evaluate(curve, at, 1, 0, found, NULL), BAT_OK);
+    check_status(tensor_surface_evaluate(curve, at, 1, 0, found, NULL), BAT_OK);
     assert_memory_equal(found, point, sizeof found);
 }
 
@@ -220,7 +222,7 @@ static void read_vertex(const step_file *file, size_t number, double point[3])
 }
 
 /// The curve of an edge lies on a side of a patch. In a sheet (u, v, height) the first coordinates are the parameters.
-static void check_edge_on_patch(const bat_tensor_surface *curve, const bat_tensor_surface *patch)
+static void check_edge_on_patch(const tensor_surface *curve, const tensor_surface *patch)
 {
     double range[2], u[2], v[2];
     domain(&curve->knots[0], range);
@@ -230,9 +232,9 @@ static void check_edge_on_patch(const bat_tensor_surface *curve, const bat_tenso
     {
         const double at[2] = {range[0] + (range[1] - range[0]) * i / 5, 0.5};
         double point[3], found[3];
-        check_status(bat_tensor_surface_evaluate(curve, at, 1, 0, point, NULL), BAT_OK);
+        check_status(tensor_surface_evaluate(curve, at, 1, 0, point, NULL), BAT_OK);
         const double on[2] = {fmin(fmax(point[0], u[0]), u[1]), fmin(fmax(point[1], v[0]), v[1])};
-        check_status(bat_tensor_surface_evaluate(patch, on, 1, 0, found, NULL), BAT_OK);
+        check_status(tensor_surface_evaluate(patch, on, 1, 0, found, NULL), BAT_OK);
         for (int c = 0; c < 3; c++)
             check_near(found[c], point[c], 1e-13);
         double to_side = fmin(fmin(on[0] - u[0], u[1] - on[0]), fmin(on[1] - v[0], v[1] - on[1]));
@@ -241,7 +243,7 @@ static void check_edge_on_patch(const bat_tensor_surface *curve, const bat_tenso
 }
 
 /// The edges of a loop are consecutive, with the face on their left.
-static void check_loop(const step_file *file, size_t loop, const bat_tensor_surface *patch, edge_uses *uses)
+static void check_loop(const step_file *file, size_t loop, const tensor_surface *patch, edge_uses *uses)
 {
     double oriented[MAX_NUMBERS], turn = 0;
     size_t count = read_list(parameter(must_be(file, loop, "EDGE_LOOP"), 1), false, oriented);
@@ -264,11 +266,11 @@ static void check_loop(const step_file *file, size_t loop, const bat_tensor_surf
         read_vertex(file, from, a);
         read_vertex(file, to, b);
         turn += a[0] * b[1] - a[1] * b[0];
-        bat_tensor_surface curve = read_curve(file, reference(parameter(of, 3)));
+        tensor_surface curve = read_curve(file, reference(parameter(of, 3)));
         edge_ends(&curve, forward ? a : b, true);
         edge_ends(&curve, forward ? b : a, false);
         check_edge_on_patch(&curve, patch);
-        bat_tensor_surface_free(&curve);
+        tensor_surface_free(&curve);
     }
     assert_int_equal(before, first);
     assert_true(turn > 0);
@@ -294,11 +296,11 @@ static void check_shell(const step_file *file, const bat_spline_surface *surface
     for (size_t i = 0; i < count; i++)
     {
         const entity *face = must_be(file, (size_t)faces[i], "ADVANCED_FACE");
-        bat_tensor_surface patch = read_surface(file, reference(parameter(face, 2)));
+        tensor_surface patch = read_surface(file, reference(parameter(face, 2)));
         area += check_patch(surface, &patch);
         size_t bound = (size_t)strtoul(parameter(face, 1) + 2, NULL, 10);
         check_loop(file, reference(parameter(must_be(file, bound, "FACE_OUTER_BOUND"), 1)), &patch, uses);
-        bat_tensor_surface_free(&patch);
+        tensor_surface_free(&patch);
     }
     check_near(area, 1, 1e-14);
     assert_int_equal(count_keyword(file, "ADVANCED_FACE"), count);
@@ -437,8 +439,8 @@ static void test_cut(void **state)
     for (int degree = 1; degree <= 5; degree++)
     {
         bat_knot_vector knots, cut, again;
-        check_status(bat_knot_vector_uniform(degree, 6, &knots, NULL), BAT_OK);
-        size_t count = bat_knot_vector_functions(&knots);
+        check_status(knot_vector_uniform(degree, 6, &knots, NULL), BAT_OK);
+        size_t count = knot_vector_functions(&knots);
         double control[2 * 20], part[2 * 20], whole[2 * 20];
         for (size_t i = 0; i < 2 * count; i++)
             control[i] = bat_random_normal(&random);
@@ -451,22 +453,22 @@ static void test_cut(void **state)
         {
             double t = i == 30 ? 5. / 6 : 0.2 + (5. / 6 - 0.2) * i / 30, basis[6];
             double sums[4] = {0};
-            size_t span = bat_knot_vector_span(&knots, t);
-            bat_knot_vector_basis(&knots, span, t, 0, basis);
+            size_t span = knot_vector_span(&knots, t);
+            knot_vector_basis(&knots, span, t, 0, basis);
             for (size_t k = 0; k <= (size_t)degree; k++)
                 for (size_t c = 0; c < 2; c++)
                     sums[c] += basis[k] * control[2 * (span - (size_t)degree + k) + c];
-            span = bat_knot_vector_span(&cut, t);
-            bat_knot_vector_basis(&cut, span, t, 0, basis);
+            span = knot_vector_span(&cut, t);
+            knot_vector_basis(&cut, span, t, 0, basis);
             for (size_t k = 0; k <= (size_t)degree; k++)
                 for (size_t c = 0; c < 2; c++)
                     sums[2 + c] += basis[k] * part[2 * (span - (size_t)degree + k) + c];
             check_near(sums[2], sums[0], 1e-14);
             check_near(sums[3], sums[1], 1e-14);
         }
-        bat_knot_vector_free(&knots);
-        bat_knot_vector_free(&cut);
-        bat_knot_vector_free(&again);
+        knot_vector_free(&knots);
+        knot_vector_free(&cut);
+        knot_vector_free(&again);
     }
 }
 
@@ -475,7 +477,7 @@ static void test_clamp(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(6);
-    bat_tensor_surface surface = {.dimension = 3}, clamped;
+    tensor_surface surface = {.dimension = 3}, clamped;
     for (int d = 0; d < 2; d++)
     {
         surface.knots[d] = (bat_knot_vector){.knots = malloc(10 * sizeof(double)), .count = 10, .degree = 2 + d};
@@ -485,9 +487,9 @@ static void test_clamp(void **state)
     surface.control = malloc(7 * 6 * 3 * sizeof(double));
     for (int i = 0; i < 7 * 6 * 3; i++)
         surface.control[i] = bat_random_normal(&random);
-    check_status(bat_tensor_surface_copy(&surface, &clamped, NULL), BAT_OK);
+    check_status(tensor_surface_copy(&surface, &clamped, NULL), BAT_OK);
     check_status(cut_clamp(&clamped, NULL), BAT_OK);
-    check_status(bat_tensor_surface_check(&clamped, NULL), BAT_OK);
+    check_status(tensor_surface_check(&clamped, NULL), BAT_OK);
     double u[2], v[2];
     domain(&clamped.knots[0], u);
     domain(&clamped.knots[1], v);
@@ -496,13 +498,13 @@ static void test_clamp(void **state)
         const double at[2] = {u[0] + (u[1] - u[0]) * bat_random_uniform(&random),
                               v[0] + (v[1] - v[0]) * bat_random_uniform(&random)};
         double a[3], b[3];
-        check_status(bat_tensor_surface_evaluate(&surface, at, 1, 0, a, NULL), BAT_OK);
-        check_status(bat_tensor_surface_evaluate(&clamped, at, 1, 0, b, NULL), BAT_OK);
+        check_status(tensor_surface_evaluate(&surface, at, 1, 0, a, NULL), BAT_OK);
+        check_status(tensor_surface_evaluate(&clamped, at, 1, 0, b, NULL), BAT_OK);
         for (int c = 0; c < 3; c++)
             check_near(a[c], b[c], 1e-14);
     }
-    bat_tensor_surface_free(&surface);
-    bat_tensor_surface_free(&clamped);
+    tensor_surface_free(&surface);
+    tensor_surface_free(&clamped);
 }
 
 int main(void)

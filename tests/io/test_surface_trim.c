@@ -2,6 +2,7 @@
 
 #include "cloud_helpers.h"
 #include "folder_helpers.h"
+#include "surface/spline/knot_vector.h"
 
 #include "batten/batten.h"
 #include "io/surface/tessellate.h"
@@ -192,7 +193,7 @@ static void check_shape(const plane_shape *shape, bool edges, bool bent)
     double area = area_of(shape), found = area_of_triangles(&result.surface);
     assert_int_equal(result.verdict.fault, BAT_SURFACE_FAULT_NONE);
     assert_int_equal(result.surface.trim.loop_count, 1 + shape->hole_count);
-    check_status(bat_spline_trim_check(&result.surface.trim, NULL), BAT_OK);
+    check_status(spline_trim_check(&result.surface.trim, NULL), BAT_OK);
     if (fabs(found / area - 1) > LIMITS[edges])
         fail_msg("%s %s %s: the area is %.2f %% off", shape->name, edges ? "with edges" : "at random",
                  bent ? "bent" : "flat", 100 * (found / area - 1));
@@ -277,7 +278,7 @@ static void the_order_of_points_does_not_matter(void **state)
     {
         const bat_spline_curve *p = &a.surface.trim.pieces[i], *q = &b.surface.trim.pieces[i];
         assert_int_equal(p->knots.count, q->knots.count);
-        assert_memory_equal(p->control, q->control, 2 * bat_knot_vector_functions(&p->knots) * sizeof *p->control);
+        assert_memory_equal(p->control, q->control, 2 * knot_vector_functions(&p->knots) * sizeof *p->control);
     }
     bat_surface_result_free(&a);
     bat_surface_result_free(&b);
@@ -301,7 +302,7 @@ static void curves_go_through_json(void **state)
         const bat_spline_curve *p = &trim->pieces[i], *q = &back.trim.pieces[i];
         assert_int_equal(p->knots.degree, q->knots.degree);
         assert_memory_equal(p->knots.knots, q->knots.knots, p->knots.count * sizeof *p->control);
-        assert_memory_equal(p->control, q->control, 2 * bat_knot_vector_functions(&p->knots) * sizeof *p->control);
+        assert_memory_equal(p->control, q->control, 2 * knot_vector_functions(&p->knots) * sizeof *p->control);
     }
     bat_spline_surface_free(&back);
     bat_surface_result_free(&result);
@@ -367,7 +368,7 @@ static void units_stand_in_step(void **state)
             assert_true(found);
             assert_int_equal(curves, trimmed);
         }
-        bat_spline_trim_free(&result.surface.trim);
+        spline_trim_free(&result.surface.trim);
     }
     bat_surface_result_free(&result);
     bat_cloud_free(&cloud);

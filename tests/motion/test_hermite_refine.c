@@ -1,6 +1,7 @@
 // Refinement of Hermite data: what is kept, what makes no difference, what is reproduced, and what is refused.
 
 #include "hermite_helpers.h"
+#include "motion/hermite_check.h"
 
 #include "base/memory.h"
 
@@ -497,7 +498,7 @@ static void edges_at_fault_are_named(void **state)
         for (int c = 0; c < 3; c++)
             data.tangents[3 * i + (size_t)c] *= -1;
     refused(&data, &how, BAT_INVALID_POINT, 1001, "directions of points 1000 and 1001 turn too much");
-    check_status(bat_hermite_check_admissible(&data, NULL), BAT_INVALID_POINT);
+    check_status(hermite_check_admissible(&data, NULL), BAT_INVALID_POINT);
     for (int c = 0; c < 3; c++)
         turned[c] = data.tangents[30 + c] *= 0.5;
     refused(&data, &how, BAT_INVALID_POINT, 10, "has length 0.5, not 1");

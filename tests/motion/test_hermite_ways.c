@@ -2,6 +2,7 @@
 // of a user give the same where tangents are long and angles wide; L_H of eq. (4.10); spaces and tangents that are refused.
 
 #include "hermite_helpers.h"
+#include "motion/hermite_check.h"
 
 #include "batten/motion.h"
 #include "batten/research/motion_study.h"
@@ -370,7 +371,7 @@ static void missing_functions_are_named(void **state)
         size_t count = 0;
         check_status(bat_space_check(&lacking[i], NULL, 0, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_check(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
-        check_status(bat_hermite_check_admissible(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
+        check_status(hermite_check_admissible(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_normalize(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_refine(&keys, NULL, &fine, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_sample(&keys, &time, 1, out, NULL, &errors[count++]), BAT_INVALID_ARGUMENT);

@@ -4,6 +4,7 @@
 
 #include "batten/motion.h"
 #include "batten/space.h"
+#include "motion/spline_smooth.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -171,7 +172,7 @@ static void outliers_are_ignored(void **state)
         double deviations[KEYS];
         bat_motion_spline_deviations(spline, deviations);
         for (size_t k = 0; k < KEYS && rules[i] == BAT_MOTION_OUTLIERS_TUKEY; k++)
-            assert_true((deviations[k] > bat_motion_outliers_threshold(rules[i])) == (k % 15 == 5));
+            assert_true((deviations[k] > motion_outliers_threshold(rules[i])) == (k % 15 == 5));
         bat_motion_spline_free(spline);
     }
     print_message("%g %g  %g %g  %g %g\n", kept[0], kept[1], huber[0], huber[1], tukey[0], tukey[1]);

@@ -2,6 +2,7 @@
 // BAT_INVALID_ARGUMENT, a text that names the field, and untouched results.
 
 #include "check.h"
+#include "mesh/decimate/map.h"
 #include "polygon_makers.h"
 
 #include "batten/batten.h"
@@ -479,7 +480,7 @@ static bat_status call_mesh_decimate(const void *options, digest *result, bat_er
     bat_mesh_free(&fine);
     if (status == BAT_OK)
     {
-        *result = digest_of_mesh(&coarse) + bat_mesh_map_size(map).collapses;
+        *result = digest_of_mesh(&coarse) + mesh_map_size(map).collapses;
         bat_mesh_map_free(map);
         return status;
     }

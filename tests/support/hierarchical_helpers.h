@@ -6,7 +6,7 @@
 
 #include "check.h"
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 static inline double uniform(bat_random *random, double low, double high)
 {

@@ -6,6 +6,7 @@
 #include "check.h"
 
 #include "io/surface/formats.h"
+#include "surface/spline/hierarchical_space.h"
 
 /// What a random surface is made of.
 typedef struct surface_kind
@@ -71,7 +72,7 @@ static inline bat_spline_surface random_sheet(const surface_kind *kind, uint64_t
     for (size_t f = 0; f < count; f++)
     {
         // The truncated basis keeps coefficients: those of u and v are the Greville abscissae of each function's level.
-        bat_spline_function function = bat_hierarchical_space_function(surface.space, f);
+        bat_spline_function function = hierarchical_space_function(surface.space, f);
         const uint32_t index[2] = {function.i, function.j};
         for (int d = 0; d < 2; d++)
         {
@@ -129,8 +130,8 @@ static inline void assert_same_surface(const bat_spline_surface *a, const bat_sp
     assert_int_equal(bat_hierarchical_space_cells(b->space), cells);
     for (size_t i = 0; i < functions; i++)
     {
-        bat_spline_function f = bat_hierarchical_space_function(a->space, i);
-        assert_int_equal(bat_hierarchical_space_find(b->space, f), i);
+        bat_spline_function f = hierarchical_space_function(a->space, i);
+        assert_int_equal(hierarchical_space_find(b->space, f), i);
     }
     for (size_t i = 0; i < cells; i++)
     {

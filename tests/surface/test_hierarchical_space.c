@@ -155,15 +155,15 @@ static void check_functions(const hierarchy *h)
                 bat_spline_function function = {level, i, j};
                 bool selected = map_supports(&h->map, h->options.degree, function, false) &&
                                 !map_supports(&h->map, h->options.degree, function, true);
-                assert_true(bat_hierarchical_space_find(h->space, function) == (selected ? index : BAT_NO_INDEX));
+                assert_true(hierarchical_space_find(h->space, function) == (selected ? index : BAT_NO_INDEX));
                 if (!selected)
                     continue;
-                bat_spline_function found = bat_hierarchical_space_function(h->space, index++);
+                bat_spline_function found = hierarchical_space_function(h->space, index++);
                 assert_memory_equal(&found, &function, sizeof found);
             }
     assert_int_equal(bat_hierarchical_space_functions(h->space), index);
-    assert_true(bat_hierarchical_space_find(h->space, (bat_spline_function){MAP_LEVELS, 0, 0}) == BAT_NO_INDEX);
-    assert_true(bat_hierarchical_space_find(h->space, (bat_spline_function){0, UINT32_MAX, 0}) == BAT_NO_INDEX);
+    assert_true(hierarchical_space_find(h->space, (bat_spline_function){MAP_LEVELS, 0, 0}) == BAT_NO_INDEX);
+    assert_true(hierarchical_space_find(h->space, (bat_spline_function){0, UINT32_MAX, 0}) == BAT_NO_INDEX);
 }
 
 /// The regions' boxes are disjoint and cover the regions; refining by them makes the same space.
@@ -171,7 +171,7 @@ static void check_regions(const hierarchy *h)
 {
     bat_spline_box *boxes;
     size_t count, cells[MAP_LEVELS] = {0}, expected[MAP_LEVELS] = {0};
-    assert_int_equal(bat_hierarchical_space_regions(h->space, &boxes, &count, NULL), BAT_OK);
+    assert_int_equal(hierarchical_space_regions(h->space, &boxes, &count, NULL), BAT_OK);
     for (size_t b = 0; b < count; b++)
     {
         assert_true(boxes[b].level >= 1 && (b == 0 || boxes[b].level >= boxes[b - 1].level));
@@ -262,9 +262,9 @@ static void check_equal_spaces(const bat_hierarchical_space *a, const bat_hierar
     assert_int_equal(bat_hierarchical_space_functions(a), bat_hierarchical_space_functions(b));
     assert_int_equal(bat_hierarchical_space_cells(a), bat_hierarchical_space_cells(b));
     assert_int_equal(bat_hierarchical_space_levels(a), bat_hierarchical_space_levels(b));
-    assert_int_equal(bat_hierarchical_space_max_active(a), bat_hierarchical_space_max_active(b));
+    assert_int_equal(hierarchical_space_max_active(a), hierarchical_space_max_active(b));
     for (size_t f = 0; f < bat_hierarchical_space_functions(a); f++)
-        assert_true(bat_hierarchical_space_find(b, bat_hierarchical_space_function(a, f)) == f);
+        assert_true(hierarchical_space_find(b, hierarchical_space_function(a, f)) == f);
     for (size_t c = 0; c < bat_hierarchical_space_cells(a); c++)
     {
         bat_spline_box here = bat_hierarchical_space_cell(a, c), there = bat_hierarchical_space_cell(b, c);
@@ -293,7 +293,7 @@ static void test_order_of_refinement(void **state)
             refine_space(one_by_one, &boxes[i], 1);
         refine_space(one_by_one, boxes, count);
         check_equal_spaces(at_once, one_by_one);
-        assert_int_equal(bat_hierarchical_space_copy(at_once, &copy, NULL), BAT_OK);
+        assert_int_equal(hierarchical_space_copy(at_once, &copy, NULL), BAT_OK);
         check_equal_spaces(at_once, copy);
         bat_hierarchical_space_free(at_once);
         bat_hierarchical_space_free(one_by_one);
@@ -334,8 +334,8 @@ static uint32_t seen_levels(const bat_hierarchical_space *space)
     {
         const uint32_t *active;
         size_t count = bat_hierarchical_space_active(space, c, &active);
-        uint32_t coarsest = bat_hierarchical_space_function(space, active[0]).level;
-        uint32_t finest = bat_hierarchical_space_function(space, active[count - 1]).level;
+        uint32_t coarsest = hierarchical_space_function(space, active[0]).level;
+        uint32_t finest = hierarchical_space_function(space, active[count - 1]).level;
         assert_true(finest <= bat_hierarchical_space_cell(space, c).level);
         uint32_t seen = bat_hierarchical_space_cell(space, c).level - coarsest + 1;
         most = seen > most ? seen : most;
@@ -387,7 +387,7 @@ static void check_refused(bat_hierarchical_space *space, bat_spline_box box, bat
     bat_hierarchical_space *before;
     bat_error error;
     const bat_spline_box boxes[] = {{0, {0, 0}, {1, 1}}, box};
-    assert_int_equal(bat_hierarchical_space_copy(space, &before, NULL), BAT_OK);
+    assert_int_equal(hierarchical_space_copy(space, &before, NULL), BAT_OK);
     assert_int_equal(bat_hierarchical_space_refine(space, boxes, 2, &error), expected);
     assert_int_equal(error.index, 1);
     check_equal_spaces(space, before);

@@ -1,4 +1,5 @@
 #include "hierarchical_helpers.h"
+#include "surface/spline/knot_vector.h"
 
 #include "linalg/decompose.h"
 #include "surface/spline/hierarchical_space.h"
@@ -36,7 +37,7 @@ static void test_partition_of_unity(void **state)
     {
         bat_hierarchical_options options = random_options(&random, 5);
         bat_hierarchical_space *space = random_space(&random, &options, 5);
-        double *values = malloc(6 * bat_hierarchical_space_max_active(space) * sizeof *values);
+        double *values = malloc(6 * hierarchical_space_max_active(space) * sizeof *values);
         assert_non_null(values);
         for (int k = 0; k < 100; k++)
         {
@@ -82,7 +83,7 @@ static void test_deep_partition_of_unity(void **state)
         for (int d = 0; d < 2; d++)
             box.high[d] = 1 + (box.low[d] = (uint32_t)(at[d] * (double)(options.spans[d] << box.level)));
         refine_space(space, &box, 1);
-        double *values = malloc(bat_hierarchical_space_max_active(space) * sizeof *values);
+        double *values = malloc(hierarchical_space_max_active(space) * sizeof *values);
         assert_non_null(values);
         for (size_t cell = 0; cell < bat_hierarchical_space_cells(space); cell++)
         {
@@ -108,19 +109,19 @@ static void level_values(const bat_hierarchical_options *options, uint32_t level
     bat_knot_vector knots;
     double alive[BAT_SPLINE_MAX_DEGREE + 1];
     size_t p = (size_t)options->degree[d];
-    assert_int_equal(bat_knot_vector_uniform(options->degree[d], options->spans[d] << level, &knots, NULL), BAT_OK);
-    memset(values, 0, bat_knot_vector_functions(&knots) * sizeof *values);
-    size_t span = bat_knot_vector_span(&knots, t);
-    bat_knot_vector_basis(&knots, span, t, 0, alive);
+    assert_int_equal(knot_vector_uniform(options->degree[d], options->spans[d] << level, &knots, NULL), BAT_OK);
+    memset(values, 0, knot_vector_functions(&knots) * sizeof *values);
+    size_t span = knot_vector_span(&knots, t);
+    knot_vector_basis(&knots, span, t, 0, alive);
     memcpy(values + span - p, alive, (p + 1) * sizeof *values);
-    bat_knot_vector_free(&knots);
+    knot_vector_free(&knots);
 }
 
 /// The values at a parameter of all functions of a space, zeros included.
 static void all_values(const bat_hierarchical_space *space, const double *parameter, double *values)
 {
     size_t cell = bat_hierarchical_space_locate(space, parameter[0], parameter[1]);
-    double *alive = malloc(bat_hierarchical_space_max_active(space) * sizeof *alive);
+    double *alive = malloc(hierarchical_space_max_active(space) * sizeof *alive);
     const uint32_t *active;
     size_t count = bat_hierarchical_space_active(space, cell, &active);
     assert_non_null(alive);
@@ -155,7 +156,7 @@ static void test_plain_basis(void **state)
             all_values(space, parameter, values);
             for (size_t f = 0; f < count; f++)
             {
-                bat_spline_function function = bat_hierarchical_space_function(space, f);
+                bat_spline_function function = hierarchical_space_function(space, f);
                 check_near(values[f], across[function.level][function.i] * along[function.level][function.j], 1e-13);
             }
         }
@@ -169,19 +170,19 @@ static double *relation_make(const bat_hierarchical_options *options, uint32_t l
 {
     bat_knot_vector coarse, fine;
     size_t p = (size_t)options->degree[d], spans = options->spans[d] << level;
-    assert_int_equal(bat_knot_vector_uniform(options->degree[d], spans, &coarse, NULL), BAT_OK);
-    assert_int_equal(bat_knot_vector_uniform(options->degree[d], 2 * spans, &fine, NULL), BAT_OK);
+    assert_int_equal(knot_vector_uniform(options->degree[d], spans, &coarse, NULL), BAT_OK);
+    assert_int_equal(knot_vector_uniform(options->degree[d], 2 * spans, &fine, NULL), BAT_OK);
     double *relation = calloc((2 * spans + p) * (spans + p), sizeof *relation), weights[BAT_SPLINE_MAX_DEGREE + 1];
     assert_non_null(relation);
     for (size_t k = 0; k < 2 * spans + p; k++)
     {
-        size_t span = bat_knot_vector_span(&coarse, (fine.knots[k] + fine.knots[k + p + 1]) / 2);
+        size_t span = knot_vector_span(&coarse, (fine.knots[k] + fine.knots[k + p + 1]) / 2);
         blossom_weights(&coarse, span, fine.knots + k + 1, weights);
         for (size_t a = 0; a <= p; a++)
             relation[k * (spans + p) + span - p + a] = weights[a];
     }
-    bat_knot_vector_free(&coarse);
-    bat_knot_vector_free(&fine);
+    knot_vector_free(&coarse);
+    knot_vector_free(&fine);
     return relation;
 }
 
@@ -251,7 +252,7 @@ static void check_truncated(bat_random *random, const truncated_reference *r)
     }
     for (size_t f = 0; f < count; f++)
     {
-        double *coefficients = reference_function(r, bat_hierarchical_space_function(r->space, f));
+        double *coefficients = reference_function(r, hierarchical_space_function(r->space, f));
         for (size_t k = 0; k < POINTS; k++)
         {
             double sum = 0;
@@ -376,7 +377,7 @@ static void test_independence_and_span(void **state)
         refine_space(space, &box, 1);
         bat_spline_box *boxes;
         size_t box_count, count = bat_hierarchical_space_functions(space);
-        assert_int_equal(bat_hierarchical_space_regions(space, &boxes, &box_count, NULL), BAT_OK);
+        assert_int_equal(hierarchical_space_regions(space, &boxes, &box_count, NULL), BAT_OK);
         options.truncated = false;
         options.admissible = 0;
         plain = make_space(&options);
@@ -436,7 +437,7 @@ static void test_whole_square(void **state)
             assert_memory_equal(here, there, count * sizeof *here);
             for (size_t f = 0; f < count; f++)
             {
-                bat_spline_function function = bat_hierarchical_space_function(tensor, f);
+                bat_spline_function function = hierarchical_space_function(tensor, f);
                 check_near(here[f], across[function.i] * along[function.j], 1e-13);
             }
         }

@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include "batten/spline.h"
+#include "surface/spline/knot_vector.h"
 
 #include "surface/spline/tensor_surface.h"
 #include "surface/spline/uniform_basis.h"
@@ -48,7 +49,7 @@ static double domain_begin(const bat_knot_vector *knots)
 
 static double domain_end(const bat_knot_vector *knots)
 {
-    return knots->knots[bat_knot_vector_functions(knots)];
+    return knots->knots[knot_vector_functions(knots)];
 }
 
 /// A parameter of the domain: anywhere, or at a knot, or at an end.
@@ -82,12 +83,12 @@ static void test_basis(void **state)
     {
         int degree = trial % 9;
         bat_knot_vector knots = random_knots(&random, degree, false);
-        assert_int_equal(bat_knot_vector_check(&knots, NULL), BAT_OK);
+        assert_int_equal(knot_vector_check(&knots, NULL), BAT_OK);
         double t = random_parameter(&random, &knots), values[9], sum = 0;
-        size_t span = bat_knot_vector_span(&knots, t);
+        size_t span = knot_vector_span(&knots, t);
         assert_true(knots.knots[span] < knots.knots[span + 1] && knots.knots[span] <= t);
         assert_true(t < knots.knots[span + 1] || (t == domain_end(&knots) && knots.knots[span + 1] == t));
-        bat_knot_vector_basis(&knots, span, t, 0, values);
+        knot_vector_basis(&knots, span, t, 0, values);
         for (int a = 0; a <= degree; a++)
         {
             assert_true(values[a] >= 0);
@@ -95,7 +96,7 @@ static void test_basis(void **state)
             sum += values[a];
         }
         check_near(sum, 1, 1e-13);
-        bat_knot_vector_free(&knots);
+        knot_vector_free(&knots);
     }
 }
 
@@ -110,8 +111,8 @@ static void test_derivatives(void **state)
         size_t p = (size_t)degree;
         bat_knot_vector knots = random_knots(&random, degree, false);
         double t = random_parameter(&random, &knots), x = uniform(&random, -1, 3), values[8 * 7], factor = 1;
-        size_t span = bat_knot_vector_span(&knots, t);
-        bat_knot_vector_basis(&knots, span, t, 7, values);
+        size_t span = knot_vector_span(&knots, t);
+        knot_vector_basis(&knots, span, t, 7, values);
         for (size_t order = 0; order <= 7; order++)
         {
             double sum = 0, size = 0;
@@ -127,7 +128,7 @@ static void test_derivatives(void **state)
             check_near(sum, expected, 1e-13 * (1 + size));
             factor *= -(double)(p - order);
         }
-        bat_knot_vector_free(&knots);
+        knot_vector_free(&knots);
     }
 }
 
@@ -135,7 +136,7 @@ static void check_refused(double *numbers, size_t count, int degree, size_t inde
 {
     bat_knot_vector knots = {numbers, count, degree};
     bat_error error;
-    assert_int_equal(bat_knot_vector_check(&knots, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(knot_vector_check(&knots, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(error.index, index);
 }
 
@@ -150,32 +151,32 @@ static void test_knot_vectors(void **state)
     check_refused((double[]){0, 0, 0, 1, 1}, 5, 1, 2);
     check_refused((double[]){0, 1, 1, 2}, 4, 1, 1);
     bat_knot_vector knots, copy;
-    assert_int_equal(bat_knot_vector_uniform(3, 0, &knots, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_knot_vector_uniform(16, 1, &knots, NULL), BAT_INVALID_ARGUMENT);
-    assert_int_equal(bat_knot_vector_uniform(1, SIZE_MAX / 4, &knots, NULL), BAT_TOO_LARGE);
-    assert_int_equal(bat_knot_vector_uniform(2, 3, &knots, NULL), BAT_OK);
+    assert_int_equal(knot_vector_uniform(3, 0, &knots, NULL), BAT_INVALID_ARGUMENT);
+    assert_int_equal(knot_vector_uniform(16, 1, &knots, NULL), BAT_INVALID_ARGUMENT);
+    assert_int_equal(knot_vector_uniform(1, SIZE_MAX / 4, &knots, NULL), BAT_TOO_LARGE);
+    assert_int_equal(knot_vector_uniform(2, 3, &knots, NULL), BAT_OK);
     const double expected[] = {0, 0, 0, 1. / 3, 2. / 3, 1, 1, 1};
     assert_int_equal(knots.count, 8);
     assert_memory_equal(knots.knots, expected, sizeof expected);
-    assert_int_equal(bat_knot_vector_functions(&knots), 5);
-    assert_int_equal(bat_knot_vector_copy(&knots, &copy, NULL), BAT_OK);
+    assert_int_equal(knot_vector_functions(&knots), 5);
+    assert_int_equal(knot_vector_copy(&knots, &copy, NULL), BAT_OK);
     assert_int_equal(copy.count, 8);
     assert_memory_equal(copy.knots, expected, sizeof expected);
-    bat_knot_vector_free(&knots);
-    bat_knot_vector_free(&copy);
+    knot_vector_free(&knots);
+    knot_vector_free(&copy);
     assert_null(copy.knots);
 }
 
-static bat_tensor_surface random_surface(bat_random *random, int p, int q, bool continuous)
+static tensor_surface random_surface(bat_random *random, int p, int q, bool continuous)
 {
-    bat_tensor_surface surface = {.knots = {random_knots(random, p, continuous), random_knots(random, q, continuous)},
-                                  .dimension = 1 + below(random, 3)};
-    size_t size = bat_knot_vector_functions(&surface.knots[0]) * bat_knot_vector_functions(&surface.knots[1]);
+    tensor_surface surface = {.knots = {random_knots(random, p, continuous), random_knots(random, q, continuous)},
+                              .dimension = 1 + below(random, 3)};
+    size_t size = knot_vector_functions(&surface.knots[0]) * knot_vector_functions(&surface.knots[1]);
     surface.control = malloc(size * surface.dimension * sizeof(double));
     assert_non_null(surface.control);
     for (size_t i = 0; i < size * surface.dimension; i++)
         surface.control[i] = uniform(random, -1, 1);
-    assert_int_equal(bat_tensor_surface_check(&surface, NULL), BAT_OK);
+    assert_int_equal(tensor_surface_check(&surface, NULL), BAT_OK);
     return surface;
 }
 
@@ -187,17 +188,17 @@ static void test_tensor_surface(void **state)
     bat_random random = bat_random_seed(4);
     for (int trial = 0; trial < 100; trial++)
     {
-        bat_tensor_surface s = random_surface(&random, trial % 5, trial / 5 % 5, false);
+        tensor_surface s = random_surface(&random, trial % 5, trial / 5 % 5, false);
         double parameter[2], across[15], along[15], values[6 * 3];
-        size_t p = (size_t)s.knots[0].degree, q = (size_t)s.knots[1].degree, row = bat_knot_vector_functions(&s.knots[0]);
+        size_t p = (size_t)s.knots[0].degree, q = (size_t)s.knots[1].degree, row = knot_vector_functions(&s.knots[0]);
         parameter[0] = random_parameter(&random, &s.knots[0]);
         parameter[1] = random_parameter(&random, &s.knots[1]);
-        size_t i = bat_knot_vector_span(&s.knots[0], parameter[0]), j = bat_knot_vector_span(&s.knots[1], parameter[1]);
-        bat_knot_vector_basis(&s.knots[0], i, parameter[0], 2, across);
-        bat_knot_vector_basis(&s.knots[1], j, parameter[1], 2, along);
+        size_t i = knot_vector_span(&s.knots[0], parameter[0]), j = knot_vector_span(&s.knots[1], parameter[1]);
+        knot_vector_basis(&s.knots[0], i, parameter[0], 2, across);
+        knot_vector_basis(&s.knots[1], j, parameter[1], 2, along);
         for (int derivatives = 0; derivatives <= 2; derivatives++)
         {
-            assert_int_equal(bat_tensor_surface_evaluate(&s, parameter, 1, derivatives, values, NULL), BAT_OK);
+            assert_int_equal(tensor_surface_evaluate(&s, parameter, 1, derivatives, values, NULL), BAT_OK);
             for (size_t k = 0; k < (derivatives == 0 ? 1 : derivatives == 1 ? 3 : 6); k++)
                 for (size_t d = 0; d < s.dimension; d++)
                 {
@@ -215,15 +216,15 @@ static void test_tensor_surface(void **state)
         }
         bat_error error;
         const double outside[] = {parameter[0], parameter[1], domain_end(&s.knots[0]) + 1e-9, parameter[1]};
-        assert_int_equal(bat_tensor_surface_evaluate(&s, outside, 2, 0, values, &error), BAT_INVALID_POINT);
+        assert_int_equal(tensor_surface_evaluate(&s, outside, 2, 0, values, &error), BAT_INVALID_POINT);
         assert_int_equal(error.index, 1);
-        assert_int_equal(bat_tensor_surface_evaluate(&s, parameter, 1, 3, values, NULL), BAT_INVALID_ARGUMENT);
-        bat_tensor_surface_free(&s);
+        assert_int_equal(tensor_surface_evaluate(&s, parameter, 1, 3, values, NULL), BAT_INVALID_ARGUMENT);
+        tensor_surface_free(&s);
     }
 }
 
 /// Two surfaces are the same where both are: positions to `tolerance`. Jumps are avoided.
-static void check_same(bat_random *random, const bat_tensor_surface *a, const bat_tensor_surface *b, double tolerance)
+static void check_same(bat_random *random, const tensor_surface *a, const tensor_surface *b, double tolerance)
 {
     for (int k = 0; k < 50; k++)
     {
@@ -231,8 +232,8 @@ static void check_same(bat_random *random, const bat_tensor_surface *a, const ba
         for (int d = 0; d < 2; d++)
             parameter[d] = uniform(random, fmax(domain_begin(&a->knots[d]), domain_begin(&b->knots[d])),
                                    fmin(domain_end(&a->knots[d]), domain_end(&b->knots[d])));
-        assert_int_equal(bat_tensor_surface_evaluate(a, parameter, 1, 0, here, NULL), BAT_OK);
-        assert_int_equal(bat_tensor_surface_evaluate(b, parameter, 1, 0, there, NULL), BAT_OK);
+        assert_int_equal(tensor_surface_evaluate(a, parameter, 1, 0, here, NULL), BAT_OK);
+        assert_int_equal(tensor_surface_evaluate(b, parameter, 1, 0, there, NULL), BAT_OK);
         for (size_t d = 0; d < a->dimension; d++)
             check_near(here[d], there[d], tolerance);
     }
@@ -242,18 +243,18 @@ static void test_check_surface(void **state)
 {
     (void)state;
     bat_random random = bat_random_seed(8);
-    bat_tensor_surface s = random_surface(&random, 2, 3, true);
+    tensor_surface s = random_surface(&random, 2, 3, true);
     bat_error error;
     s.control[3 * s.dimension] = INFINITY;
-    assert_int_equal(bat_tensor_surface_check(&s, &error), BAT_INVALID_POINT);
+    assert_int_equal(tensor_surface_check(&s, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 3);
     size_t dimension = s.dimension;
     s.dimension = 0;
-    assert_int_equal(bat_tensor_surface_check(&s, NULL), BAT_INVALID_ARGUMENT);
+    assert_int_equal(tensor_surface_check(&s, NULL), BAT_INVALID_ARGUMENT);
     s.dimension = dimension;
     s.knots[1].knots[2] = -1e9;
-    assert_int_equal(bat_tensor_surface_check(&s, NULL), BAT_INVALID_ARGUMENT);
-    bat_tensor_surface_free(&s);
+    assert_int_equal(tensor_surface_check(&s, NULL), BAT_INVALID_ARGUMENT);
+    tensor_surface_free(&s);
 }
 
 static void test_restrict(void **state)
@@ -262,8 +263,8 @@ static void test_restrict(void **state)
     bat_random random = bat_random_seed(9);
     for (int trial = 0; trial < 200; trial++)
     {
-        bat_tensor_surface s = random_surface(&random, 1 + trial % 5, 1 + trial / 5 % 5, true), before;
-        assert_int_equal(bat_tensor_surface_copy(&s, &before, NULL), BAT_OK);
+        tensor_surface s = random_surface(&random, 1 + trial % 5, 1 + trial / 5 % 5, true), before;
+        assert_int_equal(tensor_surface_copy(&s, &before, NULL), BAT_OK);
         for (int d = 0; d < 2; d++)
         {
             double a = random_parameter(&random, &s.knots[d]), b = random_parameter(&random, &s.knots[d]);
@@ -277,10 +278,10 @@ static void test_restrict(void **state)
                 check_near(s.knots[d].knots[s.knots[d].count - 1 - (size_t)k], high, 0);
             }
         }
-        assert_int_equal(bat_tensor_surface_check(&s, NULL), BAT_OK);
+        assert_int_equal(tensor_surface_check(&s, NULL), BAT_OK);
         check_same(&random, &s, &before, 1e-13);
-        bat_tensor_surface_free(&s);
-        bat_tensor_surface_free(&before);
+        tensor_surface_free(&s);
+        tensor_surface_free(&before);
     }
 }
 
@@ -294,16 +295,16 @@ static void test_uniform_values(void **state)
         int degree = 1 + trial % BAT_SPLINE_MAX_DEGREE;
         size_t cells = 1 + below(&random, 40), count = (size_t)degree + 1;
         bat_knot_vector knots;
-        assert_int_equal(bat_knot_vector_uniform(degree, cells, &knots, NULL), BAT_OK);
+        assert_int_equal(knot_vector_uniform(degree, cells, &knots, NULL), BAT_OK);
         double t = bat_random_uniform(&random), expected[3 * 16], values[3 * 16], power = 1;
-        size_t span = bat_knot_vector_span(&knots, t), cell = span - (size_t)degree;
-        bat_knot_vector_basis(&knots, span, t, 2, expected);
+        size_t span = knot_vector_span(&knots, t), cell = span - (size_t)degree;
+        knot_vector_basis(&knots, span, t, 2, expected);
         uniform_basis_values(degree, cells, cell, t * (double)cells - (double)cell, 2, values);
         for (size_t k = 0; k < 3; k++, power *= (double)cells)
             for (size_t a = 0; a < count; a++)
                 check_near(values[k * count + a] * power, expected[k * count + a],
                            1e-13 * power * pow(degree, 2. * (double)k));
-        bat_knot_vector_free(&knots);
+        knot_vector_free(&knots);
     }
 }
 

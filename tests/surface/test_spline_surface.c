@@ -1,4 +1,6 @@
 #include "hierarchical_helpers.h"
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "surface/spline/hierarchical_space.h"
 
@@ -36,7 +38,7 @@ static void test_evaluate(void **state)
         bat_hierarchical_options options = random_options(&random, 5);
         options.truncated = trial % 3 > 0;
         bat_spline_surface s = random_surface(&random, &options, 4);
-        double *basis = malloc(6 * bat_hierarchical_space_max_active(s.space) * sizeof *basis);
+        double *basis = malloc(6 * hierarchical_space_max_active(s.space) * sizeof *basis);
         assert_non_null(basis);
         random_parameters(&random, parameters, POINTS);
         for (int derivatives = 0; derivatives <= 2; derivatives++)
@@ -95,14 +97,14 @@ static void test_bad_parameters(void **state)
 static void marsden(const bat_hierarchical_options *options, int d, double x, double *coefficients)
 {
     bat_knot_vector knots;
-    assert_int_equal(bat_knot_vector_uniform(options->degree[d], options->spans[d], &knots, NULL), BAT_OK);
-    for (size_t i = 0; i < bat_knot_vector_functions(&knots); i++)
+    assert_int_equal(knot_vector_uniform(options->degree[d], options->spans[d], &knots, NULL), BAT_OK);
+    for (size_t i = 0; i < knot_vector_functions(&knots); i++)
     {
         coefficients[i] = 1;
         for (size_t k = 1; k <= (size_t)options->degree[d]; k++)
             coefficients[i] *= x - knots.knots[i + k];
     }
-    bat_knot_vector_free(&knots);
+    knot_vector_free(&knots);
 }
 
 /// The k-th derivative of (x - t)^p by t.
@@ -134,7 +136,7 @@ static void test_polynomials(void **state)
             coarse[f] = across[f % columns] * along[f / columns];
         s.control = malloc(bat_hierarchical_space_functions(s.space) * sizeof *s.control);
         assert_non_null(s.control);
-        assert_int_equal(bat_hierarchical_space_prolong(begin, s.space, coarse, 1, s.control, NULL), BAT_OK);
+        assert_int_equal(hierarchical_space_prolong(begin, s.space, coarse, 1, s.control, NULL), BAT_OK);
         for (int k = 0; k < 40; k++)
         {
             double parameter[2], values[6];
@@ -224,23 +226,23 @@ static void test_prolong(void **state)
         options.truncated = trial % 3 > 0;
         options.admissible = trial % 2 == 0 ? 0 : 2;
         bat_spline_surface s = random_surface(&random, &options, 3), fine = {.dimension = s.dimension};
-        assert_int_equal(bat_hierarchical_space_copy(s.space, &fine.space, NULL), BAT_OK);
+        assert_int_equal(hierarchical_space_copy(s.space, &fine.space, NULL), BAT_OK);
         bat_spline_box boxes[3];
         size_t count = random_boxes(&random, &options, 4, boxes, 3);
         refine_space(fine.space, boxes, count);
         fine.control = malloc(bat_hierarchical_space_functions(fine.space) * s.dimension * sizeof *fine.control);
         assert_non_null(fine.control);
-        assert_int_equal(bat_hierarchical_space_prolong(s.space, fine.space, s.control, s.dimension, fine.control, NULL),
+        assert_int_equal(hierarchical_space_prolong(s.space, fine.space, s.control, s.dimension, fine.control, NULL),
                          BAT_OK);
         check_same_surface(&random, &s, &fine);
         for (size_t f = 0; f < bat_hierarchical_space_functions(s.space) && options.truncated; f++)
         {
-            size_t kept = bat_hierarchical_space_find(fine.space, bat_hierarchical_space_function(s.space, f));
+            size_t kept = hierarchical_space_find(fine.space, hierarchical_space_function(s.space, f));
             for (size_t d = 0; d < s.dimension && kept != BAT_NO_INDEX; d++)
                 check_near(fine.control[kept * s.dimension + d], s.control[f * s.dimension + d], 0);
         }
         if (bat_hierarchical_space_cells(fine.space) > bat_hierarchical_space_cells(s.space))
-            assert_int_equal(bat_hierarchical_space_prolong(fine.space, s.space, fine.control, s.dimension, s.control, NULL),
+            assert_int_equal(hierarchical_space_prolong(fine.space, s.space, fine.control, s.dimension, s.control, NULL),
                              BAT_INVALID_ARGUMENT);
         bat_spline_surface_free(&s);
         bat_spline_surface_free(&fine);
@@ -263,7 +265,7 @@ static void test_prolong_refuses(void **state)
         else
             other.truncated = false;
         stranger = make_space(&other);
-        assert_int_equal(bat_hierarchical_space_prolong(space, stranger, numbers, 1, out, NULL), BAT_INVALID_ARGUMENT);
+        assert_int_equal(hierarchical_space_prolong(space, stranger, numbers, 1, out, NULL), BAT_INVALID_ARGUMENT);
         bat_hierarchical_space_free(stranger);
     }
     bat_hierarchical_space_free(space);
@@ -279,15 +281,15 @@ static void test_patches(void **state)
         bat_hierarchical_options options = random_options(&random, 5);
         options.truncated = trial % 3 > 0;
         bat_spline_surface s = random_surface(&random, &options, 4);
-        bat_tensor_surface *patches;
+        tensor_surface *patches;
         size_t count;
         double covered = 0;
-        assert_int_equal(bat_spline_surface_patches(&s, &patches, &count, NULL), BAT_OK);
+        assert_int_equal(spline_surface_patches(&s, &patches, &count, NULL), BAT_OK);
         assert_true(count <= bat_hierarchical_space_cells(s.space));
         for (size_t i = 0; i < count; i++)
         {
             double low[2], high[2], area = 1;
-            assert_int_equal(bat_tensor_surface_check(&patches[i], NULL), BAT_OK);
+            assert_int_equal(tensor_surface_check(&patches[i], NULL), BAT_OK);
             for (int d = 0; d < 2; d++)
             {
                 const bat_knot_vector *knots = &patches[i].knots[d];
@@ -296,7 +298,7 @@ static void test_patches(void **state)
                 high[d] = knots->knots[knots->count - 1];
                 area *= high[d] - low[d];
                 check_near(knots->knots[knots->degree], low[d], 0);
-                check_near(knots->knots[bat_knot_vector_functions(knots)], high[d], 0);
+                check_near(knots->knots[knot_vector_functions(knots)], high[d], 0);
             }
             covered += area;
             for (int k = 0; k < 20; k++)
@@ -304,12 +306,12 @@ static void test_patches(void **state)
                 double parameter[2], here[3], there[3];
                 for (int d = 0; d < 2; d++)
                     parameter[d] = k < 4 ? (k >> d & 1 ? high[d] : low[d]) : uniform(&random, low[d], high[d]);
-                assert_int_equal(bat_tensor_surface_evaluate(&patches[i], parameter, 1, 0, here, NULL), BAT_OK);
+                assert_int_equal(tensor_surface_evaluate(&patches[i], parameter, 1, 0, here, NULL), BAT_OK);
                 assert_int_equal(bat_spline_surface_evaluate(&s, parameter, 1, 0, there, NULL), BAT_OK);
                 for (size_t d = 0; d < s.dimension; d++)
                     check_near(here[d], there[d], 1e-13);
             }
-            bat_tensor_surface_free(&patches[i]);
+            tensor_surface_free(&patches[i]);
         }
         check_near(covered, 1, 1e-13);
         free(patches);

@@ -1,5 +1,6 @@
 // Parameter correction: feet of points, how fast they are found, and what may not move.
 
+#include "surface/fit/system.h"
 #include "surface_fit_helpers.h"
 
 #include "surface/fit/foot_points.h"
@@ -13,7 +14,7 @@ static bat_spline_surface surface_of(surface_shape shape)
         .space = space, .control = calloc(3 * bat_hierarchical_space_functions(space), sizeof(double)), .dimension = 3};
     double lambda = 0;
     assert_non_null(surface.control);
-    check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, surface.control, NULL), BAT_OK);
+    check_status(spline_fit(space, &sample.data, NULL, &lambda, surface.control, NULL), BAT_OK);
     sample_free(&sample);
     return surface;
 }
@@ -42,7 +43,7 @@ static void no_distance_rises_and_feet_are_feet(void **state)
     surface_sample sample = sample_make(shape_hills, 4000, 100, 0.03, 22);
     double *before = distances_of(&surface, &sample.data);
     size_t moved, feet = 0, inside = 0;
-    check_status(bat_spline_correct(&surface, &sample.data, &moved, NULL), BAT_OK);
+    check_status(spline_correct(&surface, &sample.data, &moved, NULL), BAT_OK);
     assert_true(moved > 3800);
     double *after = distances_of(&surface, &sample.data);
     double *values = calloc(9 * sample.data.count, sizeof *values);
@@ -115,11 +116,11 @@ static void boundary_parameters_stay_on_their_sides(void **state)
     assert_true(before != NULL);
     memcpy(before, sample.data.parameters, 2000 * sizeof *before);
     sample.data.slides = false;
-    check_status(bat_spline_correct(&surface, &sample.data, &moved, NULL), BAT_OK);
+    check_status(spline_correct(&surface, &sample.data, &moved, NULL), BAT_OK);
     assert_true(moved > 0);
     assert_memory_equal(before, sample.data.parameters, 2 * sample.data.boundary_count * sizeof *before);
     sample.data.slides = true;
-    check_status(bat_spline_correct(&surface, &sample.data, &moved, NULL), BAT_OK);
+    check_status(spline_correct(&surface, &sample.data, &moved, NULL), BAT_OK);
     for (size_t i = 0; i < sample.data.boundary_count; i++)
     {
         size_t which = i / side, across = which % 2 == 0 ? 1 : 0;
@@ -151,7 +152,7 @@ static void feet_stay_in_the_square(void **state)
     for (size_t k = 0; k < 3; k++)
         point[k] = values[k] + 0.2 * (values[3 + k] - along / squared * values[6 + k]);
     bat_surface_fit_data data = {.points = point, .parameters = at, .count = 1, .dimension = 3};
-    check_status(bat_spline_correct(&surface, &data, NULL, NULL), BAT_OK);
+    check_status(spline_correct(&surface, &data, NULL, NULL), BAT_OK);
     assert_true(at[0] == 1);
     check_near(at[1], 0.4, 1e-7);
     bat_spline_surface_free(&surface);
@@ -195,7 +196,7 @@ static void dimensions_must_agree(void **state)
     bat_spline_surface surface = surface_of(shape_biquadratic);
     double point[2] = {0, 0}, at[2] = {0.5, 0.5};
     bat_surface_fit_data data = {.points = point, .parameters = at, .count = 1, .dimension = 2};
-    check_status(bat_spline_correct(&surface, &data, NULL, NULL), BAT_INVALID_ARGUMENT);
+    check_status(spline_correct(&surface, &data, NULL, NULL), BAT_INVALID_ARGUMENT);
     bat_spline_surface_free(&surface);
 }
 

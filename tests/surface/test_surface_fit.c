@@ -1,5 +1,6 @@
 // One penalized least-squares fit: what it reproduces, the thin-plate energy, agreement with dense algebra, gaps.
 
+#include "surface/spline/hierarchical_space.h"
 #include "surface_fit_helpers.h"
 
 #include "linalg/decompose.h"
@@ -12,7 +13,7 @@ static bat_spline_surface fit(bat_hierarchical_space *space, const bat_surface_f
         .space = space, .control = calloc(3 * bat_hierarchical_space_functions(space), sizeof(double)), .dimension = 3};
     bat_error error;
     assert_non_null(surface.control);
-    if (bat_spline_fit(space, data, weights, lambda, surface.control, &error) != BAT_OK)
+    if (spline_fit(space, data, weights, lambda, surface.control, &error) != BAT_OK)
         fail_msg("%s", error.text);
     return surface;
 }
@@ -104,8 +105,7 @@ static double *dense_rows(const bat_hierarchical_space *space, const bat_surface
 {
     size_t functions = bat_hierarchical_space_functions(space), rows = data->count + functions;
     double *matrix = calloc(rows * functions, sizeof *matrix), *plate = calloc(functions * functions, sizeof *plate);
-    double *values = calloc(bat_hierarchical_space_max_active(space), sizeof *values),
-           *eigen = calloc(functions, sizeof *eigen);
+    double *values = calloc(hierarchical_space_max_active(space), sizeof *values), *eigen = calloc(functions, sizeof *eigen);
     assert_true(matrix != NULL && plate != NULL && values != NULL && eigen != NULL);
     for (size_t i = 0; i < data->count; i++)
     {
@@ -215,7 +215,7 @@ static void excessive_smoothing_is_refused(void **state)
     {
         bat_error error;
         double lambda = excessive[i];
-        check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_ARGUMENT);
+        check_status(spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_ARGUMENT);
         assert_non_null(strstr(error.text, "weight of smoothing"));
         assert_non_null(strstr(error.text, "out of range"));
         assert_true(lambda == excessive[i]);
@@ -260,7 +260,7 @@ static void far_too_few_points_are_refused(void **state)
     double points[3] = {1, 2, 3}, parameters[2] = {0.5, 0.5}, lambda = 0;
     double *control = calloc(3 * bat_hierarchical_space_functions(space), sizeof *control);
     bat_surface_fit_data data = {.points = points, .parameters = parameters, .count = 1, .dimension = 3};
-    check_status(bat_spline_fit(space, &data, NULL, &lambda, control, NULL), BAT_NO_CONVERGENCE);
+    check_status(spline_fit(space, &data, NULL, &lambda, control, NULL), BAT_NO_CONVERGENCE);
     assert_true(lambda == 0);
     free(control);
     bat_hierarchical_space_free(space);
@@ -276,23 +276,23 @@ static void wrong_data_is_refused(void **state)
     bat_error error;
     assert_true(control != NULL && weights != NULL);
     weights[5] = -1;
-    check_status(bat_spline_fit(space, &sample.data, weights, &lambda, control, &error), BAT_INVALID_ARGUMENT);
+    check_status(spline_fit(space, &sample.data, weights, &lambda, control, &error), BAT_INVALID_ARGUMENT);
     assert_int_equal(error.index, 5);
     lambda = -1;
-    check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, NULL), BAT_INVALID_ARGUMENT);
+    check_status(spline_fit(space, &sample.data, NULL, &lambda, control, NULL), BAT_INVALID_ARGUMENT);
     lambda = 0;
     sample.data.parameters[2 * 150] = 1.01;
-    check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_POINT);
+    check_status(spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 150);
     sample.points[3 * 120 + 1] = NAN;
-    check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_POINT);
+    check_status(spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 120);
     sample.data.parameters[2 * 11] = 0.25;
     sample.data.parameters[2 * 11 + 1] = 0.25;
-    check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_POINT);
+    check_status(spline_fit(space, &sample.data, NULL, &lambda, control, &error), BAT_INVALID_POINT);
     assert_int_equal(error.index, 11);
     sample.data.count = 0;
-    check_status(bat_spline_fit(space, &sample.data, NULL, &lambda, control, NULL), BAT_INVALID_ARGUMENT);
+    check_status(spline_fit(space, &sample.data, NULL, &lambda, control, NULL), BAT_INVALID_ARGUMENT);
     free(control);
     free(weights);
     sample_free(&sample);

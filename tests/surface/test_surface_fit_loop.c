@@ -1,5 +1,6 @@
 // The adaptive loop: when it stops, the weight of smoothing, outliers, threads, being stopped.
 
+#include "surface/fit/system.h"
 #include "surface_fit_helpers.h"
 
 static bat_surface_fit_report run(surface_sample *sample, const bat_surface_fit_options *options,
@@ -91,7 +92,7 @@ static void held_out_points_choose_the_size(void **state)
         assert_true(report.expected_rms > 0.009 && report.expected_rms < 1.1 * report.held_out_rms);
         check_near(report.rounds[report.count - 1].held_out, report.held_out_rms, 0);
         memcpy(sample.points, sample.truth, 15000 * sizeof(double));
-        check_status(bat_spline_correct(&surface, &sample.data, NULL, NULL), BAT_OK);
+        check_status(spline_correct(&surface, &sample.data, NULL, NULL), BAT_OK);
         errors[k] = mean_squared(&surface, &sample.data, sample.truth);
         finish(&surface, &report);
         sample_free(&sample);
@@ -274,7 +275,7 @@ static void outliers_are_switched_off(void **state)
         bat_surface_fit_report report = run(&sample, &options, &surface);
         // How far the true surface is off: from points without noise to their feet.
         memcpy(sample.points, sample.truth, 12000 * sizeof(double));
-        check_status(bat_spline_correct(&surface, &sample.data, NULL, NULL), BAT_OK);
+        check_status(spline_correct(&surface, &sample.data, NULL, NULL), BAT_OK);
         errors[k] = mean_squared(&surface, &sample.data, sample.truth);
         assert_true(k == 0 ? report.outliers == 0 : report.outliers >= 380 && report.outliers < 480);
         finish(&surface, &report);

@@ -1,4 +1,5 @@
 #include "batten/curve_analysis.h"
+#include "curve/mask.h"
 
 #include "base/choice.h"
 #include "base/error.h"
@@ -60,8 +61,8 @@ static void describe_symbol(const mask_symbol *symbol, bat_analysis *analysis)
     analysis->multiplicity = symbol->multiplicity;
     analysis->quotient = symbol->quotient;
     analysis->remainder = symbol->remainder;
-    analysis->is_interpolatory = bat_mask_is_interpolatory(&symbol->mask);
-    analysis->is_symmetric = bat_mask_is_symmetric(&symbol->mask);
+    analysis->is_interpolatory = mask_is_interpolatory(&symbol->mask);
+    analysis->is_symmetric = mask_is_symmetric(&symbol->mask);
     analysis->shift = symbol->shift;
     analysis->generation_degree = symbol->multiplicity - 1;
     analysis->reproduction_degree = symbol_reproduction_degree(symbol);

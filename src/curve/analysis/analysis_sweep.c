@@ -1,5 +1,6 @@
 #include "curve/analysis/analysis_smoothness.h"
 #include "curve/analysis/analysis_symbol.h"
+#include "curve/mask.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -118,7 +119,7 @@ static bool is_stable_between(const sweep *s, double begin, double end)
 {
     const bat_mask first = s->family(s->context, begin);
     const bat_mask last = s->family(s->context, end);
-    if (bat_mask_is_interpolatory(&first) && bat_mask_is_interpolatory(&last))
+    if (mask_is_interpolatory(&first) && mask_is_interpolatory(&last))
         return true;
     const bat_mask left = quotient_at(s, begin, s->factors);
     const bat_mask middle = quotient_at(s, 0.5 * (begin + end), s->factors);

@@ -1,4 +1,5 @@
 #include "batten/curve_picture.h"
+#include "draw/curve/view.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -180,8 +181,8 @@ bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, s
     return BAT_OK;
 }
 
-bat_status bat_curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
-                                  bat_error *error)
+bat_status curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
+                              bat_error *error)
 {
     if (curves == NULL || count == 0 || longitude == NULL || latitude == NULL)
     {

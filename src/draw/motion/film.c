@@ -1,4 +1,5 @@
 #include "draw/motion/film.h"
+#include "motion/spline_smooth.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -230,7 +231,7 @@ bat_status film_make(const bat_curve_set *keyframes, bat_motion_spline *const *s
     made->kind = kind_of(made->space);
     made->body = space_is_rigid(made->space);
     choose_units(options, made);
-    made->outlying = bat_motion_outliers_threshold(motion->spline.outliers);
+    made->outlying = motion_outliers_threshold(motion->spline.outliers);
     if (motion->spline.outliers == BAT_MOTION_OUTLIERS_HUBER)
         made->outlying = HUBER_MARK;
     bat_status status = BAT_OK;

@@ -3,7 +3,7 @@
 
 #include "batten/base.h"
 #include "batten/mesh.h"
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 #include "batten/surface_picture.h"
 #include "draw/common/style.h"
 #include "draw/mesh/view.h"

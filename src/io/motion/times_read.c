@@ -77,12 +77,7 @@ static bat_status add_line(time_list *list, const char *begin, const char *end, 
     return BAT_OK;
 }
 
-bat_status bat_motion_times_read(const char *path, double **times, size_t *count, bat_error *error)
-{
-    return bat_motion_times_read_since(path, 0, times, count, error);
-}
-
-bat_status bat_motion_times_read_since(const char *path, int64_t origin, double **times, size_t *count, bat_error *error)
+bat_status bat_motion_times_read(const char *path, int64_t origin, double **times, size_t *count, bat_error *error)
 {
     text_buffer text = {0};
     time_list list = {.origin = origin};

@@ -1,4 +1,6 @@
 #include "io/surface/cut.h"
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -47,13 +49,13 @@ static void blossom(const bat_knot_vector *knots, size_t span, const double *arg
 bat_status cut_control(const bat_knot_vector *knots, const bat_knot_vector *cut, const double *control, size_t dimension,
                        double *result, bat_error *error)
 {
-    size_t degree = (size_t)knots->degree, count = bat_knot_vector_functions(cut), size;
+    size_t degree = (size_t)knots->degree, count = knot_vector_functions(cut), size;
     double *points = size_multiply_overflows(degree + 1, dimension, &size) ? NULL : memory_array(size, sizeof *points);
     if (points == NULL)
         return error_memory(error, (degree + 1) * dimension * sizeof *points);
     for (size_t i = 0; i < count; i++)
     {
-        size_t span = bat_knot_vector_span(knots, cut->knots[i]);
+        size_t span = knot_vector_span(knots, cut->knots[i]);
         memcpy(points, control + (span - degree) * dimension, size * sizeof *points);
         blossom(knots, span, cut->knots + i + 1, dimension, points);
         memcpy(result + i * dimension, points + degree * dimension, dimension * sizeof *result);
@@ -69,19 +71,18 @@ static bool is_clamped(const bat_knot_vector *knots)
 }
 
 /// Clamp one direction. For v, rows of control points are the points of one curve; for u, each row is a curve.
-static bat_status clamp_direction(bat_tensor_surface *surface, int direction, bat_error *error)
+static bat_status clamp_direction(tensor_surface *surface, int direction, bat_error *error)
 {
     bat_knot_vector *knots = &surface->knots[direction], cut = {0};
     if (is_clamped(knots))
         return BAT_OK;
-    size_t degree = (size_t)knots->degree, before = bat_knot_vector_functions(knots);
-    size_t curves = direction == 0 ? bat_knot_vector_functions(&surface->knots[1]) : 1;
-    size_t dimension =
-        direction == 0 ? surface->dimension : bat_knot_vector_functions(&surface->knots[0]) * surface->dimension;
+    size_t degree = (size_t)knots->degree, before = knot_vector_functions(knots);
+    size_t curves = direction == 0 ? knot_vector_functions(&surface->knots[1]) : 1;
+    size_t dimension = direction == 0 ? surface->dimension : knot_vector_functions(&surface->knots[0]) * surface->dimension;
     bat_status status = cut_knots(knots, knots->knots[degree], knots->knots[before], &cut, error);
     if (status != BAT_OK)
         return status;
-    size_t after = bat_knot_vector_functions(&cut);
+    size_t after = knot_vector_functions(&cut);
     double *control = memory_array(curves * after, dimension * sizeof *control);
     if (control == NULL)
         status = error_memory(error, curves * after * dimension * sizeof *control);
@@ -91,17 +92,17 @@ static bat_status clamp_direction(bat_tensor_surface *surface, int direction, ba
     if (status != BAT_OK)
     {
         free(control);
-        bat_knot_vector_free(&cut);
+        knot_vector_free(&cut);
         return status;
     }
     free(surface->control);
-    bat_knot_vector_free(knots);
+    knot_vector_free(knots);
     surface->control = control;
     *knots = cut;
     return BAT_OK;
 }
 
-bat_status cut_clamp(bat_tensor_surface *surface, bat_error *error)
+bat_status cut_clamp(tensor_surface *surface, bat_error *error)
 {
     bat_status status = clamp_direction(surface, 0, error);
     return status == BAT_OK ? clamp_direction(surface, 1, error) : status;

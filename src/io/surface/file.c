@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "io/surface/formats.h"
+#include "surface/spline/knot_vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -114,7 +115,7 @@ bat_status surface_check(const bat_spline_surface *surface, bat_surface_format f
     if (surface->dimension != 3 && format != BAT_SURFACE_FORMAT_XML && format != BAT_SURFACE_FORMAT_JSON)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "a surface of dimension %zu can be written as XML and JSON only", surface->dimension);
-    status = bat_spline_trim_check(&surface->trim, error);
+    status = spline_trim_check(&surface->trim, error);
     if (status != BAT_OK)
         return status;
     size_t functions = bat_hierarchical_space_functions(surface->space);

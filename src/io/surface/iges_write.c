@@ -1,6 +1,8 @@
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/trimmed_model.h"
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 
@@ -123,10 +125,10 @@ static double first_knot(const bat_knot_vector *knots)
 
 static double last_knot(const bat_knot_vector *knots)
 {
-    return knots->knots[bat_knot_vector_functions(knots)];
+    return knots->knots[knot_vector_functions(knots)];
 }
 
-static unsigned write_surface(iges_file *file, const bat_tensor_surface *surface, bool trimmed)
+static unsigned write_surface(iges_file *file, const tensor_surface *surface, bool trimmed)
 {
     enum
     {
@@ -135,7 +137,7 @@ static unsigned write_surface(iges_file *file, const bat_tensor_surface *surface
     size_t functions[2];
     unsigned number = begin_entity(file, SURFACE);
     for (int d = 0; d < 2; d++)
-        functions[d] = bat_knot_vector_functions(&surface->knots[d]);
+        functions[d] = knot_vector_functions(&surface->knots[d]);
     for (int d = 0; d < 2; d++)
         add_whole(file, functions[d] - 1, ',');
     for (int d = 0; d < 2; d++)
@@ -164,7 +166,7 @@ static unsigned write_curve(iges_file *file, const bat_spline_curve *curve)
     {
         CURVE = 126
     };
-    size_t functions = bat_knot_vector_functions(&curve->knots), dimension = curve->dimension;
+    size_t functions = knot_vector_functions(&curve->knots), dimension = curve->dimension;
     const double *last = curve->control + dimension * (functions - 1);
     bool closed = memcmp(last, curve->control, dimension * sizeof *last) == 0, planar = dimension == 2;
     unsigned number = begin_entity(file, CURVE);

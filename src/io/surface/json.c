@@ -5,6 +5,8 @@
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/space.h"
+#include "surface/spline/hierarchical_space.h"
+#include "surface/spline/knot_vector.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -189,7 +191,7 @@ static bat_status read_places(const json_file *file, const bat_hierarchical_spac
         else
         {
             const bat_spline_function function = {(uint32_t)numbers[0], (uint32_t)numbers[1], (uint32_t)numbers[2]};
-            places[i] = bat_hierarchical_space_find(space, function);
+            places[i] = hierarchical_space_find(space, function);
             if (places[i] == BAT_NO_INDEX || taken[places[i]])
                 status = bad_element(file, "functions", i, "is not in the basis or occurs twice");
             else
@@ -282,7 +284,7 @@ static bat_status read_trim(const json_file *file, bat_spline_trim *trim)
                 bad_element(file, "trim", l, "holds something that is not a curve with degree, knots and control points");
     }
     bat_error failure;
-    if (status == BAT_OK && bat_spline_trim_check(trim, &failure) != BAT_OK)
+    if (status == BAT_OK && spline_trim_check(trim, &failure) != BAT_OK)
         status = bad_member(file, "trim", failure.text);
     return status;
 }
@@ -367,7 +369,7 @@ static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *
 {
     bat_spline_box *boxes = NULL;
     size_t count = 0;
-    bat_status status = bat_hierarchical_space_regions(space, &boxes, &count, error);
+    bat_status status = hierarchical_space_regions(space, &boxes, &count, error);
     if (status != BAT_OK)
         return status;
     text_append_string(text, "\"boxes\": [\n");
@@ -389,7 +391,7 @@ static void append_functions(text_buffer *text, const bat_hierarchical_space *sp
     text_append_string(text, "\"functions\": [\n");
     for (size_t i = 0; i < count; i++)
     {
-        bat_spline_function function = bat_hierarchical_space_function(space, i);
+        bat_spline_function function = hierarchical_space_function(space, i);
         char row[64];
         (void)snprintf(row, sizeof row, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", function.level, function.i, function.j,
                        row_end(i, count));
@@ -420,7 +422,7 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
         for (size_t i = trim->loops[l]; i < trim->loops[l + 1]; i++)
         {
             const bat_spline_curve *piece = &trim->pieces[i];
-            size_t functions = bat_knot_vector_functions(&piece->knots);
+            size_t functions = knot_vector_functions(&piece->knots);
             char head[64];
             (void)snprintf(head, sizeof head, "{\"degree\": %d, \"knots\": ", piece->knots.degree);
             text_append_string(text, head);

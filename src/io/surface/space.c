@@ -1,4 +1,5 @@
 #include "io/surface/space.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -94,7 +95,7 @@ static bat_status region_sizes(const bat_hierarchical_space *space, unsigned shi
 {
     bat_spline_box *regions = NULL;
     size_t count = 0;
-    bat_status status = bat_hierarchical_space_regions(space, &regions, &count, error);
+    bat_status status = hierarchical_space_regions(space, &regions, &count, error);
     if (status != BAT_OK)
         return status;
     memset(sizes, 0, (BAT_HIERARCHICAL_MAX_LEVELS + 1) * sizeof *sizes);

@@ -1,7 +1,7 @@
 #ifndef IO_SURFACE_SPACE_H
 #define IO_SURFACE_SPACE_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 /// @file
 /// Hierarchical spline spaces from the contents of files.

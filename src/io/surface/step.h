@@ -1,9 +1,10 @@
 #ifndef IO_SURFACE_STEP_H
 #define IO_SURFACE_STEP_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 #include "io/common/block_writer.h"
 #include "io/surface/shell.h"
+#include "surface/spline/tensor_surface.h"
 
 /// @file
 /// STEP files of surfaces: the clear-text encoding of ISO 10303-21 with numbered entities, and the geometry and topology of
@@ -45,7 +46,7 @@ bat_status step_finish(step_text *step, bat_status status, bat_error *error);
 /// The patches of a surface and their topology. Release it with step_model_free().
 typedef struct step_model
 {
-    bat_tensor_surface *patches; ///< face_count patches, clamped
+    tensor_surface *patches; ///< face_count patches, clamped
     surface_shell shell;
     double tolerance; ///< points at smaller distances are identified
     double *points;   ///< 3 x vertex_count: positions

@@ -3,6 +3,8 @@
 #include "io/surface/cut.h"
 #include "io/surface/step.h"
 #include "io/surface/trimmed_model.h"
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,7 +24,7 @@ static size_t span_count(const bat_knot_vector *knots)
 }
 
 /// The rectangle of a patch on the grid of the finest level.
-static shell_face face_of(const bat_tensor_surface *patch, const bat_hierarchical_options *options, size_t finest)
+static shell_face face_of(const tensor_surface *patch, const bat_hierarchical_options *options, size_t finest)
 {
     shell_face face;
     for (int d = 0; d < 2; d++)
@@ -52,7 +54,7 @@ static bat_status make_shell(const bat_spline_surface *surface, step_model *mode
 /// The width of a span of a patch beside an edge, in cells of the finest level.
 static uint64_t span_width(const step_model *model, const shell_edge *edge, int user)
 {
-    const bat_tensor_surface *patch = &model->patches[edge->faces[user]];
+    const tensor_surface *patch = &model->patches[edge->faces[user]];
     const surface_shell *shell = &model->shell;
     const shell_use *loop = shell->uses + shell->loops[edge->faces[user]];
     // The loop begins at the lower left corner; its third side begins at the upper right one.
@@ -63,9 +65,9 @@ static uint64_t span_width(const step_model *model, const shell_edge *edge, int 
 }
 
 /// Copy the control points of a side of a patch.
-static void copy_side(const bat_tensor_surface *patch, uint32_t side, double *control)
+static void copy_side(const tensor_surface *patch, uint32_t side, double *control)
 {
-    size_t columns = bat_knot_vector_functions(&patch->knots[0]), rows = bat_knot_vector_functions(&patch->knots[1]);
+    size_t columns = knot_vector_functions(&patch->knots[0]), rows = knot_vector_functions(&patch->knots[1]);
     size_t count = side % 2 == 0 ? columns : rows, step = side % 2 == 0 ? 1 : columns;
     size_t first = side == 1 ? columns - 1 : side == 2 ? columns * (rows - 1) : 0;
     for (size_t i = 0; i < count; i++)
@@ -77,7 +79,7 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
 {
     const shell_edge *edge = &model->shell.edges[index];
     int user = edge->faces[1] != SHELL_NONE && span_width(model, edge, 1) < span_width(model, edge, 0) ? 1 : 0;
-    const bat_tensor_surface *patch = &model->patches[edge->faces[user]];
+    const tensor_surface *patch = &model->patches[edge->faces[user]];
     const bat_knot_vector *knots = &patch->knots[edge->direction];
     const surface_shell *shell = &model->shell;
     uint64_t width = span_width(model, edge, user);
@@ -85,7 +87,7 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
         shell->vertices[2 * (size_t)shell->edges[shell->uses[shell->loops[edge->faces[user]]].edge].from + edge->direction];
     uint64_t from = (shell->vertices[2 * (size_t)edge->from + edge->direction] - low) / width;
     uint64_t to = (shell->vertices[2 * (size_t)edge->to + edge->direction] - low) / width;
-    size_t count = bat_knot_vector_functions(knots);
+    size_t count = knot_vector_functions(knots);
     double *side = memory_array(count, 3 * sizeof *side);
     if (side == NULL)
         return error_memory(error, count * 3 * sizeof *side);
@@ -95,7 +97,7 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
         cut_knots(knots, knots->knots[first_knot(knots) + from], knots->knots[first_knot(knots) + to], cut, error);
     if (status == BAT_OK)
     {
-        size_t points = bat_knot_vector_functions(cut);
+        size_t points = knot_vector_functions(cut);
         model->control[index] = memory_array(points, 3 * sizeof *side);
         status = model->control[index] != NULL ? cut_control(knots, cut, side, 3, model->control[index], error)
                                                : error_memory(error, points * 3 * sizeof *side);
@@ -106,7 +108,7 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
 
 static double *last_point(const step_model *model, size_t edge)
 {
-    return model->control[edge] + 3 * (bat_knot_vector_functions(&model->knots[edge]) - 1);
+    return model->control[edge] + 3 * (knot_vector_functions(&model->knots[edge]) - 1);
 }
 
 /// Set the positions of vertices from their first edges. Replace the ends of the other edges, which may differ by rounding.
@@ -155,7 +157,7 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
     for (size_t e = 0; e < shell->edge_count; e++)
     {
         double farthest = 0;
-        size_t points = bat_knot_vector_functions(&model->knots[e]);
+        size_t points = knot_vector_functions(&model->knots[e]);
         for (size_t i = 0; i < 3 * points; i++)
             farthest = fmax(farthest, fabs(model->control[e][i] - model->control[e][i % 3]));
         model->collapsed[e] = farthest <= model->tolerance;
@@ -183,7 +185,7 @@ bat_status step_model_make(const bat_spline_surface *surface, step_model *model,
 {
     size_t count = 0;
     step_model made = {0};
-    bat_status status = bat_spline_surface_patches(surface, &made.patches, &count, error);
+    bat_status status = spline_surface_patches(surface, &made.patches, &count, error);
     if (status != BAT_OK)
         return status;
     made.shell.face_count = count; // the count for step_model_free() after a failure
@@ -210,12 +212,12 @@ bat_status step_model_make(const bat_spline_surface *surface, step_model *model,
 void step_model_free(step_model *model)
 {
     for (size_t i = 0; i < model->shell.face_count && model->patches != NULL; i++)
-        bat_tensor_surface_free(&model->patches[i]);
+        tensor_surface_free(&model->patches[i]);
     free(model->patches);
     for (size_t e = 0; e < model->shell.edge_count; e++)
     {
         if (model->knots != NULL)
-            bat_knot_vector_free(&model->knots[e]);
+            knot_vector_free(&model->knots[e]);
         if (model->control != NULL)
             free(model->control[e]);
     }

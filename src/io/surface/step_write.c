@@ -1,6 +1,8 @@
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
 #include "io/surface/trimmed_model.h"
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -129,7 +131,7 @@ static void write_knots(step_text *step, const bat_knot_vector *knots)
 
 static uint32_t write_curve(step_text *step, const bat_knot_vector *knots, const double *control, size_t dimension)
 {
-    size_t count = bat_knot_vector_functions(knots);
+    size_t count = knot_vector_functions(knots);
     uint32_t first = write_points(step, control, count, dimension);
     uint32_t curve = step_begin(step, "B_SPLINE_CURVE_WITH_KNOTS('',");
     step_plain(step, "%d,", knots->degree);
@@ -177,9 +179,9 @@ static bat_status write_edges(step_text *step, const step_model *model, step_ent
 }
 
 /// Write the surface of a face. STEP lists points with v varying fastest.
-static uint32_t write_surface(step_text *step, const bat_tensor_surface *patch)
+static uint32_t write_surface(step_text *step, const tensor_surface *patch)
 {
-    size_t columns = bat_knot_vector_functions(&patch->knots[0]), rows = bat_knot_vector_functions(&patch->knots[1]);
+    size_t columns = knot_vector_functions(&patch->knots[0]), rows = knot_vector_functions(&patch->knots[1]);
     uint32_t first = write_points(step, patch->control, columns * rows, 3);
     uint32_t surface = step_begin(step, "B_SPLINE_SURFACE_WITH_KNOTS('',");
     step_plain(step, "%d,%d,(", patch->knots[0].degree, patch->knots[1].degree);
@@ -276,12 +278,11 @@ static bat_status check_count(const step_model *model, bat_error *error)
     double count = 0;
     for (size_t f = 0; f < model->shell.face_count; f++)
     {
-        const bat_tensor_surface *patch = &model->patches[f];
-        count +=
-            4 + (double)bat_knot_vector_functions(&patch->knots[0]) * (double)bat_knot_vector_functions(&patch->knots[1]);
+        const tensor_surface *patch = &model->patches[f];
+        count += 4 + (double)knot_vector_functions(&patch->knots[0]) * (double)knot_vector_functions(&patch->knots[1]);
     }
     for (size_t e = 0; e < model->shell.edge_count; e++)
-        count += 6 + (double)bat_knot_vector_functions(&model->knots[e]);
+        count += 6 + (double)knot_vector_functions(&model->knots[e]);
     count += 2 * (double)model->shell.vertex_count;
     if (count < (double)(UINT32_MAX / 2))
         return BAT_OK;

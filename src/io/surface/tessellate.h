@@ -1,7 +1,7 @@
 #ifndef IO_SURFACE_TESSELLATE_H
 #define IO_SURFACE_TESSELLATE_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 /// @file
 /// Tessellation of spline surfaces into grids of quads and into triangles without cracks.

@@ -1,4 +1,7 @@
 #include "io/surface/trimmed_model.h"
+#include "surface/spline/hierarchical_space.h"
+#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -24,12 +27,12 @@ static const int smallest_digit = -7;
 /// Of images, in units of the tolerance.
 static const double IMAGE_TOLERANCE = 10;
 
-double model_tolerance(const bat_tensor_surface *patches, size_t count)
+double model_tolerance(const tensor_surface *patches, size_t count)
 {
     double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, diagonal = 0;
     for (size_t p = 0; p < count; p++)
     {
-        size_t points = bat_knot_vector_functions(&patches[p].knots[0]) * bat_knot_vector_functions(&patches[p].knots[1]);
+        size_t points = knot_vector_functions(&patches[p].knots[0]) * knot_vector_functions(&patches[p].knots[1]);
         for (size_t i = 0; i < 3 * points; i++)
         {
             low[i % 3] = fmin(low[i % 3], patches[p].control[i]);
@@ -55,7 +58,7 @@ static bat_status refine_all(const bat_hierarchical_options *options, size_t lev
     return status;
 }
 
-static bat_status make_surface(const bat_spline_surface *surface, bat_tensor_surface *made, bat_error *error)
+static bat_status make_surface(const bat_spline_surface *surface, tensor_surface *made, bat_error *error)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(surface->space);
     size_t levels = bat_hierarchical_space_levels(surface->space);
@@ -67,18 +70,18 @@ static bat_status make_surface(const bat_spline_surface *surface, bat_tensor_sur
                          "as one tensor-product surface this one has %.0f control points, more than %d", functions,
                          (int)MAX_FUNCTIONS);
     bat_hierarchical_space *fine = NULL;
-    *made = (bat_tensor_surface){.dimension = surface->dimension};
-    bat_status status = bat_hierarchical_space_copy(surface->space, &fine, error);
+    *made = (tensor_surface){.dimension = surface->dimension};
+    bat_status status = hierarchical_space_copy(surface->space, &fine, error);
     if (status == BAT_OK)
         status = refine_all(&options, levels, fine, error);
     for (int d = 0; d < 2 && status == BAT_OK; d++)
-        status = bat_knot_vector_uniform(options.degree[d], options.spans[d] << (levels - 1), &made->knots[d], error);
+        status = knot_vector_uniform(options.degree[d], options.spans[d] << (levels - 1), &made->knots[d], error);
     made->control = memory_array((size_t)functions, surface->dimension * sizeof *made->control);
     if (status == BAT_OK && made->control == NULL)
         status = error_memory(error, (size_t)functions * surface->dimension * sizeof *made->control);
     if (status == BAT_OK)
         status =
-            bat_hierarchical_space_prolong(surface->space, fine, surface->control, surface->dimension, made->control, error);
+            hierarchical_space_prolong(surface->space, fine, surface->control, surface->dimension, made->control, error);
     bat_hierarchical_space_free(fine);
     return status;
 }
@@ -88,8 +91,8 @@ static bat_status lift(const bat_spline_surface *surface, const bat_spline_curve
                        double slope[3], bat_error *error)
 {
     double basis[2 * (BAT_SPLINE_MAX_DEGREE + 1)], planar[2][2] = {{0}}, values[9];
-    size_t span = bat_knot_vector_span(&piece->knots, t), degree = (size_t)piece->knots.degree;
-    bat_knot_vector_basis(&piece->knots, span, t, 1, basis);
+    size_t span = knot_vector_span(&piece->knots, t), degree = (size_t)piece->knots.degree;
+    knot_vector_basis(&piece->knots, span, t, 1, basis);
     for (size_t k = 0; k < 2 * (degree + 1); k++)
         for (size_t d = 0; d < 2; d++)
             planar[k / (degree + 1)][d] += basis[k] * piece->control[2 * (span - degree + k % (degree + 1)) + d];
@@ -177,7 +180,7 @@ static bat_status append_span(const bat_spline_surface *surface, const bat_splin
 static bat_status make_image(const bat_spline_surface *surface, const bat_spline_curve *piece, double tolerance,
                              bat_spline_curve *image, bat_error *error)
 {
-    size_t degree = (size_t)piece->knots.degree, functions = bat_knot_vector_functions(&piece->knots), total = 0, points = 1;
+    size_t degree = (size_t)piece->knots.degree, functions = knot_vector_functions(&piece->knots), total = 0, points = 1;
     size_t *parts = calloc(functions, sizeof *parts);
     bat_status status = parts == NULL ? error_memory(error, functions * sizeof *parts) : BAT_OK;
     for (size_t span = degree; span < functions && status == BAT_OK; span++)
@@ -219,7 +222,7 @@ static void join_images(const trimmed_model *model)
         {
             const bat_spline_curve *next = &model->images[i + 1 < trim->loops[l + 1] ? i + 1 : trim->loops[l]];
             bat_spline_curve *image = &model->images[i];
-            size_t last = bat_knot_vector_functions(&image->knots) - 1;
+            size_t last = knot_vector_functions(&image->knots) - 1;
             for (size_t c = 0; c < 3 && image->control != NULL && next->control != NULL; c++)
                 image->control[3 * last + c] = next->control[c];
         }
@@ -249,8 +252,8 @@ bat_status trimmed_model_make(const bat_spline_surface *surface, trimmed_model *
 void trimmed_model_free(trimmed_model *model)
 {
     for (size_t i = 0; i < model->piece_count && model->images != NULL; i++)
-        bat_spline_curve_free(&model->images[i]);
+        spline_curve_free(&model->images[i]);
     free(model->images);
-    bat_tensor_surface_free(&model->surface);
+    tensor_surface_free(&model->surface);
     *model = (trimmed_model){0};
 }

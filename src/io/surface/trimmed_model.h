@@ -1,7 +1,8 @@
 #ifndef IO_SURFACE_TRIMMED_MODEL_H
 #define IO_SURFACE_TRIMMED_MODEL_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
+#include "surface/spline/tensor_surface.h"
 
 /// @file
 /// A hierarchical surface as one tensor-product surface, with its trimming curves in space, for CAD files.
@@ -9,7 +10,7 @@
 /// The model. Release it with trimmed_model_free().
 typedef struct trimmed_model
 {
-    bat_tensor_surface surface;  ///< over the grid of the finest level
+    tensor_surface surface;      ///< over the grid of the finest level
     const bat_spline_trim *trim; ///< of the hierarchical surface
     bat_spline_curve *images;    ///< of each trimming curve: the curve in space, with the same parameters
     size_t piece_count;
@@ -22,6 +23,6 @@ bat_status trimmed_model_make(const bat_spline_surface *surface, trimmed_model *
 void trimmed_model_free(trimmed_model *model);
 
 /// The power of ten below the diagonal of the box of control points, times 1e-7.
-double model_tolerance(const bat_tensor_surface *patches, size_t count);
+double model_tolerance(const tensor_surface *patches, size_t count);
 
 #endif

@@ -1,5 +1,7 @@
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
+#include "surface/spline/hierarchical_space.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/error.h"
 
@@ -40,7 +42,7 @@ static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *
 {
     bat_spline_box *boxes = NULL;
     size_t count = 0;
-    bat_status status = bat_hierarchical_space_regions(space, &boxes, &count, error);
+    bat_status status = hierarchical_space_regions(space, &boxes, &count, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         char line[128];
@@ -102,7 +104,7 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
             for (size_t k = 0; k < piece->knots.count; k++)
                 append_number(text, piece->knots.knots[k], ' ');
             text_append_string(text, "</KnotVector>\n</Basis>\n<coefs geoDim=\"2\">");
-            for (size_t k = 0; k < 2 * bat_knot_vector_functions(&piece->knots); k++)
+            for (size_t k = 0; k < 2 * knot_vector_functions(&piece->knots); k++)
                 append_number(text, piece->control[k], k % 2 == 0 ? ' ' : '\n');
             text_append_string(text, "</coefs>\n</Geometry>\n");
         }

@@ -162,10 +162,10 @@ bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_me
     return BAT_OK;
 }
 
-bat_mesh_map_sizes bat_mesh_map_size(const bat_mesh_map *map)
+mesh_map_sizes mesh_map_size(const bat_mesh_map *map)
 {
-    return (bat_mesh_map_sizes){map->fine_vertices, map->fine_faces, map->coarse_vertices, map->coarse_faces,
-                                map->collapse_count};
+    return (mesh_map_sizes){map->fine_vertices, map->fine_faces, map->coarse_vertices, map->coarse_faces,
+                            map->collapse_count};
 }
 
 // Carrying points

@@ -18,6 +18,7 @@
 #include "surface/fit/robust.h"
 #include "surface/fit/smoothing.h"
 #include "surface/fit/state.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -597,7 +598,7 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
         return BAT_OK;
     }
     bat_hierarchical_space *copy;
-    bat_status status = bat_hierarchical_space_copy(loop->space, &copy, error);
+    bat_status status = hierarchical_space_copy(loop->space, &copy, error);
     if (status != BAT_OK)
         return status;
     bat_hierarchical_space_free(best->space);

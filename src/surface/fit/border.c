@@ -2,6 +2,7 @@
 /// Border curves of a fit; see border.h.
 
 #include "surface/fit/border.h"
+#include "surface/fit/system.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -380,7 +381,7 @@ static bat_status update_side(const border_update *update, int number, bat_error
                                  .dimension = dimension,
                                  .boundary_count = side->samples,
                                  .slides = true};
-    bat_status status = bat_spline_correct(&side->curve, &data, NULL, error);
+    bat_status status = spline_correct(&side->curve, &data, NULL, error);
     if (status == BAT_OK)
         status = bat_spline_surface_evaluate(&side->curve, data.parameters, side->samples, 0, feet, error);
     for (size_t k = 0; k < side->samples && status == BAT_OK; k++)

@@ -112,7 +112,7 @@ static double *right_of(const gather_context *gather, size_t side, double *numbe
 static size_t max_side(const gather_context *gather)
 {
     size_t locals = hierarchical_locals(gather->system->space);
-    size_t active = bat_hierarchical_space_max_active(gather->system->space);
+    size_t active = hierarchical_space_max_active(gather->system->space);
     return active > locals ? active : locals;
 }
 

@@ -7,6 +7,7 @@
 /// functions, cell by cell. Every entry is therefore summed in the same order for any number of threads.
 
 #include "surface/fit/pattern.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -99,7 +100,7 @@ static bool find_all(const bat_hierarchical_space *space, const function_cells *
                      bool counting)
 {
     size_t functions = pattern->functions, maximum = functions;
-    double active = (double)bat_hierarchical_space_max_active(space), operations = (double)functions * active * active;
+    double active = (double)hierarchical_space_max_active(space), operations = (double)functions * active * active;
     int used = threads_worth(threads, (functions + 255) / 256, operations);
     bool allocated = true;
 #pragma omp parallel for schedule(static) num_threads(used) reduction(&& : allocated)
@@ -264,7 +265,7 @@ static double operations_to_add(const bat_hierarchical_space *space)
 bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
                            int threads, bat_error *error)
 {
-    size_t cells = bat_hierarchical_space_cells(space), largest = numbers_of(work, bat_hierarchical_space_max_active(space));
+    size_t cells = bat_hierarchical_space_cells(space), largest = numbers_of(work, hierarchical_space_max_active(space));
     size_t room = largest > BATCH_NUMBERS / cells ? BATCH_NUMBERS : cells * largest;
     room = room > largest ? room : largest;
     int used = threads_worth(threads, (cells + 15) / 16, work->operations + operations_to_add(space));

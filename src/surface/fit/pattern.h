@@ -1,7 +1,7 @@
 #ifndef SURFACE_FIT_PATTERN_H
 #define SURFACE_FIT_PATTERN_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 /// @file
 /// Sparsity pattern of the Gram matrix of a space, and assembly of matrices with this pattern.

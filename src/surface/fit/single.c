@@ -1,6 +1,6 @@
 /// @file
-/// One penalized least-squares fit with given weights and lambda (bat_spline_fit), and one parameter correction
-/// (bat_spline_correct).
+/// One penalized least-squares fit with given weights and lambda (spline_fit), and one parameter correction
+/// (spline_correct).
 ///
 /// The solution of the normal equations is refined with residuals r = x - A c of the points,
 ///     K dc = A^T W r - 2 lambda M c,   c <- c + dc,
@@ -8,6 +8,7 @@
 /// squares problems", 1996, section 2.9.3).
 
 #include "batten/surface_fit.h"
+#include "surface/fit/system.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -119,8 +120,8 @@ static bat_status refine_solution(single_fit *fit, double lambda, double *contro
     return status;
 }
 
-bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
-                          double *lambda, double *control, bat_error *error)
+bat_status spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
+                      double *lambda, double *control, bat_error *error)
 {
     bat_status status = fit_points_check(data, error);
     if (status == BAT_OK)
@@ -146,7 +147,7 @@ bat_status bat_spline_fit(const bat_hierarchical_space *space, const bat_surface
     return status;
 }
 
-bat_status bat_spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error)
+bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error)
 {
     bat_status status = fit_points_check(data, error);
     if (status == BAT_OK && data->dimension != surface->dimension)

@@ -36,9 +36,9 @@ bat_status fit_state_save(const fit_loop *loop, bat_error *error)
     size_t count = 0, best_count = 0;
     if (backend->save == NULL)
         return BAT_OK;
-    bat_status status = bat_hierarchical_space_regions(loop->space, &boxes, &count, error);
+    bat_status status = hierarchical_space_regions(loop->space, &boxes, &count, error);
     if (status == BAT_OK && loop->best.space != NULL)
-        status = bat_hierarchical_space_regions(loop->best.space, &best_boxes, &best_count, error);
+        status = hierarchical_space_regions(loop->best.space, &best_boxes, &best_count, error);
     size_t rounds = loop->count * sizeof *loop->rounds, size = sizeof(state_head) + rounds;
     size += (count + best_count) * sizeof *boxes + fit_border_state_size(&loop->border);
     char *bytes = status == BAT_OK ? memory_array(size, 1) : NULL;

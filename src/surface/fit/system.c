@@ -128,7 +128,7 @@ static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchi
         .levelled = levelled};
     fit_cell_work work = {.fill = fill_thin_plate,
                           .context = &plate,
-                          .scratch = locals * (locals + bat_hierarchical_space_max_active(space)),
+                          .scratch = locals * (locals + hierarchical_space_max_active(space)),
                           .square = true,
                           .values = values};
     return fit_pattern_sum(pattern, space, &work, threads, error);

@@ -55,4 +55,22 @@ bat_status fit_system_gather_residual(const fit_system *system, const fit_points
 /// @param x functions x columns; `product` has the same shape
 void fit_system_multiply(const fit_system *system, const double *values, size_t columns, const double *x, double *product);
 
+/// Fit control points over a space by penalized least squares, eq. (5) of the paper:
+///     min  1/2 sum_i w_i |S(u_i) - x_i|^2  +  lambda  integral |S_uu|^2 + |S_uv|^2 + |S_vv|^2
+/// The matrix of the thin plate is exact (Gauss quadrature on every cell). Where lambda is 0 and functions have no data, the
+/// least smoothing that makes the system regular in double precision is added; `*lambda` receives it.
+/// @param weights count, at least 0; null: ones
+/// @param lambda  the weight of smoothing, at least 0; receives the weight used
+/// @param control receives functions x dimension
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or whose parameter is not
+///         in the square; BAT_NO_CONVERGENCE for a system that is singular even so; BAT_TOO_LARGE; BAT_NO_MEMORY
+bat_status spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
+                      double *lambda, double *control, bat_error *error);
+
+/// Parameter correction: the parameter of the nearest foot of each point, eq. (6), by a safeguarded Newton method that never
+/// increases a distance. Boundary parameters stay on their side and go at most half way to its corners.
+/// @param moved receives the number of changed parameters; may be null
+/// @return as spline_fit()
+bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error);
+
 #endif

@@ -3,6 +3,7 @@
 ///     S(u, v) = sum_ab C_ab N_a(u) N_b(v)   on each cell, C = E^T control  (hierarchical_space.h).
 
 #include "surface/spline/hierarchical_space.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -166,7 +167,7 @@ void bat_spline_surface_free(bat_spline_surface *surface)
 {
     bat_hierarchical_space_free(surface->space);
     free(surface->control);
-    bat_spline_trim_free(&surface->trim);
+    spline_trim_free(&surface->trim);
     *surface = (bat_spline_surface){0};
 }
 

@@ -104,7 +104,7 @@ bat_status bat_hierarchical_space_make(const bat_hierarchical_options *options, 
     return status == BAT_OK ? make_whole(options, &tree, space, error) : status;
 }
 
-bat_status bat_hierarchical_space_copy(const bat_hierarchical_space *space, bat_hierarchical_space **copy, bat_error *error)
+bat_status hierarchical_space_copy(const bat_hierarchical_space *space, bat_hierarchical_space **copy, bat_error *error)
 {
     box_tree tree;
     bat_status status = box_tree_copy(&space->tree, &tree, error);
@@ -264,17 +264,17 @@ size_t bat_hierarchical_space_levels(const bat_hierarchical_space *space)
     return space->levels;
 }
 
-size_t bat_hierarchical_space_max_active(const bat_hierarchical_space *space)
+size_t hierarchical_space_max_active(const bat_hierarchical_space *space)
 {
     return space->max_active;
 }
 
-bat_spline_function bat_hierarchical_space_function(const bat_hierarchical_space *space, size_t index)
+bat_spline_function hierarchical_space_function(const bat_hierarchical_space *space, size_t index)
 {
     return space->functions[index];
 }
 
-size_t bat_hierarchical_space_find(const bat_hierarchical_space *space, bat_spline_function function)
+size_t hierarchical_space_find(const bat_hierarchical_space *space, bat_spline_function function)
 {
     if (function.level >= space->levels)
         return BAT_NO_INDEX;

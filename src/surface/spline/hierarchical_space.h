@@ -1,7 +1,7 @@
 #ifndef SURFACE_SPLINE_HIERARCHICAL_SPACE_H
 #define SURFACE_SPLINE_HIERARCHICAL_SPACE_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 #include "surface/spline/box_tree.h"
 #include "surface/spline/run_set.h"
@@ -75,7 +75,7 @@ static inline size_t hierarchical_local(const bat_hierarchical_space *space, con
     return (size_t)(function->j - cell->row) * ((size_t)space->options.degree[0] + 1) + (function->i - cell->column);
 }
 
-/// The space that has the regions of bat_hierarchical_space_regions(). Changes `boxes`.
+/// The space that has the regions of hierarchical_space_regions(). Changes `boxes`.
 /// @return the failures of bat_hierarchical_space_make() and bat_hierarchical_space_refine()
 bat_status hierarchical_space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
                                          bat_hierarchical_space **space, bat_error *error);
@@ -137,5 +137,31 @@ static inline const double *hierarchical_extraction(const bat_hierarchical_space
 {
     return cell->coarse > 0 ? space->extraction + cell->matrix : NULL;
 }
+
+/// The largest number of functions that do not vanish on one cell.
+size_t hierarchical_space_max_active(const bat_hierarchical_space *space);
+
+/// The number of a function; BAT_NO_INDEX if the basis does not have it.
+size_t hierarchical_space_find(const bat_hierarchical_space *space, bat_spline_function function);
+
+/// The region of each level as disjoint boxes: those of level l are of level l's grid and cover region l.
+/// @param boxes receives an array from malloc(), by level from 1 on (region 0 is the square)
+bat_status hierarchical_space_regions(const bat_hierarchical_space *space, bat_spline_box **boxes, size_t *count,
+                                      bat_error *error);
+
+/// Prolongate coefficients to a refined space: coefficients of the same surface. In the truncated basis, functions of both
+/// spaces keep their coefficients (Giannelli, Jüttler and Speleers, 2014).
+/// @param coarse      functions of `space` x dimension
+/// @param fine        receives functions of `refined` x dimension
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where `refined` does not contain `space`; BAT_NO_MEMORY
+bat_status hierarchical_space_prolong(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
+                                      const double *coarse, size_t dimension, double *fine, bat_error *error);
+
+/// Copy a space.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status hierarchical_space_copy(const bat_hierarchical_space *space, bat_hierarchical_space **copy, bat_error *error);
+
+/// Function number `index`. Functions are numbered by level, then by j, then by i.
+bat_spline_function hierarchical_space_function(const bat_hierarchical_space *space, size_t index);
 
 #endif

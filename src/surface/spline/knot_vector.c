@@ -3,6 +3,7 @@
 /// and A2.3):
 ///     B_i,p(t) = (t - t_i) / (t_i+p - t_i) B_i,p-1(t) + (t_i+p+1 - t) / (t_i+p+1 - t_i+1) B_i+1,p-1(t).
 
+#include "surface/spline/knot_vector.h"
 #include "batten/spline.h"
 
 #include "base/error.h"
@@ -12,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)
+bat_status knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots, bat_error *error)
 {
     if (degree < 0 || degree > BAT_SPLINE_MAX_DEGREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 0 and %d", degree,
@@ -31,7 +32,7 @@ bat_status bat_knot_vector_uniform(int degree, size_t spans, bat_knot_vector *kn
     return BAT_OK;
 }
 
-bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error)
+bat_status knot_vector_check(const bat_knot_vector *knots, bat_error *error)
 {
     if (knots->degree < 0 || knots->degree > BAT_SPLINE_MAX_DEGREE)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the degree %d is not between 0 and %d",
@@ -56,7 +57,7 @@ bat_status bat_knot_vector_check(const bat_knot_vector *knots, bat_error *error)
     return BAT_OK;
 }
 
-bat_status bat_knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *copy, bat_error *error)
+bat_status knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *copy, bat_error *error)
 {
     double *made = memory_array(knots->count, sizeof *made);
     if (made == NULL)
@@ -66,16 +67,16 @@ bat_status bat_knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *c
     return BAT_OK;
 }
 
-void bat_knot_vector_free(bat_knot_vector *knots)
+void knot_vector_free(bat_knot_vector *knots)
 {
     free(knots->knots);
     *knots = (bat_knot_vector){0};
 }
 
-size_t bat_knot_vector_span(const bat_knot_vector *knots, double t)
+size_t knot_vector_span(const bat_knot_vector *knots, double t)
 {
     // Bisection with knots[low] <= t, and knots[high] > t or at the end of the domain.
-    size_t low = (size_t)knots->degree, high = bat_knot_vector_functions(knots);
+    size_t low = (size_t)knots->degree, high = knot_vector_functions(knots);
     if (t >= knots->knots[high])
         while (knots->knots[high - 1] == knots->knots[high])
             high--;
@@ -114,7 +115,7 @@ static void fill_triangle(const bat_knot_vector *knots, size_t span, double t, b
     }
 }
 
-void bat_knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, int derivatives, double *values)
+void knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, int derivatives, double *values)
 {
     size_t p = (size_t)knots->degree;
     basis_triangle triangle;

@@ -4,6 +4,7 @@
 /// cells.
 
 #include "surface/spline/hierarchical_space.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
@@ -48,8 +49,8 @@ static bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_s
     return made ? BAT_OK : error_memory(error, (*count + 1) * sizeof **boxes);
 }
 
-bat_status bat_hierarchical_space_regions(const bat_hierarchical_space *space, bat_spline_box **boxes, size_t *count,
-                                          bat_error *error)
+bat_status hierarchical_space_regions(const bat_hierarchical_space *space, bat_spline_box **boxes, size_t *count,
+                                      bat_error *error)
 {
     bat_spline_box *made = NULL;
     size_t made_count = 0, capacity = 0;
@@ -92,10 +93,10 @@ bat_status hierarchical_space_of_regions(const bat_hierarchical_options *options
 }
 
 /// Allocate a patch with the knots of its level's B-splines that do not vanish on its box.
-static bat_status make_piece(const bat_spline_surface *surface, const bat_spline_box *box, bat_tensor_surface *piece,
+static bat_status make_piece(const bat_spline_surface *surface, const bat_spline_box *box, tensor_surface *piece,
                              bat_error *error)
 {
-    *piece = (bat_tensor_surface){.dimension = surface->dimension};
+    *piece = (tensor_surface){.dimension = surface->dimension};
     size_t size = surface->dimension;
     for (int d = 0; d < 2; d++)
     {
@@ -112,16 +113,16 @@ static bat_status make_piece(const bat_spline_surface *surface, const bat_spline
     piece->control = memory_array(size, sizeof *piece->control);
     if (piece->control != NULL && piece->knots[0].knots != NULL && piece->knots[1].knots != NULL)
         return BAT_OK;
-    bat_tensor_surface_free(piece);
+    tensor_surface_free(piece);
     return error_memory(error, size * sizeof *piece->control);
 }
 
 /// Copy the local coefficients of a cell to the patch whose box contains the cell.
 static void place_cell(const bat_spline_surface *surface, const bat_spline_box *box, const hierarchical_cell *cell,
-                       double *local, bat_tensor_surface *piece)
+                       double *local, tensor_surface *piece)
 {
     size_t columns = (size_t)piece->knots[0].degree + 1, rows = (size_t)piece->knots[1].degree + 1;
-    size_t width = bat_knot_vector_functions(&piece->knots[0]), size = surface->dimension;
+    size_t width = knot_vector_functions(&piece->knots[0]), size = surface->dimension;
     hierarchical_local_control(surface->space, cell, surface->control, size, local);
     for (size_t b = 0; b < rows; b++)
     {
@@ -131,7 +132,7 @@ static void place_cell(const bat_spline_surface *surface, const bat_spline_box *
 }
 
 static bat_status cut_piece(const bat_spline_surface *surface, const bat_spline_box *box, double *local,
-                            bat_tensor_surface *piece, bat_error *error)
+                            tensor_surface *piece, bat_error *error)
 {
     const bat_hierarchical_space *space = surface->space;
     bat_status status = make_piece(surface, box, piece, error);
@@ -149,15 +150,15 @@ static bat_status cut_piece(const bat_spline_surface *surface, const bat_spline_
         status = tensor_surface_restrict(piece, d, box->low[d] / spans, box->high[d] / spans, error);
     }
     if (status != BAT_OK)
-        bat_tensor_surface_free(piece);
+        tensor_surface_free(piece);
     return status;
 }
 
 static bat_status cut_pieces(const bat_spline_surface *surface, const bat_spline_box *boxes, size_t count,
-                             bat_tensor_surface **patches, bat_error *error)
+                             tensor_surface **patches, bat_error *error)
 {
     size_t size = hierarchical_locals(surface->space) * surface->dimension, cut = 0;
-    bat_tensor_surface *made = memory_array(count, sizeof *made);
+    tensor_surface *made = memory_array(count, sizeof *made);
     double *local = memory_array(size, sizeof *local);
     bat_status status = made != NULL && local != NULL ? BAT_OK : error_memory(error, count * sizeof *made);
     while (status == BAT_OK && cut < count)
@@ -172,13 +173,13 @@ static bat_status cut_pieces(const bat_spline_surface *surface, const bat_spline
         return BAT_OK;
     }
     while (cut > 0)
-        bat_tensor_surface_free(&made[--cut]);
+        tensor_surface_free(&made[--cut]);
     free(made);
     return status;
 }
 
-bat_status bat_spline_surface_patches(const bat_spline_surface *surface, bat_tensor_surface **patches, size_t *count,
-                                      bat_error *error)
+bat_status spline_surface_patches(const bat_spline_surface *surface, tensor_surface **patches, size_t *count,
+                                  bat_error *error)
 {
     const bat_hierarchical_space *space = surface->space;
     bat_spline_box *boxes = NULL;

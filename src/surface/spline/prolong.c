@@ -189,8 +189,8 @@ static bat_status make_plain(const bat_hierarchical_space *space, const bat_hier
     return made ? BAT_OK : error_memory(error, refined->function_count * dimension * sizeof *fine);
 }
 
-bat_status bat_hierarchical_space_prolong(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
-                                          const double *coarse, size_t dimension, double *fine, bat_error *error)
+bat_status hierarchical_space_prolong(const bat_hierarchical_space *space, const bat_hierarchical_space *refined,
+                                      const double *coarse, size_t dimension, double *fine, bat_error *error)
 {
     if (!contains(space, refined))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the refined space does not contain the coarse one");

@@ -5,6 +5,7 @@
 /// weights: the blossom at the knots of the new function i.
 
 #include "surface/spline/tensor_surface.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -15,17 +16,16 @@
 #include <string.h>
 
 /// The size of the array of control points, in numbers.
-static size_t control_size(const bat_tensor_surface *surface)
+static size_t control_size(const tensor_surface *surface)
 {
-    return bat_knot_vector_functions(&surface->knots[0]) * bat_knot_vector_functions(&surface->knots[1]) *
-           surface->dimension;
+    return knot_vector_functions(&surface->knots[0]) * knot_vector_functions(&surface->knots[1]) * surface->dimension;
 }
 
-bat_status bat_tensor_surface_check(const bat_tensor_surface *surface, bat_error *error)
+bat_status tensor_surface_check(const tensor_surface *surface, bat_error *error)
 {
     for (int d = 0; d < 2; d++)
     {
-        bat_status status = bat_knot_vector_check(&surface->knots[d], error);
+        bat_status status = knot_vector_check(&surface->knots[d], error);
         if (status != BAT_OK)
             return status;
     }
@@ -39,18 +39,18 @@ bat_status bat_tensor_surface_check(const bat_tensor_surface *surface, bat_error
     return BAT_OK;
 }
 
-bat_status bat_tensor_surface_copy(const bat_tensor_surface *surface, bat_tensor_surface *copy, bat_error *error)
+bat_status tensor_surface_copy(const tensor_surface *surface, tensor_surface *copy, bat_error *error)
 {
-    bat_tensor_surface made = {.dimension = surface->dimension};
-    bat_status status = bat_knot_vector_copy(&surface->knots[0], &made.knots[0], error);
+    tensor_surface made = {.dimension = surface->dimension};
+    bat_status status = knot_vector_copy(&surface->knots[0], &made.knots[0], error);
     if (status == BAT_OK)
-        status = bat_knot_vector_copy(&surface->knots[1], &made.knots[1], error);
+        status = knot_vector_copy(&surface->knots[1], &made.knots[1], error);
     size_t size = control_size(surface);
     if (status == BAT_OK && (made.control = memory_array(size, sizeof *made.control)) == NULL)
         status = error_memory(error, size * sizeof *made.control);
     if (status != BAT_OK)
     {
-        bat_tensor_surface_free(&made);
+        tensor_surface_free(&made);
         return status;
     }
     memcpy(made.control, surface->control, size * sizeof *made.control);
@@ -58,25 +58,25 @@ bat_status bat_tensor_surface_copy(const bat_tensor_surface *surface, bat_tensor
     return BAT_OK;
 }
 
-void bat_tensor_surface_free(bat_tensor_surface *surface)
+void tensor_surface_free(tensor_surface *surface)
 {
     for (int d = 0; d < 2; d++)
-        bat_knot_vector_free(&surface->knots[d]);
+        knot_vector_free(&surface->knots[d]);
     free(surface->control);
-    *surface = (bat_tensor_surface){0};
+    *surface = (tensor_surface){0};
 }
 
 static bool in_domain(const bat_knot_vector *knots, double t)
 {
-    return t >= knots->knots[knots->degree] && t <= knots->knots[bat_knot_vector_functions(knots)];
+    return t >= knots->knots[knots->degree] && t <= knots->knots[knot_vector_functions(knots)];
 }
 
 /// Add sum_ab along[b] across[a] c_ab to a value.
-static void add_products(const bat_tensor_surface *surface, const size_t span[2], const double *across, const double *along,
+static void add_products(const tensor_surface *surface, const size_t span[2], const double *across, const double *along,
                          double *value)
 {
     size_t p = (size_t)surface->knots[0].degree, q = (size_t)surface->knots[1].degree, dimension = surface->dimension;
-    size_t row = bat_knot_vector_functions(&surface->knots[0]);
+    size_t row = knot_vector_functions(&surface->knots[0]);
     for (size_t b = 0; b <= q; b++)
     {
         const double *control = surface->control + ((span[1] - q + b) * row + span[0] - p) * dimension;
@@ -86,15 +86,15 @@ static void add_products(const bat_tensor_surface *surface, const size_t span[2]
     }
 }
 
-static void evaluate_point(const bat_tensor_surface *surface, const double *parameter, int derivatives, double *values)
+static void evaluate_point(const tensor_surface *surface, const double *parameter, int derivatives, double *values)
 {
     double basis[2][3 * (BAT_SPLINE_MAX_DEGREE + 1)];
     size_t span[2], count[2];
     for (int d = 0; d < 2; d++)
     {
-        span[d] = bat_knot_vector_span(&surface->knots[d], parameter[d]);
+        span[d] = knot_vector_span(&surface->knots[d], parameter[d]);
         count[d] = (size_t)surface->knots[d].degree + 1;
-        bat_knot_vector_basis(&surface->knots[d], span[d], parameter[d], derivatives, basis[d]);
+        knot_vector_basis(&surface->knots[d], span[d], parameter[d], derivatives, basis[d]);
     }
     for (size_t order = 0; order <= (size_t)derivatives; order++)
         for (size_t v = 0; v <= order; v++, values += surface->dimension)
@@ -104,8 +104,8 @@ static void evaluate_point(const bat_tensor_surface *surface, const double *para
         }
 }
 
-bat_status bat_tensor_surface_evaluate(const bat_tensor_surface *surface, const double *parameters, size_t count,
-                                       int derivatives, double *values, bat_error *error)
+bat_status tensor_surface_evaluate(const tensor_surface *surface, const double *parameters, size_t count, int derivatives,
+                                   double *values, bat_error *error)
 {
     if (derivatives < 0 || derivatives > 2)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "derivatives of order %d are not among 0 to 2",
@@ -150,7 +150,7 @@ typedef struct conversion
 
 static void conversion_free(conversion *made)
 {
-    bat_knot_vector_free(&made->knots);
+    knot_vector_free(&made->knots);
     free(made->first);
     free(made->weights);
 }
@@ -169,11 +169,11 @@ static bat_status conversion_make(const bat_knot_vector *old, size_t count, int 
 }
 
 /// Apply a conversion to a surface. Takes the knots of the conversion on success.
-static bat_status convert(bat_tensor_surface *surface, int direction, conversion *to, bat_error *error)
+static bat_status convert(tensor_surface *surface, int direction, conversion *to, bat_error *error)
 {
     bat_knot_vector *old = &surface->knots[direction];
-    size_t width = (size_t)old->degree + 1, dimension = surface->dimension, old_rows = bat_knot_vector_functions(old);
-    size_t rows = bat_knot_vector_functions(&to->knots), others = bat_knot_vector_functions(&surface->knots[1 - direction]);
+    size_t width = (size_t)old->degree + 1, dimension = surface->dimension, old_rows = knot_vector_functions(old);
+    size_t rows = knot_vector_functions(&to->knots), others = knot_vector_functions(&surface->knots[1 - direction]);
     double *control = calloc(rows * others * dimension, sizeof *control);
     if (control == NULL)
         return error_memory(error, rows * others * dimension * sizeof *control);
@@ -194,7 +194,7 @@ static bat_status convert(bat_tensor_surface *surface, int direction, conversion
         }
     free(surface->control);
     surface->control = control;
-    bat_knot_vector_free(old);
+    knot_vector_free(old);
     *old = to->knots;
     to->knots = (bat_knot_vector){0};
     return BAT_OK;
@@ -209,7 +209,7 @@ static size_t last_not_above(const bat_knot_vector *knots, double t)
     return last;
 }
 
-bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, double low, double high, bat_error *error)
+bat_status tensor_surface_restrict(tensor_surface *surface, int direction, double low, double high, bat_error *error)
 {
     const bat_knot_vector *old = &surface->knots[direction];
     size_t p = (size_t)old->degree, begin = last_not_above(old, low) + 1, end = begin;
@@ -221,10 +221,10 @@ bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, d
         return status;
     for (size_t i = 0; i < to.knots.count; i++)
         to.knots.knots[i] = i <= p ? low : i - p - 1 < end - begin ? old->knots[begin + (i - p - 1)] : high;
-    for (size_t i = 0; i < bat_knot_vector_functions(&to.knots); i++)
+    for (size_t i = 0; i < knot_vector_functions(&to.knots); i++)
     {
         const double *support = to.knots.knots + i;
-        size_t span = bat_knot_vector_span(old, support[0] + (support[p + 1] - support[0]) / 2);
+        size_t span = knot_vector_span(old, support[0] + (support[p + 1] - support[0]) / 2);
         to.first[i] = span - p;
         blossom_weights(old, span, support + 1, to.weights + i * (p + 1));
     }

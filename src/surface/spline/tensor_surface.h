@@ -1,14 +1,49 @@
 #ifndef SURFACE_SPLINE_TENSOR_SURFACE_H
 #define SURFACE_SPLINE_TENSOR_SURFACE_H
 
-#include "batten/spline.h"
+#include "surface/spline/knot_vector.h"
 
 /// @file
-/// Operations on tensor-product surfaces besides those of batten/spline.h.
+/// Tensor-product surfaces, the patches of hierarchical ones.
+
+/// A tensor-product spline surface (or a function, or a map, by its dimension). Release it with tensor_surface_free().
+typedef struct tensor_surface
+{
+    bat_knot_vector knots[2]; ///< of the parameters u and v
+    double *control;  ///< functions(u) x functions(v) rows of `dimension` coordinates; function i of u and j of v has row j
+                      ///< functions(u) + i
+    size_t dimension; ///< at least 1
+} tensor_surface;
+
+/// Check both knot vectors, the dimension, and that control points are finite.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_INVALID_POINT with the control point
+bat_status tensor_surface_check(const tensor_surface *surface, bat_error *error);
+
+/// Copy a surface.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status tensor_surface_copy(const tensor_surface *surface, tensor_surface *copy, bat_error *error);
+
+/// Free what a surface owns and make it empty.
+void tensor_surface_free(tensor_surface *surface);
+
+/// Evaluate a surface and its derivatives.
+/// @param parameters  count x 2, in the domain
+/// @param derivatives 0: positions; 1: also S_u, S_v; 2: also S_uu, S_uv, S_vv
+/// @param values      receives count x (1, 3 or 6) x dimension, in that order
+/// @return BAT_OK or BAT_INVALID_POINT with the parameter that is not in the domain
+bat_status tensor_surface_evaluate(const tensor_surface *surface, const double *parameters, size_t count, int derivatives,
+                                   double *values, bat_error *error);
+
+/// Split a surface into tensor-product patches: rectangles of cells of one level. Each is the B-spline surface of that level
+/// over its part of the square, with clamped knots in the coordinates of the square. Neighbouring patches meet exactly; a
+/// long side may meet several short ones.
+/// @param patches receives an array from malloc(); release each with tensor_surface_free(), then the array
+bat_status spline_surface_patches(const bat_spline_surface *surface, tensor_surface **patches, size_t *count,
+                                  bat_error *error);
 
 /// Restrict a surface to [low, high] in a direction, low < high within the domain, with clamped knots.
 /// @return BAT_OK, or BAT_NO_MEMORY with the surface unchanged
-bat_status tensor_surface_restrict(bat_tensor_surface *surface, int direction, double low, double high, bat_error *error);
+bat_status tensor_surface_restrict(tensor_surface *surface, int direction, double low, double high, bat_error *error);
 
 /// The blossom (polar form) of a spline segment: the symmetric multiaffine polynomial b(t_1, …, t_p) with b(t, …, t) = S(t).
 /// Its values at p consecutive knots are the control points, for any knot vector of the spline (Ramshaw, "Blossoming: a

@@ -8,6 +8,7 @@
 /// down to the roughness.
 
 #include "surface/trim/fair_loops.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/ascending.h"
 #include "base/error.h"
@@ -383,7 +384,7 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
 {
     size_t functions = spans + DEGREE, unknowns = functions - 2;
     *curve = (bat_spline_curve){.dimension = 2};
-    bat_status status = bat_knot_vector_uniform(DEGREE, spans, &curve->knots, error);
+    bat_status status = knot_vector_uniform(DEGREE, spans, &curve->knots, error);
     if (status != BAT_OK)
         return status;
     double *matrix = calloc(unknowns * unknowns, sizeof *matrix), *right = calloc(2 * unknowns, sizeof *right);
@@ -392,15 +393,15 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
     {
         free(matrix);
         free(right);
-        bat_spline_curve_free(curve);
+        spline_curve_free(curve);
         return error_memory(error, unknowns * unknowns * sizeof *matrix);
     }
     static const double differences[] = {1, -2, 1}, none[2] = {0, 0};
     for (size_t i = 0; i < piece->count; i++)
     {
         double basis[DEGREE + 1];
-        size_t span = bat_knot_vector_span(&curve->knots, piece->at[i]);
-        bat_knot_vector_basis(&curve->knots, span, piece->at[i], 0, basis);
+        size_t span = knot_vector_span(&curve->knots, piece->at[i]);
+        knot_vector_basis(&curve->knots, span, piece->at[i], 0, basis);
         add_equation(piece, functions, unknowns, span - DEGREE, DEGREE + 1, basis, piece->points[i], 1, matrix, right);
     }
     for (size_t i = 0; i + 2 < functions; i++)
@@ -437,13 +438,13 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
 static bat_status fit_polygon(const fair_piece *piece, bat_spline_curve *curve, bat_error *error)
 {
     *curve = (bat_spline_curve){.dimension = 2};
-    bat_status status = bat_knot_vector_uniform(1, piece->count - 1, &curve->knots, error);
+    bat_status status = knot_vector_uniform(1, piece->count - 1, &curve->knots, error);
     if (status != BAT_OK)
         return status;
     curve->control = memory_array(piece->count, 2 * sizeof *curve->control);
     if (curve->control == NULL)
     {
-        bat_spline_curve_free(curve);
+        spline_curve_free(curve);
         return error_memory(error, piece->count * 2 * sizeof *curve->control);
     }
     memcpy(curve->control, piece->points, piece->count * 2 * sizeof *curve->control);
@@ -478,12 +479,12 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
             return status;
         if (2 * spans <= most)
         {
-            bat_spline_curve_free(curve);
+            spline_curve_free(curve);
             continue;
         }
         if (residuals[1] <= loop->spacing / 4)
             return BAT_OK;
-        bat_spline_curve_free(curve);
+        spline_curve_free(curve);
         return fit_polygon(piece, curve, error);
     }
 }
@@ -622,7 +623,7 @@ static void scale_curves(const double sides[2], bat_spline_trim *trim)
     for (size_t p = 0; p < trim->loops[trim->loop_count]; p++)
     {
         bat_spline_curve *piece = &trim->pieces[p];
-        for (size_t k = 0; k < 2 * bat_knot_vector_functions(&piece->knots); k++)
+        for (size_t k = 0; k < 2 * knot_vector_functions(&piece->knots); k++)
             piece->control[k] = fmin(fmax(piece->control[k] / sides[k % 2], 0), 1);
     }
 }
@@ -669,7 +670,7 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
     if (status == BAT_OK)
         scale_curves(sides, trim);
     else
-        bat_spline_trim_free(trim);
+        spline_trim_free(trim);
     return status;
 }
 
@@ -682,10 +683,10 @@ bat_status fair_loops_make(const outline_loops *loops, const double sides[2], co
         status = find_crossing(trim, &crosses, error);
     if (status == BAT_OK && crosses)
     {
-        bat_spline_trim_free(trim);
+        spline_trim_free(trim);
         status = fit_loops(loops, sides, parameters, spacing, noise, true, trim, error);
     }
     if (status != BAT_OK)
-        bat_spline_trim_free(trim);
+        spline_trim_free(trim);
     return status;
 }

@@ -2,6 +2,7 @@
 /// Trimming curves and their polygons; see region.h.
 
 #include "surface/trim/region.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -17,23 +18,23 @@ enum
 
 static const double CLOSED = 1e-9;
 
-void bat_spline_curve_free(bat_spline_curve *curve)
+void spline_curve_free(bat_spline_curve *curve)
 {
-    bat_knot_vector_free(&curve->knots);
+    knot_vector_free(&curve->knots);
     free(curve->control);
     *curve = (bat_spline_curve){0};
 }
 
-void bat_spline_trim_free(bat_spline_trim *trim)
+void spline_trim_free(bat_spline_trim *trim)
 {
     for (size_t i = 0; trim->loop_count > 0 && i < trim->loops[trim->loop_count]; i++)
-        bat_spline_curve_free(&trim->pieces[i]);
+        spline_curve_free(&trim->pieces[i]);
     free(trim->pieces);
     free(trim->loops);
     *trim = (bat_spline_trim){0};
 }
 
-bat_status bat_spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *copy, bat_error *error)
+bat_status spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *copy, bat_error *error)
 {
     if (trim->loop_count == 0)
     {
@@ -56,9 +57,9 @@ bat_status bat_spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *co
     {
         const bat_spline_curve *from = &trim->pieces[i];
         bat_spline_curve *to = &made.pieces[i];
-        size_t size = bat_knot_vector_functions(&from->knots) * from->dimension;
+        size_t size = knot_vector_functions(&from->knots) * from->dimension;
         to->dimension = from->dimension;
-        status = bat_knot_vector_copy(&from->knots, &to->knots, error);
+        status = knot_vector_copy(&from->knots, &to->knots, error);
         to->control = memory_array(size, sizeof *to->control);
         if (status == BAT_OK && to->control == NULL)
             status = error_memory(error, size * sizeof *to->control);
@@ -68,7 +69,7 @@ bat_status bat_spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *co
     if (status == BAT_OK)
         *copy = made;
     else
-        bat_spline_trim_free(&made);
+        spline_trim_free(&made);
     return status;
 }
 
@@ -77,14 +78,14 @@ static void spline_curve_domain(const bat_spline_curve *curve, double domain[2])
 {
     const bat_knot_vector *knots = &curve->knots;
     domain[0] = knots->knots[knots->degree];
-    domain[1] = knots->knots[bat_knot_vector_functions(knots)];
+    domain[1] = knots->knots[knot_vector_functions(knots)];
 }
 
 void spline_curve_place(const bat_spline_curve *curve, double t, double *place)
 {
     double basis[BAT_SPLINE_MAX_DEGREE + 1];
-    size_t span = bat_knot_vector_span(&curve->knots, t), degree = (size_t)curve->knots.degree;
-    bat_knot_vector_basis(&curve->knots, span, t, 0, basis);
+    size_t span = knot_vector_span(&curve->knots, t), degree = (size_t)curve->knots.degree;
+    knot_vector_basis(&curve->knots, span, t, 0, basis);
     memset(place, 0, curve->dimension * sizeof *place);
     for (size_t k = 0; k <= degree; k++)
         for (size_t c = 0; c < curve->dimension; c++)
@@ -93,7 +94,7 @@ void spline_curve_place(const bat_spline_curve *curve, double t, double *place)
 
 static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_error *error)
 {
-    bat_status status = bat_knot_vector_check(&piece->knots, error);
+    bat_status status = knot_vector_check(&piece->knots, error);
     if (status != BAT_OK)
         return status;
     double domain[2];
@@ -101,14 +102,14 @@ static bat_status check_piece(const bat_spline_curve *piece, size_t index, bat_e
     const bat_knot_vector *knots = &piece->knots;
     bool good = piece->dimension == 2 && piece->control != NULL && knots->degree > 0 && knots->knots[0] == domain[0] &&
                 knots->knots[knots->count - 1] == domain[1];
-    for (size_t k = 0; good && k < 2 * bat_knot_vector_functions(knots); k++)
+    for (size_t k = 0; good && k < 2 * knot_vector_functions(knots); k++)
         good = piece->control[k] >= 0 && piece->control[k] <= 1;
     return good ? BAT_OK
                 : error_set(error, BAT_INVALID_ARGUMENT, index, 0,
                             "trimming curve %zu is not a clamped planar spline in the unit square", index);
 }
 
-bat_status bat_spline_trim_check(const bat_spline_trim *trim, bat_error *error)
+bat_status spline_trim_check(const bat_spline_trim *trim, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t l = 0; l < trim->loop_count; l++)
@@ -121,7 +122,7 @@ bat_status bat_spline_trim_check(const bat_spline_trim *trim, bat_error *error)
         for (size_t i = begin; i < end && status == BAT_OK; i++)
         {
             const bat_spline_curve *piece = &trim->pieces[i], *next = &trim->pieces[i + 1 < end ? i + 1 : begin];
-            const double *last = piece->control + 2 * (bat_knot_vector_functions(&piece->knots) - 1);
+            const double *last = piece->control + 2 * (knot_vector_functions(&piece->knots) - 1);
             if (!(hypot(last[0] - next->control[0], last[1] - next->control[1]) <= CLOSED))
                 status =
                     error_set(error, BAT_INVALID_ARGUMENT, i, 0, "trimming loop %zu is not closed after curve %zu", l, i);
@@ -134,14 +135,14 @@ bat_status bat_spline_trim_check(const bat_spline_trim *trim, bat_error *error)
 
 static size_t polygon_points(const bat_spline_curve *piece)
 {
-    size_t spans = bat_knot_vector_functions(&piece->knots) - (size_t)piece->knots.degree;
+    size_t spans = knot_vector_functions(&piece->knots) - (size_t)piece->knots.degree;
     return spans * (piece->knots.degree == 1 ? 1 : SPAN_POINTS);
 }
 
 /// Append the corners of a piece without its end.
 static void sample_piece(const bat_spline_curve *piece, trim_region *region)
 {
-    size_t degree = (size_t)piece->knots.degree, functions = bat_knot_vector_functions(&piece->knots);
+    size_t degree = (size_t)piece->knots.degree, functions = knot_vector_functions(&piece->knots);
     size_t steps = degree == 1 ? 1 : SPAN_POINTS;
     for (size_t span = degree; span < functions; span++)
     {

@@ -1,7 +1,7 @@
 #ifndef SURFACE_TRIM_REGION_H
 #define SURFACE_TRIM_REGION_H
 
-#include "batten/spline_hierarchical.h"
+#include "batten/spline.h"
 
 /// @file
 /// Trimming curves as polygons, and the part of the square that they bound.

@@ -2,6 +2,7 @@
 /// Trimmed surfaces; see trimming.h.
 
 #include "surface/trim/trimming.h"
+#include "surface/spline/knot_vector.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -62,7 +63,7 @@ size_t trimming_drop_filled(const surface_trimming *trimming, bat_spline_trim *t
         size_t end = trim->loops[l + 1];
         for (size_t i = begin; i < end; i++)
             if (trimming->loops.filled[l])
-                bat_spline_curve_free(&trim->pieces[i]);
+                spline_curve_free(&trim->pieces[i]);
             else
             {
                 bat_spline_curve piece = trim->pieces[i];
