@@ -241,7 +241,7 @@ static bool check(void *of)
     const arguments *given = job->call.given;
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
-    job->of_meshes = measure_means_meshes(given);
+    job->of_meshes = measure_means_meshes(given, &job->failure);
     if (job->of_meshes)
         return measure_check_meshes(job);
     job->read.threads = job->measure.threads = job->call.threads;
@@ -265,6 +265,8 @@ static int make(void *of)
 {
     measure_job *job = of;
     bat_error error;
+    if (job->failure.status != BAT_OK)
+        return report_failure(NULL, &job->failure);
     if (job->of_meshes)
         return measure_meshes(job);
     for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)

@@ -11,6 +11,7 @@ typedef struct measure_job
     verb_call call;
     const char *paths[2]; ///< the second null when there is only A
     bool of_meshes;
+    bat_error failure; ///< of telling meshes from curves; its status is BAT_OK where there was none
     bat_curve_read_options read;
     bat_curve_measure_options measure;
     bat_curve_set sets[2];
@@ -26,7 +27,8 @@ const char *measure_file_at_fault(const char *const paths[2], const bat_error *e
 
 /// Whether the files of `batten measure` are meshes: by --mesh or --from, else by the first file whose ending or content is
 /// clear. An OBJ file is a mesh when its first element is a face. Pipes are not read.
-bool measure_means_meshes(const arguments *given);
+/// @param failure untouched unless a file cannot be recognized for want of memory
+bool measure_means_meshes(const arguments *given, bat_error *failure);
 
 /// Check the options for meshes. False after a message.
 bool measure_check_meshes(measure_job *job);

@@ -9,8 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool measure_means_meshes(const arguments *given)
+bool measure_means_meshes(const arguments *given, bat_error *failure)
 {
+    bat_mesh_format format;
     const bat_choice *row;
     const char *from = argument(given, "from");
     if (argument_flag(given, "mesh"))
@@ -26,7 +27,9 @@ bool measure_means_meshes(const arguments *given)
         (void)bat_choice_of_path(&bat_curve_format_family, path, false, &curves, NULL);
         if (mesh == NULL && curves != NULL)
             return false;
-        if (bat_mesh_format_of_file(path) != BAT_MESH_FORMAT_AUTO)
+        if (bat_mesh_format_of_file(path, &format, failure) != BAT_OK)
+            return false;
+        if (format != BAT_MESH_FORMAT_AUTO)
             return true;
     }
     return false;

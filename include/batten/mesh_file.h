@@ -26,8 +26,9 @@ typedef enum bat_mesh_format
 extern BAT_API const bat_family bat_mesh_format_family;
 /// The format of a file that holds a mesh: by its ending, else by its content. An OBJ file holds one where its first element
 /// is a face, not a line. Only regular files are read.
-/// @return BAT_MESH_FORMAT_AUTO for a file that holds no mesh, or cannot be read
-BAT_API bat_mesh_format bat_mesh_format_of_file(const char *path);
+/// @param format receives BAT_MESH_FORMAT_AUTO for a file that holds no mesh, or cannot be opened or read
+/// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_format_of_file(const char *path, bat_mesh_format *format, bat_error *error);
 
 /// Remarks on what a file holds and a mesh cannot, or a mesh holds and a format cannot, and on guesses. All zero: none.
 typedef struct bat_mesh_notes

@@ -201,22 +201,26 @@ static bool begins_with_face(const file_text *text)
     return false;
 }
 
-bat_mesh_format bat_mesh_format_of_file(const char *path)
+bat_status bat_mesh_format_of_file(const char *path, bat_mesh_format *format, bat_error *error)
 {
     const bat_choice *row;
     struct stat about;
     file_text text;
     (void)bat_choice_of_path(&bat_mesh_format_family, path, false, &row, NULL);
-    bat_mesh_format format = row != NULL ? (bat_mesh_format)row->value : BAT_MESH_FORMAT_AUTO;
-    if (format != BAT_MESH_FORMAT_AUTO && format != BAT_MESH_FORMAT_OBJ)
-        return format;
-    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode) || file_text_read(path, &text, NULL) != BAT_OK)
-        return BAT_MESH_FORMAT_AUTO;
-    format = format_of_text(&text);
-    if (format == BAT_MESH_FORMAT_AUTO && begins_with_face(&text))
-        format = BAT_MESH_FORMAT_OBJ;
+    *format = row != NULL ? (bat_mesh_format)row->value : BAT_MESH_FORMAT_AUTO;
+    if (*format != BAT_MESH_FORMAT_AUTO && *format != BAT_MESH_FORMAT_OBJ)
+        return BAT_OK;
+    *format = BAT_MESH_FORMAT_AUTO;
+    if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
+        return BAT_OK;
+    bat_status status = file_text_read(path, &text, error);
+    if (status != BAT_OK)
+        return status == BAT_FILE_ACCESS ? BAT_OK : status;
+    *format = format_of_text(&text);
+    if (*format == BAT_MESH_FORMAT_AUTO && begins_with_face(&text))
+        *format = BAT_MESH_FORMAT_OBJ;
     file_text_free(&text);
-    return format;
+    return BAT_OK;
 }
 
 /// Choose the format of a text: that of the options, else by its signature, else by the file's ending, else OBJ.
