@@ -5,8 +5,8 @@
 
 /// @file
 /// Reverse-mode differentiation over coarse operations. A tape is a stretch of memory into which operations write their
-/// results, and a list of the backward passes. Every operation (research/learn/operations.h, or one's own) makes an array, fills in
-/// its values, and records a function that computes the gradients of its inputs from the array's gradient.
+/// results, and a list of the backward passes. Every operation (research/learn/operations.h, or one's own) makes an array,
+/// fills in its values, and records a function that computes the gradients of its inputs from the array's gradient.
 ///
 ///     learn_tape_begin(tape, parameters, gradient);
 ///     learn_array *x = learn_constant(tape, rows, columns, features);

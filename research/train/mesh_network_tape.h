@@ -7,8 +7,8 @@
 #include "research/networks/mesh_network.h"
 
 /// @file
-/// The mesh network of research/networks/mesh_network.h on a tape, for training, and its operations on half-flaps. A *state* has
-/// a row per vertex: the position, then any number of vectors that rotate with the mesh, then features that do not. All
+/// The mesh network of research/networks/mesh_network.h on a tape, for training, and its operations on half-flaps. A *state*
+/// has a row per vertex: the position, then any number of vectors that rotate with the mesh, then features that do not. All
 /// derivatives are complete, those through edges and frames too. Half-flaps are not copied and must stay until the step has
 /// been differentiated.
 

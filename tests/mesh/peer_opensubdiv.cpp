@@ -364,7 +364,8 @@ void check_rules(const std::string &what, const bat_polygon_mesh &mesh, bool loo
         for (bat_mesh_creasing creasing : {BAT_MESH_CREASING_UNIFORM, BAT_MESH_CREASING_CHAIKIN})
         {
             bat_mesh_rules rules{boundary, creasing, BAT_MESH_LINEAR_AUTO};
-            std::string name = what + ", " + bat_choice_name(&bat_mesh_boundary_family, boundary) + ", " + bat_choice_name(&bat_mesh_creasing_family, creasing);
+            std::string name = what + ", " + bat_choice_name(&bat_mesh_boundary_family, boundary) + ", " +
+                               bat_choice_name(&bat_mesh_creasing_family, creasing);
             check(name, mesh, loop, rules);
             check_limit(name, mesh, loop, rules);
         }
@@ -377,8 +378,9 @@ void check_texture(const std::string &what, const bat_polygon_mesh &mesh, bool l
         for (bat_mesh_boundary boundary : {BAT_MESH_BOUNDARY_EDGES, BAT_MESH_BOUNDARY_CORNERS})
         {
             bat_mesh_rules rules{boundary, BAT_MESH_CREASING_AUTO, static_cast<bat_mesh_linear>(linear)};
-            check(what + ", " + bat_choice_name(&bat_mesh_boundary_family, boundary) + ", " + bat_choice_name(&bat_mesh_linear_family, rules.linear), mesh, loop,
-                  rules);
+            check(what + ", " + bat_choice_name(&bat_mesh_boundary_family, boundary) + ", " +
+                      bat_choice_name(&bat_mesh_linear_family, rules.linear),
+                  mesh, loop, rules);
         }
 }
 

@@ -11,10 +11,10 @@ BAT_C_BEGIN
 /// Networks of papers, to compare with. Each call reads what its counterpart of the product reads, too: the arrays of a
 /// file, or the recipe in it, tell which network it holds. Of a checkpoint, the best weights are taken, or the last ones.
 
-/// Read a model as bat_curve_model_read(), or a network of Ugail and Howard (2026), section 5.3: a file of bat_curve_train(),
-/// or one with the arrays of the published program ("geom_embed.weight", ...) in single or double precision. The arrays tell
-/// the variants of table 3 without a learned embedding. The features are four exterior angles and two edge lengths, relative
-/// to the polygon's mean (eq. 17).
+/// Read a model as bat_curve_model_read(), or a network of Ugail and Howard (2026), section 5.3: a file of
+/// bat_curve_train(), or one with the arrays of the published program ("geom_embed.weight", ...) in single or double
+/// precision. The arrays tell the variants of table 3 without a learned embedding. The features are four exterior angles and
+/// two edge lengths, relative to the polygon's mean (eq. 17).
 /// @param path null: the network of the published recipe that batten's project trained (weights/tension-published.md)
 BAT_API bat_status bat_curve_model_read_published(const char *path, bat_curve_model **model, bat_error *error);
 

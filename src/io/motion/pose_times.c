@@ -99,4 +99,3 @@ column_unit pose_unit_by_size(csv_field cell)
         return UNIT_NONE;
     return whole >= 100000000000000000 ? UNIT_NANO : whole >= 100000000000000 ? UNIT_MICRO : UNIT_MILLI;
 }
-
