@@ -786,6 +786,41 @@ static bool is_turned(const front *work, uint32_t outer)
     return turned >= MIN_SEAM;
 }
 
+/// Fill the shorter part of loops that touch themselves.
+/// @param outer   an edge of the longest loop, and of what is left of it
+/// @param longest its length
+/// @param filled  receives false for a part that is too long to be a hole
+/// @return false where memory runs out
+static bool fill_touching(front *work, uint32_t *outer, double longest, bool *filled)
+{
+    bool complete = true;
+    uint32_t e = *outer;
+    for (size_t steps = 0; complete && *filled && steps <= work->edge_count; steps++)
+    {
+        uint32_t other = NONE;
+        for (uint32_t out = work->first_out[work->edges[e].from]; out != NONE; out = work->edges[out].next_out)
+            if (out != e)
+                other = out;
+        if (other == NONE)
+        {
+            e = work->edges[e].next;
+            if (e == *outer)
+                break;
+            continue;
+        }
+        split_loop(work, e, other);
+        size_t counts[2];
+        double lengths[2] = {loop_length(work, e, &counts[0]), loop_length(work, other, &counts[1])};
+        *filled = fmin(lengths[0], lengths[1]) <= MAX_HOLE[counts[lengths[0] >= lengths[1]] <= SMALL_HOLE] * longest;
+        *outer = lengths[0] >= lengths[1] ? e : other;
+        if (*filled)
+            complete = fill_loop(work, lengths[0] >= lengths[1] ? other : e, filled);
+        e = *outer;
+        steps = 0;
+    }
+    return complete;
+}
+
 /// Fill all loops but the longest, which visits each point once at the end, and but one more of a tube that is to be cut.
 static bat_status close_holes(front *work, bat_error *error)
 {
@@ -824,31 +859,7 @@ static bat_status close_holes(front *work, bat_error *error)
         }
     }
     free(visited);
-    // Loops that touch themselves: the shorter part is filled.
-    uint32_t e = outer;
-    for (size_t steps = 0; complete && filled && outer != NONE && steps <= work->edge_count; steps++)
-    {
-        uint32_t other = NONE;
-        for (uint32_t out = work->first_out[work->edges[e].from]; out != NONE; out = work->edges[out].next_out)
-            if (out != e)
-                other = out;
-        if (other == NONE)
-        {
-            e = work->edges[e].next;
-            if (e == outer)
-                break;
-            continue;
-        }
-        split_loop(work, e, other);
-        size_t counts[2];
-        double lengths[2] = {loop_length(work, e, &counts[0]), loop_length(work, other, &counts[1])};
-        filled = fmin(lengths[0], lengths[1]) <= MAX_HOLE[counts[lengths[0] >= lengths[1]] <= SMALL_HOLE] * longest;
-        outer = lengths[0] >= lengths[1] ? e : other;
-        if (filled)
-            complete = fill_loop(work, lengths[0] >= lengths[1] ? other : e, &filled);
-        e = outer;
-        steps = 0;
-    }
+    complete = complete && (!filled || outer == NONE || fill_touching(work, &outer, longest, &filled));
     if (!complete)
         return error_memory(error, work->edge_count * sizeof *work->edges);
     if (filled && outer != NONE && is_turned(work, outer))
