@@ -89,11 +89,12 @@ static bool read_tolerance(const arguments *given, bat_mesh_decimate_options *op
     if (text == NULL)
         return true;
     char *end;
-    options->error = strtod(text, &end);
-    options->relative_error = strcmp(end, "%") == 0;
-    if (options->relative_error)
-        options->error /= 100;
-    if (end != text && (*end == '\0' || options->relative_error) && isfinite(options->error) && options->error > 0)
+    options->tolerance = strtod(text, &end);
+    options->relative_tolerance = strcmp(end, "%") == 0;
+    if (options->relative_tolerance)
+        options->tolerance /= 100;
+    if (end != text && (*end == '\0' || options->relative_tolerance) && isfinite(options->tolerance) &&
+        options->tolerance > 0)
         return true;
     return argument_refused(given, "tolerance", "a length or a share of the diagonal as 0.1%%, above 0");
 }
@@ -172,7 +173,7 @@ static bool is_reached(const bat_mesh_decimate_options *options, const bat_mesh 
         return coarse->vertex_count <= options->vertices;
     if (options->faces > 0)
         return coarse->face_count <= options->faces;
-    return options->error > 0 || (double)coarse->face_count <= fmax(1, options->ratio * (double)fine->face_count);
+    return options->tolerance > 0 || (double)coarse->face_count <= fmax(1, options->ratio * (double)fine->face_count);
 }
 
 static int report(void *of)
@@ -184,7 +185,7 @@ static int report(void *of)
     double wanted = how->vertices > 0 ? (double)how->vertices
                     : how->faces > 0  ? (double)how->faces
                     : how->ratio > 0  ? how->ratio
-                                      : how->error;
+                                      : how->tolerance;
     if (job->call.json)
         return report_json(json_pack("{s:{s:I, s:I}, s:{s:I, s:I}, s:s, s:s, s:o, s:b, s:o, s:I, s:s?, s:o}", "fine",
                                      "vertices", (json_int_t)fine->vertex_count, "faces", (json_int_t)fine->face_count,
@@ -192,7 +193,7 @@ static int report(void *of)
                                      (json_int_t)coarse->face_count, "method",
                                      bat_choice_name(&bat_mesh_decimate_method_family, (int)how->method), "target",
                                      find_target(job->call.given), "wanted", report_number(wanted), "reached", (int)reached,
-                                     "distance", report_number(how->error > 0 ? job->distance : NAN), "repaired",
+                                     "distance", report_number(how->tolerance > 0 ? job->distance : NAN), "repaired",
                                      (json_int_t)bat_mesh_repair_places(&job->files.repairs), "map", job->map_file, "notes",
                                      report_notes_json(&job->files.notes)));
     mesh_files_report(&job->files, &job->call);
@@ -200,7 +201,7 @@ static int report(void *of)
         return EXIT_DONE;
     (void)printf("%zu vertices, %zu faces -> %zu vertices, %zu faces\n", fine->vertex_count, fine->face_count,
                  coarse->vertex_count, coarse->face_count);
-    if (how->error > 0)
+    if (how->tolerance > 0)
         (void)printf("no point of either surface is farther than %.6g from the other\n", job->distance);
     if (!reached)
         (void)printf("no further collapse passes the checks; lower --min-quality or --min-normal\n");

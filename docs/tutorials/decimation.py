@@ -35,7 +35,7 @@ coarse, to_fine = batten.decimate(fine, vertices=500)
 coarse
 
 # %%
-near = batten.decimate(fine, error=0.01)
+near = batten.decimate(fine, tolerance=0.01)
 near.mesh, near.bound
 
 # %% [markdown]

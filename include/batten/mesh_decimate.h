@@ -32,16 +32,16 @@ extern BAT_API const bat_family bat_mesh_decimate_method_family;
 /// Options of decimation. Begin with bat_mesh_decimate_defaults().
 typedef struct bat_mesh_decimate_options
 {
-    /// Stop at this number of vertices. At most one of `vertices`, `faces`, `ratio` and `error` may be set; without any,
+    /// Stop at this number of vertices. At most one of `vertices`, `faces`, `ratio` and `tolerance` may be set; without any,
     /// edges collapse as long as possible. Default 0.
     size_t vertices;
     size_t faces; ///< stop at this number of faces, or one fewer; default 0
     double ratio; ///< stop at this share of the faces, above 0 to 1; default 0
     /// Collapse as long as no point of either surface is farther than this from the other. The result is measured by
     /// bat_mesh_compare(), and its proven bound does not exceed the given one. Default 0.
-    double error;
-    double *distance;                ///< with `error`: receives the proven bound of the result; may be null
-    bool relative_error;             ///< `error` is a share of the diagonal of the mesh's box; default false
+    double tolerance;
+    double *distance;                ///< with `tolerance`: receives the proven bound of the result; may be null
+    bool relative_tolerance;         ///< `tolerance` is a share of the diagonal of the mesh's box; default false
     bat_mesh_decimate_method method; ///< default BAT_MESH_DECIMATE_METHOD_MEMORYLESS
     /// 0: always collapse the edge of least error. Else the edge of least error among this number of random ones (appendix
     /// E: 100). Default 0.

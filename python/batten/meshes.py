@@ -589,8 +589,8 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_mesh_decimate_options``: where to stop, by one of `vertices`, `faces`, `ratio` and `error`;
-        `relative_error`; `method`, one of ``choices("mesh_decimate_method")``; `boundary_weight`; `attributes`, the weight of
+        Fields of ``bat_mesh_decimate_options``: where to stop, by one of `vertices`, `faces`, `ratio` and `tolerance`;
+        `relative_tolerance`; `method`, one of ``choices("mesh_decimate_method")``; `boundary_weight`; `attributes`, the weight of
         texture and channels; `candidates`; `seed`; `threads`; and further ones.
 
     Returns
@@ -615,4 +615,4 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     with shown(progress, "decimating"):
         call(lib.bat_mesh_decimate, fine._struct(), how, coarse, made)
     found = Mesh._from(coarse)
-    return Decimation(_like(mesh, found), MeshMap(fine, found, made[0]) if map else None, bound[0] if how.error else None)
+    return Decimation(_like(mesh, found), MeshMap(fine, found, made[0]) if map else None, bound[0] if how.tolerance else None)

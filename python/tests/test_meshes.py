@@ -133,11 +133,11 @@ def test_the_limit_has_normals(sphere_mesh):
 def test_targets_of_decimation(sphere_mesh):
     assert len(batten.decimate(sphere_mesh, faces=300).mesh.faces) in (299, 300)
     assert len(batten.decimate(sphere_mesh, ratio=0.5, method="quadric").mesh.faces) == len(sphere_mesh.faces) // 2
-    result = batten.decimate(sphere_mesh, error=0.01)
+    result = batten.decimate(sphere_mesh, tolerance=0.01)
     found = batten.measure(sphere_mesh, result.mesh)
     assert found.hausdorff <= result.bound <= 0.01 and len(result.mesh.faces) < len(sphere_mesh.faces)
     with pytest.raises(batten.InvalidArgument):
-        batten.decimate(sphere_mesh, error=0.01, ratio=0.5)
+        batten.decimate(sphere_mesh, tolerance=0.01, ratio=0.5)
 
 
 def test_texture_and_channels_go_through_the_map(sphere_mesh):

@@ -225,7 +225,7 @@ static void test_bounded_distance(void **state)
             bat_mesh_distance distance;
             bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
             options.method = (bat_mesh_decimate_method)method;
-            options.error = BOUNDS[i];
+            options.tolerance = BOUNDS[i];
             options.distance = &proven;
             options.threads = 1;
             bat_mesh coarse = decimate(&sheet, &options, method == 1);
@@ -266,10 +266,10 @@ static void test_bounded_flat_faces(void **state)
     double proven = -1, last = 0;
     bat_error error = {0};
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
-    options.error = 3e-4;
+    options.tolerance = 3e-4;
     options.distance = &proven;
     coarse = decimate(&fine, &options, false);
-    assert_true(proven > 0 && proven <= options.error);
+    assert_true(proven > 0 && proven <= options.tolerance);
     assert_true(coarse.face_count < fine.face_count / 10);
     bat_mesh_free(&coarse);
     options.progress = (bat_progress){stop_in_measurement, &last};

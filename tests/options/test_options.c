@@ -892,7 +892,7 @@ static const option_family FAMILIES[] = {
      {BAD(mesh_decimate, min_normal, BAD_NUMBER, 1.5), BAD(mesh_decimate, min_normal, BAD_NUMBER, NAN),
       BAD(mesh_decimate, min_quality, BAD_NUMBER, -0.5), BAD(mesh_decimate, boundary_weight, BAD_NUMBER, -1),
       BAD(mesh_decimate, boundary_weight, BAD_NUMBER, INFINITY), BAD(mesh_decimate, ratio, BAD_NUMBER, 1.5),
-      BAD(mesh_decimate, error, BAD_NUMBER, NAN), BAD(mesh_decimate, attributes, BAD_NUMBER, -1),
+      BAD(mesh_decimate, tolerance, BAD_NUMBER, NAN), BAD(mesh_decimate, attributes, BAD_NUMBER, -1),
       BAD(mesh_decimate, method, BAD_INT, 3), BAD(mesh_decimate, threads, BAD_INT, -1)}},
     {HEAD(mesh_compare),
      {call_mesh_compare},

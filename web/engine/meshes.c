@@ -107,8 +107,8 @@ static bat_status decimate(const engine_call *call, engine_object *result, bat_e
         ENGINE_OPTION(bat_mesh_decimate_options, vertices, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_decimate_options, faces, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_decimate_options, ratio, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_mesh_decimate_options, error, ENGINE_NUMBER),
-        ENGINE_OPTION(bat_mesh_decimate_options, relative_error, ENGINE_BOOL),
+        ENGINE_OPTION(bat_mesh_decimate_options, tolerance, ENGINE_NUMBER),
+        ENGINE_OPTION(bat_mesh_decimate_options, relative_tolerance, ENGINE_BOOL),
         ENGINE_OPTION_CHOICE(bat_mesh_decimate_options, method, &bat_mesh_decimate_method_family),
         ENGINE_OPTION(bat_mesh_decimate_options, candidates, ENGINE_SIZE),
         ENGINE_OPTION(bat_mesh_decimate_options, seed, ENGINE_UINT64),
@@ -124,7 +124,7 @@ static bat_status decimate(const engine_call *call, engine_object *result, bat_e
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
     if (status == BAT_OK)
         status = bat_mesh_decimate(&call->inputs[0]->mesh, &options, &result->mesh, NULL, error);
-    if (status == BAT_OK && options.error > 0)
+    if (status == BAT_OK && options.tolerance > 0)
         engine_set(result->report, "distance", engine_number(distance));
     return status;
 }

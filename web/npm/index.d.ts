@@ -272,8 +272,8 @@ export interface MeshDecimateOptions extends Progress {
   vertices?: number;
   faces?: number;
   ratio?: number;
-  error?: number;
-  relative_error?: boolean;
+  tolerance?: number;
+  relative_tolerance?: boolean;
   /** A name of bat_choices("mesh_decimate_method"). */
   method?: string;
   candidates?: number;

@@ -125,7 +125,7 @@ export function meshTab(app, section) {
   });
 
   /** Options of decimation; null for none. */
-  const decimation = () => (state.within > 0 ? { error: state.within / 100, relative_error: true } : state.keep < 100 ? { ratio: state.keep / 100 } : null);
+  const decimation = () => (state.within > 0 ? { tolerance: state.within / 100, relative_tolerance: true } : state.keep < 100 ? { ratio: state.keep / 100 } : null);
   async function compute() {
     const refine = { scheme: state.scheme, levels: state.levels, fairness: state.fairness, limit: state.limit, crease_angle: (state.crease * Math.PI) / 180 };
     try {
@@ -331,7 +331,7 @@ export function meshTab(app, section) {
       const quads = made === "catmull-clark"; // the fine mesh has polygons
       const cuts = triangulated ? " --triangulate" : "";
       const repairs = state.repair ? " --repair" : "";
-      const target = less && (less.error ? `--tolerance ${Number(less.error.toFixed(4))}%` : `--ratio ${less.ratio}`);
+      const target = less && (less.tolerance ? `--tolerance ${Number(less.tolerance.toFixed(4))}%` : `--ratio ${less.ratio}`);
       const shell = [
         ...(less ? [`batten decimate ${input} ${target}${cuts}${repairs} -o coarse.ply`] : []),
         `batten mesh ${less ? "coarse.ply" : input} --scheme ${state.scheme}${fair ? ` --fairness ${state.fairness}` : ""} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${limits ? " --limit" : ""}${less ? "" : cuts + repairs}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
@@ -347,7 +347,7 @@ export function meshTab(app, section) {
         ...(triangulated ? ["read.triangulate = true;"] : []),
         ...(state.repair ? ["read.repair = true;"] : []),
         `${kind(direct)}_read("${input}", ${read}, &coarse, &error);`,
-        ...(less ? ["bat_mesh_decimate_options less = bat_mesh_decimate_defaults();", ...(less.error ? [`less.error = ${less.error};`, "less.relative_error = true;"] : [`less.ratio = ${less.ratio};`]), "bat_mesh small;", "bat_mesh_decimate(&coarse, &less, &small, NULL, &error);"] : []),
+        ...(less ? ["bat_mesh_decimate_options less = bat_mesh_decimate_defaults();", ...(less.tolerance ? [`less.tolerance = ${less.tolerance};`, "less.relative_tolerance = true;"] : [`less.ratio = ${less.ratio};`]), "bat_mesh small;", "bat_mesh_decimate(&coarse, &less, &small, NULL, &error);"] : []),
         ...(less && quads ? ["bat_polygon_mesh polygons;", "bat_polygon_mesh_of_triangles(&small, &polygons, &error);"] : []),
         "bat_mesh_refine_options options = bat_mesh_refine_defaults();",
         `options.scheme = ${enumerator("mesh_scheme", state.scheme)};`, `options.levels = ${state.levels};`,
@@ -362,7 +362,7 @@ export function meshTab(app, section) {
       const python = [
         "import batten", ...(creases ? ["import math"] : []), ...(own ? [] : ["import trimesh"]), "",
         own ? `mesh = batten.${direct ? "PolygonMesh" : "Mesh"}.read("${input}"${reading})` : `mesh = trimesh.load("${input}")`,
-        ...(less ? [`mesh = batten.decimate(mesh, ${less.error ? `error=${less.error}, relative_error=True` : `ratio=${less.ratio}`}, map=False).mesh`] : []),
+        ...(less ? [`mesh = batten.decimate(mesh, ${less.tolerance ? `tolerance=${less.tolerance}, relative_tolerance=True` : `ratio=${less.ratio}`}, map=False).mesh`] : []),
         `fine = batten.refine_mesh(mesh, scheme="${state.scheme}", levels=${state.levels}${fair ? `, fairness=${state.fairness}` : ""}${creases ? `, crease_angle=math.radians(${state.crease})` : ""}${limits ? ", limit=True" : ""})`,
       ];
       return { shell: shell.join("\n"), c: c.join("\n"), python: python.join("\n") };

@@ -127,7 +127,7 @@ describe("equal to the native program", () => {
     compare(decode(batten.bat_mesh_write_memory(coarse, { format: "obj" })), out, 1e-9);
   });
 
-  for (const [name, target] of [["faces", 300], ["ratio", 0.2], ["error", 0.02]])
+  for (const [name, target] of [["faces", 300], ["ratio", 0.2], ["tolerance", 0.02]])
     test(`a mesh decimated by ${name}`, () => {
       const fine = join(folder, "fine.ply");
       const out = join(folder, "coarse.obj");
@@ -135,7 +135,7 @@ describe("equal to the native program", () => {
       native("decimate", fine, `--${name}`, String(target), "-o", out);
       const coarse = batten.bat_mesh_decimate(batten.bat_mesh_read_memory(readFileSync(fine)), { [name]: target });
       compare(decode(batten.bat_mesh_write_memory(coarse, { format: "obj" })), out, 1e-9);
-      if (name === "error") assert.ok(coarse.distance > 0 && coarse.distance <= target);
+      if (name === "tolerance") assert.ok(coarse.distance > 0 && coarse.distance <= target);
     });
 
   test("names, texture and values of a mesh go through all calls", () => {
@@ -192,7 +192,7 @@ describe("values", () => {
     for (const { name } of batten.bat_choices("mesh_scheme")) assert.ok(batten.bat_polygon_mesh_refine(polygons, { scheme: name, levels: 1 }).faces.length > 36);
     for (const option of ["boundary", "creasing", "linear"])
       for (const { name } of batten.bat_choices(`mesh_${option}`)) assert.equal(batten.bat_mesh_refine(cube(), { scheme: "loop", levels: 1, [option]: name }).faces.length, 144);
-    for (const rows of Object.values(batten.bat_choices())) assert.ok(rows.length > 1);
+    for (const rows of Object.values(batten.bat_choices())) assert.ok(rows.length > 0);
     assert.throws(() => batten.bat_choices("mesh"), /no family 'mesh'/);
   });
   test("polygons as rows, their triangles and normals", () => {

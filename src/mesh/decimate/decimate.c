@@ -59,7 +59,7 @@ static bat_status mesh_decimate_options_check(const void *opaque, bat_error *err
     const bat_mesh_decimate_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
-        OPTION_FIELD(bat_mesh_decimate_options, error, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_mesh_decimate_options, tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FAMILY(bat_mesh_decimate_options, method, bat_mesh_decimate_method_family),
         OPTION_FIELD(bat_mesh_decimate_options, min_normal, OPTION_NUMBER, -1, 1),
         OPTION_FIELD(bat_mesh_decimate_options, min_quality, OPTION_NUMBER, 0, 1),
@@ -68,7 +68,7 @@ static bat_status mesh_decimate_options_check(const void *opaque, bat_error *err
         OPTION_THREADS(bat_mesh_decimate_options),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    int targets = (options->vertices > 0) + (options->faces > 0) + (options->ratio > 0) + (options->error > 0);
+    int targets = (options->vertices > 0) + (options->faces > 0) + (options->ratio > 0) + (options->tolerance > 0);
     if (status == BAT_OK && targets > 1)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
@@ -96,8 +96,8 @@ static bat_status find_target(const bat_mesh *fine, const bat_mesh_decimate_opti
 /// The bound on the distance as a length.
 static double bound_of(const bat_mesh *fine, const bat_mesh_decimate_options *options)
 {
-    if (!options->relative_error)
-        return options->error;
+    if (!options->relative_tolerance)
+        return options->tolerance;
     double square = 0;
     for (size_t c = 0; c < 3; c++)
     {
@@ -110,7 +110,7 @@ static double bound_of(const bat_mesh *fine, const bat_mesh_decimate_options *op
         }
         square += (high - low) * (high - low);
     }
-    return options->error * sqrt(square);
+    return options->tolerance * sqrt(square);
 }
 
 /// Release a result.
@@ -229,8 +229,8 @@ bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_optio
         return status;
     bat_mesh made = {0};
     bat_mesh_map *made_map = NULL, **to = map != NULL ? &made_map : NULL;
-    status = options->error > 0 ? run_within(fine, options, &made, to, error)
-                                : decimation_run(fine, options, &target, NULL, &made, to, error);
+    status = options->tolerance > 0 ? run_within(fine, options, &made, to, error)
+                                    : decimation_run(fine, options, &target, NULL, &made, to, error);
     if (status != BAT_OK)
         return status;
     *coarse = made;
