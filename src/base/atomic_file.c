@@ -65,8 +65,7 @@ bool atomic_is_hidden(const char *path)
     return strncmp(base_name(path), HIDDEN, sizeof HIDDEN - 1) == 0;
 }
 
-/// Open a file without a name in the target's folder; -1 where that is not possible.
-static int open_nameless(const char *target, mode_t mode)
+int atomic_open_nameless(const char *target, mode_t mode)
 {
     int descriptor = -1;
 #ifdef O_TMPFILE
@@ -147,7 +146,7 @@ static bat_status open_temporary(atomic_file *file, const struct stat *existing,
 {
     // Nobody else reads what replaces a file before it has that file's rights.
     mode_t mode = existing != NULL || atomic_is_hidden(file->target) ? S_IRUSR | S_IWUSR : 0666;
-    int descriptor = open_nameless(file->target, mode);
+    int descriptor = atomic_open_nameless(file->target, mode);
     if (descriptor < 0)
         descriptor = take_name(file, -1, mode);
     if (descriptor < 0)

@@ -49,6 +49,8 @@ bat_status atomic_target_find(const char *path, atomic_target *target, bat_error
 /// A hidden name in the target's folder that ends with the target's name. A file of such a name is written with no second
 /// temporary file, and only its owner can read it. Null when out of memory.
 char *atomic_hidden_name(const char *target, unsigned attempt);
+/// Open a file without a name in the target's folder; -1 where that is not possible.
+int atomic_open_nameless(const char *target, mode_t mode);
 /// Whether a path has such a name.
 bool atomic_is_hidden(const char *path);
 /// The name of the file, without its folder, that a path or a hidden name stands for.

@@ -64,10 +64,14 @@ static bool same_target(const output *a, const output *b)
     return same_inode(&a->folder, &b->folder) && strcmp(base_name(a->target), base_name(b->target)) == 0;
 }
 
-/// Make an empty file of a hidden name to learn what rights a new file gets, and remove it again.
+/// Make an empty file to learn what rights a new file gets. It has a hidden name, which a signal may leave behind, only
+/// where there are no files without names.
 static int probe(output *file)
 {
-    int descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    int descriptor = atomic_open_nameless(file->target, 0666);
+    bool named = descriptor < 0;
+    if (named)
+        descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0)
         return errno;
     struct stat about;
@@ -75,7 +79,8 @@ static int probe(output *file)
     if (!file->exists)
         file->about = about;
     (void)close(descriptor);
-    (void)unlink(file->temporary);
+    if (named)
+        (void)unlink(file->temporary);
     return reason;
 }
 
