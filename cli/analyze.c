@@ -113,7 +113,7 @@ static bool check_sweep(analyze_job *job)
     double ends[] = {options->begin, options->end};
     for (size_t i = 0; i < 2; i++)
     {
-        bat_curve_scheme scheme;
+        bat_curve_scheme scheme = {0};
         if (!usage_accepts(given, family_member(&job->family, ends[i], &scheme, &error), &error) ||
             !check_linear(given, &scheme))
             return false;

@@ -71,7 +71,7 @@ batten_shared_library(batten_research_shared batten_research_objects)
 target_link_libraries(batten_research_shared PUBLIC batten_shared PRIVATE ${private_archive})
 target_link_options(batten_research_shared PRIVATE -Wl,--exclude-libs,libbatten-private.a)
 batten_static_library(batten_research_static batten_research_objects ARCHIVE ${private_archive}
-                      OPTIONS --wildcard "--localize-symbol=private_bat_*")
+                      OPTIONS --wildcard "--localize-symbol=private_bat_*" "--localize-symbol=__odr_asan.*")
 target_link_libraries(batten_research_static PUBLIC batten_static)
 foreach(kind shared static)
   add_dependencies(batten_research_${kind} batten_private)

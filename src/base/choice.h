@@ -35,6 +35,6 @@ const bat_choice *choice_of_ending(const bat_family *family, const char *path);
 const char *choice_endings(const bat_family *family, bool writes, char *text, size_t size);
 /// The failure for an output whose format nothing names.
 /// @return BAT_INVALID_ARGUMENT
-bat_status choice_unnamed_output(const bat_family *formats, bat_error *error);
+bat_status choice_unnamed_output(const bat_family *family, bat_error *error);
 
 #endif
