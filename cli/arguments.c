@@ -14,15 +14,37 @@
 
 static const double DEGREE = 3.14159265358979323846 / 180;
 
+static void print_usage(const arguments *given, const char *format, va_list list)
+{
+    (void)fputs("batten: ", stderr);
+    terminal_print_list(stderr, format, list);
+    (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
+}
+
 int usage_error(const arguments *given, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
-    (void)fputs("batten: ", stderr);
-    terminal_print_list(stderr, format, list);
-    (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
+    print_usage(given, format, list);
     va_end(list);
     return EXIT_BAD_USAGE;
+}
+
+bool usage_refused(const arguments *given, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    print_usage(given, format, list);
+    va_end(list);
+    return false;
+}
+
+bool usage_obeys(const arguments *given, const usage_rule *rules, size_t count, const char *first, const char *second)
+{
+    for (size_t i = 0; i < count; i++)
+        if (rules[i].broken)
+            return usage_refused(given, rules[i].message, first, second);
+    return true;
 }
 
 const option_spec *option_at(const verb *what, size_t index, size_t *offset)
@@ -64,8 +86,7 @@ bool argument_refused(const arguments *given, const char *name, const char *rang
     (void)vsnprintf(wanted, sizeof wanted, range, list);
     va_end(list);
     const char *text = argument(given, name), *quote = is_number(text) ? "" : "'";
-    (void)usage_error(given, "--%s is %s%s%s, but must be %s", name, quote, text, quote, wanted);
-    return false;
+    return usage_refused(given, "--%s is %s%s%s, but must be %s", name, quote, text, quote, wanted);
 }
 
 /// Fields that no option has the name of.
@@ -116,8 +137,7 @@ bool usage_accepts(const arguments *given, bat_status status, const bat_error *e
     if (status == BAT_OK)
         return true;
     argument_wording(given, error, text);
-    (void)usage_error(given, "%s", text);
-    return false;
+    return usage_refused(given, "%s", text);
 }
 
 /// One option at argv[at], which begins with a dash; *at moves to its last word.
@@ -373,6 +393,5 @@ bool argument_ending(const arguments *given, const bat_family *formats, int to)
             used += (size_t)snprintf(known + used, sizeof known - used, "%s%.*s", used > 0 ? ", " : "", length, at);
             at += length + (at[length] == ' ');
         }
-    (void)usage_error(given, "the ending of '%s' names no format (%s); --to does", path, known);
-    return false;
+    return usage_refused(given, "the ending of '%s' names no format (%s); --to does", path, known);
 }

@@ -164,6 +164,16 @@ bool argument_ending(const arguments *given, const bat_family *formats, int to);
 
 /// Print "batten: message" and the usage line of the verb to standard error, and return EXIT_BAD_USAGE.
 int usage_error(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/// The same, but return false.
+bool usage_refused(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/// A rule of a command line, with the message where it is broken.
+typedef struct usage_rule
+{
+    bool broken;
+    const char *message; ///< may take two texts
+} usage_rule;
+/// Whether all rules are obeyed. False after the message of the first one that is not, in which the two texts stand.
+bool usage_obeys(const arguments *given, const usage_rule *rules, size_t count, const char *first, const char *second);
 /// Refuse an option that the user gave: "--NAME is VALUE, but must be RANGE". Returns false.
 bool argument_refused(const arguments *given, const char *name, const char *range, ...)
     __attribute__((format(printf, 3, 4)));

@@ -1,7 +1,6 @@
 #include "interrupt.h"
 #include "report.h"
 #include "terminal.h"
-#include "train.h"
 #include "verb.h"
 
 #include <stdio.h>

@@ -1,8 +1,9 @@
-#include "measure.h"
-
 #include "curve.h"
 #include "report.h"
 
+#include "batten/batten.h"
+
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,23 @@ enum
 {
     MAX_SAMPLES = 1000000000
 };
+
+/// The job of `batten measure`.
+typedef struct measure_job
+{
+    verb_call call;
+    const char *paths[2]; ///< the second null when there is only A
+    bool of_meshes;
+    bat_error failure; ///< of telling meshes from curves; its status is BAT_OK where there was none
+    bat_curve_read_options read;
+    bat_curve_measure_options measure;
+    bat_curve_set sets[2];
+    bat_mesh_read_options read_mesh;
+    bat_mesh_compare_options compare;
+    bat_mesh meshes[2];
+    bat_mesh_summary summary;   ///< of one mesh
+    bat_mesh_distance distance; ///< of two
+} measure_job;
 
 static const option_spec OPTIONS[] = {
     {"from", "FORMAT", INPUT, 0, "the format of the files, see `batten list formats`; default: by their endings or contents",
@@ -33,6 +51,14 @@ static const option_spec OPTIONS[] = {
     END_OF_OPTIONS,
 };
 
+/// The file at fault in a comparison: the one that the error names, else the second.
+static const char *file_at_fault(const char *const paths[2], const bat_error *error)
+{
+    return error->operand == 0 || paths[1] == NULL ? paths[0] : paths[1];
+}
+
+// Curves
+
 /// What is measured of a set of curves, one result each.
 typedef enum measured
 {
@@ -51,9 +77,9 @@ typedef struct results
     bool *simple; ///< of A; null in spaces where curves do not cross
 } results;
 
-/// Print the mean and the median of one measure of all curves, or put them into `object` where it is not null.
-static bat_status report_measure(const results *all, measured in, const bat_measure *measure, double *values, json_t *object,
-                                 bat_error *error)
+/// Report the mean and the median of one measure of all curves.
+static bat_status report_measure(const results *all, measured in, const bat_measure *measure, double *values,
+                                 json_t **object, bat_error *error)
 {
     static const char *const OF[MEASURED] = {" of A", " of B", ""}, *const KEY_OF[MEASURED] = {"", "_b", ""};
     const char *bases[MEASURED] = {(const char *)all->fairness[0], (const char *)all->fairness[1],
@@ -63,26 +89,20 @@ static bat_status report_measure(const results *all, measured in, const bat_meas
         memcpy(&values[i], bases[in] + i * size + measure->offset, sizeof *values);
     bat_curve_summary summary;
     bat_status status = bat_curve_summarize(values, all->count, &summary, error);
-    char name[64];
-    if (status == BAT_OK && object != NULL)
-    {
-        (void)snprintf(name, sizeof name, "%s%s", measure->name, KEY_OF[in]);
-        json_t *value =
-            json_pack("{s:o, s:o}", "mean", report_number(summary.mean), "median", report_number(summary.median));
-        return json_object_set_new(object, name, value) == 0 ? BAT_OK : BAT_NO_MEMORY;
-    }
     if (status != BAT_OK)
         return status;
-    (void)snprintf(name, sizeof name, "%s%s", measure->title, OF[in]);
-    (void)printf("%-36s %14.8g", name, summary.mean);
-    if (summary.count > 1)
-        (void)printf(" %14.8g", summary.median);
-    (void)printf("\n");
-    return BAT_OK;
+    bool as_json = *object != NULL;
+    char name[64];
+    (void)snprintf(name, sizeof name, "%s%s", as_json ? measure->name : measure->title, (as_json ? KEY_OF : OF)[in]);
+    json_t *value =
+        report_part(as_json, "{name:-36} {mean:14.8g}[several? {median:14.8g}]\n", "-name:s mean:n median:n -several:b",
+                    name, summary.mean, summary.median, (int)(summary.count > 1));
+    *object = as_json ? report_add(*object, name, value) : NULL;
+    return as_json && *object == NULL ? BAT_NO_MEMORY : BAT_OK;
 }
 
 /// Report what was measured: distances first, then the fairness of each side.
-static bat_status summarize(const results *all, bool compared, json_t *object, bat_error *error)
+static bat_status summarize(const results *all, bool compared, json_t **object, bat_error *error)
 {
     static const measured ORDER[MEASURED] = {DISTANCE, FAIRNESS_OF_A, FAIRNESS_OF_B};
     double *values = calloc(all->count, sizeof *values);
@@ -98,38 +118,29 @@ static bat_status summarize(const results *all, bool compared, json_t *object, b
     return status;
 }
 
-/// Report how many curves of A are simple.
-static bat_status report_simple(const results *all, json_t *object)
-{
-    size_t simple = 0;
-    if (all->simple == NULL)
-        return BAT_OK;
-    for (size_t i = 0; i < all->count; i++)
-        simple += all->simple[i];
-    if (object != NULL)
-        return json_object_set_new(object, "simple", json_integer((json_int_t)simple)) == 0 ? BAT_OK : BAT_NO_MEMORY;
-    if (all->count == 1)
-        (void)printf("%-36s %14s\n", "A is simple", simple == 1 ? "yes" : "no");
-    else
-        (void)printf("%-36s %14zu of %zu\n", "simple curves of A", simple, all->count);
-    return BAT_OK;
-}
-
 static int report_results(const char *path, const results *all, bool compared, bool as_json)
 {
-    json_t *object = as_json ? json_pack("{s:I}", "curves", (json_int_t)all->count) : NULL;
+    json_t *object = as_json ? report_object("curves:z", all->count) : NULL;
     if (as_json && object == NULL)
         return report_json(NULL);
     if (!as_json && all->count > 1)
         (void)printf("%-36s %14s %14s\n", "", "mean", "median");
     bat_error error = {.text = "out of memory"};
-    bat_status status = summarize(all, compared, object, &error);
-    if (status == BAT_OK)
-        status = report_simple(all, object);
-    if (status == BAT_OK && as_json)
-        return report_json(object);
-    json_decref(object);
-    return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+    if (summarize(all, compared, &object, &error) != BAT_OK)
+    {
+        json_decref(object);
+        return report_failure(path, &error);
+    }
+    size_t simple = 0;
+    for (size_t i = 0; i < all->count && all->simple != NULL; i++)
+        simple += all->simple[i];
+    if (as_json)
+        return report_json(all->simple != NULL ? report_add(object, "simple", json_integer((json_int_t)simple)) : object);
+    if (all->simple != NULL && all->count == 1)
+        (void)printf("%-36s %14s\n", "A is simple", simple == 1 ? "yes" : "no");
+    else if (all->simple != NULL)
+        (void)printf("%-36s %14zu of %zu\n", "simple curves of A", simple, all->count);
+    return EXIT_DONE;
 }
 
 /// Report which curve of a file is at fault.
@@ -185,7 +196,7 @@ static int measure_distances(const char *const paths[2], const bat_curve_set *a,
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
-    const char *path = measure_file_at_fault(paths, &error);
+    const char *path = file_at_fault(paths, &error);
     return report_curve(path, path == paths[0] ? a : b, failed, &error);
 }
 
@@ -225,6 +236,172 @@ static int measure_sets(measure_job *job)
     return code;
 }
 
+// Meshes
+
+/// Whether the files are meshes: by --mesh or --from, else by the first file whose ending or content is clear. An OBJ file
+/// is a mesh when its first element is a face. Pipes are not read.
+/// @param failure untouched unless a file cannot be recognized for want of memory
+static bool means_meshes(const arguments *given, bat_error *failure)
+{
+    bat_mesh_format format;
+    const bat_choice *row;
+    const char *from = argument(given, "from");
+    if (argument_flag(given, "mesh"))
+        return true;
+    if (from != NULL && bat_choice_find(&bat_mesh_format_family, from, &row, NULL) == BAT_OK &&
+        bat_choice_find(&bat_curve_format_family, from, &row, NULL) != BAT_OK)
+        return true;
+    for (size_t i = 0; i < given->positional_count; i++)
+    {
+        const char *path = given->positional[i];
+        const bat_choice *mesh, *curves;
+        (void)bat_choice_of_path(&bat_mesh_format_family, path, false, &mesh, NULL);
+        (void)bat_choice_of_path(&bat_curve_format_family, path, false, &curves, NULL);
+        if (mesh == NULL && curves != NULL)
+            return false;
+        if (bat_mesh_format_of_file(path, &format, failure) != BAT_OK)
+            return false;
+        if (format != BAT_MESH_FORMAT_AUTO)
+            return true;
+    }
+    return false;
+}
+
+/// Report one measure. Returns its value as JSON, or null where it is printed.
+static json_t *report_mesh_measure(const bat_measure *at, const char *base, double diagonal, bool as_json)
+{
+    const void *value = base + at->offset;
+    const double *numbers = value;
+    if (!as_json)
+        (void)printf("%-38s ", at->title);
+    switch (at->form)
+    {
+    case BAT_MEASURE_COUNT:
+    case BAT_MEASURE_SIGNED:
+    case BAT_MEASURE_GENUS:
+        if (as_json)
+            return at->form == BAT_MEASURE_GENUS && *(const int64_t *)value < 0
+                       ? json_null()
+                       : json_integer((json_int_t) * (const int64_t *)value);
+        if (at->form == BAT_MEASURE_GENUS && *(const int64_t *)value < 0)
+            (void)printf("%14s\n", "none");
+        else
+            (void)printf("%14lld\n", (long long)*(const int64_t *)value);
+        break;
+    case BAT_MEASURE_FLAG:
+        if (as_json)
+            return json_boolean(*(const bool *)value);
+        (void)printf("%14s\n", *(const bool *)value ? "yes" : "no");
+        break;
+    case BAT_MEASURE_POINT:
+        if (as_json)
+            return report_numbers(numbers, 3);
+        (void)printf("%14.8g %14.8g %14.8g\n", numbers[0], numbers[1], numbers[2]);
+        break;
+    case BAT_MEASURE_NUMBER:
+    case BAT_MEASURE_LENGTH:
+        if (as_json)
+            return report_number(*numbers);
+        if (at->form == BAT_MEASURE_LENGTH)
+            (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
+        else if (isnan(*numbers))
+            (void)printf("%14s\n", "none");
+        else
+            (void)printf("%14.8g\n", *numbers);
+        break;
+    }
+    return NULL;
+}
+
+/// Report the measures of one mesh or of two.
+static int report_measures(size_t meshes, const void *base, double diagonal, bool as_json)
+{
+    bat_measure measure;
+    json_t *object = as_json ? json_object() : NULL;
+    for (size_t i = 0; bat_mesh_measures(meshes, i, &measure); i++)
+    {
+        json_t *value = report_mesh_measure(&measure, base, diagonal, as_json);
+        object = as_json ? report_add(object, measure.name, value) : NULL;
+    }
+    return as_json ? report_json(object) : EXIT_DONE;
+}
+
+/// What stands behind a path's last slash; null for no path.
+static const char *file_name(const char *path)
+{
+    const char *slash = path == NULL ? NULL : strrchr(path, '/');
+    return slash == NULL ? path : slash + 1;
+}
+
+/// Draw both meshes, coloured by how far their vertices are from the other.
+static int draw_distances(measure_job *job)
+{
+    const bat_mesh *meshes = job->meshes;
+    double diagonal = job->distance.diagonal;
+    bat_error error = {.text = "out of memory"};
+    bat_mesh_picture_panel panels[2];
+    double *shares[2] = {NULL, NULL};
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < 2 && status == BAT_OK; i++)
+    {
+        const bat_mesh *mesh = &meshes[i];
+        shares[i] = calloc(mesh->vertex_count, sizeof *shares[i]);
+        status = shares[i] == NULL
+                     ? BAT_NO_MEMORY
+                     : bat_mesh_vertex_distances(mesh, &meshes[1 - i], job->compare.threads, shares[i], &error);
+        for (size_t v = 0; v < mesh->vertex_count && status == BAT_OK; v++)
+            shares[i][v] *= 100 / diagonal;
+        panels[i] = (bat_mesh_picture_panel){.mesh = mesh, .values = shares[i], .title = file_name(job->paths[i])};
+    }
+    bat_mesh_picture_options options = bat_mesh_picture_defaults();
+    options.threads = job->compare.threads;
+    options.value_label = "distance, % of the diagonal";
+    if (status == BAT_OK)
+        status = bat_mesh_picture_write(output_path(&job->call.files, "picture"), panels, 2, &options, &error);
+    free(shares[0]);
+    free(shares[1]);
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->call.picture, &error);
+}
+
+static int compare(measure_job *job)
+{
+    bat_error error;
+    bat_mesh_compare_options how = job->compare;
+    how.progress = report_progress("measuring distances");
+    bat_status status = bat_mesh_compare(&job->meshes[0], &job->meshes[1], &how, &job->distance, &error);
+    int code = report_status(NULL, file_at_fault(job->paths, &error), status, &error);
+    return code == EXIT_DONE && job->call.picture != NULL ? draw_distances(job) : code;
+}
+
+static int measure_meshes(measure_job *job)
+{
+    bat_error error;
+    for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
+        if (bat_mesh_read(job->paths[i], &job->read_mesh, &job->meshes[i], &error) != BAT_OK)
+            return report_bad_input(job->call.given, job->paths[i], &error);
+    if (job->paths[1] != NULL)
+        return compare(job);
+    return report_status(NULL, job->paths[0], bat_mesh_summarize(&job->meshes[0], &job->summary, &error), &error);
+}
+
+static bool check_meshes(measure_job *job)
+{
+    static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project", NULL};
+    static const char *const FOR_TWO[] = {"at-vertices", "samples", "accuracy", "picture", NULL};
+    const arguments *given = job->call.given;
+    bat_error error;
+    job->compare.threads = job->call.threads;
+    if (argument_first(given, FOR_CURVES) != NULL)
+        return usage_refused(given, "--%s is for curves, but %s is a mesh", argument_first(given, FOR_CURVES),
+                             job->call.input);
+    if (argument_first(given, FOR_TWO) != NULL && job->paths[1] == NULL)
+        return usage_refused(given, "--%s needs a second file to measure the distance from", argument_first(given, FOR_TWO));
+    return argument_choice(given, "from", &bat_mesh_format_family, &job->read_mesh.format) &&
+           usage_accepts(given, bat_options_check(&bat_mesh_compare_fields, &job->compare, &error), &error);
+}
+
+// The verb
+
 static void begin(void *to)
 {
     measure_job *job = to;
@@ -241,24 +418,21 @@ static bool check(void *of)
     const arguments *given = job->call.given;
     for (size_t i = 0; i < given->positional_count; i++)
         job->paths[i] = given->positional[i];
-    job->of_meshes = measure_means_meshes(given, &job->failure);
+    job->of_meshes = means_meshes(given, &job->failure);
     if (job->of_meshes)
-        return measure_check_meshes(job);
+        return check_meshes(job);
     job->read.threads = job->measure.threads = job->call.threads;
     if (!argument_choice(given, "from", &bat_curve_format_family, &job->read.format))
         return false;
-    const char *fault = NULL;
-    if (argument_flag(given, "closed") && argument_flag(given, "open"))
-        fault = "--closed and --open exclude each other";
-    else if (job->measure.geodesic && job->measure.to_segments)
-        fault = "--geodesic and --to-segments exclude each other";
-    else if (argument_first(given, of_meshes) != NULL)
-        fault = "--at-vertices, --samples, --accuracy, --picture and --triangulate are for meshes";
-    else if (job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments))
-        fault = "--geodesic and --to-segments need a second file to measure the distance from";
-    if (fault != NULL)
-        (void)usage_error(given, "%s", fault);
-    return fault == NULL;
+    const usage_rule rules[] = {
+        {argument_flag(given, "closed") && argument_flag(given, "open"), "--closed and --open exclude each other"},
+        {job->measure.geodesic && job->measure.to_segments, "--geodesic and --to-segments exclude each other"},
+        {argument_first(given, of_meshes) != NULL,
+         "--at-vertices, --samples, --accuracy, --picture and --triangulate are for meshes"},
+        {job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments),
+         "--geodesic and --to-segments need a second file to measure the distance from"},
+    };
+    return usage_obeys(given, rules, sizeof rules / sizeof *rules, NULL, NULL);
 }
 
 static int make(void *of)
@@ -278,7 +452,13 @@ static int make(void *of)
 static int report(void *of)
 {
     const measure_job *job = of;
-    return job->of_meshes ? measure_report_meshes(job) : EXIT_DONE;
+    if (!job->of_meshes)
+        return EXIT_DONE;
+    if (job->paths[1] == NULL)
+        return report_measures(1, &job->summary, job->summary.diagonal, job->call.json);
+    if (!job->call.json)
+        (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
+    return report_measures(2, &job->distance, job->distance.diagonal, job->call.json);
 }
 
 static void end(void *of)

@@ -1,10 +1,11 @@
-#include "mesh_files.h"
 #include "report.h"
 #include "terminal.h"
+#include "verb.h"
 
 #include "batten/batten.h"
 #include "batten/research/networks.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,26 +15,113 @@ enum
     MAX_LEVELS = 32
 };
 
-/// The job of `batten mesh`.
+/// The job of `batten mesh` and `batten decimate`, which make a mesh of a mesh.
 typedef struct mesh_job
 {
     verb_call call;
-    mesh_files files;
+    bat_mesh_read_options read;
+    bat_mesh_write_options write;
+    bool normals; ///< of vertices, are written
+    bat_mesh_repair_report repairs;
+    bat_mesh_notes notes;
+    bat_mesh given, made; ///< triangles; of polygons only for pictures
+
+    // Of `batten mesh`.
     const char *model_file; ///< null for none
     bat_mesh_refine_options refine;
     bat_mesh_scheme beside; ///< where has_beside
     bool has_beside;
     double gigabytes;
-    bat_mesh coarse, fine;                    ///< triangles; of polygons only for pictures
-    bat_polygon_mesh polygons, fine_polygons; ///< where takes_polygons()
-    bat_mesh_model *model;                    ///< of --model; null for none
-    size_t boundary_edges, fallback;          ///< boundary edges of the coarse mesh
-    double *normals;                          ///< of the limit surface; null for none
-    bat_mesh_scheme scheme;                   ///< the one that refined
-    const char *reason;                       ///< for the scheme, where it was not given; else null
+    bool polygonal;                                 ///< the input is read as a mesh of polygons
+    bat_polygon_mesh given_polygons, made_polygons; ///< where polygonal
+    bat_mesh_model *model;                          ///< of --model; null for none
+    size_t boundary_edges, fallback;                ///< boundary edges of the given mesh
+    double *limit_normals;                          ///< of the limit surface; null for none
+    bat_mesh_scheme scheme;                         ///< the one that refined
+    const char *reason;                             ///< for the scheme, where it was not given; else null
+
+    // Of `batten decimate`.
+    bat_mesh_decimate_options decimate;
+    const char *map_file; ///< null where not wanted
+    bat_mesh_map *map;    ///< null when none was needed
+    double distance;      ///< with --tolerance: the proven bound on the distance of the two surfaces
 } mesh_job;
 
-static const option_spec OPTIONS[] = {
+static const option_spec FILE_OPTIONS[] = {
+    {"triangulate", NULL, INPUT, COMMON, "cut polygons of IN into triangles", FLAG(mesh_job, read.triangulate)},
+    {"repair", NULL, INPUT, COMMON, "split edges of more than two faces and vertices of several fans first",
+     FLAG(mesh_job, read.repair)},
+    {"from", "FORMAT", INPUT, 0, "the format of IN, see `batten list formats`; default: by content and ending",
+     CHOICE(mesh_job, read.format, bat_mesh_format_family)},
+    {"normals", NULL, RESULT, 0,
+     "write vertex normals (OBJ, PLY, glTF), with `batten mesh --limit` those of the limit surface",
+     FLAG(mesh_job, normals)},
+    {"to", "FORMAT", RESULT, 0, "the format of OUT; default: by its ending",
+     CHOICE(mesh_job, write.format, bat_mesh_format_family)},
+    END_OF_OPTIONS,
+};
+
+// What the two verbs share
+
+static void begin(void *to)
+{
+    mesh_job *job = to;
+    job->read = bat_mesh_read_defaults();
+    job->write = bat_mesh_write_defaults();
+    job->read.repairs = &job->repairs;
+    job->read.notes = job->write.notes = &job->notes;
+    job->refine = bat_mesh_refine_defaults();
+    job->decimate = bat_mesh_decimate_defaults();
+}
+
+/// Finish the options of the files. False after a message.
+static bool check_files(mesh_job *job)
+{
+    job->write.threads = job->call.threads;
+    job->write.normals = job->normals ? BAT_MESH_NORMALS_ANGLE : BAT_MESH_NORMALS_NONE;
+    return argument_ending(job->call.given, &bat_mesh_format_family, (int)job->write.format);
+}
+
+static int write_mesh(void *of, const char *path)
+{
+    mesh_job *job = of;
+    bat_error error;
+    bat_mesh_write_options options = job->write;
+    options.vertex_normals = job->limit_normals;
+    bat_status status = job->polygonal ? bat_polygon_mesh_write(path, &job->made_polygons, &options, &error)
+                                       : bat_mesh_write(path, &job->made, &options, &error);
+    return report_status(job->call.given, job->call.output, status, &error);
+}
+
+/// Print notes and repairs, as far as the call wants them. Returns whether more is to be printed.
+static bool report_files(const mesh_job *job)
+{
+    const verb_call *call = &job->call;
+    if (call->json)
+        return true;
+    if (!call->silent)
+        report_notes(&job->notes, is_standard_output(call->output) ? stderr : stdout);
+    if (!call->quiet && job->read.repair)
+        (void)printf("%zu places repaired\n", bat_mesh_repair_places(&job->repairs));
+    return !call->quiet;
+}
+
+static void end(void *of)
+{
+    mesh_job *job = of;
+    bat_mesh_free(&job->given);
+    bat_mesh_free(&job->made);
+    free(job->limit_normals);
+    bat_mesh_notes_free(&job->notes);
+    bat_polygon_mesh_free(&job->given_polygons);
+    bat_polygon_mesh_free(&job->made_polygons);
+    bat_mesh_model_free(job->model);
+    bat_mesh_map_free(job->map);
+}
+
+// Refinement
+
+static const option_spec REFINE_OPTIONS[] = {
     {"scheme", "NAME", METHOD, COMMON,
      "{}; default auto: catmull-clark for mostly quads or other polygons, loop for meshes with creases, corners or fewer "
      "than 100 faces, else learned",
@@ -83,39 +171,32 @@ static bool is_adaptive(const mesh_job *job)
     return job->refine.tolerance > 0 || job->refine.max_edge > 0;
 }
 
-/// What options contradict each other; null for nothing.
-static const char *find_fault(const mesh_job *job)
+/// Whether options contradict each other. False after a message.
+static bool check_schemes(const mesh_job *job)
 {
     static const char *const of_learned[] = {"model", "then", "fairness", NULL}, *const of_rules[] = {
                                                                                      "boundary",     "creasing", "texture",
                                                                                      "crease-angle", "limit",    NULL};
     const arguments *given = job->call.given;
-    bool learned = job->refine.scheme == BAT_MESH_SCHEME_LEARNED;
-    bool chosen = job->refine.scheme != BAT_MESH_SCHEME_AUTO;
-    bat_mesh_scheme last = learned || !chosen ? job->refine.then : job->refine.scheme;
-    if (!learned && chosen && argument_first(given, of_learned) != NULL)
-        return "--model, --then and --fairness need --scheme learned";
-    if (is_adaptive(job) && ((chosen && !has_rules(job->refine.scheme)) || argument(given, "levels") != NULL))
-        return "--tolerance and --max-edge need --scheme loop or catmull-clark, and exclude --levels";
-    if (job->has_beside && job->call.picture == NULL)
-        return "--beside needs --picture FILE";
-    if (!has_rules(last) && argument_first(given, of_rules) != NULL)
-        return "--limit, --crease-angle, --boundary, --creasing and --texture need --scheme loop or catmull-clark";
-    return NULL;
+    bat_mesh_scheme scheme = job->refine.scheme;
+    bool learned = scheme == BAT_MESH_SCHEME_LEARNED, chosen = scheme != BAT_MESH_SCHEME_AUTO;
+    const usage_rule rules[] = {
+        {!learned && chosen && argument_first(given, of_learned) != NULL,
+         "--model, --then and --fairness need --scheme learned"},
+        {is_adaptive(job) && ((chosen && !has_rules(scheme)) || argument(given, "levels") != NULL),
+         "--tolerance and --max-edge need --scheme loop or catmull-clark, and exclude --levels"},
+        {job->has_beside && job->call.picture == NULL, "--beside needs --picture FILE"},
+        {!has_rules(learned || !chosen ? job->refine.then : scheme) && argument_first(given, of_rules) != NULL,
+         "--limit, --crease-angle, --boundary, --creasing and --texture need --scheme loop or catmull-clark"},
+    };
+    return usage_obeys(given, rules, sizeof rules / sizeof *rules, NULL, NULL);
 }
 
-static void begin(void *to)
+static bool check_refinement(void *of)
 {
-    mesh_job *job = to;
-    mesh_files_begin(&job->files);
-    job->refine = bat_mesh_refine_defaults();
-}
-
-static bool check(void *of)
-{
+    static const char *const of_learned[] = {"model", "then", "fairness", NULL};
     mesh_job *job = of;
     const arguments *given = job->call.given;
-    static const char *const of_learned[] = {"model", "then", "fairness", NULL};
     bat_error error;
     job->has_beside = argument(given, "beside") != NULL;
     job->refine.threads = job->call.threads;
@@ -124,18 +205,9 @@ static bool check(void *of)
     if (job->gigabytes > 1e9)
         return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");
     job->refine.max_memory = (size_t)(1e9 * job->gigabytes);
-    if (!usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, &error), &error))
-        return false;
-    const char *fault = find_fault(job);
-    if (fault != NULL)
-        (void)usage_error(given, "%s", fault);
-    return fault == NULL && mesh_files_check(&job->files, &job->call);
-}
-
-/// Whether the input is read as a mesh of polygons.
-static bool takes_polygons(const mesh_job *job)
-{
-    return job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
+    job->polygonal = job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
+    return usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, &error), &error) &&
+           check_schemes(job) && check_files(job);
 }
 
 /// Report a mesh that cannot be read or refined. Where it has polygons, catmull-clark is a way out, too.
@@ -143,29 +215,28 @@ static int report_bad_mesh(const mesh_job *job, const bat_error *error)
 {
     bat_error whole = *error;
     size_t used = strlen(whole.remedy_effect);
-    if (strcmp(error->remedy, "triangulate") == 0 && !takes_polygons(job))
+    if (strcmp(error->remedy, "triangulate") == 0 && !job->polygonal)
         (void)snprintf(whole.remedy_effect + used, sizeof whole.remedy_effect - used,
                        ", and --scheme catmull-clark refines it as it is");
     return report_bad_input(job->call.given, job->call.input, &whole);
 }
 
-static int read_coarse(mesh_job *job)
+static int read_given(mesh_job *job)
 {
     bat_error error;
     bat_mesh_connectivity links;
-    bat_status status = takes_polygons(job)
-                            ? bat_polygon_mesh_read(job->call.input, &job->files.read, &job->polygons, &error)
-                            : bat_mesh_read(job->call.input, &job->files.read, &job->coarse, &error);
+    bat_status status = job->polygonal ? bat_polygon_mesh_read(job->call.input, &job->read, &job->given_polygons, &error)
+                                       : bat_mesh_read(job->call.input, &job->read, &job->given, &error);
     if (status == BAT_OK)
-        status = takes_polygons(job) ? bat_polygon_mesh_connect(&job->polygons, &links, &error)
-                                     : bat_mesh_connect(&job->coarse, &links, &error);
+        status = job->polygonal ? bat_polygon_mesh_connect(&job->given_polygons, &links, &error)
+                                : bat_mesh_connect(&job->given, &links, &error);
     if (status != BAT_OK)
         return report_bad_mesh(job, &error);
     job->boundary_edges = links.boundary_edge_count;
     job->scheme = job->refine.scheme;
     if (job->scheme == BAT_MESH_SCHEME_AUTO)
     {
-        job->scheme = bat_polygon_mesh_scheme_for(&job->polygons);
+        job->scheme = bat_polygon_mesh_scheme_for(&job->given_polygons);
         job->reason = job->scheme == BAT_MESH_SCHEME_CATMULL_CLARK ? "most faces have more than three corners"
                       : job->scheme == BAT_MESH_SCHEME_LOOP        ? "a cage: few faces, or creases"
                                                                    : "a mesh of many triangles without creases";
@@ -190,13 +261,12 @@ static int refine(mesh_job *job)
         options.rule = bat_mesh_model_rule(job->model);
     }
     options.progress = report_progress("refining");
-    if (options.limit && job->files.normals)
-        options.limit_normals = &job->normals;
-    bat_status status = takes_polygons(job)
-                            ? bat_polygon_mesh_refine(&job->polygons, &options, &job->fine_polygons, &job->fallback, &error)
-                            : bat_mesh_refine(&job->coarse, &options, &job->fine, &job->fallback, &error);
-    report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, job->call.input, &error);
+    if (options.limit && job->normals)
+        options.limit_normals = &job->limit_normals;
+    bat_status status =
+        job->polygonal ? bat_polygon_mesh_refine(&job->given_polygons, &options, &job->made_polygons, &job->fallback, &error)
+                       : bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, &error);
+    return report_status(job->call.given, job->call.input, status, &error);
 }
 
 /// "adaptive", or the number of levels.
@@ -230,10 +300,10 @@ static bat_status refine_beside(const mesh_job *job, bat_mesh *other, bat_error 
         options.rules = (bat_mesh_rules){0};
     }
     if (options.scheme != BAT_MESH_SCHEME_CATMULL_CLARK)
-        return bat_mesh_refine(&job->coarse, &options, other, NULL, error);
+        return bat_mesh_refine(&job->given, &options, other, NULL, error);
     bat_polygon_mesh polygons = {0}, fine = {0};
-    bat_status status = takes_polygons(job) ? bat_polygon_mesh_copy(&job->polygons, &polygons, error)
-                                            : bat_polygon_mesh_of_triangles(&job->coarse, &polygons, error);
+    bat_status status = job->polygonal ? bat_polygon_mesh_copy(&job->given_polygons, &polygons, error)
+                                       : bat_polygon_mesh_of_triangles(&job->given, &polygons, error);
     if (status == BAT_OK)
         status = bat_polygon_mesh_refine(&polygons, &options, &fine, NULL, error);
     if (status == BAT_OK)
@@ -243,82 +313,47 @@ static bat_status refine_beside(const mesh_job *job, bat_mesh *other, bat_error 
     return status;
 }
 
-/// Cut polygons into triangles for pictures.
-static bat_status cut_polygons(mesh_job *job, bat_error *error)
-{
-    if (!takes_polygons(job))
-        return BAT_OK;
-    bat_status status = bat_polygon_mesh_triangulate(&job->polygons, &job->coarse, error);
-    return status == BAT_OK ? bat_polygon_mesh_triangulate(&job->fine_polygons, &job->fine, error) : status;
-}
-
 static int draw(mesh_job *job)
 {
     bat_error error;
     bat_mesh other = {0};
     char title[80], beside_title[80];
-    if (cut_polygons(job, &error) != BAT_OK)
-        return report_bad_input(job->call.given, job->call.input, &error);
-    if (job->has_beside && refine_beside(job, &other, &error) != BAT_OK)
+    bat_status status = BAT_OK;
+    if (job->polygonal)
+        status = bat_polygon_mesh_triangulate(&job->given_polygons, &job->given, &error);
+    if (status == BAT_OK && job->polygonal)
+        status = bat_polygon_mesh_triangulate(&job->made_polygons, &job->made, &error);
+    if (status == BAT_OK && job->has_beside)
+        status = refine_beside(job, &other, &error);
+    if (status != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, &error);
     make_title(job, job->scheme, title);
     make_title(job, job->beside, beside_title);
     bat_mesh_picture_panel panels[3] = {
-        {.mesh = &job->coarse,
+        {.mesh = &job->given,
          .title = "coarse",
          .wires = true,
          .flat = true,
-         .polygons = takes_polygons(job) ? &job->polygons : NULL},
-        {.mesh = &job->fine, .title = title},
+         .polygons = job->polygonal ? &job->given_polygons : NULL},
+        {.mesh = &job->made, .title = title},
         {.mesh = &other, .title = beside_title},
     };
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.threads = job->refine.threads;
-    bat_status status =
+    status =
         bat_mesh_picture_write(output_path(&job->call.files, "picture"), panels, job->has_beside ? 3 : 2, &options, &error);
     bat_mesh_free(&other);
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->call.picture, &error);
-}
-
-static int write_mesh(void *of, const char *path)
-{
-    mesh_job *job = of;
-    bat_error error;
-    bat_mesh_write_options options = job->files.write;
-    options.vertex_normals = job->normals;
-    bat_status status = takes_polygons(job) ? bat_polygon_mesh_write(path, &job->fine_polygons, &options, &error)
-                                            : bat_mesh_write(path, &job->fine, &options, &error);
-    if (status == BAT_OK)
-        return EXIT_DONE;
-    return report_bad_input(job->call.given, job->call.output, &error);
-}
-
-/// The numbers of vertices and faces of a mesh.
-typedef struct mesh_size
-{
-    size_t vertices, faces;
-} mesh_size;
-
-static mesh_size size_of(const bat_mesh *mesh, const bat_polygon_mesh *polygons)
-{
-    if (polygons->face_count > 0)
-        return (mesh_size){polygons->vertex_count, polygons->face_count};
-    return (mesh_size){mesh->vertex_count, mesh->face_count};
-}
-
-static json_t *size_json(mesh_size size)
-{
-    return json_pack("{s:I, s:I}", "vertices", (json_int_t)size.vertices, "faces", (json_int_t)size.faces);
+    return report_status(NULL, job->call.picture, status, &error);
 }
 
 /// Warn of what the result lacks, on standard error.
 static void warn(const mesh_job *job)
 {
-    bool polygons = takes_polygons(job);
-    bat_mesh_rules rules = polygons ? job->polygons.rules : job->coarse.rules;
-    bool textured = (polygons ? job->polygons.texture_faces : job->coarse.texture_faces) != NULL;
-    bool sharp = polygons ? job->polygons.crease_count + job->polygons.corner_count > 0
-                          : job->coarse.crease_count + job->coarse.corner_count > 0;
+    bool polygons = job->polygonal;
+    bat_mesh_rules rules = polygons ? job->given_polygons.rules : job->given.rules;
+    bool textured = (polygons ? job->given_polygons.texture_faces : job->given.texture_faces) != NULL;
+    bool sharp = polygons ? job->given_polygons.crease_count + job->given_polygons.corner_count > 0
+                          : job->given.crease_count + job->given.corner_count > 0;
     if (job->fallback > 0)
         terminal_print(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->call.input,
                        job->fallback);
@@ -336,49 +371,36 @@ static void warn(const mesh_job *job)
                        job->call.input);
 }
 
-static int report(void *of)
+static int report_refinement(void *of)
 {
     mesh_job *job = of;
-    warn(job);
-    mesh_size coarse = size_of(&job->coarse, &job->polygons), fine = size_of(&job->fine, &job->fine_polygons);
-    if (job->call.json)
-        return report_json(json_pack(
-            "{s:s, s:s?, s:I, s:o, s:o, s:I, s:I, s:I, s:o}", "scheme",
-            bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), "reason", job->reason, "levels",
-            (json_int_t)job->refine.levels, "coarse", size_json(coarse), "fine", size_json(fine), "boundary_edges",
-            (json_int_t)job->boundary_edges, "fallback", (json_int_t)job->fallback, "repaired",
-            (json_int_t)bat_mesh_repair_places(&job->files.repairs), "notes", report_notes_json(&job->files.notes)));
-    mesh_files_report(&job->files, &job->call);
-    if (job->call.quiet)
-        return EXIT_DONE;
+    const bat_polygon_mesh *given = &job->given_polygons, *made = &job->made_polygons;
     char levels[32];
-    bool told = job->reason != NULL && job->scheme != BAT_MESH_SCHEME_LEARNED;
-    (void)printf("%s%s%s%s, %s: %zu vertices, %zu faces -> %zu vertices, %zu faces; %s\n",
-                 bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), told ? " (" : "", told ? job->reason : "",
-                 told ? ")" : "", levels_text(job, job->scheme, levels), coarse.vertices, coarse.faces, fine.vertices,
-                 fine.faces, job->boundary_edges > 0 ? "with boundary" : "closed");
-    return EXIT_DONE;
+    warn(job);
+    if (!report_files(job))
+        return EXIT_DONE;
+    return report_print(
+        job->call.json,
+        "{scheme}[told? ({reason})], {how}: {coarse.vertices} vertices, {coarse.faces} faces -> {fine.vertices} vertices, "
+        "{fine.faces} faces; [boundary_edges?with boundary][!boundary_edges?closed]\n",
+        "scheme:s reason:s -told:b levels:z -how:s coarse.vertices:z coarse.faces:z fine.vertices:z fine.faces:z "
+        "boundary_edges:z fallback:z repaired:z notes:o",
+        bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), job->reason,
+        (int)(job->reason != NULL && job->scheme != BAT_MESH_SCHEME_LEARNED), job->refine.levels,
+        levels_text(job, job->scheme, levels), given->face_count > 0 ? given->vertex_count : job->given.vertex_count,
+        given->face_count > 0 ? given->face_count : job->given.face_count,
+        made->face_count > 0 ? made->vertex_count : job->made.vertex_count,
+        made->face_count > 0 ? made->face_count : job->made.face_count, job->boundary_edges, job->fallback,
+        bat_mesh_repair_places(&job->repairs), report_notes_json(&job->notes));
 }
 
-static int make(void *of)
+static int make_refinement(void *of)
 {
     mesh_job *job = of;
-    int code = read_coarse(job);
+    int code = read_given(job);
     if (code == EXIT_DONE)
         code = refine(job);
     return code == EXIT_DONE && job->call.picture != NULL ? draw(job) : code;
-}
-
-static void end(void *of)
-{
-    mesh_job *job = of;
-    bat_mesh_free(&job->coarse);
-    bat_mesh_free(&job->fine);
-    free(job->normals);
-    bat_mesh_notes_free(&job->files.notes);
-    bat_polygon_mesh_free(&job->polygons);
-    bat_polygon_mesh_free(&job->fine_polygons);
-    bat_mesh_model_free(job->model);
 }
 
 const verb VERB_MESH = {
@@ -391,8 +413,8 @@ const verb VERB_MESH = {
         "materials go along as far as OUT's format holds them; notes tell what it does not hold.",
     .example = "batten mesh cage.obj -o smooth.obj --levels 3 --picture smooth.png",
     .options = (const option_table[]){{OUTPUT_OPTION, 0},
-                                      {OPTIONS, 0},
-                                      {MESH_FILE_OPTIONS, offsetof(mesh_job, files)},
+                                      {REFINE_OPTIONS, 0},
+                                      {FILE_OPTIONS, 0},
                                       {REPORT_OPTIONS, 0},
                                       {THREADS_OPTION, 0},
                                       {MANY_OPTIONS, 0},
@@ -403,9 +425,183 @@ const verb VERB_MESH = {
     .formats = &bat_mesh_format_family,
     .job_size = sizeof(mesh_job),
     .begin = begin,
-    .check = check,
-    .make = make,
+    .check = check_refinement,
+    .make = make_refinement,
     .write = write_mesh,
-    .report = report,
+    .report = report_refinement,
+    .end = end,
+};
+
+// Decimation
+
+static const option_spec DECIMATE_OPTIONS[] = {
+    {"vertices", "N", METHOD, COMMON, "how many vertices to keep; more stay where no further collapse passes the checks",
+     WHOLE(mesh_job, decimate.vertices, 1, BAT_MESH_NONE)},
+    {"faces", "N", METHOD, COMMON, "instead: how many faces to keep",
+     WHOLE(mesh_job, decimate.faces, 1, BAT_MESH_MAX_FACES)},
+    {"ratio", "R", METHOD, COMMON, "instead: the share of the faces to keep, above 0 to 1",
+     NUMBER(mesh_job, decimate.ratio)},
+    {"tolerance", "E", METHOD, COMMON,
+     "instead: as few as keep both surfaces within the distance E of each other, in the units of IN; with % of the diagonal "
+     "of its box (0.1%)",
+     NO_FIELD},
+    {"method", "NAME", METHOD, COMMON,
+     "{}; default memoryless. memoryless: squared volumes to the present faces, at preserved volume (Lindstrom and Turk); "
+     "quadric: squared distances from the planes of all faces of IN, faster and less accurate; fast: quadric errors without "
+     "a strict order to three times the target, then memoryless errors, for large meshes",
+     CHOICE(mesh_job, decimate.method, bat_mesh_decimate_method_family)},
+    {"attributes", "W", METHOD, 0,
+     "the weight of texture and channels in the error; 0 drops them, and lets seams vanish; default 0.5",
+     NUMBER(mesh_job, decimate.attributes)},
+    {"random", "K", METHOD, 0, "each time collapse the edge of minimum error among K random ones; default: among all",
+     WHOLE(mesh_job, decimate.candidates, 1, 1000000)},
+    {"seed", "N", METHOD, 0, "of --random; default 1", WHOLE(mesh_job, decimate.seed, 0, 1000000000)},
+    {"min-normal", "C", METHOD, 0, "the minimum cosine of the angle by which a collapse turns a face, -1 to 1; default 0.2",
+     NUMBER(mesh_job, decimate.min_normal)},
+    {"min-quality", "Q", METHOD, 0,
+     "the minimum quality of a triangle after a collapse, from 0 to 1 for an equilateral one; default 0.1",
+     NUMBER(mesh_job, decimate.min_quality)},
+    {"boundary-weight", "W", METHOD, 0, "the weight of the error at a boundary, that of a face being 1; default 1000",
+     NUMBER(mesh_job, decimate.boundary_weight)},
+    {"map", "FILE", RESULT, COMMON | IS_WRITTEN, "write the bijective map between IN and OUT, a safetensors file",
+     TEXT(mesh_job, map_file)},
+    END_OF_OPTIONS,
+};
+
+/// The option that says where to stop; null after a message.
+static const char *find_target(const arguments *given)
+{
+    static const char *const TARGETS[] = {"vertices", "faces", "ratio", "tolerance"};
+    const char *found = NULL;
+    for (size_t i = 0; i < sizeof TARGETS / sizeof *TARGETS; i++)
+    {
+        if (argument(given, TARGETS[i]) == NULL)
+            continue;
+        if (found != NULL)
+        {
+            (void)usage_error(given, "--%s and --%s exclude each other", found, TARGETS[i]);
+            return NULL;
+        }
+        found = TARGETS[i];
+    }
+    if (found == NULL)
+        (void)usage_error(given, "--vertices N, --faces N, --ratio R or --tolerance E is missing");
+    return found;
+}
+
+/// --tolerance: a length, or a share of the diagonal with %. False after a message.
+static bool read_tolerance(const arguments *given, bat_mesh_decimate_options *options)
+{
+    const char *text = argument(given, "tolerance");
+    if (text == NULL)
+        return true;
+    char *end;
+    options->tolerance = strtod(text, &end);
+    options->relative_tolerance = strcmp(end, "%") == 0;
+    if (options->relative_tolerance)
+        options->tolerance /= 100;
+    if (end != text && (*end == '\0' || options->relative_tolerance) && isfinite(options->tolerance) &&
+        options->tolerance > 0)
+        return true;
+    return argument_refused(given, "tolerance", "a length or a share of the diagonal as 0.1%%, above 0");
+}
+
+static bool check_decimation(void *of)
+{
+    mesh_job *job = of;
+    const arguments *given = job->call.given;
+    bat_mesh_decimate_options *options = &job->decimate;
+    bat_error error;
+    options->threads = job->call.threads;
+    if (job->call.output == NULL)
+        return usage_refused(given, "-o OUT is missing");
+    if (argument(given, "seed") != NULL && argument(given, "random") == NULL)
+        return usage_refused(given, "--seed needs --random K");
+    if (find_target(given) == NULL || !read_tolerance(given, options))
+        return false;
+    if (argument(given, "ratio") != NULL && !(options->ratio > 0 && options->ratio <= 1))
+        return argument_refused(given, "ratio", "above 0 and at most 1");
+    return usage_accepts(given, bat_options_check(&bat_mesh_decimate_fields, options, &error), &error) && check_files(job);
+}
+
+static int make_decimation(void *of)
+{
+    mesh_job *job = of;
+    bat_error error;
+    if (bat_mesh_read(job->call.input, &job->read, &job->given, &error) != BAT_OK)
+        return report_bad_input(job->call.given, job->call.input, &error);
+    bat_mesh_decimate_options options = job->decimate;
+    options.progress = report_progress("decimating");
+    options.distance = &job->distance;
+    bat_mesh_map **map = job->map_file != NULL ? &job->map : NULL;
+    bat_status status = bat_mesh_decimate(&job->given, &options, &job->made, map, &error);
+    int code = report_status(job->call.given, job->call.input, status, &error);
+    if (code != EXIT_DONE || map == NULL)
+        return code;
+    return report_status(NULL, job->map_file, bat_mesh_map_write(output_path(&job->call.files, "map"), *map, &error),
+                         &error);
+}
+
+/// Whether the result has as few vertices or faces as wanted.
+static bool is_reached(const mesh_job *job)
+{
+    const bat_mesh_decimate_options *options = &job->decimate;
+    if (options->vertices > 0)
+        return job->made.vertex_count <= options->vertices;
+    if (options->faces > 0)
+        return job->made.face_count <= options->faces;
+    return options->tolerance > 0 || (double)job->made.face_count <= fmax(1, options->ratio * (double)job->given.face_count);
+}
+
+static int report_decimation(void *of)
+{
+    mesh_job *job = of;
+    const bat_mesh *fine = &job->given, *coarse = &job->made;
+    const bat_mesh_decimate_options *how = &job->decimate;
+    double wanted = how->vertices > 0 ? (double)how->vertices
+                    : how->faces > 0  ? (double)how->faces
+                    : how->ratio > 0  ? how->ratio
+                                      : how->tolerance;
+    if (!report_files(job))
+        return EXIT_DONE;
+    return report_print(
+        job->call.json,
+        "{fine.vertices} vertices, {fine.faces} faces -> {coarse.vertices} vertices, {coarse.faces} faces\n"
+        "[distance?no point of either surface is farther than {distance:.6g} from the other\n]"
+        "[!reached?no further collapse passes the checks; lower --min-quality or --min-normal\n]",
+        "fine.vertices:z fine.faces:z coarse.vertices:z coarse.faces:z method:s target:s wanted:n reached:b distance:n "
+        "repaired:z map:s notes:o",
+        fine->vertex_count, fine->face_count, coarse->vertex_count, coarse->face_count,
+        bat_choice_name(&bat_mesh_decimate_method_family, (int)how->method), find_target(job->call.given), wanted,
+        (int)is_reached(job), how->tolerance > 0 ? job->distance : NAN, bat_mesh_repair_places(&job->repairs), job->map_file,
+        report_notes_json(&job->notes));
+}
+
+const verb VERB_DECIMATE = {
+    .name = "decimate",
+    .arguments = "IN... -o OUT --vertices N|--faces N|--ratio R|--tolerance E [options]",
+    .summary = "make a coarse mesh of a fine one, with a map between the two",
+    .about =
+        "Make a coarse triangle mesh of a fine one by collapsing its edges, those first that change the surface least "
+        "(see `batten list formats`; - for standard input). Topology, boundaries, creases and seams of the texture stay; "
+        "texture coordinates and values at the vertices count in the error and go along.",
+    .example = "batten decimate scan.ply -o coarse.ply --tolerance 0.1%",
+    .options = (const option_table[]){{OUTPUT_OPTION, 0},
+                                      {DECIMATE_OPTIONS, 0},
+                                      {FILE_OPTIONS, 0},
+                                      {REPORT_OPTIONS, 0},
+                                      {THREADS_OPTION, 0},
+                                      {MANY_OPTIONS, 0},
+                                      {NULL, 0}},
+    .min_positional = 1,
+    .max_positional = SIZE_MAX,
+    .reads_files = true,
+    .formats = &bat_mesh_format_family,
+    .job_size = sizeof(mesh_job),
+    .begin = begin,
+    .check = check_decimation,
+    .make = make_decimation,
+    .write = write_mesh,
+    .report = report_decimation,
     .end = end,
 };

@@ -3,7 +3,9 @@
 #include "interrupt.h"
 #include "terminal.h"
 
+#include <ctype.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,6 +40,14 @@ int report_bad_input(const arguments *given, const char *file, const bat_error *
     char text[WORDING_SIZE];
     argument_wording(given, error, text);
     return report_text(file, error->line, text);
+}
+
+int report_status(const arguments *given, const char *file, bat_status status, const bat_error *error)
+{
+    report_progress_end();
+    if (status == BAT_OK)
+        return EXIT_DONE;
+    return given != NULL ? report_bad_input(given, file, error) : report_failure(file, error);
 }
 
 void report_notes(const bat_mesh_notes *notes, FILE *stream)
@@ -88,6 +98,18 @@ json_t *report_number(double value)
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+json_t *report_numbers(const double *values, size_t count)
+{
+    json_t *array = json_array();
+    for (size_t i = 0; i < count; i++)
+        if (json_array_append_new(array, report_number(values[i])) != 0)
+        {
+            json_decref(array);
+            return NULL;
+        }
+    return array;
+}
+
 /// Print JSON with the control characters beyond those of ASCII escaped as well.
 static void print_json(const char *text)
 {
@@ -110,6 +132,266 @@ int report_json(json_t *object)
     print_json(text);
     free(text);
     return EXIT_DONE;
+}
+
+// Reports
+
+enum
+{
+    MAX_VALUES = 40
+};
+
+/// One value of a report.
+typedef struct report_value
+{
+    const char *key; ///< with `length` bytes
+    size_t length;
+    char kind;
+    bool optional;
+    const char *text;
+    long long whole;
+    double number;
+    json_t *json;
+} report_value;
+
+/// Read the values of keys; returns how many there are.
+static size_t read_values(const char *keys, va_list list, report_value values[MAX_VALUES])
+{
+    size_t count = 0;
+    while (*keys != '\0' && count < MAX_VALUES)
+    {
+        report_value *value = &values[count++];
+        size_t length = strcspn(keys, ":"), whole = strcspn(keys, " ");
+        *value = (report_value){
+            .key = keys, .length = length, .kind = keys[length + 1], .optional = keys[length + 2] == '?', .number = NAN};
+        keys += whole + (keys[whole] == ' ');
+        switch (value->kind)
+        {
+        case 's':
+            value->text = va_arg(list, const char *);
+            break;
+        case 'z':
+            value->whole = (long long)va_arg(list, size_t);
+            break;
+        case 'n':
+            value->number = va_arg(list, double);
+            break;
+        case 'o':
+            value->json = va_arg(list, json_t *);
+            break;
+        default:
+            value->whole = va_arg(list, int);
+        }
+    }
+    return count;
+}
+
+static bool is_set(const report_value *value)
+{
+    return (value->text != NULL && *value->text != '\0') || value->whole != 0 || isfinite(value->number) ||
+           value->json != NULL;
+}
+
+/// The value as JSON; null where memory ran out.
+static json_t *value_json(const report_value *value)
+{
+    switch (value->kind)
+    {
+    case 's':
+        return value->text != NULL ? json_string(value->text) : json_null();
+    case 'b':
+        return json_boolean(value->whole != 0);
+    case 'n':
+        return report_number(value->number);
+    case 'o':
+        return value->json;
+    default:
+        return json_integer(value->whole);
+    }
+}
+
+/// Put a value into an object, or into the object in it that the key names first. False where memory ran out.
+static bool put_value(json_t *object, const report_value *value)
+{
+    char name[64];
+    const char *dot = memchr(value->key, '.', value->length), *last = dot != NULL ? dot + 1 : value->key;
+    if (dot != NULL)
+    {
+        (void)snprintf(name, sizeof name, "%.*s", (int)(dot - value->key), value->key);
+        if (json_object_get(object, name) == NULL)
+            (void)json_object_set_new(object, name, json_object());
+        object = json_object_get(object, name);
+    }
+    (void)snprintf(name, sizeof name, "%.*s", (int)(value->key + value->length - last), last);
+    return json_object_set_new(object, name, value_json(value)) == 0;
+}
+
+static json_t *make_object(const report_value *values, size_t count)
+{
+    json_t *object = json_object();
+    bool failed = object == NULL;
+    for (size_t i = 0; i < count; i++)
+        if (values[i].key[0] != '-' && (!values[i].optional || is_set(&values[i])))
+            failed = !put_value(object, &values[i]) || failed;
+    if (!failed)
+        return object;
+    json_decref(object);
+    return NULL;
+}
+
+/// The value of a key, which may have a - in front.
+static const report_value *find_value(const report_value *values, size_t count, const char *key, size_t length)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t hidden = values[i].key[0] == '-';
+        if (values[i].length == length + hidden && strncmp(values[i].key + hidden, key, length) == 0)
+            return &values[i];
+    }
+    static const report_value none = {.key = "", .kind = 's', .text = "", .number = NAN};
+    return &none;
+}
+
+/// Print what stands between the braces of a field.
+static void print_field(const char *field, const report_value *values, size_t count)
+{
+    char *key = (char *)field, format[16];
+    double factor = isdigit((unsigned char)*field) ? strtod(field, &key) : 1;
+    key += *key == ' ';
+    size_t length = strcspn(key, ":/}"), second = key[length] == '/' ? strcspn(key + length, ":}") : 0;
+    const char *how = key + length + second;
+    const report_value *value = find_value(values, count, key, length);
+    how += *how == ':';
+    (void)snprintf(format, sizeof format, "%%%.*s", (int)strcspn(how, "}"), how);
+    if (value->kind == 'n')
+        (void)printf(format, factor * value->number);
+    else if (value->kind == 's')
+        terminal_print(stdout, "%*s", (int)strtol(how, NULL, 10), value->text);
+    else
+        (void)printf("%*lld", (int)strtol(how, NULL, 10), value->whole);
+    if (second == 0)
+        return;
+    double other = find_value(values, count, key + length + 1, second - 1)->number;
+    if (isfinite(other))
+        (void)printf(" (%5.3f)", value->number / other);
+    else
+        (void)printf(" %7s", "");
+}
+
+static void print_values(const char *text, const report_value *values, size_t count)
+{
+    size_t hidden = 0; // brackets that are open and not printed
+    while (*text != '\0')
+    {
+        size_t length = strcspn(text, "[]{");
+        if (hidden == 0)
+            (void)printf("%.*s", (int)length, text);
+        text += length;
+        if (*text == '[')
+        {
+            bool negated = text[1] == '!';
+            const char *key = text + 1 + negated;
+            length = strcspn(key, "?");
+            hidden += hidden > 0 || is_set(find_value(values, count, key, length)) == negated;
+            text = key + length + 1;
+        }
+        else if (*text == ']')
+        {
+            hidden -= hidden > 0;
+            text++;
+        }
+        else if (*text == '{')
+        {
+            if (hidden == 0)
+                print_field(text + 1, values, count);
+            text += strcspn(text, "}") + 1;
+        }
+    }
+}
+
+/// Print the text, or make the object.
+static json_t *make_part(bool as_json, const char *text, const char *keys, va_list list)
+{
+    report_value values[MAX_VALUES];
+    size_t count = read_values(keys, list, values);
+    if (as_json)
+        return make_object(values, count);
+    print_values(text, values, count);
+    for (size_t i = 0; i < count; i++)
+        json_decref(values[i].json);
+    return NULL;
+}
+
+json_t *report_object(const char *keys, ...)
+{
+    va_list list;
+    va_start(list, keys);
+    json_t *object = make_part(true, NULL, keys, list);
+    va_end(list);
+    return object;
+}
+
+json_t *report_add(json_t *object, const char *key, json_t *member)
+{
+    if (json_object_set_new(object, key, member) == 0)
+        return object;
+    json_decref(object);
+    return NULL;
+}
+
+json_t *report_part(bool as_json, const char *text, const char *keys, ...)
+{
+    va_list list;
+    va_start(list, keys);
+    json_t *object = make_part(as_json, text, keys, list);
+    va_end(list);
+    return object;
+}
+
+int report_print(bool as_json, const char *text, const char *keys, ...)
+{
+    va_list list;
+    va_start(list, keys);
+    json_t *object = make_part(as_json, text, keys, list);
+    va_end(list);
+    return as_json ? report_json(object) : EXIT_DONE;
+}
+
+report_table report_begin(bool as_json)
+{
+    return (report_table){as_json, as_json ? json_array() : NULL};
+}
+
+void report_head(const report_table *table, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    if (!table->as_json)
+        (void)vprintf(format, list);
+    va_end(list);
+}
+
+void report_gather(report_table *table, json_t *row)
+{
+    if (!table->as_json)
+        (void)fflush(stdout);
+    else if (json_array_append_new(table->rows, row) != 0)
+        (void)report_drop(table, EXIT_BAD_INPUT);
+}
+
+void report_row(report_table *table, const char *text, const char *keys, ...)
+{
+    va_list list;
+    va_start(list, keys);
+    report_gather(table, make_part(table->as_json, text, keys, list));
+    va_end(list);
+}
+
+int report_drop(report_table *table, int code)
+{
+    json_decref(table->rows);
+    table->rows = NULL;
+    return code;
 }
 
 int report_end(int code)

@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 /// @file
-/// Errors in one line, progress, JSON.
+/// Errors in one line, progress, and reports as text or as JSON.
 
 /// Print "batten: FILE:LINE: text" (as far as file and line are known) to standard error and return EXIT_BAD_INPUT.
 int report_failure(const char *file, const bat_error *error);
@@ -29,9 +29,54 @@ bat_progress report_progress(const char *what);
 void report_progress_end(void);
 /// A number, or null for one that is not finite, which JSON cannot hold.
 json_t *report_number(double value);
+/// An array of numbers; null where memory ran out.
+json_t *report_numbers(const double *values, size_t count);
+
+// Reports. Values with keys make both forms: a text for people and an object of JSON.
+//
+// The keys stand in one text with the kinds of the values, which follow as arguments: "shape:s faces:z". The kinds are s for
+// a text or null, z for size_t, i for int, b for int as a truth value, n for double, which is null in JSON where it is not
+// finite, and o for a json_t *, which is taken over; a null one means that memory ran out. A key with a full stop, as
+// "fine.faces", is a member of an object in the object. One that begins with - is for the text alone. One whose kind has ?
+// behind it is left out of the object where its value is not set: null, an empty text, 0, false or not finite.
+//
+// In the text, "{faces:8}" stands for a value, with its width, or with the format of a number without %: "{mean:9.4f}".
+// "{100 mean:9.4f}" is a hundred times it, "{ours/theirs:9.5g}" a number and in brackets its ratio to the other where that
+// is finite. "[faces?...]" is printed where the value is set, "[!faces?...]" where it is not. Control characters in values
+// are replaced.
+
+/// An object of JSON; null where memory ran out.
+json_t *report_object(const char *keys, ...);
+/// Add a member to an object and return the object; null where either is, or where memory ran out.
+json_t *report_add(json_t *object, const char *key, json_t *member);
+/// Print the text and return null, or return the object.
+json_t *report_part(bool as_json, const char *text, const char *keys, ...);
+/// Print the text or the object. Returns the program's exit code.
+int report_print(bool as_json, const char *text, const char *keys, ...);
+
+/// Rows of a table, which are printed one by one, or gathered.
+typedef struct report_table
+{
+    bool as_json;
+    json_t *rows; ///< null where they are printed, or memory ran out
+} report_table;
+
+report_table report_begin(bool as_json);
+/// Print what stands above rows, where they are printed.
+void report_head(const report_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void report_row(report_table *table, const char *text, const char *keys, ...);
+/// Add a row that report_part() has made.
+void report_gather(report_table *table, json_t *row);
+/// Release the rows of a table that has failed. Returns `code`.
+int report_drop(report_table *table, int code);
+
 /// Print one JSON object on standard output and release it; a null one means that memory ran out. Numbers keep 17 digits.
 /// Returns the program's exit code.
 int report_json(json_t *object);
+
+/// Take the progress line away, and report a failure as report_bad_input() does, or as report_failure() where `given` is
+/// null. Returns the program's exit code.
+int report_status(const arguments *given, const char *file, bat_status status, const bat_error *error);
 
 /// The exit code of a verb that ended with `code`, once its standard output is written out: a failure to do so is a failure.
 int report_end(int code);

@@ -1,6 +1,5 @@
 #include "report.h"
-#include "surface_options.h"
-#include "surface_report.h"
+#include "surface_fit.h"
 #include "terminal.h"
 #include "verb.h"
 
@@ -129,21 +128,7 @@ static bool read_parameterization(surface_job *job)
     job->parameter_file = text;
     if (strpbrk(text, "./") != NULL)
         return true;
-    (void)usage_error(given, "%s, or a file such as ./%s", error.text, text);
-    return false;
-}
-
-/// What is wrong with the command line; null for nothing.
-static const char *find_fault(const surface_job *job)
-{
-    const arguments *given = job->call.given;
-    if (job->model_file != NULL && job->options.parameters > BAT_SURFACE_PARAMETERS_LEARNED)
-        return "--model goes with auto and learned parameters";
-    if (argument(given, "fill-holes") != NULL && !job->options.trim)
-        return "--fill-holes goes with --trim";
-    if (job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO)
-        return "--trim and --parameterization exclude each other: a trimmed surface has a chart of its own";
-    return NULL;
+    return usage_refused(given, "%s, or a file such as ./%s", error.text, text);
 }
 
 /// Whether a file holds a spline surface, by its name: there is nothing to fit then.
@@ -185,38 +170,35 @@ static bool check(void *of)
     job->options.fit.threads = job->call.threads;
     if (!read_input(job) || !surface_check_fit(given, &job->options.fit) || !read_parameterization(job))
         return false;
-    const char *fault = find_fault(job);
-    if (fault != NULL)
-        (void)usage_error(given, "%s", fault);
-    if (fault != NULL || !argument_ending(given, &bat_surface_format_family, (int)job->write.format))
+    const usage_rule rules[] = {
+        {job->model_file != NULL && job->options.parameters > BAT_SURFACE_PARAMETERS_LEARNED,
+         "--model goes with auto and learned parameters"},
+        {argument(given, "fill-holes") != NULL && !job->options.trim, "--fill-holes goes with --trim"},
+        {job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO,
+         "--trim and --parameterization exclude each other: a trimmed surface has a chart of its own"},
+    };
+    if (!usage_obeys(given, rules, sizeof rules / sizeof *rules, NULL, NULL) ||
+        !argument_ending(given, &bat_surface_format_family, (int)job->write.format))
         return false;
     job->converts = is_surface(job->call.input);
     const char *option = job->converts ? find_fit_option(given) : NULL;
-    if (option != NULL)
-        (void)usage_error(given, "IN is a spline surface already: --%s goes with points", option);
-    return option == NULL;
+    return option == NULL || usage_refused(given, "IN is a spline surface already: --%s goes with points", option);
 }
 
 // A fit
-
-/// Read the network and the parameters that are given, as far as they are. Returns the program's exit code.
-static int read_model_and_parameters(const surface_job *job, const bat_cloud *cloud, bat_surface_model **model,
-                                     double **given)
-{
-    bat_error error;
-    if (job->model_file != NULL && bat_surface_model_read_published(job->model_file, model, &error) != BAT_OK)
-        return report_failure(job->model_file, &error);
-    if (job->parameter_file != NULL && bat_cloud_parameters_read(job->parameter_file, cloud, given, &error) != BAT_OK)
-        return report_failure(job->parameter_file, &error);
-    return EXIT_DONE;
-}
 
 static int reconstruct(surface_job *job)
 {
     bat_error error;
     bat_surface_model *model = NULL;
     double *given = NULL;
-    int code = read_model_and_parameters(job, &job->cloud, &model, &given);
+    int code = EXIT_DONE;
+    if (job->model_file != NULL)
+        code =
+            report_status(NULL, job->model_file, bat_surface_model_read_published(job->model_file, &model, &error), &error);
+    if (code == EXIT_DONE && job->parameter_file != NULL)
+        code = report_status(NULL, job->parameter_file,
+                             bat_cloud_parameters_read(job->parameter_file, &job->cloud, &given, &error), &error);
     if (code == EXIT_DONE)
     {
         bat_surface_reconstruct_options options = job->options;
@@ -224,41 +206,42 @@ static int reconstruct(surface_job *job)
         options.given = given;
         options.fit.progress = report_progress("fitting");
         bat_status status = bat_surface_reconstruct(&job->cloud, &options, &job->result, &error);
-        report_progress_end();
-        if (status != BAT_OK)
-            code = report_bad_input(job->call.given, job->call.input, &error);
+        code = report_status(job->call.given, job->call.input, status, &error);
     }
     bat_surface_model_free(model);
     free(given);
     return code;
 }
 
+/// Draw a row: of a fit, or of a surface that is converted.
+static int draw_row(const surface_job *job, const bat_surface_picture_row *row)
+{
+    bat_error error;
+    bat_status status = bat_surface_picture_write(output_path(&job->call.files, "picture"), row, 1, NULL, &error);
+    return report_status(NULL, job->call.picture, status, &error);
+}
+
 static int draw(const surface_job *job)
 {
     const bat_surface_result *result = &job->result;
-    bat_error error;
     char title[240];
     const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
     (void)snprintf(title, sizeof title, "%s parameters, %zu functions: mean squared distance %.3g; verdict: %s",
                    bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), last->functions, last->mean_squared,
-                   surface_report_verdict(&result->verdict));
-    bat_surface_picture_row panel = {.title = title,
-                                     .cloud = &job->cloud,
-                                     .surface = &result->surface,
-                                     .distances = result->report.distances,
-                                     .parameters = result->parameters};
-    return bat_surface_picture_write(output_path(&job->call.files, "picture"), &panel, 1, NULL, &error) == BAT_OK
-               ? EXIT_DONE
-               : report_failure(job->call.picture, &error);
+                   surface_verdict(&result->verdict));
+    return draw_row(job, &(bat_surface_picture_row){.title = title,
+                                                    .cloud = &job->cloud,
+                                                    .surface = &result->surface,
+                                                    .distances = result->report.distances,
+                                                    .parameters = result->parameters});
 }
 
 static int write_parameters(const surface_job *job)
 {
     bat_error error;
     const char *path = output_path(&job->call.files, "parameters");
-    return bat_cloud_parameters_write(path, &job->cloud, job->result.parameters, &error) == BAT_OK
-               ? EXIT_DONE
-               : report_failure(job->parameters, &error);
+    bat_status status = bat_cloud_parameters_write(path, &job->cloud, job->result.parameters, &error);
+    return report_status(NULL, job->parameters, status, &error);
 }
 
 /// Write the surface; the distances of a cloud go along where the format holds them.
@@ -273,9 +256,8 @@ static int write_surface(void *of, const char *path)
         write.errors = job->result.report.distances;
         write.point_count = job->cloud.count;
     }
-    if (bat_surface_write(path, &job->result.surface, &write, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_bad_input(job->call.given, job->call.output, &error);
+    bat_status status = bat_surface_write(path, &job->result.surface, &write, &error);
+    return report_status(job->call.given, job->call.output, status, &error);
 }
 
 static int make_fit(surface_job *job)
@@ -294,9 +276,9 @@ static int report_fit(const surface_job *job)
     surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result};
     int code = EXIT_DONE;
     if (job->call.json)
-        code = report_json(surface_report_json(&findings));
+        code = report_json(surface_report(&findings, true));
     else if (!job->call.quiet)
-        surface_report_print(&findings);
+        (void)surface_report(&findings, false);
     if (!job->result.below_noise)
         return code;
     terminal_print(stderr, "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
@@ -306,29 +288,18 @@ static int report_fit(const surface_job *job)
 
 // A conversion
 
-static int draw_converted(const surface_job *job)
-{
-    bat_error error;
-    bat_surface_picture_row panel = {.title = job->call.input, .surface = &job->result.surface};
-    return bat_surface_picture_write(output_path(&job->call.files, "picture"), &panel, 1, NULL, &error) == BAT_OK
-               ? EXIT_DONE
-               : report_failure(job->call.picture, &error);
-}
-
 static int report_converted(const surface_job *job)
 {
     const bat_spline_surface *surface = &job->result.surface;
-    bat_hierarchical_options space = bat_hierarchical_space_options(surface->space);
-    size_t functions = bat_hierarchical_space_functions(surface->space);
-    size_t levels = bat_hierarchical_space_levels(surface->space);
-    if (job->call.json)
-        return report_json(json_pack("{s:[ii], s:I, s:I, s:I}", "degree", space.degree[0], space.degree[1], "functions",
-                                     (json_int_t)functions, "levels", (json_int_t)levels, "dimension",
-                                     (json_int_t)surface->dimension));
-    if (!job->call.quiet)
-        terminal_print(stdout, "%s: bidegree (%d, %d), %zu functions on %zu levels\n", job->call.input, space.degree[0],
-                       space.degree[1], functions, levels);
-    return EXIT_DONE;
+    const bat_hierarchical_options space = bat_hierarchical_space_options(surface->space);
+    const int *degree = space.degree;
+    if (job->call.quiet)
+        return EXIT_DONE;
+    return report_print(job->call.json, "{input}: bidegree ({p}, {q}), {functions} functions on {levels} levels\n",
+                        "-input:s -p:i -q:i degree:o functions:z levels:z dimension:z", job->call.input, degree[0],
+                        degree[1], json_pack("[i, i]", degree[0], degree[1]),
+                        (size_t)bat_hierarchical_space_functions(surface->space),
+                        (size_t)bat_hierarchical_space_levels(surface->space), (size_t)surface->dimension);
 }
 
 static int make(void *of)
@@ -339,7 +310,9 @@ static int make(void *of)
         return make_fit(job);
     if (bat_surface_read(job->call.input, &job->result.surface, &error) != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, &error);
-    return job->call.picture != NULL ? draw_converted(job) : EXIT_DONE;
+    if (job->call.picture == NULL)
+        return EXIT_DONE;
+    return draw_row(job, &(bat_surface_picture_row){.title = job->call.input, .surface = &job->result.surface});
 }
 
 static int report(void *of)

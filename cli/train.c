@@ -1,5 +1,3 @@
-#include "train.h"
-
 #include "report.h"
 #include "terminal.h"
 #include "verb.h"
@@ -85,40 +83,47 @@ static bool check_run(const train_job *job, const char *const *parts, int *witho
            argument_word(job->call.given, "without", parts, -1, without);
 }
 
-/// "A-B", or also "A" for both; false when it is neither.
-static bool parse_range(const char *text, bool one_is_both, long *low, long *high)
-{
-    char *end;
-    *low = *high = strtol(text, &end, 10);
-    bool two = *end == '-';
-    if (two)
-        *high = strtol(end + 1, &end, 10);
-    return end != text && *end == '\0' && (two || one_is_both);
-}
-
-/// True when the option was given and its range is good; false after a message, too.
-static bool read_range(const arguments *given, const char *name, long max, long *low, long *high, bool *failed)
+/// "A-B", or also "A" for both, from `min` to `max`; `range` is untouched where the option was not given. False after a
+/// message.
+static bool read_range(const arguments *given, const char *name, bool one_is_both, long min, long max, long range[2])
 {
     const char *text = argument(given, name);
+    char *end;
     if (text == NULL)
-        return false;
-    *failed = !parse_range(text, true, low, high) || *low < 1 || *high < *low || *high > max;
-    return !*failed || argument_refused(given, name, "a number, or two as in 2-5, from 1 to %ld", max);
+        return true;
+    range[0] = range[1] = strtol(text, &end, 10);
+    bool two = *end == '-';
+    if (two)
+        range[1] = strtol(end + 1, &end, 10);
+    if (end != text && *end == '\0' && (two || one_is_both) && range[0] >= min && range[1] >= range[0] && range[1] <= max)
+        return true;
+    return one_is_both ? argument_refused(given, name, "a number, or two as in 2-5, from %ld to %ld", min, max)
+                       : argument_refused(given, name, "two numbers of %ld or more, as in 150-300", min);
 }
 
 // Reports
 
+/// What the object of a report begins with.
 static json_t *run_json(bat_recipe recipe, const bat_train_options *run, const bat_train_report *report)
 {
-    return json_pack("{s:s, s:I, s:I, s:I, s:b, s:o, s:s}", "recipe", bat_recipe_name(recipe), "seed", (json_int_t)run->seed,
-                     "epochs", (json_int_t)report->epochs, "best_epoch", (json_int_t)report->best_epoch, "stopped_early",
-                     (int)report->stopped, "loss", report_number(report->loss), "folder", run->folder);
+    return report_object("recipe:s seed:z epochs:z best_epoch:z stopped_early:b loss:n folder:s", bat_recipe_name(recipe),
+                         (size_t)run->seed, (size_t)report->epochs, (size_t)report->best_epoch, (int)report->stopped,
+                         report->loss, run->folder);
 }
 
 static void print_epochs(const bat_train_report *report)
 {
     (void)printf("%llu epochs%s; the best weights are those after epoch %llu", (unsigned long long)report->epochs,
                  report->stopped ? ", stopped early" : "", (unsigned long long)report->best_epoch);
+}
+
+/// The end of a report: the object, or the path of the model. Returns the program's exit code.
+static int end_report(json_t *object, const bat_train_options *run, bool as_json)
+{
+    if (as_json)
+        return report_json(object);
+    terminal_print(stdout, "%s/model.safetensors\n", run->folder);
+    return EXIT_DONE;
 }
 
 // Curves
@@ -167,10 +172,7 @@ static bool check_curve(void *of)
     if (!check_run(job, TERMS, &without) || !argument_word(given, "embedding", EMBEDDINGS, 0, &embedding))
         return false;
     if (job->recipe == BAT_RECIPE_BATTEN && argument_first(given, published) != NULL)
-    {
-        (void)usage_error(given, "only the published recipe has --embedding and --without");
-        return false;
-    }
+        return usage_refused(given, "only the published recipe has --embedding and --without");
     options->embedding = (bat_tension_embedding)embedding;
     if (without == TERM_CONSISTENCY)
         options->consistency = 0;
@@ -181,91 +183,61 @@ static bool check_curve(void *of)
     return true;
 }
 
-static json_t *published_scores(const bat_curve_train_report *report)
-{
-    json_t *scores = json_array();
-    for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-    {
-        const bat_curve_train_score *ours = &report->scores[0][space], *published = &PUBLISHED[space];
-        (void)json_array_append_new(scores, json_pack("{s:s, s:o, s:o, s:o, s:o, s:o, s:o}", "space", SPACES[space],
-                                                      "mean_nn", report_number(ours->mean_nn), "bending",
-                                                      report_number(ours->bending), "g1", report_number(ours->g1),
-                                                      "published_mean_nn", report_number(published->mean_nn),
-                                                      "published_bending", report_number(published->bending), "published_g1",
-                                                      report_number(published->g1)));
-    }
-    return scores;
-}
-
-static json_t *batten_scores(const bat_curve_train_report *report)
-{
-    json_t *scores = json_array();
-    for (int i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES; i++)
-        for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-        {
-            const bat_curve_train_score *score = &report->scores[i][space];
-            (void)json_array_append_new(scores, json_pack("{s:f, s:s, s:o, s:o, s:o}", "fairness", FAIRNESS[i], "space",
-                                                          SPACES[space], "mean_nn", report_number(score->mean_nn), "bending",
-                                                          report_number(score->bending), "g1", report_number(score->g1)));
-        }
-    return scores;
-}
-
-static void print_published(const bat_curve_train_report *report)
-{
-    print_epochs(&report->run);
-    (void)printf(", with a mean-NN of %.5f over the spaces\n"
-                 "(published: 0.02325 after epoch 200). Validation curves, five learned levels; published values in "
-                 "brackets:\n\n",
-                 report->run.best);
-    for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-    {
-        const bat_curve_train_score *ours = &report->scores[0][space], *published = &PUBLISHED[space];
-        (void)printf("%-7s mean-NN %.5f (%.5f)   bending %8.4g (%8.4g)   G1 %.3f (%.3f)\n", SPACES[space], ours->mean_nn,
-                     published->mean_nn, ours->bending, published->bending, ours->g1, published->g1);
-    }
-    (void)putchar('\n');
-}
-
-static void print_batten(const bat_curve_train_report *report)
-{
-    (void)printf("%llu epochs. Validation curves, drawn from the trained families, five levels:\n\n",
-                 (unsigned long long)report->run.epochs);
-    for (int i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES; i++)
-        for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-        {
-            const bat_curve_train_score *score = &report->scores[i][space];
-            (void)printf("fairness %.1f %-7s mean-NN %.5f   bending %8.4g   G1 %.3f\n", FAIRNESS[i], SPACES[space],
-                         score->mean_nn, score->bending, score->g1);
-        }
-    (void)putchar('\n');
-}
-
 static int train_curve(void *of)
 {
     train_job *job = of;
     bat_error error;
     job->curve.run.progress = report_progress("training");
-    bat_status status = bat_curve_train(&job->curve, &job->curve_report, &error);
-    report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, NULL, &error);
+    return report_status(job->call.given, NULL, bat_curve_train(&job->curve, &job->curve_report, &error), &error);
+}
+
+static void report_published(report_table *scores, const bat_curve_train_report *report)
+{
+    report_head(scores,
+                ", with a mean-NN of %.5f over the spaces\n(published: 0.02325 after epoch 200). Validation curves, "
+                "five learned levels; published values in brackets:\n\n",
+                report->run.best);
+    for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
+    {
+        const bat_curve_train_score *ours = &report->scores[0][space], *published = &PUBLISHED[space];
+        report_row(scores,
+                   "{space:-7} mean-NN {mean_nn:.5f} ({published_mean_nn:.5f})   bending {bending:8.4g} "
+                   "({published_bending:8.4g})   G1 {g1:.3f} ({published_g1:.3f})\n",
+                   "space:s mean_nn:n bending:n g1:n published_mean_nn:n published_bending:n published_g1:n", SPACES[space],
+                   ours->mean_nn, ours->bending, ours->g1, published->mean_nn, published->bending, published->g1);
+    }
+}
+
+static void report_batten(report_table *scores, const bat_curve_train_report *report)
+{
+    report_head(scores, "%llu epochs. Validation curves, drawn from the trained families, five levels:\n\n",
+                (unsigned long long)report->run.epochs);
+    for (int i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES; i++)
+        for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
+        {
+            const bat_curve_train_score *score = &report->scores[i][space];
+            report_row(scores,
+                       "fairness {fairness:.1f} {space:-7} mean-NN {mean_nn:.5f}   bending {bending:8.4g}   G1 {g1:.3f}\n",
+                       "fairness:n space:s mean_nn:n bending:n g1:n", FAIRNESS[i], SPACES[space], score->mean_nn,
+                       score->bending, score->g1);
+        }
 }
 
 static int report_curve(void *of)
 {
     const train_job *job = of;
     const bat_curve_train_report *report = &job->curve_report;
-    bool published = job->recipe == BAT_RECIPE_PUBLISHED;
+    report_table scores = report_begin(job->call.json);
+    json_t *object = NULL;
     if (job->call.json)
-    {
-        json_t *object = run_json(job->recipe, &job->curve.run, &report->run);
-        (void)json_object_set_new(object, "mean_nn", report_number(report->run.best));
-        (void)json_object_set_new(object, "scores", published ? published_scores(report) : batten_scores(report));
-        return report_json(object);
-    }
-    (published ? print_published : print_batten)(report);
-    terminal_print(stdout, "%s/model.safetensors\n", job->curve.run.folder);
-    return EXIT_DONE;
+        object = run_json(job->recipe, &job->curve.run, &report->run);
+    else if (job->recipe == BAT_RECIPE_PUBLISHED)
+        print_epochs(&report->run);
+    (job->recipe == BAT_RECIPE_PUBLISHED ? report_published : report_batten)(&scores, report);
+    report_head(&scores, "\n");
+    object = report_add(object, "mean_nn", report_number(report->run.best));
+    object = report_add(object, "scores", scores.rows);
+    return end_report(object, &job->curve.run, job->call.json);
 }
 
 // Meshes
@@ -312,20 +284,6 @@ static const option_spec MESH_OPTIONS[] = {
     END_OF_OPTIONS,
 };
 
-/// False after a message.
-static bool read_vertices(const arguments *given, bat_mesh_train_options *options)
-{
-    const char *text = argument(given, "vertices");
-    long low, high;
-    if (text == NULL)
-        return true;
-    if (!parse_range(text, false, &low, &high) || low < 4 || high < low || high > BAT_MESH_TRAIN_MAX_VERTICES)
-        return argument_refused(given, "vertices", "two numbers of 4 or more, as in 150-300");
-    options->min_vertices = (size_t)low;
-    options->max_vertices = (size_t)high;
-    return true;
-}
-
 static void begin_mesh(void *to)
 {
     train_job *job = to;
@@ -339,16 +297,18 @@ static bool check_mesh(void *of)
     train_job *job = of;
     bat_mesh_train_options *options = &job->mesh;
     int without;
-    if (!check_run(job, PARTS, &without) || !read_vertices(job->call.given, options))
+    long range[2] = {(long)options->min_vertices, (long)options->max_vertices};
+    if (!check_run(job, PARTS, &without) ||
+        !read_range(job->call.given, "vertices", false, 4, BAT_MESH_TRAIN_MAX_VERTICES, range))
         return false;
+    options->min_vertices = (size_t)range[0];
+    options->max_vertices = (size_t)range[1];
     options->fixed_frames = without == PART_FRAMES;
     options->no_differences = without == PART_DIFFERENCES;
     options->last_level = without == PART_LEVELS;
     options->chamfer = without == PART_CORRESPONDENCE;
-    if (job->call.given->positional_count > 0 || job->recipe == BAT_RECIPE_BATTEN)
-        return true;
-    (void)usage_error(job->call.given, "train mesh needs a SHAPE");
-    return false;
+    return job->call.given->positional_count > 0 || job->recipe == BAT_RECIPE_BATTEN ||
+           usage_refused(job->call.given, "train mesh needs a SHAPE");
 }
 
 /// A shape that half-edges can represent, repaired if that is asked for. It is checked here, where its file's name is known.
@@ -358,19 +318,12 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
     bat_mesh_connectivity connectivity;
     options.triangulate = true;
     options.repair = repair;
-    bat_mesh mesh;
-    bat_status status = bat_mesh_read(path, &options, &mesh, error);
-    if (status != BAT_OK)
-        return status;
-    status = bat_mesh_connect(&mesh, &connectivity, error);
-    if (status != BAT_OK)
-    {
-        bat_mesh_free(&mesh);
-        return status;
-    }
-    bat_mesh_connectivity_free(&connectivity);
-    *shape = mesh;
-    return BAT_OK;
+    bat_status status = bat_mesh_read(path, &options, shape, error);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(shape, &connectivity, error);
+    if (status == BAT_OK)
+        bat_mesh_connectivity_free(&connectivity);
+    return status;
 }
 
 static int train_mesh(void *of)
@@ -387,8 +340,7 @@ static int train_mesh(void *of)
     }
     job->mesh.run.progress = report_progress("training");
     bat_status status = bat_mesh_train(job->shapes, count, &job->mesh, &job->mesh_report, &error);
-    report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, NULL, &error);
+    return report_status(job->call.given, NULL, status, &error);
 }
 
 static int report_mesh(void *of)
@@ -396,31 +348,27 @@ static int report_mesh(void *of)
     const train_job *job = of;
     const bat_mesh_train_options *options = &job->mesh;
     const bat_mesh_train_report *report = &job->mesh_report;
+    json_t *object = NULL;
     if (job->call.json)
     {
-        json_t *object = run_json(job->recipe, &options->run, &report->run), *errors = json_array();
-        for (size_t level = 0; level <= BAT_MESH_TRAIN_LEVELS; level++)
-            (void)json_array_append_new(errors, report_number(report->errors[level]));
-        (void)json_object_set_new(object, "errors", errors);
-        return report_json(object);
+        object = run_json(job->recipe, &options->run, &report->run);
+        object = report_add(object, "errors", report_numbers(report->errors, BAT_MESH_TRAIN_LEVELS + 1));
     }
-    if (job->recipe == BAT_RECIPE_BATTEN)
-    {
+    else if (job->recipe == BAT_RECIPE_BATTEN)
         (void)printf(
             "%llu epochs, the last weights. Mean distance of validation meshes over the best classical scheme's: %.3f\n"
             "at best.\n\n",
             (unsigned long long)report->run.epochs, report->run.best);
-        terminal_print(stdout, "%s/model.safetensors\n", options->run.folder);
-        return EXIT_DONE;
+    else
+    {
+        print_epochs(&report->run);
+        (void)printf(". %s\nat levels 0, 1, 2: %.5f, %.5f, %.5f\n\n",
+                     options->surface || options->chamfer
+                         ? "Roots of the losses of validation meshes,"
+                         : "Errors of validation meshes, root mean squares in units of the longest side,",
+                     report->errors[0], report->errors[1], report->errors[2]);
     }
-    print_epochs(&report->run);
-    (void)printf(". %s\nat levels 0, 1, 2: %.5f, %.5f, %.5f\n\n",
-                 options->surface || options->chamfer
-                     ? "Roots of the losses of validation meshes,"
-                     : "Errors of validation meshes, root mean squares in units of the longest side,",
-                 report->errors[0], report->errors[1], report->errors[2]);
-    terminal_print(stdout, "%s/model.safetensors\n", options->run.folder);
-    return EXIT_DONE;
+    return end_report(object, &options->run, job->call.json);
 }
 
 static void end_mesh(void *of)
@@ -457,24 +405,6 @@ static const option_spec SURFACE_OPTIONS[] = {
     END_OF_OPTIONS,
 };
 
-/// False after a message.
-static bool read_clouds(const arguments *given, bat_surface_train_options *options)
-{
-    long low, high;
-    bool failed = false;
-    if (read_range(given, "points", BAT_SURFACE_TRAIN_MAX_POINTS, &low, &high, &failed))
-    {
-        options->min_points = (size_t)low;
-        options->max_points = (size_t)high;
-    }
-    if (!failed && read_range(given, "degree", BAT_SURFACE_TRAIN_MAX_DEGREE, &low, &high, &failed))
-    {
-        options->min_degree = (int)low;
-        options->max_degree = (int)high;
-    }
-    return !failed;
-}
-
 static void begin_surface(void *to)
 {
     train_job *job = to;
@@ -487,15 +417,23 @@ static void begin_surface(void *to)
 
 static bool check_surface(void *of)
 {
-    train_job *job = of;
     static const char *const none[] = {NULL};
+    train_job *job = of;
+    const arguments *given = job->call.given;
+    bat_surface_train_options *options = &job->surface;
     int without;
-    if (job->surface.uninformed && job->recipe == BAT_RECIPE_BATTEN)
-    {
-        (void)usage_error(job->call.given, "only the published recipe has --uninformed");
+    long points[2] = {(long)options->min_points, (long)options->max_points};
+    long degree[2] = {options->min_degree, options->max_degree};
+    if (options->uninformed && job->recipe == BAT_RECIPE_BATTEN)
+        return usage_refused(given, "only the published recipe has --uninformed");
+    if (!check_run(job, none, &without) || !read_range(given, "points", true, 1, BAT_SURFACE_TRAIN_MAX_POINTS, points) ||
+        !read_range(given, "degree", true, 1, BAT_SURFACE_TRAIN_MAX_DEGREE, degree))
         return false;
-    }
-    return check_run(job, none, &without) && read_clouds(job->call.given, &job->surface);
+    options->min_points = (size_t)points[0];
+    options->max_points = (size_t)points[1];
+    options->min_degree = (int)degree[0];
+    options->max_degree = (int)degree[1];
+    return true;
 }
 
 static int train_surface(void *of)
@@ -503,27 +441,28 @@ static int train_surface(void *of)
     train_job *job = of;
     bat_error error;
     job->surface.run.progress = report_progress("training");
-    bat_status status = bat_surface_train(&job->surface, &job->surface_report, &error);
-    report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_bad_input(job->call.given, NULL, &error);
+    return report_status(job->call.given, NULL, bat_surface_train(&job->surface, &job->surface_report, &error), &error);
 }
 
 static int report_surface(void *of)
 {
     const train_job *job = of;
     const bat_train_report *report = &job->surface_report.run;
+    json_t *object = NULL;
     if (job->call.json)
     {
-        json_t *object = run_json(job->recipe, &job->surface.run, report);
-        (void)json_object_set_new(object, "uninformed", json_boolean(job->surface.uninformed));
-        (void)json_object_set_new(object, "error", report_number(report->best));
-        return report_json(object);
+        object = run_json(job->recipe, &job->surface.run, report);
+        object = report_add(object, "uninformed", json_boolean(job->surface.uninformed));
+        object = report_add(object, "error", report_number(report->best));
     }
-    print_epochs(report);
-    (void)printf(". Validation clouds, fitted with their bidegree: mean squared error %.4g, in units of the longest "
-                 "side\n\n%s/model.safetensors\n",
-                 report->best, job->surface.run.folder);
-    return EXIT_DONE;
+    else
+    {
+        print_epochs(report);
+        (void)printf(". Validation clouds, fitted with their bidegree: mean squared error %.4g, in units of the longest "
+                     "side\n\n",
+                     report->best);
+    }
+    return end_report(object, &job->surface.run, job->call.json);
 }
 
 // The verbs

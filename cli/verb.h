@@ -3,6 +3,8 @@
 
 #include "outputs.h"
 
+#include "batten/distributed.h"
+
 /// @file
 /// Verbs: what each tells of itself, and how all of them run.
 
@@ -47,6 +49,12 @@ typedef struct verb
 
 /// Read a command line and run a verb. Returns the program's exit code.
 int verb_run(const verb *what, int argc, char **argv);
+
+/// The verb `train`, with its command line, divided among the processes of a group. Rank 0 prints failures.
+/// @param processes null for a process alone
+/// @param threads   of each process where --threads is not given; 0: all processors
+/// @return the program's exit code
+int train_in_group(int argc, char **argv, const bat_group *processes, int threads);
 
 // Options that verbs share. Their fields are in verb_call.
 extern const option_spec OUTPUT_OPTION[], JSON_OPTION[], REPORT_OPTIONS[], THREADS_OPTION[], MANY_OPTIONS[];

@@ -9,8 +9,7 @@
 #include "ranks.h"
 #include "report.h"
 #include "rows.h"
-#include "surface_options.h"
-#include "surface_report.h"
+#include "surface_fit.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -351,7 +350,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     surface_findings findings = {job->input, &cloud, &job->options, &made->result};
     if (job->call.json)
     {
-        json_t *object = surface_report_json(&findings);
+        json_t *object = surface_report(&findings, true);
         (void)json_object_set_new(object, "exchange", counts_json(summary));
         (void)json_object_set_new(object, "reading_seconds", json_real(made->seconds[0]));
         (void)json_object_set_new(object, "resumed", json_integer((json_int_t)made->resumed));
@@ -359,7 +358,7 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     }
     if (job->call.silent)
         return EXIT_DONE;
-    surface_report_print(&findings);
+    (void)surface_report(&findings, false);
     if (made->resumed > 0)
         (void)printf("went on after %zu rounds of the checkpoint\n", made->resumed);
     (void)printf("seconds to read and distribute the points: %.2f\n", made->seconds[0]);

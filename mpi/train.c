@@ -1,4 +1,4 @@
-#include "train.h"
+#include "verb.h"
 
 #include "counts.h"
 #include "group.h"

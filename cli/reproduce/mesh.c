@@ -10,19 +10,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Liu et al. (2020), Neural Subdivision.
+
 enum
 {
     NAME_SIZE = 256,
     PATH_SIZE = 4096,
     MIN_VERTICES = 1000, ///< of shapes worth decimating
-    MAX_METHODS = 4
+    MAX_METHODS = 4,
+    BUTTERFLY = 1 ///< the reference method of the ratios
 };
 
-/// The reference method of the ratios.
-static const size_t BUTTERFLY = 1;
+// Table 2
 
-// Table 2 as printed
-
+/// As printed.
 static const struct
 {
     const char *shape;
@@ -38,8 +39,6 @@ enum
     PUBLISHED_COUNT = sizeof PUBLISHED / sizeof PUBLISHED[0]
 };
 
-// The shapes
-
 /// The name of a file without folders and extension.
 static void shape_name(const char *path, char name[NAME_SIZE])
 {
@@ -50,7 +49,8 @@ static void shape_name(const char *path, char name[NAME_SIZE])
         *dot = '\0';
 }
 
-int reproduce_read_shape(const char *path, bat_mesh *mesh)
+/// Read a shape and repair it where needed, with a message. Returns the program's exit code.
+static int read_shape(const char *path, bat_mesh *mesh)
 {
     bat_error error;
     bool repaired;
@@ -65,70 +65,62 @@ int reproduce_read_shape(const char *path, bat_mesh *mesh)
     return EXIT_DONE;
 }
 
-// The table
-
 /// State of a table.
-typedef struct table
+typedef struct shape_table
 {
     const reproduce_job *job;
     bat_mesh_study_options options;
     bat_mesh_method methods[MAX_METHODS];
     size_t method_count;
-    json_t *rows, *left_out;       ///< null where text is printed
+    report_table rows, left_out;
     double ratios[2][MAX_METHODS]; ///< sums of the ratios to butterfly: Hausdorff, mean
     size_t measured;
-} table;
+} shape_table;
 
 static double figure_of(const bat_mesh_score *score, size_t which)
 {
     return which == 0 ? score->hausdorff : score->mean;
 }
 
-static void print_head(const table *t)
+static void print_head(const shape_table *t)
 {
-    (void)printf("Shapes decimated to about %zu vertices and subdivided twice: distances from the original in %% of its "
-                 "diagonal, and\nin brackets divided by those of the butterfly.\n\n%-16s %8s %6s",
-                 t->options.vertices, "shape", "vertices", "coarse");
+    report_head(&t->rows,
+                "Shapes decimated to about %zu vertices and subdivided twice: distances from the original in %% of its "
+                "diagonal, and\nin brackets divided by those of the butterfly.\n\n%-16s %8s %6s",
+                t->options.vertices, "shape", "vertices", "coarse");
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
         {
             char head[NAME_SIZE];
             (void)snprintf(head, sizeof head, "%s %s", which == 0 ? "H" : "mean", t->methods[i].name);
-            (void)printf(" %15s", head);
+            report_head(&t->rows, " %15s", head);
         }
-    (void)printf("\n");
+    report_head(&t->rows, "\n");
 }
 
-static void print_row(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse,
-                      const bat_mesh_score *scores)
+/// Report a shape: in one line, or in a row for each method.
+static void report_shape(shape_table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse,
+                         const bat_mesh_score *scores)
 {
-    (void)printf("%-16s %8zu %6zu", name, shape->vertex_count, coarse->vertex_count);
+    for (size_t i = 0; i < t->method_count && t->rows.as_json; i++)
+        report_row(&t->rows, "",
+                   "shape:s scheme:s hausdorff:n mean_distance:n diagonal:n vertices:z coarse_vertices:z fallback:z", name,
+                   t->methods[i].name, scores[i].hausdorff, scores[i].mean, scores[i].diagonal, shape->vertex_count,
+                   coarse->vertex_count, scores[i].fallback);
+    report_head(&t->rows, "%-16s %8zu %6zu", name, shape->vertex_count, coarse->vertex_count);
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
-            (void)printf(" %8.4f (%4.2f)", 100 * figure_of(&scores[i], which) / scores[i].diagonal,
-                         figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which));
-    (void)printf("\n");
+        {
+            double ratio = figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which);
+            t->ratios[which][i] += ratio;
+            report_head(&t->rows, " %8.4f (%4.2f)", 100 * figure_of(&scores[i], which) / scores[i].diagonal, ratio);
+        }
+    report_head(&t->rows, "\n");
     (void)fflush(stdout);
 }
 
-static int add_rows(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse,
-                    const bat_mesh_score *scores)
-{
-    for (size_t i = 0; i < t->method_count; i++)
-    {
-        json_t *row =
-            json_pack("{s:s, s:s, s:o, s:o, s:o, s:I, s:I, s:I}", "shape", name, "scheme", t->methods[i].name, "hausdorff",
-                      report_number(scores[i].hausdorff), "mean_distance", report_number(scores[i].mean), "diagonal",
-                      report_number(scores[i].diagonal), "vertices", (json_int_t)shape->vertex_count, "coarse_vertices",
-                      (json_int_t)coarse->vertex_count, "fallback", (json_int_t)scores[i].fallback);
-        if (row == NULL || json_array_append_new(t->rows, row) != 0)
-            return report_failure(NULL, &(bat_error){.text = "out of memory"});
-    }
-    return EXIT_DONE;
-}
-
 /// Draw a shape: coarse, butterfly and learned subdivision, original.
-static int draw(const table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse, const bat_mesh *fine,
+static int draw(const shape_table *t, const char *name, const bat_mesh *shape, const bat_mesh *coarse, const bat_mesh *fine,
                 const bat_mesh_score *scores)
 {
     char file[PATH_SIZE];
@@ -139,33 +131,25 @@ static int draw(const table *t, const char *name, const bat_mesh *shape, const b
     int code = reproduce_picture_add(t->job, file, &picture);
     if (code != EXIT_DONE)
         return code;
-    if (bat_mesh_study_draw(picture.write_to, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY,
-                            scores + BUTTERFLY, t->method_count - BUTTERFLY, 0, &error) != BAT_OK)
-        return report_failure(picture.path, &error);
-    return EXIT_DONE;
+    bat_status status = bat_mesh_study_draw(picture.write_to, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY,
+                                            scores + BUTTERFLY, t->method_count - BUTTERFLY, 0, &error);
+    return report_status(NULL, picture.path, status, &error);
 }
 
-static int measure_shape(table *t, const char *path, const char *name, const bat_mesh *shape)
+static int measure_shape(shape_table *t, const char *path, const char *name, const bat_mesh *shape)
 {
     bat_mesh coarse, fine[MAX_METHODS];
     bat_mesh_score scores[MAX_METHODS];
     bat_error error;
     t->options.progress = report_progress(name);
     bat_status status = bat_mesh_study_shape(shape, t->methods, t->method_count, &t->options, &coarse, fine, scores, &error);
-    report_progress_end();
-    if (status != BAT_OK)
-        return report_failure(path, &error);
-    for (size_t which = 0; which < 2; which++)
-        for (size_t i = 0; i < t->method_count; i++)
-            t->ratios[which][i] += figure_of(&scores[i], which) / figure_of(&scores[BUTTERFLY], which);
-    if (t->measured++ == 0 && !t->job->call.json)
+    int code = report_status(NULL, path, status, &error);
+    if (code != EXIT_DONE)
+        return code;
+    if (t->measured++ == 0)
         print_head(t);
-    int code = EXIT_DONE;
-    if (t->job->call.json)
-        code = add_rows(t, name, shape, &coarse, scores);
-    else
-        print_row(t, name, shape, &coarse, scores);
-    if (code == EXIT_DONE && t->job->folder != NULL)
+    report_shape(t, name, shape, &coarse, scores);
+    if (t->job->folder != NULL)
         code = draw(t, name, shape, &coarse, fine, scores);
     bat_mesh_free(&coarse);
     for (size_t i = 0; i < t->method_count; i++)
@@ -173,17 +157,17 @@ static int measure_shape(table *t, const char *path, const char *name, const bat
     return code;
 }
 
-static int read_and_measure(table *t, const char *path)
+static int read_and_measure(shape_table *t, const char *path)
 {
     char name[NAME_SIZE];
     bat_mesh shape = {0};
     shape_name(path, name);
-    int code = reproduce_read_shape(path, &shape);
+    int code = read_shape(path, &shape);
     if (code == EXIT_DONE && shape.vertex_count < MIN_VERTICES)
     {
         terminal_print(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
                        MIN_VERTICES);
-        if (t->job->call.json && json_array_append_new(t->left_out, json_string(name)) != 0)
+        if (t->left_out.as_json && json_array_append_new(t->left_out.rows, json_string(name)) != 0)
             code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     }
     else if (code == EXIT_DONE)
@@ -193,7 +177,7 @@ static int read_and_measure(table *t, const char *path)
 }
 
 /// Print the mean ratios to butterfly, computed and published.
-static void print_ratios(const table *t)
+static void print_ratios(const shape_table *t)
 {
     double published[2][3] = {{0}};
     (void)printf("%-32s", "mean ratio to butterfly");
@@ -223,37 +207,38 @@ static void print_ratios(const table *t)
     (void)printf("\n");
 }
 
-static int print_table(table *t, const char *const *paths, size_t count)
+static int print_table(shape_table *t, const char *const *paths, size_t count)
 {
     int code = EXIT_DONE;
+    t->rows = report_begin(t->job->call.json);
+    t->left_out = report_begin(t->job->call.json);
     for (size_t i = 0; i < count && code == EXIT_DONE; i++)
         code = read_and_measure(t, paths[i]);
     if (code == EXIT_DONE && t->measured == 0)
         code = report_failure(NULL, &(bat_error){.text = "no shape is left to measure"});
-    if (code == EXIT_DONE && t->job->call.json)
-        return report_json(json_pack("{s:O, s:O}", "rows", t->rows, "left_out", t->left_out));
-    if (code == EXIT_DONE)
+    if (code != EXIT_DONE)
+        return report_drop(&t->rows, report_drop(&t->left_out, code));
+    if (!t->job->call.json)
         print_ratios(t);
-    return code;
+    return report_print(t->job->call.json, "", "rows:o left_out:o", t->rows.rows, t->left_out.rows);
 }
 
 /// Add a learned subdivision: from a file, or the built-in one for a null path.
-static int add_learned(table *t, const char *name, const char *path, bat_mesh_model **model)
+static int add_learned(shape_table *t, const char *name, const char *path, bat_mesh_model **model)
 {
     bat_error error;
-    bat_status status = bat_mesh_model_read_published(path, model, &error);
-    if (status != BAT_OK)
-        return report_failure(path, &error);
-    t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(*model)};
-    return EXIT_DONE;
+    int code = report_status(NULL, path, bat_mesh_model_read_published(path, model, &error), &error);
+    if (code == EXIT_DONE)
+        t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(*model)};
+    return code;
 }
 
 int reproduce_mesh_table2(const reproduce_job *job)
 {
-    table t = {.job = job,
-               .options = bat_mesh_study_defaults(),
-               .methods = {{"loop", BAT_MESH_SCHEME_LOOP, NULL}, {"butterfly", BAT_MESH_SCHEME_BUTTERFLY, NULL}},
-               .method_count = 2};
+    shape_table t = {.job = job,
+                     .options = bat_mesh_study_defaults(),
+                     .methods = {{"loop", BAT_MESH_SCHEME_LOOP, NULL}, {"butterfly", BAT_MESH_SCHEME_BUTTERFLY, NULL}},
+                     .method_count = 2};
     char **listed = NULL;
     size_t count = 0;
     bat_error error;
@@ -263,19 +248,154 @@ int reproduce_mesh_table2(const reproduce_job *job)
     int code = add_learned(&t, "learned", NULL, &learned);
     if (code == EXIT_DONE && job->model != NULL)
         code = add_learned(&t, "given", job->model, &given);
-    if (code == EXIT_DONE && job->data != NULL && bat_mesh_study_list(job->data, &listed, &count, &error) != BAT_OK)
-        code = report_failure(NULL, &error);
-    if (code == EXIT_DONE && job->call.json && ((t.rows = json_array()) == NULL || (t.left_out = json_array()) == NULL))
-        code = report_failure(NULL, &(bat_error){.text = "out of memory"});
+    if (code == EXIT_DONE && job->data != NULL)
+        code = report_status(NULL, NULL, bat_mesh_study_list(job->data, &listed, &count, &error), &error);
     if (code == EXIT_DONE)
         code = listed != NULL ? print_table(&t, (const char *const *)listed, count)
                               : print_table(&t, job->shapes, job->shape_count);
-    json_decref(t.rows);
-    json_decref(t.left_out);
     for (size_t i = 0; i < count; i++)
         free(listed[i]);
     free(listed);
     bat_mesh_model_free(learned);
     bat_mesh_model_free(given);
+    return code;
+}
+
+// Trainings
+
+static bat_mesh_study_options options_of(const reproduce_job *job)
+{
+    bat_mesh_study_options options = bat_mesh_study_defaults();
+    options.seed = job->seed;
+    options.folder = job->folder;
+    if (job->epochs > 0)
+        options.epochs = job->epochs;
+    if (job->pairs > 0)
+        options.pairs = job->pairs;
+    return options;
+}
+
+/// Read the given shapes; release them with free_shapes(). Returns the exit code.
+static int read_shapes(const reproduce_job *job, bat_mesh **shapes)
+{
+    *shapes = calloc(job->shape_count + 1, sizeof **shapes);
+    if (*shapes == NULL)
+        return report_failure(NULL, &(bat_error){.text = "out of memory"});
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < job->shape_count && code == EXIT_DONE; i++)
+        code = read_shape(job->shapes[i], &(*shapes)[i]);
+    return code;
+}
+
+static void free_shapes(const reproduce_job *job, bat_mesh *shapes)
+{
+    for (size_t i = 0; i < job->shape_count && shapes != NULL; i++)
+        bat_mesh_free(&shapes[i]);
+    free(shapes);
+}
+
+static void report_variant(report_table *table, const bat_mesh_ablation_row *row)
+{
+    const double *kept = row->report.errors;
+    const bat_mesh_score *straight = &row->straight, *turned = &row->turned;
+    report_row(table,
+               "{variant:-15} {level0:9.6f} {level1:9.6f} {level2:9.6f}  {100 test1:8.4f} {100 test2:8.4f}  {100 mean:8.4f} "
+               "{100 H:8.4f}  "
+               "{100 turned_mean:8.4f} {100 turned_H:8.4f}\n",
+               "variant:s best_epoch:z kept_errors:o test_errors:o -level0:n -level1:n -level2:n -test1:n -test2:n "
+               "straight.hausdorff:n "
+               "straight.mean_distance:n straight.diagonal:n turned.hausdorff:n turned.mean_distance:n turned.diagonal:n "
+               "-mean:n -H:n -turned_mean:n -turned_H:n",
+               row->variant, (size_t)row->report.run.best_epoch, report_numbers(kept, BAT_MESH_TRAIN_LEVELS + 1),
+               report_numbers(row->errors, BAT_MESH_TRAIN_LEVELS), kept[0], kept[1], kept[2], row->errors[0], row->errors[1],
+               straight->hausdorff, straight->mean, straight->diagonal, turned->hausdorff, turned->mean, turned->diagonal,
+               straight->mean / straight->diagonal, straight->hausdorff / straight->diagonal,
+               turned->mean / turned->diagonal, turned->hausdorff / turned->diagonal);
+}
+
+static int print_ablations(const reproduce_job *job, const bat_mesh_study_options *options,
+                           const bat_mesh_ablation_row *rows)
+{
+    report_table table = report_begin(job->call.json);
+    report_head(
+        &table,
+        "Networks without one part each: %llu epochs on %zu meshes of each shape, seed %llu, stored in %s.\n"
+        "Validation: root mean square errors at levels 0, 1, 2 on decimations of the training shapes, of the longest side 1 "
+        "(chamfer: of that\ndistance). Test: mean distance of a vertex from its target at levels 1, 2, on decimations of "
+        "the test shape; then mean surface and\nHausdorff distance of that shape, decimated to %zu vertices, and of the "
+        "same turned by a radian: all in %% of the diagonal.\n\n%-15s %9s %9s %9s  %8s %8s  %8s %8s  %8s %8s\n",
+        (unsigned long long)options->epochs, options->pairs, (unsigned long long)job->seed, job->folder, options->vertices,
+        "variant", "valid. 0", "valid. 1", "valid. 2", "test 1", "test 2", "mean", "H", "turned", "H");
+    for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
+        report_variant(&table, &rows[i]);
+    return report_print(
+        job->call.json,
+        "\nThe paper: without frames a slight turn makes the network useless (figure 21): compare turned with mean. Losses "
+        "on all levels help the\nlevels in between (appendix H): test 1 of last-level. learn-loop: its errors are from "
+        "Loop's refinement (appendix G: visually\nindistinguishable).\n",
+        "seed:z epochs:z pairs:z folder:s rows:o", (size_t)job->seed, (size_t)options->epochs, options->pairs, job->folder,
+        table.rows);
+}
+
+int reproduce_mesh_ablations(const reproduce_job *job)
+{
+    bat_mesh_study_options options = options_of(job);
+    bat_mesh_ablation_row rows[BAT_MESH_VARIANT_COUNT];
+    bat_mesh *shapes = NULL;
+    bat_error error;
+    int code = read_shapes(job, &shapes);
+    if (code == EXIT_DONE)
+    {
+        size_t count = job->shape_count;
+        options.progress = report_progress("training");
+        // A single shape is also the test shape.
+        bat_status status = bat_mesh_ablate(count > 0 ? shapes : NULL, count > 1 ? count - 1 : count,
+                                            count > 0 ? &shapes[count - 1] : NULL, &options, rows, &error);
+        code = report_status(NULL, NULL, status, &error);
+    }
+    free_shapes(job, shapes);
+    return code == EXIT_DONE ? print_ablations(job, &options, rows) : code;
+}
+
+static int print_style(const reproduce_job *job, const bat_mesh_style *style, const char *picture)
+{
+    static const char *const NAMES[] = {"smooth", "sharp"};
+    const bat_mesh *const shapes[] = {&style->smooth, &style->sharp};
+    report_table table = report_begin(job->call.json);
+    report_head(&table,
+                "A cage of %zu vertices, subdivided by networks that learned from a smooth and from a sharp shape; "
+                "picture: %s\n\n%-8s %9s %14s %28s\n",
+                style->cage.vertex_count, picture, "teacher", "vertices", "validation 2", "edges above 60 degrees");
+    for (size_t i = 0; i < 2; i++)
+        report_row(&table, "{teacher:-8} {vertices:9} {validation_error:14.6f} {100 sharp_edges:26.2f} %\n",
+                   "teacher:s vertices:z validation_error:n sharp_edges:n", NAMES[i], shapes[i]->vertex_count,
+                   style->reports[i].errors[BAT_MESH_TRAIN_LEVELS], style->sharp_edges[i]);
+    return report_print(job->call.json, "", "picture:s rows:o", picture, table.rows);
+}
+
+int reproduce_mesh_style(const reproduce_job *job)
+{
+    bat_mesh_study_options options = options_of(job);
+    reproduce_picture picture;
+    bat_mesh_style style = {0};
+    bat_mesh *shapes = NULL;
+    bat_error error;
+    int code = read_shapes(job, &shapes);
+    if (code == EXIT_DONE)
+    {
+        bool given = job->shape_count > 0;
+        options.progress = report_progress("training");
+        bat_status status =
+            bat_mesh_style_make(given ? &shapes[0] : NULL, given ? &shapes[1] : NULL, NULL, &options, &style, &error);
+        code = report_status(NULL, NULL, status, &error);
+    }
+    if (code == EXIT_DONE)
+        code = reproduce_picture_add(job, "style.png", &picture);
+    if (code == EXIT_DONE)
+        code = report_status(NULL, picture.path, bat_mesh_style_draw(picture.write_to, &style, 0, &error), &error);
+    if (code == EXIT_DONE)
+        code = print_style(job, &style, picture.path);
+    bat_mesh_style_free(&style);
+    free_shapes(job, shapes);
     return code;
 }

@@ -8,59 +8,129 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum
+// Motions: the orders of the Hermite schemes, and keyframes.
+
+/// A table of one quantity.
+typedef struct order_table
 {
-    PEERS = 3
+    bat_hermite_quantity quantity;
+    bool halvings; ///< with values for halved spacings, and the last order
+    const char *title;
+} order_table;
+
+static const order_table ORDER_TABLES[] = {
+    {BAT_HERMITE_QUANTITY_ERROR, true,
+     "Largest distance from a smooth closed curve sampled at 16, 32, 64 and 128 points, refined three times; the "
+     "last observed order"},
+    {BAT_HERMITE_QUANTITY_POINT_PROXIMITY, true,
+     "Points of De Casteljau and Bezier averages (lemma 3.7 and eq. 4.7: order 2), pairs 0.01 apart and less"},
+    {BAT_HERMITE_QUANTITY_ANGLE_PROXIMITY, true, "Their angles (eq. 4.8: order 1)"},
+    {BAT_HERMITE_QUANTITY_GEODESIC_ERROR, false,
+     "Geodesics of length 1 reproduced by order 1, refined five times: largest error"},
+    {BAT_HERMITE_QUANTITY_CONTRACTION, false, "Contraction of the longest edge by a level (eq. 4.2), orders 1 to 5"},
+    {BAT_HERMITE_QUANTITY_DISPLACEMENT, false,
+     "Displacement over the longest edge (eq. 4.3; theorem 4.8 bounds it by (m + 1) / 4), orders 1 to 5"},
+    {BAT_HERMITE_QUANTITY_HALVING, true,
+     "The assumption of theorem 4.8 (eq. 4.14), that the average halves L_H (eq. 4.10): largest difference of a "
+     "half's share from 1/2, neighbours on the curve"},
+    {BAT_HERMITE_QUANTITY_HALF_SHARE, false,
+     "Largest share of L_H in a half (mu of eq. 4.12), pairs 1 apart with angles up to 45 degrees"},
+    {BAT_HERMITE_QUANTITY_TRIANGLE, false,
+     "The triangle inequality of L_H (eq. 4.11): largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)), at most 1 where "
+     "it holds; Q is near the average"},
 };
 
-/// The best peer in translation or rotation.
-static double best_of(const bat_keyframes_row *row, size_t which)
+/// The number of rows in the group that begins at row `first`.
+static size_t group_size(const bat_hermite_table *table, size_t first)
 {
-    double best = INFINITY;
-    for (size_t p = 0; p < PEERS; p++)
-        best = fmin(best, row->peers[p][which]);
-    return best;
+    size_t end = first + 1;
+    while (end < table->count && isfinite(table->rows[end].order))
+        end++;
+    return end - first;
 }
+
+/// Print the groups of a quantity, each in one line.
+static void print_halvings(const bat_hermite_table *table, bat_hermite_quantity quantity)
+{
+    (void)printf("%-15s %-37s %9s %9s %9s %9s %6s\n", "space", "scheme", "h", "h/2", "h/4", "h/8", "order");
+    for (size_t i = 0, size; i < table->count; i += size)
+    {
+        const bat_hermite_measure *rows = &table->rows[i];
+        size = group_size(table, i);
+        if (rows->quantity != quantity)
+            continue;
+        (void)printf("%-15s %-37s", rows->space, rows->scheme);
+        for (size_t k = 0; k < size; k++)
+            (void)printf(" %9.2e", rows[k].value);
+        (void)printf(" %6.2f\n", rows[size - 1].order);
+    }
+}
+
+static void print_single(const bat_hermite_table *table, bat_hermite_quantity quantity)
+{
+    const char *space = NULL;
+    for (size_t i = 0; i < table->count; i++)
+    {
+        const bat_hermite_measure *row = &table->rows[i];
+        if (row->quantity != quantity)
+            continue;
+        if (row->space != space)
+            (void)printf("%s%-15s", space != NULL ? "\n" : "", row->space);
+        (void)printf(" %10.3g", row->value);
+        space = row->space;
+    }
+    (void)printf("\n");
+}
+
+int reproduce_hermite_order(const reproduce_job *job)
+{
+    bat_hermite_table table;
+    bat_error error;
+    report_table rows = report_begin(job->call.json);
+    int code = report_status(NULL, NULL, bat_hermite_measure_orders(report_progress("measuring"), &table, &error), &error);
+    if (code != EXIT_DONE)
+        return report_drop(&rows, code);
+    for (size_t i = 0; i < table.count && rows.as_json; i++)
+    {
+        const bat_hermite_measure *row = &table.rows[i];
+        report_row(&rows, "", "space:s scheme:s what:s value:n h:n? order:n?", row->space, row->scheme,
+                   bat_hermite_quantity_name(row->quantity), row->value, row->h, row->order);
+    }
+    report_head(&rows, "Hermite schemes on manifolds, measured (Ben-Zion Vardi, Dyn and Sharon).\n");
+    for (size_t i = 0; i < sizeof ORDER_TABLES / sizeof *ORDER_TABLES && !rows.as_json; i++)
+    {
+        (void)printf("\n%s\n\n", ORDER_TABLES[i].title);
+        (ORDER_TABLES[i].halvings ? print_halvings : print_single)(&table, ORDER_TABLES[i].quantity);
+    }
+    bat_hermite_table_free(&table);
+    return report_print(job->call.json, "", "rows:o", rows.rows);
+}
+
+// Keyframes
 
 static json_t *pair_json(const double pair[2])
 {
     return json_pack("[o, o]", report_number(pair[0]), report_number(pair[1]));
 }
 
-static int print_json(const bat_keyframes_row *rows, size_t count)
+static void report_motion(report_table *table, const bat_keyframes_row *row)
 {
-    json_t *array = json_array();
-    for (size_t i = 0; i < count; i++)
+    const double *pairs[] = {row->errors, row->limited, row->peers[0], row->peers[1], row->peers[2]};
+    char name[32];
+    if (table->as_json)
     {
-        const bat_keyframes_row *row = &rows[i];
-        (void)json_array_append_new(array, json_pack("{s:s, s:b, s:I, s:o, s:o, s:o, s:o, s:o}", "motion", row->motion,
-                                                     "noise", row->noisy, "step", (json_int_t)row->step, "spline",
-                                                     pair_json(row->errors), "limited", pair_json(row->limited),
-                                                     "scipy_spline", pair_json(row->peers[0]), "squad_akima",
-                                                     pair_json(row->peers[1]), "slerp_linear", pair_json(row->peers[2])));
+        report_row(table, "", "motion:s noise:b step:z spline:o limited:o scipy_spline:o squad_akima:o slerp_linear:o",
+                   row->motion, (int)row->noisy, row->step, pair_json(pairs[0]), pair_json(pairs[1]), pair_json(pairs[2]),
+                   pair_json(pairs[3]), pair_json(pairs[4]));
+        return;
     }
-    return report_json(json_pack("{s:o}", "rows", array));
-}
-
-static void print_text(const bat_keyframes_row *rows, size_t count)
-{
-    (void)printf(
-        "Every k-th pose kept; root mean square errors of the poses between: translation, and angle in degrees.\n"
-        "ratio: of the default spline to the best of scipy's CubicSpline with RotationSpline, Akima with squad, and\n"
-        "lines with Slerp (stored figures).\n\n");
-    (void)printf("%-16s %3s %21s %21s %21s %21s %21s %13s\n", "motion", "k", "spline", "limited", "CubicSpline, RotationS.",
-                 "Akima, squad", "lines, Slerp", "ratio");
-    for (size_t i = 0; i < count; i++)
-    {
-        const bat_keyframes_row *row = &rows[i];
-        const double *pairs[] = {row->errors, row->limited, row->peers[0], row->peers[1], row->peers[2]};
-        char name[32];
-        (void)snprintf(name, sizeof name, "%s%s", row->motion, row->noisy ? ", noise" : "");
-        (void)printf("%-16s %3zu", name, row->step);
-        for (size_t p = 0; p < sizeof pairs / sizeof *pairs; p++)
-            (void)printf(" %10.3e %10.3e", pairs[p][0], pairs[p][1]);
-        (void)printf(" %6.3f %6.3f\n", row->errors[0] / best_of(row, 0), row->errors[1] / best_of(row, 1));
-    }
+    (void)snprintf(name, sizeof name, "%s%s", row->motion, row->noisy ? ", noise" : "");
+    (void)printf("%-16s %3zu", name, row->step);
+    for (size_t p = 0; p < sizeof pairs / sizeof *pairs; p++)
+        (void)printf(" %10.3e %10.3e", pairs[p][0], pairs[p][1]);
+    for (size_t k = 0; k < 2; k++)
+        (void)printf(" %6.3f", row->errors[k] / fmin(fmin(row->peers[0][k], row->peers[1][k]), row->peers[2][k]));
+    (void)printf("\n");
 }
 
 int reproduce_motion_keyframes(const reproduce_job *job)
@@ -69,14 +139,18 @@ int reproduce_motion_keyframes(const reproduce_job *job)
     size_t count;
     bat_error error;
     bat_status status = bat_keyframes_measure(job->data, report_progress("measuring"), &rows, &count, &error);
-    report_progress_end();
-    if (status != BAT_OK)
-        return report_failure(NULL, &error);
-    int code = EXIT_DONE;
-    if (job->call.json)
-        code = print_json(rows, count);
-    else
-        print_text(rows, count);
+    int code = report_status(NULL, NULL, status, &error);
+    if (code != EXIT_DONE)
+        return code;
+    report_table table = report_begin(job->call.json);
+    report_head(
+        &table,
+        "Every k-th pose kept; root mean square errors of the poses between: translation, and angle in degrees.\n"
+        "ratio: of the default spline to the best of scipy's CubicSpline with RotationSpline, Akima with squad, and\n"
+        "lines with Slerp (stored figures).\n\n%-16s %3s %21s %21s %21s %21s %21s %13s\n",
+        "motion", "k", "spline", "limited", "CubicSpline, RotationS.", "Akima, squad", "lines, Slerp", "ratio");
+    for (size_t i = 0; i < count; i++)
+        report_motion(&table, &rows[i]);
     free(rows);
-    return code;
+    return report_print(job->call.json, "", "rows:o", table.rows);
 }

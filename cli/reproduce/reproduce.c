@@ -6,7 +6,6 @@
 #include "batten/spline.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -45,7 +44,8 @@ enum
     MAX_NUMBER = 1000000
 };
 
-static const struct
+/// A result and what it takes.
+typedef struct result
 {
     const char *name;
     int (*run)(const reproduce_job *job);
@@ -61,7 +61,9 @@ static const struct
     const char *data; ///< files required by SCANS, or of curves
     bool reads_truth; ///< reads curves or meshes from a folder
     bool may_read;    ///< reads a folder where one is given
-} RESULTS[] = {
+} result;
+
+static const result RESULTS[] = {
     {.name = "curve-figures",
      .run = reproduce_curve_figures,
      .drawn = ALWAYS,
@@ -252,96 +254,53 @@ static const option_spec OPTIONS[] = {
     END_OF_OPTIONS,
 };
 
-/// Check the arguments about meshes against a result; EXIT_DONE if they are valid.
-static int check_meshes(const arguments *given, size_t index)
+/// Whether the arguments fit a result. False after a message, that of the first rule that is broken. In the messages, %s
+/// is the name of the result, %2$s the files that it reads, and %s the most shapes that it takes.
+static bool check_options(const arguments *given, const result *what)
 {
-    static const char *const FOR_SUBDIVISION[] = {"data", "vertices", NULL}, *const FOR_LEARNING[] = {"epochs", "pairs",
-                                                                                                      NULL};
-    const char *name = RESULTS[index].name;
-    meshes use = RESULTS[index].meshes;
-    size_t count = given->positional_count - 1;
-    if (count > RESULTS[index].max_meshes)
-        return use == NO_MESHES ? usage_error(given, "one argument too many: %s takes no shapes", name)
-                                : usage_error(given, "%s takes %zu shapes at most", name, RESULTS[index].max_meshes);
-    if (RESULTS[index].max_meshes == 2 && count == 1)
-        return usage_error(given, "%s takes two shapes, a smooth and a sharp one, or none", name);
-    if (RESULTS[index].clouds != NO_CLOUDS || RESULTS[index].reads_truth)
-        return EXIT_DONE;
-    if (RESULTS[index].may_read && argument(given, "vertices") == NULL && argument_first(given, FOR_LEARNING) == NULL)
-        return EXIT_DONE;
-    if (use != SUBDIVIDES && argument_first(given, FOR_SUBDIVISION) != NULL)
-        return usage_error(given, "--data and --vertices go with mesh-table2, --data with real-curves, real-meshes, "
-                                  "motion-keyframes, surface-nefertiti and -face too");
-    if (use != LEARNS && argument_first(given, FOR_LEARNING) != NULL)
-        return usage_error(given,
-                           "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation");
-    if (use == SUBDIVIDES && (count > 0) == (argument(given, "data") != NULL))
-        return usage_error(given, "%s needs %s: the program comes without any", name,
-                           count > 0 ? "either shapes or --data, not both" : "shapes, or a folder of them as --data");
-    return EXIT_DONE;
-}
-
-/// Check the arguments about clouds against a result; EXIT_DONE if they are valid.
-static int check_clouds(const arguments *given, size_t index)
-{
-    static const char *const FOR_CASES[] = {"points", "noise", "degrees", NULL}, *const FOR_MESHES[] = {"vertices", "pairs",
-                                                                                                        NULL};
-    const char *name = RESULTS[index].name;
-    cloud_use use = RESULTS[index].clouds;
-    bool informed = argument(given, "model") != NULL, uninformed = argument(given, "uninformed") != NULL;
-    if (use != DRAWS && argument_first(given, FOR_CASES) != NULL)
-        return usage_error(given, "--points, --noise and --degrees go with surface-clouds");
-    if (use != DRAWS && use != ABLATES && argument(given, "clouds") != NULL)
-        return usage_error(given, "--clouds goes with surface-clouds and surface-ablation");
-    if (use != SCANS && use != MAKES && argument(given, "corrections") != NULL)
-        return usage_error(given, "--corrections goes with surface-nefertiti, -face and -shapes");
-    if (use != ABLATES && uninformed)
-        return usage_error(given, "--uninformed goes with surface-ablation");
-    if (use == ABLATES && informed != uninformed)
-        return usage_error(given, "%s needs both --model and --uninformed, or trains both", name);
-    if (use == NO_CLOUDS)
-        return EXIT_DONE;
-    if (argument_first(given, FOR_MESHES) != NULL || (use != ABLATES && argument(given, "epochs") != NULL))
-        return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);
-    if (use != SCANS && argument(given, "data") != NULL)
-        return usage_error(given, "%s makes its clouds itself: there is no --data", name);
-    if (use == SCANS && argument(given, "data") == NULL)
-        return usage_error(given, "%s needs --data FOLDER with %s: the program comes without any scans", name,
-                           RESULTS[index].data);
-    return EXIT_DONE;
-}
-
-/// Check the arguments about curves of a folder against a result; EXIT_DONE if they are valid.
-static int check_curves(const arguments *given, size_t index)
-{
-    static const char *const FOR_MESHES[] = {"vertices", "epochs", "pairs", NULL};
-    const char *name = RESULTS[index].name;
-    if (!RESULTS[index].reads_truth)
-        return EXIT_DONE;
-    if (argument_first(given, FOR_MESHES) != NULL)
-        return usage_error(given, "--vertices, --pairs and --epochs do not go with %s", name);
-    if (argument(given, "data") == NULL)
-        return usage_error(given, "%s needs --data FOLDER with %s: the program comes without any", name,
-                           RESULTS[index].data);
-    return EXIT_DONE;
-}
-
-/// Check all arguments against a result; EXIT_DONE if they are valid.
-static int check_options(const arguments *given, size_t index)
-{
-    const char *name = RESULTS[index].name;
-    if (argument(given, "output") != NULL && RESULTS[index].drawn == NEVER)
-        return usage_error(given, "%s has no pictures to put into a folder", name);
-    if (argument(given, "model") != NULL && !RESULTS[index].learned)
-        return usage_error(given, "%s has no row for a model", name);
-    if (argument(given, "seed") != NULL && !RESULTS[index].seeded)
-        return usage_error(given, "%s has no chance in it for a seed", name);
-    if (argument(given, "set") != NULL && !RESULTS[index].sets)
-        return usage_error(given, "%s has no other curves: --set goes with tension-table1", name);
-    int code = check_meshes(given, index);
-    if (code == EXIT_DONE)
-        code = check_curves(given, index);
-    return code == EXIT_DONE ? check_clouds(given, index) : code;
+    meshes use = what->meshes;
+    cloud_use clouds = what->clouds;
+    size_t shapes = given->positional_count - 1;
+    bool data = argument_flag(given, "data"), vertices = argument_flag(given, "vertices");
+    bool epochs = argument_flag(given, "epochs"), pairs = argument_flag(given, "pairs");
+    bool model = argument_flag(given, "model"), uninformed = argument_flag(given, "uninformed");
+    bool cases = argument_flag(given, "points") || argument_flag(given, "noise") || argument_flag(given, "degrees");
+    bool reads = clouds != NO_CLOUDS || what->reads_truth || (what->may_read && !vertices && !epochs && !pairs);
+    char most[24];
+    (void)snprintf(most, sizeof most, "%zu", what->max_meshes);
+    const usage_rule rules[] = {
+        {argument_flag(given, "output") && what->drawn == NEVER, "%s has no pictures to put into a folder"},
+        {model && !what->learned, "%s has no row for a model"},
+        {argument_flag(given, "seed") && !what->seeded, "%s has no chance in it for a seed"},
+        {argument_flag(given, "set") && !what->sets, "%s has no other curves: --set goes with tension-table1"},
+        {shapes > what->max_meshes && use == NO_MESHES, "one argument too many: %s takes no shapes"},
+        {shapes > what->max_meshes, "%s takes %s shapes at most"},
+        {what->max_meshes == 2 && shapes == 1, "%s takes two shapes, a smooth and a sharp one, or none"},
+        {!reads && use != SUBDIVIDES && (data || vertices),
+         "--data and --vertices go with mesh-table2, --data with real-curves, real-meshes, motion-keyframes, "
+         "surface-nefertiti and -face too"},
+        {!reads && use != LEARNS && (epochs || pairs),
+         "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation"},
+        {!reads && use == SUBDIVIDES && shapes > 0 && data,
+         "%s needs either shapes or --data, not both: the program comes without any"},
+        {!reads && use == SUBDIVIDES && shapes == 0 && !data,
+         "%s needs shapes, or a folder of them as --data: the program comes without any"},
+        {what->reads_truth && (vertices || epochs || pairs), "--vertices, --pairs and --epochs do not go with %s"},
+        {what->reads_truth && !data, "%s needs --data FOLDER with %s: the program comes without any"},
+        {clouds != DRAWS && cases, "--points, --noise and --degrees go with surface-clouds"},
+        {clouds != DRAWS && clouds != ABLATES && argument_flag(given, "clouds"),
+         "--clouds goes with surface-clouds and surface-ablation"},
+        {clouds != SCANS && clouds != MAKES && argument_flag(given, "corrections"),
+         "--corrections goes with surface-nefertiti, -face and -shapes"},
+        {clouds != ABLATES && uninformed, "--uninformed goes with surface-ablation"},
+        {clouds == ABLATES && model != uninformed, "%s needs both --model and --uninformed, or trains both"},
+        {clouds != NO_CLOUDS && (vertices || pairs || (clouds != ABLATES && epochs)),
+         "--vertices, --pairs and --epochs do not go with %s"},
+        {clouds != NO_CLOUDS && clouds != SCANS && data, "%s makes its clouds itself: there is no --data"},
+        {clouds == SCANS && !data, "%s needs --data FOLDER with %s: the program comes without any scans"},
+    };
+    return usage_obeys(given, rules, sizeof rules / sizeof *rules, what->name,
+                       shapes > what->max_meshes ? most : what->data);
 }
 
 static void begin(void *to)
@@ -365,7 +324,7 @@ static bool check(void *of)
         (void)usage_error(given, "there is no result '%s'; `batten list results` names them", job->call.input);
         return false;
     }
-    if (check_options(given, job->index) != EXIT_DONE ||
+    if (!check_options(given, &RESULTS[job->index]) ||
         !argument_word(given, "set", SETS, BAT_TENSION_SET_KIND_PUBLISHED, &set) ||
         !argument_list(given, "points", 1, 100000, true, &job->points) ||
         !argument_list(given, "noise", 0, 10, false, &job->noises) ||
@@ -439,21 +398,6 @@ int reproduce_model(const reproduce_job *job, bat_curve_model **model)
     bat_error error;
     bat_status status = bat_curve_model_read_published(job->model, model, &error);
     return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
-}
-
-void reproduce_print_figure(double ours, double published, int width)
-{
-    (void)printf(" %*.5g", width, ours);
-    if (isfinite(published))
-        (void)printf(" (%5.3f)", ours / published);
-    else
-        (void)printf(" %7s", "");
-}
-
-void reproduce_set_number(json_t *object, const char *key, double value)
-{
-    if (isfinite(value))
-        (void)json_object_set_new(object, key, report_number(value));
 }
 
 int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE])

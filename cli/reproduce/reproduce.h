@@ -76,13 +76,7 @@ int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_
 
 /// Read the model that --model names, or take the published one. Returns the program's exit code.
 int reproduce_model(const reproduce_job *job, bat_curve_model **model);
-/// Format a number, followed by its ratio to the published one in brackets if there is one.
-void reproduce_print_figure(double ours, double published, int width);
-/// Add a number to an object unless it is NaN.
-void reproduce_set_number(json_t *object, const char *key, double value);
 /// "folder/file" in a buffer. Returns the program's exit code.
 int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE]);
-/// Read a shape and repair it where needed, with a message. Returns the program's exit code.
-int reproduce_read_shape(const char *path, bat_mesh *mesh);
 
 #endif

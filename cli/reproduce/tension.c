@@ -8,6 +8,12 @@
 #include <math.h>
 #include <stdio.h>
 
+// Ugail and Howard (2026).
+
+static const char *const SPACES[BAT_TENSION_SPACE_COUNT] = {"plane", "sphere", "disk"};
+
+// Tables 1 and 5
+
 /// The fairness settings of the library's learned scheme in the table.
 static const double FAIRNESS[] = {0, 0.25, 0.5, 0.75, 1};
 
@@ -17,57 +23,33 @@ enum
     OWN = 1 + FAIRNESS_COUNT ///< number of methods besides the built-in ones
 };
 
-static void print_row(const bat_tension_row *row)
+static void report_method(report_table *table, const bat_tension_row *row)
 {
     char method[64];
     (void)snprintf(method, sizeof method, isfinite(row->fairness) ? "%s %.2f" : "%s", row->method, row->fairness);
-    (void)printf("%-7s %-27s", row->space, method);
-    if (isfinite(row->tension))
-        (void)printf(" %+6.3f", row->tension);
-    else
-        (void)printf(" %6s", "");
-    reproduce_print_figure(row->mean_nn.mean, row->published_mean_nn, 9);
-    (void)printf(" %9.4g", row->hausdorff.mean);
-    reproduce_print_figure(row->bending.mean, row->published_bending, 9);
-    if (row->mean_nn.count > 1)
-        (void)printf(" %9.4g", row->bending.median);
-    reproduce_print_figure(row->g1.mean, row->published_g1, 7);
-    (void)printf("\n");
-}
-
-static json_t *row_json(const bat_tension_row *row)
-{
-    json_t *object = json_pack("{s:s, s:s, s:s, s:I, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "space", row->space, "method",
-                               row->method, "arithmetic", "double", "curves", (json_int_t)row->mean_nn.count, "mean_nn",
-                               report_number(row->mean_nn.mean), "mean_nn_deviation", report_number(row->mean_nn.deviation),
-                               "hausdorff", report_number(row->hausdorff.mean), "bending", report_number(row->bending.mean),
-                               "bending_median", report_number(row->bending.median), "g1", report_number(row->g1.mean),
-                               "g1_median", report_number(row->g1.median));
-    reproduce_set_number(object, "tension", row->tension);
-    reproduce_set_number(object, "fairness", row->fairness);
-    reproduce_set_number(object, "published_mean_nn", row->published_mean_nn);
-    reproduce_set_number(object, "published_bending", row->published_bending);
-    reproduce_set_number(object, "published_g1", row->published_g1);
-    return object;
+    report_row(table,
+               "{space:-7} {name:-27} [tension?{tension:+6.3f}][!tension?      ] {mean_nn/published_mean_nn:9.5g} "
+               "{hausdorff:9.4g} {bending/published_bending:9.5g}[several? {bending_median:9.4g}] {g1/published_g1:7.5g}\n",
+               "space:s method:s -name:s arithmetic:s curves:z -several:b mean_nn:n mean_nn_deviation:n hausdorff:n "
+               "bending:n bending_median:n g1:n g1_median:n tension:n? fairness:n? published_mean_nn:n? "
+               "published_bending:n? published_g1:n?",
+               row->space, row->method, method, "double", row->mean_nn.count, (int)(row->mean_nn.count > 1),
+               row->mean_nn.mean, row->mean_nn.deviation, row->hausdorff.mean, row->bending.mean, row->bending.median,
+               row->g1.mean, row->g1.median, row->tension, row->fairness, row->published_mean_nn, row->published_bending,
+               row->published_g1);
 }
 
 static int print_rows(const bat_tension_row *rows, size_t count, const char *title, const char *remark, bool as_json)
 {
-    if (as_json)
-    {
-        json_t *array = json_array();
-        for (size_t i = 0; i < count; i++)
-            (void)json_array_append_new(array, row_json(&rows[i]));
-        return report_json(json_pack("{s:o}", "rows", array));
-    }
     bool sets = rows[0].mean_nn.count > 1, published = isfinite(rows[0].published_mean_nn);
-    (void)printf("%s\n%s\n", title, published ? "In brackets: ours divided by the published figure.\n" : "");
-    (void)printf("%-7s %-27s %6s %17s %9s %17s%s %15s\n", "space", "method", "mu", "mean-NN          ", "Hausdorff",
-                 "bending          ", sets ? "    median" : "", "G1             ");
+    report_table table = report_begin(as_json);
+    report_head(&table, "%s\n%s\n", title, published ? "In brackets: ours divided by the published figure.\n" : "");
+    report_head(&table, "%-7s %-27s %6s %17s %9s %17s%s %15s\n", "space", "method", "mu", "mean-NN          ", "Hausdorff",
+                "bending          ", sets ? "    median" : "", "G1             ");
     for (size_t i = 0; i < count; i++)
-        print_row(&rows[i]);
-    (void)printf("\n%s\n", remark);
-    return EXIT_DONE;
+        report_method(&table, &rows[i]);
+    report_head(&table, "\n%s\n", remark);
+    return report_print(as_json, "", "rows:o", table.rows);
 }
 
 /// The networks to compare: the published one and the library's own; the user may replace one of the same kind.
@@ -163,16 +145,16 @@ int reproduce_tension_table1(const reproduce_job *job)
     own_methods(&compared, methods);
     bat_status status = table1_rows(job->curves, methods, rows, &error);
     networks_free(&compared);
-    if (status != BAT_OK)
-        return report_failure(NULL, &error);
     const size_t count = sizeof rows / sizeof *rows;
     reproduce_picture picture;
-    int code = job->folder != NULL ? reproduce_picture_add(job, "tension-frontier.png", &picture) : EXIT_DONE;
-    if (code != EXIT_DONE)
-        return code;
-    if (job->folder != NULL && bat_tension_frontier_draw(picture.write_to, rows, count, &error) != BAT_OK)
-        return report_failure(picture.path, &error);
-    return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
+    int code = report_status(NULL, NULL, status, &error);
+    if (code == EXIT_DONE && job->folder != NULL)
+        code = reproduce_picture_add(job, "tension-frontier.png", &picture);
+    if (code == EXIT_DONE && job->folder != NULL)
+        code = report_status(NULL, picture.path, bat_tension_frontier_draw(picture.write_to, rows, count, &error), &error);
+    return code != EXIT_DONE
+               ? code
+               : print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
 }
 
 int reproduce_tension_iss(const reproduce_job *job)
@@ -188,19 +170,233 @@ int reproduce_tension_iss(const reproduce_job *job)
     bat_status status = bat_tension_table5(rows, 0, progress, &error);
     if (status == BAT_OK)
         status = bat_tension_table5_methods(methods, OWN, rows + BAT_TENSION_METHODS, 0, progress, &error);
-    report_progress_end();
     networks_free(&compared);
-    if (status != BAT_OK)
-        return report_failure(NULL, &error);
     reproduce_picture picture;
-    int code = job->folder != NULL ? reproduce_picture_add(job, "tension-iss.png", &picture) : EXIT_DONE;
+    int code = report_status(NULL, NULL, status, &error);
+    if (code == EXIT_DONE && job->folder != NULL)
+        code = reproduce_picture_add(job, "tension-iss.png", &picture);
+    if (code == EXIT_DONE && job->folder != NULL)
+        code = report_status(NULL, picture.path, bat_tension_iss_draw(picture.write_to, &error), &error);
+    return code != EXIT_DONE
+               ? code
+               : print_rows(
+                     rows, BAT_TENSION_METHODS + OWN,
+                     "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
+                     "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "
+                     "true one.\nThe published learned predictor: mean-NN 0.00699, bending 76.0, G1 0.721.",
+                     job->call.json);
+}
+
+// Table 2
+
+static void report_noise(report_table *table, const bat_tension_noise_options *options, const bat_tension_noise_row *row)
+{
+    report_head(table, "%-27s", row->method);
+    for (size_t s = 0; s < BAT_TENSION_NOISES; s++)
+        report_row(table, " {g1/published_g1:8.5g}",
+                   "space:s method:s noise:n curves:z g1:n g1_deviation:n g1_median:n tension:n? published_g1:n? "
+                   "published_g1_deviation:n?",
+                   "plane", row->method, options->noise[s], row->g1[s].count, row->g1[s].mean, row->g1[s].deviation,
+                   row->g1[s].median, row->tension, row->published_g1[s], row->published_deviation[s]);
+    report_head(table, "\n%27s", "deviation");
+    for (size_t s = 0; s < BAT_TENSION_NOISES && !table->as_json; s++)
+        (void)report_part(false, " {ours/published:8.5g}", "ours:n published:n", row->g1[s].deviation,
+                          row->published_deviation[s]);
+    report_head(table, "\n");
+}
+
+static int print_noise(const bat_tension_noise_options *options, const bat_tension_noise_row *rows, size_t count,
+                       bool as_json)
+{
+    report_table table = report_begin(as_json);
+    report_head(&table,
+                "Table 2 of Ugail and Howard (2026): largest exterior angle (G1), mean and deviation over the plane's %zu\n"
+                "validation curves, whose control points have normal noise of so many polygon radii; %zu levels.\nIn "
+                "brackets: ours divided by the published figure.\n\n%-27s",
+                rows[0].g1[0].count, options->levels, "method");
+    for (size_t s = 0; s < BAT_TENSION_NOISES; s++)
+        report_head(&table, " %8.2f %7s", options->noise[s], "");
+    report_head(&table, "\n");
+    for (size_t i = 0; i < count; i++)
+        report_noise(&table, options, &rows[i]);
+    return report_print(
+        as_json,
+        "\n\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The caption has "
+        "four levels, but\nwithout noise it repeats table 1, which has five. No exterior angle is above pi: means of 3.18 "
+        "and 3.34 cannot be.\n",
+        "levels:z seed:z rows:o", options->levels, (size_t)options->seed, table.rows);
+}
+
+int reproduce_tension_table2(const reproduce_job *job)
+{
+    bat_tension_noise_row rows[BAT_TENSION_NOISE_METHODS + 1];
+    bat_curve_model *model;
+    bat_error error;
+    if (reproduce_model(job, &model) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
+    bat_tension_noise_options options = bat_tension_noise_defaults();
+    options.seed = job->seed;
+    options.progress = report_progress("refining disturbed curves");
+    size_t count = BAT_TENSION_NOISE_METHODS;
+    bat_status status = bat_tension_table2(&options, rows, &error);
+    if (status == BAT_OK)
+    {
+        bat_curve_scheme scheme = bat_curve_scheme_of_model(model);
+        const char *name = bat_curve_model_has_fairness(model) ? "learned 0.50" : BAT_TENSION_LEARNED_PUBLISHED;
+        status = bat_tension_table2_method(name, &scheme, &options, &rows[count++], &error);
+    }
+    bat_curve_model_free(model);
+    int code = report_status(NULL, NULL, status, &error);
+    return code == EXIT_DONE ? print_noise(&options, rows, count, job->call.json) : code;
+}
+
+// Tables 3 and 4
+
+static void report_ablation(report_table *table, const bat_tension_ablation_row *row, size_t space)
+{
+    const bat_tension_ablation_score *ours = &row->scores[space], *published = &row->published[space];
+    report_row(table,
+               "{space:-7} {variant:-15} {weights:8} {best_epoch:5} {mean_nn/published_mean_nn:10.5g} "
+               "{g1/published_g1:9.5g} {bending_share/published_bending_share:9.5g}\n",
+               "space:s variant:s weights:z epochs:z best_epoch:z mean_nn:n g1:n bending:n bending_share:n "
+               "published_mean_nn:n? published_g1:n? published_bending_share:n?",
+               SPACES[space], row->variant, row->weights, (size_t)row->report.run.epochs, (size_t)row->report.run.best_epoch,
+               ours->mean_nn, ours->g1, row->report.scores[0][space].bending, ours->bending, published->mean_nn,
+               published->g1, published->bending);
+}
+
+/// Reproduce one of the two tables.
+static int reproduce_ablation(const reproduce_job *job, const char *title, size_t count,
+                              bat_status (*make)(const bat_tension_ablation_options *options, bat_tension_ablation_row *rows,
+                                                 bat_error *error))
+{
+    bat_tension_ablation_row rows[BAT_TENSION_TABLE4_ROWS];
+    bat_tension_ablation_options options = bat_tension_ablation_defaults();
+    bat_error error;
+    options.seed = job->seed;
+    options.folder = job->folder;
+    options.progress = report_progress("training");
+    int code = report_status(NULL, NULL, make(&options, rows, &error), &error);
     if (code != EXIT_DONE)
         return code;
-    if (job->folder != NULL && bat_tension_iss_draw(picture.write_to, &error) != BAT_OK)
-        return report_failure(picture.path, &error);
-    return print_rows(rows, BAT_TENSION_METHODS + OWN,
-                      "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
-                      "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "
-                      "true one.\nThe published learned predictor: mean-NN 0.00699, bending 76.0, G1 0.721.",
-                      job->call.json);
+    report_table table = report_begin(job->call.json);
+    report_head(&table,
+                "%s of Ugail and Howard (2026): 100 epochs each, seed %llu, stored in %s. Validation curves, five learned\n"
+                "levels, best weights. In brackets: ours divided by the published figure.\n\n%-7s %-15s %8s %5s %18s %17s "
+                "%17s\n",
+                title, (unsigned long long)job->seed, job->folder, "space", "variant", "weights", "epoch",
+                "mean-NN         ", "G1             ", "bending share  ");
+    // The text is ordered by spaces, JSON by variants.
+    for (size_t k = 0; k < count * BAT_TENSION_SPACE_COUNT; k++)
+        report_ablation(&table, &rows[table.as_json ? k / BAT_TENSION_SPACE_COUNT : k % count],
+                        table.as_json ? k % BAT_TENSION_SPACE_COUNT : k / count);
+    return report_print(job->call.json,
+                        "\nThe bending share is the mean bending over that of the four-point scheme as printed.\n",
+                        "seed:z folder:s rows:o", (size_t)job->seed, job->folder, table.rows);
+}
+
+int reproduce_tension_table3(const reproduce_job *job)
+{
+    return reproduce_ablation(job, "Table 3", BAT_TENSION_TABLE3_ROWS, bat_tension_table3);
+}
+
+int reproduce_tension_table4(const reproduce_job *job)
+{
+    return reproduce_ablation(job, "Table 4", BAT_TENSION_TABLE4_ROWS, bat_tension_table4);
+}
+
+// Section 9
+
+enum
+{
+    QUANTILES = sizeof((bat_tension_effective *)0)->quantiles / sizeof(double)
+};
+
+/// Remark 4.
+static const double PUBLISHED_PRODUCT = 2.8;
+
+static void report_effective(report_table *rows, const char *space, const char *sign, const bat_tension_effective *e,
+                             double published_mean, double published_deviation)
+{
+    double all = (double)e->summary.count;
+    json_t *histogram = json_array();
+    for (size_t i = 0; i < BAT_TENSION_EFFECTIVE_BINS; i++)
+        (void)json_array_append_new(histogram, json_integer((json_int_t)e->histogram[i]));
+    report_row(rows,
+               "{space:-7} {sign:-8} {insertions:10} {undefined:9} {100 below_share:6.1f} % {100 above_share:6.1f} %  "
+               "{mean:+6.2f} {deviation:6.2f} ",
+               "insertions:z undefined:z below:z above:z -below_share:n -above_share:n mean:n deviation:n quantiles:o "
+               "histogram:o space:s sign:s published_mean:n? published_deviation:n?",
+               e->insertions, e->undefined, e->below, e->above, (double)e->below / all, (double)e->above / all,
+               e->summary.mean, e->summary.deviation, report_numbers(e->quantiles, QUANTILES), histogram, space, sign,
+               published_mean, published_deviation);
+    for (size_t q = 0; q < QUANTILES; q++)
+        report_head(rows, " %+7.2f", e->quantiles[q]);
+    report_head(rows, "\n");
+    if (!isfinite(published_mean))
+        return;
+    report_head(rows, "%26s %27s %+6.2f", "published", "", published_mean);
+    if (published_deviation > 0)
+        report_head(rows, " %6.2f", published_deviation);
+    report_head(rows, "\n");
+}
+
+static void print_lipschitz(const bat_tension_mechanism_report *report)
+{
+    (void)printf("\nSpectral norms of the linear layers, by power iteration:");
+    for (size_t i = 0; i < BAT_TENSION_LAYERS; i++)
+        (void)printf(" %.3g", report->layers[i]);
+    (void)printf("\nTheir product, the bound of remark 4: %.4g (published: %.1f, ratio %.3g)\n", report->product,
+                 PUBLISHED_PRODUCT, report->product / PUBLISHED_PRODUCT);
+    (void)printf("Longest gradient of the angle by the six features, on these insertions:");
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
+        (void)printf("%s %s %.3g", s > 0 ? "," : "", SPACES[s], report->spaces[s].largest_gradient);
+    (void)printf("\nAngle for features of 0, which theorem 2 wants to be 0:");
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
+        (void)printf("%s %s %+.3g", s > 0 ? "," : "", SPACES[s], report->spaces[s].centre);
+    (void)printf("\n");
+}
+
+static int print_mechanism(const bat_tension_mechanism_report *report, const bat_tension_mechanism_options *options,
+                           const reproduce_job *job)
+{
+    report_table rows = report_begin(job->call.json), spaces = report_begin(job->call.json);
+    report_head(
+        &rows,
+        "Section 9 of Ugail and Howard (2026): the effective tension (eq. 26) of every insertion on %zu validation curves a "
+        "space,\n%zu levels. Mean and deviation after clipping to -3 ... 1.5, as published; quantiles without.\n\n",
+        options->curves, options->levels);
+    report_head(&rows, "%-7s %-8s %10s %9s %8s %8s  %6s %6s  %7s %7s %7s %7s %7s\n", "space", "sign", "insertions",
+                "undefined", "below -3", "over 1.5", "mean", "dev.", "5 %", "25 %", "50 %", "75 %", "95 %");
+    for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
+    {
+        const bat_tension_mechanism_space *space = &report->spaces[s];
+        report_effective(&rows, SPACES[s], "printed", &space->printed, space->published_mean, space->published_deviation);
+        report_effective(&rows, SPACES[s], "outward", &space->outward, NAN, NAN);
+        report_row(&spaces, "", "space:s largest_gradient:n centre:n", SPACES[s], space->largest_gradient, space->centre);
+    }
+    if (!job->call.json)
+        print_lipschitz(report);
+    return report_print(job->call.json, "[folder?\n{folder}/tension-mechanism.png\n]",
+                        "-folder:s curves:z levels:z rows:o lipschitz.layers:o lipschitz.product:n "
+                        "lipschitz.published_product:n lipschitz.spaces:o",
+                        job->folder, options->curves, options->levels, rows.rows,
+                        report_numbers(report->layers, BAT_TENSION_LAYERS), report->product, PUBLISHED_PRODUCT, spaces.rows);
+}
+
+int reproduce_tension_mechanism(const reproduce_job *job)
+{
+    bat_tension_mechanism_report report;
+    bat_tension_mechanism_options options = bat_tension_mechanism_defaults();
+    bat_error error;
+    reproduce_picture picture;
+    options.progress = report_progress("refining validation curves");
+    bat_status status = bat_tension_mechanism(job->model, &options, &report, &error);
+    bool is_model = status == BAT_BAD_FILE || status == BAT_FILE_ACCESS;
+    int code = report_status(NULL, is_model ? job->model : NULL, status, &error);
+    if (code == EXIT_DONE && job->folder != NULL)
+        code = reproduce_picture_add(job, "tension-mechanism.png", &picture);
+    if (code == EXIT_DONE && job->folder != NULL)
+        code = report_status(NULL, picture.path, bat_tension_mechanism_draw(picture.write_to, &report, &error), &error);
+    return code == EXIT_DONE ? print_mechanism(&report, &options, job) : code;
 }

@@ -1,0 +1,224 @@
+#include "reproduce.h"
+
+#include "report.h"
+
+#include "batten/batten.h"
+#include "batten/research/research.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Curves, meshes and scans that people have, against the truth.
+
+static const double DEGREES = 57.295779513082320877;
+
+enum
+{
+    /// Rows of a given model.
+    MAX_METHODS = 3,
+    MAX_WAYS = 32
+};
+
+// Curves
+
+/// The rows of a given model: three where it has a fairness, else one.
+static size_t model_methods(const bat_curve_model *model, bat_tension_method methods[MAX_METHODS])
+{
+    static const char *const NAMES[MAX_METHODS] = {"given:fairness=0", "given:fairness=0.5", "given:fairness=1"};
+    bat_curve_scheme scheme = bat_curve_scheme_of_model(model);
+    if (!bat_curve_model_has_fairness(model))
+    {
+        methods[0] = (bat_tension_method){.name = "given", .scheme = scheme};
+        return 1;
+    }
+    for (size_t i = 0; i < MAX_METHODS; i++)
+    {
+        scheme.fairness = 0.5 * (double)i;
+        methods[i] = (bat_tension_method){.name = NAMES[i], .fairness = scheme.fairness, .scheme = scheme};
+    }
+    return MAX_METHODS;
+}
+
+static void report_curve(report_table *table, const bat_real_curves_row *row)
+{
+    if (strcmp(row->method, "polygon") == 0)
+        report_head(table, "\n%s, %s, %s: %zu curves\n%-35s %9s %9s %9s %7s %8s\n", row->space, row->family, row->sampling,
+                    row->curves, "scheme", "relative", "distance", "largest", "turn", "crossed");
+    report_row(table, "{scheme:-35} {relative:9.3f} {distance:9.5f} {largest:9.4f} {turn:7.2f} {crossed:8}\n",
+               "space:s family:s sampling:s scheme:s distance:n relative:n largest:n turn:n crossed:z curves:z", row->space,
+               row->family, row->sampling, row->method, row->distance, row->relative, row->largest, row->turn * DEGREES,
+               row->crossed, row->curves);
+}
+
+int reproduce_real_curves(const reproduce_job *job)
+{
+    bat_tension_method methods[MAX_METHODS];
+    bat_curve_model *model = NULL;
+    bat_real_curves_row *rows;
+    size_t count;
+    bat_error error;
+    if (job->model != NULL && reproduce_model(job, &model) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
+    bat_real_curves_options options = bat_real_curves_defaults();
+    options.methods = methods;
+    options.method_count = model != NULL ? model_methods(model, methods) : 0;
+    options.progress = report_progress("measuring curves");
+    int code = report_status(NULL, NULL, bat_real_curves(job->data, &options, &rows, &count, &error), &error);
+    bat_curve_model_free(model);
+    if (code != EXIT_DONE)
+        return code;
+    report_table table = report_begin(job->call.json);
+    report_head(&table,
+                "Curves refined by %zu levels against the curves that their points were sampled from.\n"
+                "relative: mean distance over that of the control polygon; distance and largest distance in control edges;\n"
+                "turn: median of the largest turning angles, degrees; crossed: curves that cross themselves though their\n"
+                "polygon does not.\n",
+                options.levels);
+    for (size_t i = 0; i < count; i++)
+        report_curve(&table, &rows[i]);
+    free(rows);
+    return report_print(job->call.json, "", "levels:z rows:o", options.levels, table.rows);
+}
+
+// Meshes
+
+/// Means over the meshes that were made in one way, refined by one method.
+typedef struct summary
+{
+    const char *way, *method;
+    size_t count, closed;
+    double relative, worst; ///< sum of logarithms; the greatest
+    const char *worst_shape;
+    double rough, volume; ///< sums: of logarithms of the angle over the true one; of absolute errors
+} summary;
+
+static void report_mesh(report_table *table, const bat_real_meshes_row *row)
+{
+    report_row(table,
+               "{shape:-12} {vertices:8} {way:-10} {scheme:-20} {relative:8.3f} {100 mean:9.4f} {100 hausdorff:10.3f} "
+               "{angle:6.1f} {true_angle:6.1f} [volume?{100 volume:8.2f}][!volume?       -]\n",
+               "shape:s way:s vertices:z scheme:s mean:n hausdorff:n relative:n angle:n true_angle:n volume:n", row->shape,
+               row->way, row->vertices, row->method, row->mean, row->hausdorff, row->relative, row->angle * DEGREES,
+               row->true_angle * DEGREES, row->volume);
+}
+
+static void add_row(summary *s, const bat_real_meshes_row *row)
+{
+    s->count++;
+    s->relative += log(row->relative);
+    s->rough += log(row->angle / row->true_angle);
+    if (row->relative > s->worst)
+    {
+        s->worst = row->relative;
+        s->worst_shape = row->shape;
+    }
+    if (isfinite(row->volume))
+    {
+        s->closed++;
+        s->volume += fabs(row->volume);
+    }
+}
+
+static void print_summary(const bat_real_meshes_row *rows, size_t count)
+{
+    summary all[MAX_WAYS * 8] = {0};
+    size_t used = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t at = 0;
+        while (at < used && (strcmp(all[at].way, rows[i].way) != 0 || strcmp(all[at].method, rows[i].method) != 0))
+            at++;
+        if (at == sizeof all / sizeof *all)
+            continue;
+        if (at == used)
+            all[used++] = (summary){.way = rows[i].way, .method = rows[i].method};
+        add_row(&all[at], &rows[i]);
+    }
+    report_table table = report_begin(false);
+    report_head(&table, "\n%-10s %-20s %6s %8s %8s %-12s %10s %8s\n", "way", "scheme", "meshes", "relative", "worst", "of",
+                "angle/true", "volume %");
+    for (size_t i = 0; i < used; i++)
+    {
+        const summary *s = &all[i];
+        double share = 1 / (double)s->count;
+        report_row(&table,
+                   "{way:-10} {method:-20} {count:6} {relative:8.3f} {worst:8.3f} {shape:-12} {rough:10.3f} "
+                   "[closed?{100 volume:8.2f}][!closed?       -]\n",
+                   "way:s method:s count:z closed:z relative:n worst:n shape:s rough:n volume:n", s->way, s->method,
+                   s->count, s->closed, exp(share * s->relative), s->worst, s->worst_shape, exp(share * s->rough),
+                   s->volume / (double)s->closed);
+    }
+}
+
+int reproduce_real_meshes(const reproduce_job *job)
+{
+    bat_real_meshes_options options = bat_real_meshes_defaults();
+    bat_mesh_model *model = NULL;
+    bat_real_meshes_row *rows;
+    size_t count;
+    bat_error error;
+    if (job->model != NULL && bat_mesh_model_read_published(job->model, &model, &error) != BAT_OK)
+        return report_failure(job->model, &error);
+    options.model = model;
+    options.progress = report_progress("measuring meshes");
+    int code = report_status(NULL, NULL, bat_real_meshes(job->data, &options, &rows, &count, &error), &error);
+    bat_mesh_model_free(model);
+    if (code != EXIT_DONE)
+        return code;
+    report_table table = report_begin(job->call.json);
+    report_head(&table,
+                "Coarse meshes refined by %zu levels against the shapes that they were made from.\n"
+                "relative: mean distance over the least of flat, butterfly and Loop; mean and largest distance over the\n"
+                "diagonal; angle: 95 %% quantile between neighbouring faces, degrees; true: the same with all vertices\n"
+                "moved to the shape; volume: error.\n\n%-12s %8s %-10s %-20s %8s %9s %10s %6s %6s %8s\n",
+                options.levels, "shape", "vertices", "way", "scheme", "relative", "mean %", "largest %", "angle", "true",
+                "volume %");
+    for (size_t i = 0; i < count; i++)
+        report_mesh(&table, &rows[i]);
+    if (!job->call.json)
+        print_summary(rows, count);
+    free(rows);
+    return report_print(job->call.json, "", "levels:z rows:o", options.levels, table.rows);
+}
+
+// Scans
+
+int reproduce_scan_verdict(const reproduce_job *job)
+{
+    // By whether they are right, then by whether they are accepted.
+    static const char *const OUTCOMES[2][2] = {{"wrong, refused", "wrong, accepted"}, {"right, refused", "right"}};
+    bat_scan_verdict_options options = bat_scan_verdict_defaults();
+    bat_scan_verdict_row *rows;
+    size_t count, failed = 0, sums[2][2] = {{0}};
+    bat_error error;
+    options.seed = job->seed;
+    options.progress = report_progress("fitting");
+    int code = report_status(NULL, NULL, bat_scan_verdict(job->data, &options, &rows, &count, &error), &error);
+    if (code != EXIT_DONE)
+        return code;
+    report_table table = report_begin(job->call.json);
+    report_head(&table, "%-20s %7s %7s %-16s %8s %8s %6s\n", "shape", "points", "noise", "outcome", "missed", "strays",
+                "area");
+    for (size_t i = 0; i < count; i++)
+    {
+        const bat_scan_verdict_row *row = &rows[i];
+        bool made = row->failure[0] == '\0';
+        sums[row->is_right][row->is_accepted] += made;
+        failed += !made;
+        report_row(&table,
+                   "{shape:-20} {points:7} {noise:7g} {outcome:-16} [failure?{failure}][!failure?"
+                   "{distance_from_surface:8.4f} {distance_from_points:8.4f} {area:6.3f}]\n",
+                   "shape:s points:z noise:n outcome:s failure:s fault:i distance_from_surface:n distance_from_points:n "
+                   "area:n",
+                   row->shape, row->points, row->noise, made ? OUTCOMES[row->is_right][row->is_accepted] : "none",
+                   row->failure, (int)row->fault, row->distance_from_surface, row->distance_from_points, row->area);
+    }
+    free(rows);
+    return report_print(job->call.json,
+                        "\nright and accepted {right_accepted}, right but refused {right_refused}, wrong but accepted "
+                        "{wrong_accepted}, wrong and refused {wrong_refused}, none {failed}\n",
+                        "right_accepted:z right_refused:z wrong_accepted:z wrong_refused:z failed:z rows:o", sums[1][1],
+                        sums[1][0], sums[0][1], sums[0][0], failed, table.rows);
+}

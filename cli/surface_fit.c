@@ -1,0 +1,321 @@
+#include "surface_fit.h"
+
+#include "report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum
+{
+    MAX_FUNCTIONS = 100000000,
+    MAX_ROUNDS = 1000
+};
+
+const option_spec SURFACE_FIT_OPTIONS[] = {
+    {"tolerance", "T", METHOD, COMMON, "refine where points are farther off than this, in their units",
+     POSITIVE(bat_surface_fit_options, tolerance)},
+    {"functions", "N", METHOD, COMMON,
+     "the maximum number of functions, which is that of control points; default: as many as bring held-out points nearer",
+     WHOLE(bat_surface_fit_options, functions, 1, MAX_FUNCTIONS)},
+    {"degree", "P[,Q]", METHOD, COMMON, "of the spline in its two directions, 1 to 15; default 3", NO_FIELD},
+    {"share", "S", METHOD, 0, "stop when this share of the points is within the tolerance; default 1",
+     NUMBER(bat_surface_fit_options, share)},
+    {"iterations", "N", METHOD, 0, "the maximum number of refinements; default 30",
+     WHOLE(bat_surface_fit_options, iterations, 0, MAX_ROUNDS)},
+    {"smoothing", "WEIGHT", METHOD, 0, "of the thin plate; default: found by likelihood, or by --noise",
+     NUMBER(bat_surface_fit_options, weight)},
+    {"noise", "D", METHOD, 0, "standard deviation of a coordinate, where it is known",
+     NUMBER(bat_surface_fit_options, noise)},
+    {"robust", NULL, METHOD, COMMON, "points far off count less", FLAG(bat_surface_fit_options, robust)},
+    {"corrections", "N", METHOD, 0,
+     "rounds that move parameters to the nearest place of the surface, after each fit; default 1",
+     WHOLE(bat_surface_fit_options, corrections, 0, MAX_ROUNDS)},
+    {"final-corrections", "N", METHOD, 0, "the same after the last refinement; default 0",
+     WHOLE(bat_surface_fit_options, final_corrections, 0, MAX_ROUNDS)},
+    END_OF_OPTIONS,
+};
+
+const option_spec SURFACE_WRITE_OPTIONS[] = {
+    {"unit", "UNIT", RESULT, 0, "{}: what STEP and IGES name as the unit of the coordinates; default mm",
+     CHOICE(bat_surface_write_options, unit, bat_surface_unit_family)},
+    {"samples", "N", RESULT, 0, "of each cell and direction, for VTK and OBJ; default: the degree plus 1",
+     WHOLE(bat_surface_write_options, samples, 1, MAX_ROUNDS)},
+    {"to", "FORMAT", RESULT, 0, "the format of OUT; default: by its ending",
+     CHOICE(bat_surface_write_options, format, bat_surface_format_family)},
+    END_OF_OPTIONS,
+};
+
+static bool read_degrees(const arguments *given, int degree[2])
+{
+    const char *text = argument(given, "degree");
+    if (text == NULL)
+        return true;
+    char *end;
+    long first = strtol(text, &end, 10), second = first;
+    bool good = end != text;
+    if (good && *end == ',')
+    {
+        text = end + 1;
+        second = strtol(text, &end, 10);
+        good = end != text;
+    }
+    good = good && *end == '\0' && first >= 1 && first <= BAT_SPLINE_MAX_DEGREE && second >= 1 &&
+           second <= BAT_SPLINE_MAX_DEGREE;
+    degree[0] = (int)first;
+    degree[1] = (int)second;
+    return good || argument_refused(given, "degree", "a number from 1 to %d, or two as in 3,2", BAT_SPLINE_MAX_DEGREE);
+}
+
+bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit)
+{
+    bat_error error;
+    if (argument(given, "smoothing") != NULL)
+        fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
+    else if (argument(given, "noise") != NULL)
+        fit->smoothing = BAT_SURFACE_SMOOTHING_NOISE;
+    if (!read_degrees(given, fit->space.degree) ||
+        !usage_accepts(given, bat_options_check(&bat_surface_fit_fields, fit, &error), &error))
+        return false;
+    if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
+        return usage_refused(given, "--noise and --smoothing exclude each other");
+    return argument(given, "share") == NULL || argument(given, "tolerance") != NULL ||
+           usage_refused(given, "--share needs --tolerance");
+}
+
+// The report
+
+/// A point's place in the input.
+static size_t place_of(const bat_cloud *cloud, size_t point)
+{
+    return cloud->order == NULL ? point : cloud->order[point];
+}
+
+/// Whether candidates are compared by the expected distance of new points.
+static bool compares_expected(const surface_findings *findings, const bat_surface_candidate *candidate)
+{
+    const bat_surface_fit_options *fit = &findings->options->fit;
+    return fit->functions == 0 && !fit->robust && isfinite(candidate->expected_rms);
+}
+
+/// The best candidate but the one that was chosen; null where all others fail or stray.
+static const bat_surface_candidate *runner_up(const surface_findings *findings)
+{
+    const bat_surface_result *result = findings->result;
+    const bat_surface_candidate *second = NULL;
+    for (size_t i = 0; i < result->candidate_count; i++)
+    {
+        const bat_surface_candidate *candidate = &result->candidates[i];
+        if (candidate->parameters != result->chosen && isfinite(candidate->mean_squared) && !candidate->excluded &&
+            (second == NULL || (compares_expected(findings, second) ? candidate->expected_rms < second->expected_rms
+                                                                    : candidate->mean_squared < second->mean_squared)))
+            second = candidate;
+    }
+    return second;
+}
+
+static const bat_surface_candidate *chosen_one(const bat_surface_result *result)
+{
+    size_t i = 0;
+    while (i + 1 < result->candidate_count && result->candidates[i].parameters != result->chosen)
+        i++;
+    return &result->candidates[i];
+}
+
+/// Why these parameters were chosen, in a few words.
+static void make_reason(const surface_findings *findings, char *text, size_t size)
+{
+    const bat_surface_candidate *first = chosen_one(findings->result), *second = runner_up(findings);
+    bool tolerant = findings->options->fit.tolerance > 0;
+    if (findings->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
+        (void)snprintf(text, size, "asked for");
+    else if (second == NULL)
+        (void)snprintf(text, size, "the only ones that neither fail nor stray");
+    else if (tolerant && first->reached && !second->reached)
+        (void)snprintf(text, size, "the only ones that reach the tolerance");
+    else if (tolerant && first->reached && first->functions != second->functions)
+        (void)snprintf(text, size, "within the tolerance by %zu functions instead of %zu", first->functions,
+                       second->functions);
+    else if (compares_expected(findings, first))
+        (void)snprintf(text, size, "expected distance of new points %.4g instead of %.4g", first->expected_rms,
+                       second->expected_rms);
+    else
+        (void)snprintf(text, size, "%s squared distance %.4g instead of %.4g",
+                       findings->options->fit.robust ? "median" : "mean", first->mean_squared, second->mean_squared);
+}
+
+static json_t *report_cloud(const surface_findings *findings, bool as_json)
+{
+    const bat_cloud *cloud = findings->cloud;
+    size_t places[4] = {0};
+    json_t *corners = json_array();
+    for (int k = 0; k < 4 && (cloud->has_corners || cloud->boundary_count > 0); k++)
+        places[k] = place_of(cloud, cloud->corners[k]);
+    for (int k = 0; k < 4 && cloud->has_corners; k++)
+        (void)json_array_append_new(corners, json_integer((json_int_t)places[k]));
+    return report_part(
+        as_json,
+        "{file}: {points} points[duplicates?, without {duplicates} that repeat others][boundary?, {boundary} of them on the "
+        "boundary[boundary_found? that was found]; corners[corners_found? that were found]: points {a}, {b}, {c}, {d}]\n",
+        "file:s points:z duplicates:z boundary:z boundary_found:b corners:o corners_found:b -a:z -b:z -c:z -d:z",
+        findings->input, cloud->count, cloud->duplicates, cloud->boundary_count, (int)findings->result->boundary_found,
+        corners, (int)findings->result->corners_found, places[0], places[1], places[2], places[3]);
+}
+
+static json_t *folds_json(const bat_cloud *cloud, const bat_cloud_parameters_report *folds)
+{
+    json_t *first = folds->folded > 0 ? json_integer((json_int_t)place_of(cloud, folds->first)) : json_null();
+    return report_object("folded:z first:o outside:z coincident:z stretch:n", folds->folded, first, folds->outside,
+                         folds->coincident, folds->stretch);
+}
+
+static void report_candidate(report_table *table, const surface_findings *findings, const bat_surface_candidate *candidate)
+{
+    const char *name = bat_choice_name(&bat_surface_parameters_family, (int)candidate->parameters);
+    char keys[160];
+    if (candidate->failure.status != BAT_OK)
+    {
+        report_row(table, "{parameters:-18} failed: {failure}\n", "parameters:s failure:s", name, candidate->failure.text);
+        return;
+    }
+    (void)snprintf(keys, sizeof keys,
+                   "parameters:s seconds:n folds:o repaired:o -folded:z -mended:z functions:z -square:n %s_squared:n "
+                   "hausdorff:n excluded:b reached:b fit_seconds:n",
+                   findings->options->fit.robust ? "median" : "mean");
+    report_row(table,
+               "{parameters:-18} {seconds:8.3f} {folded:7} {mended:8} {functions:10} {square:13.4g} {hausdorff:9.3g} "
+               "{fit_seconds:8.2f}[excluded?  out: strays]\n",
+               keys, name, candidate->seconds, folds_json(findings->cloud, &candidate->folds),
+               folds_json(findings->cloud, &candidate->repaired), candidate->folds.folded,
+               candidate->folds.folded - candidate->repaired.folded, candidate->functions, candidate->mean_squared,
+               candidate->mean_squared, candidate->hausdorff, (int)candidate->excluded, (int)candidate->reached,
+               candidate->fit_seconds);
+}
+
+static json_t *report_round(const surface_findings *findings, size_t index, bool as_json)
+{
+    const bat_surface_fit_round *round = &findings->result->report.rounds[index];
+    bool tolerant = findings->options->fit.tolerance > 0;
+    char share[16] = "";
+    if (tolerant)
+        (void)snprintf(share, sizeof share, "%.2f %%", 100 * round->within);
+    return report_part(as_json,
+                       "{round:5} {functions:10} {levels:7} {mean_squared:12.4g} {largest:12.4g} {share:8} "
+                       "{smoothing:10.2g} {seconds:8.2f}\n",
+                       "-round:z functions:z levels:z mean_squared:n rms:n largest:n worst:z within:n -share:s smoothing:n "
+                       "seconds:n",
+                       index, round->functions, round->levels, round->mean_squared, round->rms, round->largest,
+                       place_of(findings->cloud, round->worst), tolerant ? round->within : NAN, share, round->weight,
+                       round->seconds);
+}
+
+/// What is told of the last round and of the points, in text alone.
+static void print_end(const surface_findings *findings)
+{
+    const bat_surface_result *result = findings->result;
+    const bat_surface_fit_options *options = &findings->options->fit;
+    const bat_surface_fit_round *last = &result->report.rounds[result->report.count - 1];
+    (void)printf("\nroot mean square distance %.4g, largest %.4g at point %zu\n", last->rms, last->largest,
+                 place_of(findings->cloud, last->worst));
+    if (!result->report.reached && (options->tolerance > 0 || options->functions > 0))
+        (void)printf("%s is not reached\n", options->tolerance > 0 ? "the tolerance" : "the number of functions");
+    if (options->robust)
+        (void)printf("%zu points count as outliers\n", result->report.outliers);
+    if (result->folds.folded > 0)
+        (void)printf("%zu folds in the corrected parameters, the first at point %zu\n", result->folds.folded,
+                     place_of(findings->cloud, result->folds.first));
+}
+
+static json_t *report_trim(const bat_surface_result *result, bool as_json)
+{
+    const bat_spline_trim *trim = &result->surface.trim;
+    if (trim->loop_count == 0)
+        return as_json ? json_null() : NULL;
+    return report_part(as_json,
+                       "trimmed by an outline and {holes} holes, {curves} curves in all; {filled_holes} holes are filled\n",
+                       "holes:z curves:z filled_holes:z", trim->loop_count - 1, (size_t)trim->loops[trim->loop_count],
+                       (size_t)result->filled_holes);
+}
+
+const char *surface_verdict(const bat_surface_verdict *verdict)
+{
+    static const char *const TEXTS[] = {
+        "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
+        "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
+    return TEXTS[verdict->fault];
+}
+
+static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
+{
+    static const char *const NAMES[] = {"none", "missed", "strays", "folds", "area"};
+    return report_part(
+        as_json,
+        "verdict: {verdict}\n  99 % of the points within {distance_from_surface:.3g}, 99 % of the surface within the "
+        "spacing "
+        "of points and {distance_from_points:.3g}, largest {farthest:.3g}\n  area {area:.4g}, of the points "
+        "{cloud_area:.4g}; {100 cross_share:.2g} % across, {100 far_share:.2g} % far\n",
+        "-verdict:s right:b fault:s distance_from_surface:n distance_from_points:n farthest:n far_share:n cross_share:n "
+        "area:n cloud_area:n spacing:n",
+        surface_verdict(verdict), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), NAMES[verdict->fault],
+        verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest, verdict->far_share,
+        verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
+}
+
+/// Report the candidates, and what was chosen.
+static json_t *report_candidates(const surface_findings *findings, const char *reason, bool as_json)
+{
+    const bat_surface_result *result = findings->result;
+    report_table table = report_begin(as_json);
+    report_head(&table, "\n%-18s %8s %7s %8s %10s %13s %9s %8s\n", "parameters", "seconds", "folds", "repaired", "functions",
+                findings->options->fit.robust ? "median square" : "mean square", "strays", "seconds");
+    for (size_t i = 0; i < result->candidate_count; i++)
+        report_candidate(&table, findings, &result->candidates[i]);
+    report_head(&table, "%s: %s", bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason);
+    if (result->trial_points < findings->cloud->count)
+        report_head(&table, ", on trial with %zu of the points", result->trial_points);
+    report_head(&table, "\n");
+    return table.rows;
+}
+
+static json_t *report_rounds(const surface_findings *findings, bool as_json)
+{
+    report_table table = report_begin(as_json);
+    report_head(&table, "\n%5s %10s %7s %12s %12s %8s %10s %8s\n", "round", "functions", "levels", "mean square", "largest",
+                findings->options->fit.tolerance > 0 ? "within" : "", "smoothing", "seconds");
+    for (size_t i = 0; i < findings->result->report.count; i++)
+        report_gather(&table, report_round(findings, i, as_json));
+    return table.rows;
+}
+
+json_t *surface_report(const surface_findings *findings, bool as_json)
+{
+    const bat_surface_result *result = findings->result;
+    const bat_surface_fit_report *report = &result->report;
+    char reason[200];
+    make_reason(findings, reason, sizeof reason);
+    json_t *cloud = report_cloud(findings, as_json), *candidates = report_candidates(findings, reason, as_json);
+    json_t *rounds = report_rounds(findings, as_json);
+    if (!as_json)
+        print_end(findings);
+    json_t *trim = report_trim(result, as_json);
+    json_t *held_out = report_part(
+        as_json,
+        "[points?{points} points held out: root mean square distance {rms:.4g}, largest {largest:.4g}\n]noise: about "
+        "{noise:.3g} in each coordinate, from residuals of local quadratic fits\n",
+        "points:z rms:n largest:n -noise:n", report->held_out_count, report->held_out_rms, report->held_out_largest,
+        result->noise);
+    json_t *verdict = report_verdict(&result->verdict, as_json);
+    if (!as_json)
+        (void)printf("seconds: boundary %.2f, measures of the cloud %.2f, parameters and fits %.2f\n", result->seconds[0],
+                     result->seconds[1], result->seconds[2]);
+    if (!as_json)
+        return NULL;
+    const int *degree = findings->options->fit.space.degree;
+    return report_object(
+        "cloud:o chosen:s reason:s trial_points:z candidates:o degree:o rounds:o result:o reached:b moved:z outliers:z "
+        "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o",
+        cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, result->trial_points,
+        candidates, json_pack("[i, i]", degree[0], degree[1]), rounds, report_round(findings, report->count - 1, true),
+        (int)report->reached, (size_t)report->moved, (size_t)report->outliers, folds_json(findings->cloud, &result->folds),
+        held_out, result->noise, verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3));
+}
