@@ -1,12 +1,12 @@
-#include "analyze.h"
-
 #include "report.h"
 #include "verb.h"
 
+#include "batten/curve_analysis.h"
 #include "batten/curve_picture.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,7 +17,17 @@ enum
     PARAMETER_SIZE = 32,
     /// Samples of the basic limit function drawn: 2^DRAWN_LEVEL for each unit.
     DRAWN_LEVEL = 9,
+    /// Matrices larger than this are left to --json.
+    LARGEST_MATRIX = 10,
+    /// Difference masks up to this order are shown.
+    LARGEST_ORDER = 6,
 };
+
+/// Numbers are shown over a common denominator up to this, or up to a power of two of 40 binary digits.
+#define LARGEST_DENOMINATOR 65536
+#define FRACTION_TOLERANCE 2e-13
+/// Bounds that are no farther apart are shown as one number.
+#define NARROW 1e-9
 
 /// A family of schemes: a name with settings, and one more setting that varies.
 typedef struct named_family
@@ -54,9 +64,8 @@ static const option_spec OPTIONS[] = {
 
 static bool check_linear(const arguments *given, const bat_curve_scheme *scheme)
 {
-    if (scheme->kind != BAT_CURVE_SCHEME_LINEAR)
-        (void)usage_error(given, "'%s' is not linear: it has no mask", given->positional[0]);
-    return scheme->kind == BAT_CURVE_SCHEME_LINEAR;
+    return scheme->kind == BAT_CURVE_SCHEME_LINEAR ||
+           usage_refused(given, "'%s' is not linear: it has no mask", given->positional[0]);
 }
 
 static bat_status family_member(const named_family *family, double value, bat_curve_scheme *scheme, bat_error *error)
@@ -127,8 +136,7 @@ static int run_sweep(analyze_job *job)
     bat_mask_sweep_options options = job->sweep;
     options.progress = report_progress("analyze");
     bat_status status = bat_mask_sweep(family_mask, &job->family, &options, &job->intervals, &job->count, &error);
-    report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_failure(NULL, &error);
+    return report_status(NULL, NULL, status, &error);
 }
 
 /// The basic limit function over its support.
@@ -158,6 +166,475 @@ static int draw_basis(const char *path, const char *write_to, const char *name, 
     return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
 }
 
+// The report
+
+static const char *verdict_name(bat_analysis_verdict verdict)
+{
+    return bat_choice_name(&bat_analysis_verdict_family, (int)verdict);
+}
+
+/// Whether all numbers are multiples of 1 / denominator, to rounding.
+static bool fits_denominator(const double *numbers, size_t count, double denominator)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        double multiple = numbers[i] * denominator;
+        if (!(fabs(multiple - round(multiple)) <= FRACTION_TOLERANCE * denominator) || fabs(multiple) > 1e15)
+            return false;
+    }
+    return true;
+}
+
+/// The smallest common denominator of numbers that have one; 0 for others.
+static double common_denominator(const double *numbers, size_t count)
+{
+    for (double denominator = 1; denominator <= LARGEST_DENOMINATOR; denominator += 1)
+    {
+        if (fits_denominator(numbers, count, denominator))
+            return denominator;
+    }
+    for (int exponent = 17; exponent <= 40; exponent++)
+    {
+        double denominator = ldexp(1, exponent);
+        bool exact = true;
+        for (size_t i = 0; i < count; i++)
+            exact = exact && numbers[i] * denominator == round(numbers[i] * denominator);
+        if (exact)
+            return denominator;
+    }
+    return 0;
+}
+
+static void print_number(double number, double denominator)
+{
+    if (denominator > 0)
+        (void)printf("%.0f", round(number * denominator) + 0);
+    else
+        (void)printf("%.10g", number);
+}
+
+/// "[1 3 3 1] / 4"
+static void print_list(const double *numbers, size_t count)
+{
+    double denominator = common_denominator(numbers, count);
+    (void)putchar('[');
+    for (size_t i = 0; i < count; i++)
+    {
+        (void)printf("%s", i > 0 ? " " : "");
+        print_number(numbers[i], denominator);
+    }
+    (void)putchar(']');
+    if (denominator > 1)
+        (void)printf(" / %.0f", denominator);
+}
+
+static void print_fraction(double number)
+{
+    double denominator = common_denominator(&number, 1);
+    print_number(number, denominator);
+    if (denominator > 1)
+        (void)printf("/%.0f", denominator);
+}
+
+/// A polynomial with constant term first: "-1 + 4 z - z^2".
+static void print_polynomial(const double *coefficients, size_t count, double denominator)
+{
+    bool is_first = true;
+    for (size_t k = 0; k < count; k++)
+    {
+        double number = denominator > 0 ? round(coefficients[k] * denominator) : coefficients[k];
+        if (number == 0)
+            continue;
+        if (is_first)
+            (void)printf("%s", number < 0 ? "-" : "");
+        else
+            (void)printf("%s", number < 0 ? " - " : " + ");
+        is_first = false;
+        if (fabs(number) != 1 || k == 0)
+            (void)printf(denominator > 0 ? "%.0f" : "%.10g", fabs(number));
+        if (k > 0)
+            (void)printf("%s", fabs(number) != 1 ? " z" : "z");
+        if (k > 1)
+            (void)printf("^%zu", k);
+    }
+}
+
+/// a(z) = z^-3 (1 + z)^4 (-1 + 4 z - z^2) / 16
+static void print_symbol(const bat_analysis *analysis)
+{
+    const bat_mask *quotient = &analysis->quotient;
+    double denominator = common_denominator(quotient->coefficients, quotient->count);
+    (void)printf("  a(z) = ");
+    if (analysis->mask.first != 0)
+        (void)printf("z^%d ", analysis->mask.first);
+    (void)printf("(1 + z)");
+    if (analysis->multiplicity > 1)
+        (void)printf("^%zu", analysis->multiplicity);
+    bool is_unit = quotient->count == 1 && denominator > 0 && round(quotient->coefficients[0] * denominator) == 1;
+    if (!is_unit)
+    {
+        (void)printf(" (");
+        print_polynomial(quotient->coefficients, quotient->count, denominator);
+        (void)putchar(')');
+    }
+    if (denominator > 1)
+        (void)printf(" / %.0f", denominator);
+    (void)putchar('\n');
+}
+
+static void print_differences(const bat_analysis *analysis)
+{
+    for (size_t order = 1; order <= analysis->multiplicity && order <= LARGEST_ORDER; order++)
+    {
+        bat_mask difference;
+        if (bat_mask_difference(&analysis->mask, order, &difference, NULL) != BAT_OK)
+            return;
+        (void)printf("  differences of order %zu  ", order);
+        print_list(difference.coefficients, difference.count);
+        (void)putchar('\n');
+    }
+}
+
+static void report_symbol(const bat_analysis *analysis)
+{
+    (void)printf("Symbol\n");
+    (void)printf("  mask, from index %d:    ", analysis->mask.first);
+    print_list(analysis->mask.coefficients, analysis->mask.count);
+    (void)putchar('\n');
+    print_symbol(analysis);
+    print_differences(analysis);
+    if (analysis->remainder > 0)
+        (void)printf("  the factors fit the given coefficients to %.1e\n", analysis->remainder);
+    (void)printf("  %s, %s\n", analysis->is_symmetric ? "symmetric" : "not symmetric",
+                 analysis->is_interpolatory ? "interpolatory" : "approximating");
+    (void)printf("\nPolynomials\n");
+    (void)printf("  generates degree %zu, reproduces degree %zu with point i at (i + shift) / 2^level, shift = ",
+                 analysis->generation_degree, analysis->reproduction_degree);
+    print_fraction(analysis->shift);
+    (void)printf("\n");
+}
+
+static void print_matrix(const bat_analysis *analysis)
+{
+    size_t size = analysis->matrix_size;
+    if (size > LARGEST_MATRIX)
+    {
+        (void)printf("  %zu x %zu, shown by --json\n", size, size);
+        return;
+    }
+    double denominator = common_denominator(analysis->matrix, size * size);
+    for (size_t row = 0; row < size; row++)
+    {
+        (void)printf("  |");
+        for (size_t column = 0; column < size; column++)
+        {
+            double entry = analysis->matrix[row * size + column];
+            if (denominator > 0)
+                (void)printf(" %5.0f", round(entry * denominator) + 0);
+            else
+                (void)printf(" %11.7f", entry);
+        }
+        (void)printf(" |");
+        if (row == size / 2 && denominator > 1)
+            (void)printf(" / %.0f", denominator);
+        (void)putchar('\n');
+    }
+}
+
+static void print_vector(const double *vector, size_t size)
+{
+    double real[BAT_MASK_MAX];
+    bool is_complex = false;
+    for (size_t i = 0; i < size; i++)
+    {
+        real[i] = vector[2 * i];
+        is_complex = is_complex || vector[2 * i + 1] != 0;
+    }
+    if (!is_complex)
+    {
+        print_list(real, size);
+        return;
+    }
+    (void)putchar('[');
+    for (size_t i = 0; i < size; i++)
+        (void)printf("%s%.5g%+.5gi", i > 0 ? " " : "", vector[2 * i], vector[2 * i + 1]);
+    (void)putchar(']');
+}
+
+static void print_eigenvalue(const bat_analysis_eigenvalue *value)
+{
+    char text[64];
+    if (value->imaginary == 0)
+    {
+        double denominator = common_denominator(&value->real, 1);
+        if (denominator > 1)
+            (void)snprintf(text, sizeof text, "%.0f/%.0f", round(value->real * denominator), denominator);
+        else
+            (void)snprintf(text, sizeof text, "%.10g", value->real);
+    }
+    else
+        (void)snprintf(text, sizeof text, "%.8g %c %.8gi", value->real, value->imaginary < 0 ? '-' : '+',
+                       fabs(value->imaginary));
+    (void)printf("    %-16s", text);
+}
+
+static void report_matrix(const bat_analysis *analysis)
+{
+    size_t size = analysis->matrix_size;
+    (void)printf("\nLocal subdivision matrix\n");
+    if (size == 0)
+    {
+        (void)printf("  none: no point determines the limit\n");
+        return;
+    }
+    (void)printf("  of points %d to %d, which determine the limit at parameter 0 (point i at i / 2^level)\n",
+                 analysis->matrix_first, analysis->matrix_first + (int)size - 1);
+    print_matrix(analysis);
+    (void)printf("  eigenvalues%s\n", size <= LARGEST_MATRIX ? " and right eigenvectors" : "");
+    for (size_t e = 0; e < analysis->eigenvalue_count; e++)
+    {
+        const bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
+        print_eigenvalue(value);
+        for (size_t v = 0; v < value->vector_count && size <= LARGEST_MATRIX; v++)
+        {
+            (void)printf("%s", v > 0 ? "  " : " ");
+            print_vector(analysis->eigenvectors + 2 * size * (value->vector + v), size);
+        }
+        if (value->multiplicity > 1)
+            (void)printf("  %zu times", value->multiplicity);
+        if (value->vector_count < value->multiplicity)
+            (void)printf(", eigenvectors only for %zu: defective", value->vector_count);
+        (void)putchar('\n');
+    }
+}
+
+static void print_stencil(const char *label, const bat_mask_stencil *stencil)
+{
+    if (stencil->count == 0)
+        return;
+    (void)printf("  %-42s", label);
+    print_list(stencil->weights, stencil->count);
+    (void)printf("  from point %d\n", stencil->first);
+}
+
+static void report_stencils(const bat_analysis *analysis)
+{
+    if (analysis->limit.count == 0)
+        return;
+    (void)printf("\nLimit stencils\n");
+    print_stencil("limit at parameter 0", &analysis->limit);
+    print_stencil("derivative at parameter 0", &analysis->tangent);
+    print_stencil("limit at the parameter of point 0 (snap)", &analysis->vertex);
+}
+
+/// Nine digits, rounded so that a lower bound stays one and an upper one too; upper bounds that exceed their nine digits by
+/// less than counts as equality keep them.
+static double round_down(double number)
+{
+    return floor(number * 1e9) * 1e-9;
+}
+static double round_up(double number)
+{
+    return ceil((number - BAT_ANALYSIS_EQUALITY) * 1e9) * 1e-9;
+}
+
+/// A bound whose other bound is within NARROW of it, rounded to nine decimals.
+static void print_narrow(double bound)
+{
+    (void)printf("%.12g, to within %g", round(bound * 1e9) * 1e-9, 2 * NARROW);
+}
+
+static void print_bounds(double lower, double upper)
+{
+    if (lower == upper)
+        (void)printf("%.9g, both bounds", lower);
+    else if (upper - lower <= NARROW)
+        print_narrow(upper);
+    else if (isfinite(upper))
+        (void)printf("at least %.10g, at most %.10g", round_down(lower), round_up(upper));
+    else
+        (void)printf("at least %.10g", round_down(lower));
+}
+
+static void report_convergence(const bat_analysis *analysis)
+{
+    (void)printf("\nConvergence: %s\n", analysis->converges == BAT_ANALYSIS_VERDICT_PROVEN ? "yes, proven"
+                                        : analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN
+                                            ? "no, proven"
+                                            : "undecided; try a larger --depth");
+    (void)printf("  differences of order %zu grow by a factor per level ", analysis->multiplicity);
+    if (analysis->radius_lower == analysis->radius_upper)
+        (void)printf("of %.12g, both bounds\n", analysis->radius_lower);
+    else if (analysis->radius_upper - analysis->radius_lower <= NARROW)
+    {
+        (void)printf("of ");
+        print_narrow(analysis->radius_lower);
+        (void)putchar('\n');
+    }
+    else
+        (void)printf("between %.14g and %.14g\n", analysis->radius_lower, analysis->radius_upper);
+    (void)printf("  (joint spectral radius of the two matrices of that order; products up to length %zu tried,\n"
+                 "  the fastest growing one is %s)\n",
+                 analysis->depth, analysis->product);
+}
+
+static void print_lipschitz(const bat_analysis *analysis)
+{
+    if (analysis->lipschitz == BAT_ANALYSIS_VERDICT_PROVEN)
+        (void)printf(", Lipschitz continuous");
+    else if (analysis->lipschitz == BAT_ANALYSIS_VERDICT_DISPROVEN &&
+             analysis->exponent_upper >= (double)(analysis->smooth_proven + 1))
+        (void)printf(", for every exponent below 1 but not 1 itself");
+}
+
+/// The exponents of the derivatives: orders with equal ones on one line, the highest order, of which there is more to say,
+/// on its own.
+static void print_derivatives(const bat_analysis *analysis)
+{
+    double lower, upper, next_lower, next_upper;
+    size_t last;
+    for (size_t first = 0; bat_analysis_derivative_exponent(analysis, first, &lower, &upper); first = last + 1)
+    {
+        last = first;
+        while ((int)last + 1 < analysis->smooth_proven &&
+               bat_analysis_derivative_exponent(analysis, last + 1, &next_lower, &next_upper) && next_lower == lower &&
+               next_upper == upper)
+            last++;
+        if (first == last)
+            (void)printf("  derivative of order %zu: Hölder exponent ", first);
+        else
+            (void)printf("  derivatives of orders %zu to %zu: Hölder exponent ", first, last);
+        print_bounds(lower, upper);
+        if ((int)last == analysis->smooth_proven)
+            print_lipschitz(analysis);
+        (void)putchar('\n');
+    }
+}
+
+static void report_smoothness(const bat_analysis *analysis)
+{
+    if (analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN)
+        return;
+    (void)printf("\nSmoothness of the limit\n");
+    if (analysis->smooth_proven >= 0)
+        (void)printf("  C^%d is proven", analysis->smooth_proven);
+    else
+        (void)printf("  no continuity is proven");
+    if (analysis->smooth_disproven >= 0)
+        (void)printf(", C^%d is disproven", analysis->smooth_disproven);
+    (void)printf("\n  total Hölder exponent: ");
+    print_bounds(analysis->exponent_lower, analysis->exponent_upper);
+    (void)putchar('\n');
+    print_derivatives(analysis);
+    if (!analysis->is_stable)
+        (void)printf(
+            "  integer shifts of the basic limit function are not proven stable: limits may be smoother than the lower "
+            "bounds\n");
+}
+
+/// Rows of numbers as arrays; null where memory ran out.
+static json_t *rows_json(const double *values, size_t rows, size_t columns)
+{
+    report_table table = report_begin(true);
+    for (size_t i = 0; i < rows; i++)
+        report_gather(&table, report_numbers(values + i * columns, columns));
+    return table.rows;
+}
+
+static json_t *mask_json(const bat_mask *mask)
+{
+    return report_object("first:i coefficients:o", mask->first, report_numbers(mask->coefficients, mask->count));
+}
+
+static json_t *stencil_json(const bat_mask_stencil *stencil)
+{
+    if (stencil->count == 0)
+        return json_null();
+    return report_object("first:i weights:o", stencil->first, report_numbers(stencil->weights, stencil->count));
+}
+
+static json_t *smoothness_json(int order)
+{
+    return order >= 0 ? json_integer(order) : json_null();
+}
+
+static json_t *eigenvalues_json(const bat_analysis *analysis)
+{
+    report_table table = report_begin(true);
+    size_t size = analysis->matrix_size;
+    for (size_t e = 0; e < analysis->eigenvalue_count; e++)
+    {
+        const bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
+        report_table vectors = report_begin(true);
+        for (size_t v = 0; v < value->vector_count; v++)
+            report_gather(&vectors, rows_json(analysis->eigenvectors + 2 * size * (value->vector + v), size, 2));
+        report_row(&table, "", "real:n imaginary:n multiplicity:z eigenvectors:o", value->real, value->imaginary,
+                   value->multiplicity, vectors.rows);
+    }
+    return table.rows;
+}
+
+static json_t *derivatives_json(const bat_analysis *analysis)
+{
+    report_table table = report_begin(true);
+    double lower, upper;
+    for (size_t order = 0; bat_analysis_derivative_exponent(analysis, order, &lower, &upper); order++)
+        report_row(&table, "", "order:z exponent_lower:n exponent_upper:n", order, lower,
+                   isfinite(analysis->exponent_upper) ? upper : INFINITY);
+    return table.rows;
+}
+
+static int report_analysis(const char *scheme, const bat_analysis *analysis, bool as_json)
+{
+    if (as_json)
+        return report_json(report_object(
+            "scheme:s mask:o multiplicity:z quotient:o remainder:n interpolatory:b symmetric:b shift:n generation_degree:z "
+            "reproduction_degree:z matrix_first:i matrix:o eigenvalues:o converges:s limit_stencil:o tangent_stencil:o "
+            "vertex_stencil:o radius_lower:n radius_upper:n product:s depth:z stable:b exponent_lower:n exponent_upper:n "
+            "derivatives:o smooth_proven:o smooth_disproven:o lipschitz:s",
+            scheme, mask_json(&analysis->mask), analysis->multiplicity, mask_json(&analysis->quotient), analysis->remainder,
+            (int)analysis->is_interpolatory, (int)analysis->is_symmetric, analysis->shift, analysis->generation_degree,
+            analysis->reproduction_degree, analysis->matrix_first,
+            rows_json(analysis->matrix, analysis->matrix_size, analysis->matrix_size), eigenvalues_json(analysis),
+            verdict_name(analysis->converges), stencil_json(&analysis->limit), stencil_json(&analysis->tangent),
+            stencil_json(&analysis->vertex), analysis->radius_lower, analysis->radius_upper, analysis->product,
+            analysis->depth, (int)analysis->is_stable, analysis->exponent_lower, analysis->exponent_upper,
+            derivatives_json(analysis), smoothness_json(analysis->smooth_proven),
+            smoothness_json(analysis->smooth_disproven), verdict_name(analysis->lipschitz)));
+    (void)printf("%s\n\n", scheme);
+    report_symbol(analysis);
+    report_matrix(analysis);
+    report_stencils(analysis);
+    report_convergence(analysis);
+    report_smoothness(analysis);
+    return EXIT_DONE;
+}
+
+static int report_sweep(const analyze_job *job)
+{
+    const bat_mask_interval *widest = NULL;
+    const char *scheme = job->call.input;
+    report_table table = report_begin(job->call.json);
+    report_head(&table, "%s: where the limit is C^%zu, by %s\n\n", scheme, job->sweep.smoothness, job->family.parameter);
+    for (size_t i = 0; i < job->count; i++)
+    {
+        const bat_mask_interval *interval = &job->intervals[i];
+        report_row(&table, "  {begin:15.9g} [alone?alone             ][!alone?to {end:-15.9g}] {verdict}\n",
+                   "begin:n end:n verdict:s -alone:b", interval->begin, interval->end, verdict_name(interval->verdict),
+                   (int)(interval->begin == interval->end));
+        bool is_wider = widest == NULL || interval->end - interval->begin > widest->end - widest->begin;
+        if (interval->verdict == BAT_ANALYSIS_VERDICT_PROVEN && is_wider)
+            widest = interval;
+    }
+    bool told = widest != NULL && widest->begin < widest->end;
+    return report_print(job->call.json, "[told?\n  the largest proven interval is from {begin:.9g} to {end:.9g}\n]",
+                        "scheme:s parameter:s smoothness:z intervals:o -told:b -begin:n -end:n", scheme,
+                        job->family.parameter, job->sweep.smoothness, table.rows, (int)told, told ? widest->begin : 0,
+                        told ? widest->end : 0);
+}
+
+// The verb
+
 static void begin(void *to)
 {
     analyze_job *job = to;
@@ -173,15 +650,13 @@ static bool check(void *of)
     bat_error error;
     job->sweeps = argument(given, "sweep") != NULL;
     if (job->sweeps && job->call.picture != NULL)
-        (void)usage_error(given, "--picture does not go with --sweep");
-    else if (job->sweeps)
+        return usage_refused(given, "--picture does not go with --sweep");
+    if (job->sweeps)
         return check_sweep(job);
-    else if (argument_first(given, of_sweep) != NULL)
-        (void)usage_error(given, "--smoothness and --resolution go with --sweep");
-    else
-        return usage_accepts(given, bat_curve_scheme_by_name(job->call.input, &job->scheme, &error), &error) &&
-               check_linear(given, &job->scheme);
-    return false;
+    if (argument_first(given, of_sweep) != NULL)
+        return usage_refused(given, "--smoothness and --resolution go with --sweep");
+    return usage_accepts(given, bat_curve_scheme_by_name(job->call.input, &job->scheme, &error), &error) &&
+           check_linear(given, &job->scheme);
 }
 
 static int make(void *of)
@@ -201,15 +676,7 @@ static int make(void *of)
 static int report(void *of)
 {
     const analyze_job *job = of;
-    const char *name = job->call.input;
-    analyze_sweep sweep = {job->family.parameter, job->sweep.smoothness, job->intervals, job->count};
-    if (job->call.json)
-        return report_json(job->sweeps ? analyze_sweep_json(name, &sweep) : analyze_json(name, &job->analysis));
-    if (job->sweeps)
-        analyze_report_sweep(stdout, name, &sweep);
-    else
-        analyze_report(stdout, name, &job->analysis);
-    return EXIT_DONE;
+    return job->sweeps ? report_sweep(job) : report_analysis(job->call.input, &job->analysis, job->call.json);
 }
 
 static void end(void *of)

@@ -1,7 +1,6 @@
 #include "arguments.h"
 
-#include "help.h"
-#include "terminal.h"
+#include "report.h"
 #include "verb.h"
 
 #include <ctype.h>
@@ -17,7 +16,7 @@ static const double DEGREE = 3.14159265358979323846 / 180;
 static void print_usage(const arguments *given, const char *format, va_list list)
 {
     (void)fputs("batten: ", stderr);
-    terminal_print_list(stderr, format, list);
+    report_text_list(stderr, format, list);
     (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
 }
 
@@ -49,14 +48,19 @@ bool usage_obeys(const arguments *given, const usage_rule *rules, size_t count, 
 
 const option_spec *option_at(const verb *what, size_t index, size_t *offset)
 {
-    for (const option_table *table = what->options; table->rows != NULL; table++)
-        for (const option_spec *option = table->rows; option->name != NULL; option++)
-            if (index-- == 0)
-            {
-                if (offset != NULL)
-                    *offset = table->offset;
-                return option;
-            }
+    static const option_table FIRST[] = {{OUTPUT_OPTION, 0}, {NULL, 0}},
+                              LAST[] = {{REPORT_OPTIONS, 0}, {THREADS_OPTION, 0}, {MANY_OPTIONS, 0}, {NULL, 0}};
+    bool many = what->formats != NULL;
+    const option_table *const all[] = {many ? FIRST : what->options, many ? what->options : NULL, many ? LAST : NULL};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        for (const option_table *table = all[k]; table != NULL && table->rows != NULL; table++)
+            for (const option_spec *option = table->rows; option->name != NULL; option++)
+                if (index-- == 0)
+                {
+                    if (offset != NULL)
+                        *offset = table->offset;
+                    return option;
+                }
     return NULL;
 }
 
@@ -195,7 +199,7 @@ bool arguments_read(const verb *what, int argc, char **argv, arguments *given, i
             if (!read_option(given, argc, argv, &i, exit_code))
                 return false;
         }
-        else if (given->positional_count == what->max_positional)
+        else if (what->formats == NULL && given->positional_count == what->max_positional)
         {
             *exit_code = usage_error(given, "'%s' is one argument too many", word);
             return false;
@@ -203,7 +207,7 @@ bool arguments_read(const verb *what, int argc, char **argv, arguments *given, i
         else
             argv[1 + given->positional_count++] = argv[i];
     }
-    if (given->positional_count < what->min_positional)
+    if (given->positional_count < (what->formats != NULL ? 1 : what->min_positional))
     {
         *exit_code = usage_error(given, "an argument is missing");
         return false;
@@ -222,11 +226,6 @@ void argument_set(arguments *given, const char *name, const char *value)
     int index = find(given->verb, name, strlen(name));
     if (index >= 0)
         given->values[index] = value;
-}
-
-bool argument_exists(const arguments *given, const char *name)
-{
-    return find(given->verb, name, strlen(name)) >= 0;
 }
 
 bool argument_flag(const arguments *given, const char *name)
@@ -253,19 +252,6 @@ bool argument_whole(const arguments *given, const char *name, long low, long hig
     if (end != text && *end == '\0' && errno == 0 && *value >= low && *value <= high)
         return true;
     return argument_refused(given, name, "a whole number from %ld to %ld", low, high);
-}
-
-bool argument_number(const arguments *given, const char *name, double absent, double *value)
-{
-    const char *text = argument(given, name);
-    *value = absent;
-    if (text == NULL)
-        return true;
-    char *end;
-    *value = strtod(text, &end);
-    if (end != text && *end == '\0' && isfinite(*value))
-        return true;
-    return argument_refused(given, name, "a finite number");
 }
 
 bool argument_word(const arguments *given, const char *name, const char *const *words, int absent, int *index)
@@ -328,9 +314,11 @@ bool argument_choice(const arguments *given, const char *name, const bat_family 
 static bool store_number(const arguments *given, const option_spec *option, double *field)
 {
     const option_field *how = &option->field;
-    const char *name = option->name;
-    if (!argument_number(given, name, 0, field))
-        return false;
+    const char *name = option->name, *text = argument(given, name);
+    char *end;
+    *field = strtod(text, &end);
+    if (end == text || *end != '\0' || !isfinite(*field))
+        return argument_refused(given, name, "a finite number");
     if (how->kind == FIELD_POSITIVE && !(*field > 0))
         return argument_refused(given, name, "finite and above 0");
     if (how->kind == FIELD_DEGREES && !(*field <= (double)how->high && *field >= 0 && (*field > 0 || how->low == 0)))

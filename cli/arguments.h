@@ -134,15 +134,11 @@ const char *argument(const arguments *given, const char *name);
 bool argument_flag(const arguments *given, const char *name);
 /// Give an option, which the verb has, a value that outlives `given`.
 void argument_set(arguments *given, const char *name, const char *value);
-/// Whether the verb has an option of that name.
-bool argument_exists(const arguments *given, const char *name);
 /// The first of some options, a null-terminated list, that was given; null for none.
 const char *argument_first(const arguments *given, const char *const *names);
 
 /// A whole number from `low` to `high`, or `absent` when the option was not given; false after a message.
 bool argument_whole(const arguments *given, const char *name, long low, long high, long absent, long *value);
-/// A finite number, or `absent`; false after a message.
-bool argument_number(const arguments *given, const char *name, double absent, double *value);
 /// The index of the option's value in `words` (null-terminated), or `absent`; false after a message.
 bool argument_word(const arguments *given, const char *name, const char *const *words, int absent, int *index);
 

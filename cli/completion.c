@@ -1,4 +1,4 @@
-#include "help.h"
+#include "verb.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 #include "curve.h"
 
 #include "report.h"
-#include "terminal.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -142,49 +141,33 @@ static bool read_panels(curve_job *job)
 /// Options that would have no effect without another.
 static bool check_needs(const curve_job *job)
 {
+    static const char *const OF_PICTURES[] = {"panel", "projection", "comb", "axes", "title", NULL};
+    static const char *const OF_OUTPUTS[] = {"to", "precision", "crs", NULL};
     const arguments *given = job->call.given;
-    bool drawn = job->call.picture != NULL, written = job->call.output != NULL, searched = job->best_tension;
-    const struct
-    {
-        const char *option;
-        bool met;
-        const char *needs;
-    } rules[] = {
-        {"panel", drawn, "--picture FILE"},
-        {"projection", drawn, "--picture FILE"},
-        {"comb", drawn, "--picture FILE"},
-        {"axes", drawn, "--picture FILE"},
-        {"title", drawn, "--picture FILE"},
-        {"to", written, "-o OUT"},
-        {"precision", written, "-o OUT"},
-        {"crs", written, "-o OUT"},
-        {"best-tension", job->truth != NULL, "--truth FILE"},
-        {"truth", drawn || searched || !job->call.quiet, "a report (-o FILE without --quiet), --picture or --best-tension"},
+    const char *drawn = argument_first(given, OF_PICTURES), *written = argument_first(given, OF_OUTPUTS);
+    bool unseen = drawn != NULL && job->call.picture == NULL;
+    bool shown = job->call.picture != NULL || job->best_tension || !job->call.quiet;
+    const usage_rule rules[] = {
+        {unseen, "--%s needs --picture FILE"},
+        {written != NULL && job->call.output == NULL, "--%s needs -o OUT"},
+        {job->best_tension && job->truth == NULL, "--best-tension needs --truth FILE"},
+        {job->truth != NULL && !shown, "--truth needs a report (-o FILE without --quiet), --picture or --best-tension"},
     };
-    for (size_t i = 0; i < sizeof rules / sizeof rules[0]; i++)
-        if (argument(given, rules[i].option) != NULL && !rules[i].met)
-        {
-            (void)usage_error(given, "--%s needs %s", rules[i].option, rules[i].needs);
-            return false;
-        }
-    return true;
+    return usage_obeys(given, rules, sizeof rules / sizeof *rules, unseen ? drawn : written, NULL);
 }
 
 static bool check_exclusions(const curve_job *job)
 {
     const arguments *given = job->call.given;
     if (argument_flag(given, "closed") && argument_flag(given, "open"))
-        (void)usage_error(given, "--closed and --open exclude each other");
-    else if (job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
-        (void)usage_error(given, "--topology separate does not go with --keep-area and --snap-tolerance");
-    else if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
+        return usage_refused(given, "--closed and --open exclude each other");
+    if (job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
+        return usage_refused(given, "--topology separate does not go with --keep-area and --snap-tolerance");
+    if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
         return argument_refused(given, "on", "sphere");
-    else if (job->best_tension && job->scheme != NULL &&
-             (job->model_file != NULL || !curve_has_tension(&job->refine.scheme)))
-        (void)usage_error(given, "--best-tension goes with angle-based schemes, not '%s'", job->scheme);
-    else
-        return true;
-    return false;
+    if (job->best_tension && job->scheme != NULL && (job->model_file != NULL || !curve_has_tension(&job->refine.scheme)))
+        return usage_refused(given, "--best-tension goes with angle-based schemes, not '%s'", job->scheme);
+    return true;
 }
 
 static bool read_scheme(curve_job *job)
@@ -196,11 +179,8 @@ static bool read_scheme(curve_job *job)
     bool learned = job->scheme != NULL && strcmp(job->scheme, LEARNED) == 0;
     bool chooses_network = job->model_file != NULL || argument(given, "fairness") != NULL;
     if (chooses_network && job->scheme != NULL && !learned)
-    {
-        (void)usage_error(given, "--%s goes with --scheme learned, not '%s'", job->model_file != NULL ? "model" : "fairness",
-                          job->scheme);
-        return false;
-    }
+        return usage_refused(given, "--%s goes with --scheme learned, not '%s'",
+                             job->model_file != NULL ? "model" : "fairness", job->scheme);
     bat_curve_scheme learned_scheme = bat_curve_scheme_learned(job->fairness);
     if (!usage_accepts(given, bat_curve_scheme_check(&learned_scheme, &error), &error))
         return false;
@@ -226,12 +206,10 @@ static bool check_stops(curve_job *job)
     if (!usage_accepts(given, bat_options_check(&bat_curve_refine_fields, refine, &error), &error))
         return false;
     if (stops && job->panel_count > 0)
-        (void)usage_error(given, "--panel draws levels, and does not go with --max-edge and --tolerance");
-    else if ((stops || refine->corner_angle > 0) && job->best_tension)
-        (void)usage_error(given, "--best-tension does not go with --max-edge, --tolerance and --corner-angle");
-    else
-        return true;
-    return false;
+        return usage_refused(given, "--panel draws levels, and does not go with --max-edge and --tolerance");
+    if ((stops || refine->corner_angle > 0) && job->best_tension)
+        return usage_refused(given, "--best-tension does not go with --max-edge, --tolerance and --corner-angle");
+    return true;
 }
 
 /// Whether the file is a sequence that can go through memory part by part: nothing else needs it as a whole.
@@ -291,9 +269,8 @@ static int write_curves(void *of, const char *path)
     bat_error error;
     bat_curve_write_options how = job->write;
     how.report = &job->findings.written;
-    if (job->is_streamed || bat_curve_write(path, &job->fine, &how, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_bad_input(job->call.given, job->call.output, &error);
+    bat_status status = job->is_streamed ? BAT_OK : bat_curve_write(path, &job->fine, &how, &error);
+    return report_status(job->call.given, job->call.output, status, &error);
 }
 
 static int make(void *of)
@@ -317,7 +294,7 @@ static int report(void *of)
     if (job->call.silent)
         return EXIT_DONE;
     if (job->hint != NULL)
-        terminal_print(stderr, "batten: %s %s, see `batten motion --help`\n", job->call.input, job->hint);
+        report_text(stderr, "batten: %s %s, see `batten motion --help`\n", job->call.input, job->hint);
     return curve_report(job);
 }
 
@@ -341,19 +318,12 @@ const verb VERB_CURVE = {
         "Refine the curves of a file (see `batten list formats`; - for standard input). Without -o, --picture and --json "
         "the result goes to standard output in the format of the input.",
     .example = "batten curve coast.geojson --tolerance 500 -o smooth.geojson --picture smooth.svg",
-    .options = (const option_table[]){{OUTPUT_OPTION, 0},
-                                      {CURVE_OPTIONS, 0},
+    .options = (const option_table[]){{CURVE_OPTIONS, 0},
                                       {CURVE_READ_OPTIONS, offsetof(curve_job, read)},
                                       {FILE_OPTIONS, 0},
                                       {MOTION_OPTIONS, 0},
                                       {PICTURE_OPTIONS, 0},
-                                      {REPORT_OPTIONS, 0},
-                                      {THREADS_OPTION, 0},
-                                      {MANY_OPTIONS, 0},
                                       {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = SIZE_MAX,
-    .reads_files = true,
     .prints_result = true,
     .formats = &bat_curve_format_family,
     .job_size = sizeof(curve_job),
@@ -375,20 +345,13 @@ const verb VERB_MOTION = {
         "docs/formats.md the columns. Without -o, --picture and --json the result goes to standard output in the format "
         "of the input.",
     .example = "batten motion keyframes.tum --rate 30 -o frames.tum --picture frames.svg",
-    .options = (const option_table[]){{OUTPUT_OPTION, 0},
-                                      {MOTION_OPTIONS, 0},
+    .options = (const option_table[]){{MOTION_OPTIONS, 0},
                                       {MOTION_SCHEMES, 0},
                                       {MOTION_VERB_OPTIONS, 0},
                                       {CURVE_READ_OPTIONS, offsetof(curve_job, read)},
                                       {FILE_OPTIONS, 0},
                                       {PICTURE_OPTIONS, 0},
-                                      {REPORT_OPTIONS, 0},
-                                      {THREADS_OPTION, 0},
-                                      {MANY_OPTIONS, 0},
                                       {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = SIZE_MAX,
-    .reads_files = true,
     .prints_result = true,
     .formats = &bat_curve_format_family,
     .job_size = sizeof(curve_job),

@@ -95,6 +95,9 @@ int curve_stream(curve_job *job);
 /// Whether a scheme takes its angles from a tension.
 bool curve_has_tension(const bat_curve_scheme *scheme);
 
+/// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
+int curve_draw(curve_job *job);
+
 // motion.c
 
 /// Options of motions: those that `batten curve` has, too, and those of `batten motion` alone. Their fields are in
@@ -113,11 +116,6 @@ int motion_draw(const curve_job *job);
 bool motion_is_drawn(const curve_job *job);
 /// curve_refine() of a motion.
 int motion_refine(curve_job *job, size_t levels, bat_curve_set *fine);
-
-// curve_picture.c
-
-/// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
-int curve_draw(curve_job *job);
 
 // curve_report.c
 

@@ -1,7 +1,6 @@
 #include "curve.h"
 
 #include "report.h"
-#include "terminal.h"
 
 #include "batten/curve_measure.h"
 
@@ -35,19 +34,14 @@ int curve_failure(const curve_job *job, size_t failed, const bat_error *error)
     return report_bad_input(job->call.given, job->call.input, &whole);
 }
 
-static bat_status no_memory(bat_error *error)
-{
-    *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
-    return BAT_NO_MEMORY;
-}
-
 static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_measure_options *options, curve_totals *sum,
                                    bat_error *error)
 {
     *sum = (curve_totals){0};
     bat_curve_fairness_values *fairness = calloc(set->count, sizeof *fairness);
+    *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
     if (fairness == NULL)
-        return no_memory(error);
+        return BAT_NO_MEMORY;
     bat_curve_measure_options how = *options;
     how.progress = report_progress("measuring fairness");
     bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, NULL, error);
@@ -68,8 +62,9 @@ static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_s
                                     const bat_curve_measure_options *options, curve_findings *findings, bat_error *error)
 {
     bat_curve_distance *each = calloc(fine->count, sizeof *each);
+    *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
     if (each == NULL)
-        return no_memory(error);
+        return BAT_NO_MEMORY;
     bat_curve_measure_options how = *options;
     how.progress = report_progress("measuring distances");
     bat_status status = bat_curves_compare(fine->curves, truth->curves, fine->count, &how, each, NULL, error);
@@ -142,251 +137,193 @@ static const char *place_of(const bat_space *space, char *text, size_t size)
     return text;
 }
 
-static void print_row(const char *name, const curve_totals *t)
-{
-    (void)printf("%-8s %12zu %12.6g %14.6g %15.6g\n", name, t->points, t->length, t->bending, t->g1);
-}
-
 /// Whether curves crossed themselves.
-static void print_simple(const bat_curve_refine_report *simple)
+static json_t *report_simple(const bat_curve_refine_report *simple, bool as_json)
 {
-    if (simple->given_crossing > 0)
-        (void)printf("crossing before: %zu of %zu given curves cross themselves and may do so refined\n",
-                     simple->given_crossing, simple->checked);
-    if (simple->crossing > simple->left_crossing)
-        (void)printf("kept simple: %zu of %zu curves crossed themselves; the new points of %zu edges were drawn back\n",
-                     simple->crossing - simple->left_crossing, simple->checked, simple->drawn_back);
-    if (simple->left_crossing > 0)
-        (void)printf("crossing: %zu of %zu refined curves cross themselves; the scheme does not keep the given points\n",
-                     simple->left_crossing, simple->checked);
+    return report_part(
+        as_json,
+        "[given_crossing?crossing before: {given_crossing} of {checked} given curves cross themselves and may do so "
+        "refined\n]"
+        "[kept?kept simple: {kept} of {checked} curves crossed themselves; the new points of {drawn_back} edges were drawn "
+        "back\n]"
+        "[left_crossing?crossing: {left_crossing} of {checked} refined curves cross themselves; the scheme does not keep "
+        "the "
+        "given points\n]",
+        "checked:z given_crossing:z crossing:z crossings:z drawn_back:z straight:z left_crossing:z -kept:z", simple->checked,
+        simple->given_crossing, simple->crossing, simple->crossings, simple->drawn_back, simple->straight,
+        simple->left_crossing,
+        simple->crossing > simple->left_crossing ? simple->crossing - simple->left_crossing : (size_t)0);
 }
 
 /// What was done to a map.
-static void print_map(const bat_curve_map_refine_report *map, const char *unit, double unit_length)
+static json_t *report_map(const bat_curve_map_refine_report *map, const char *unit, bool as_json)
 {
-    (void)printf("map: %zu arc%s between %zu node%s, %zu shared\n", map->arcs, map->arcs == 1 ? "" : "s", map->nodes,
-                 map->nodes == 1 ? "" : "s", map->shared);
-    if (map->snapped > 0)
-        (void)printf("joined: %zu points moved onto others or added to edges, by %.3g%s at most\n", map->snapped,
-                     map->largest_snap * unit_length, unit);
-    if (map->given_crossing > 0)
-        (void)printf("crossing before: %zu pairs of given edges cross or touch, and may do so refined\n",
-                     map->given_crossing);
-    if (map->largest_area_error > 0)
-        (void)printf("areas kept to %.1g of them\n", map->largest_area_error);
-    if (map->crossings > 0)
-        (void)printf("kept apart: %zu pairs of refined edges met; the new points of %zu edges were drawn back\n",
-                     map->crossings, map->drawn_back);
+    return report_part(
+        as_json,
+        "map: {arcs} arc[!one_arc?s] between {nodes} node[!one_node?s], {shared} shared\n"
+        "[snapped?joined: {snapped} points moved onto others or added to edges, by {snap:.3g}{unit} at most\n]"
+        "[given_crossing?crossing before: {given_crossing} pairs of given edges cross or touch, and may do so refined\n]"
+        "[keeps_areas?areas kept to {largest_area_error:.1g} of them\n]"
+        "[crossings?kept apart: {crossings} pairs of refined edges met; the new points of {drawn_back} edges were drawn "
+        "back\n]",
+        "arcs:z -one_arc:b nodes:z -one_node:b shared:z given_crossing:z crossings:z drawn_back:z snapped:z "
+        "largest_area_error:n -keeps_areas:b -snap:n -unit:s",
+        map->arcs, (int)(map->arcs == 1), map->nodes, (int)(map->nodes == 1), map->shared, map->given_crossing,
+        map->crossings, map->drawn_back, map->snapped, map->largest_area_error, (int)(map->largest_area_error > 0),
+        map->largest_snap * (unit[0] != '\0' ? BAT_EARTH_RADIUS : 1), unit);
 }
 
-static void print_crossings(const curve_job *job, const bat_curve_map_refine_report *done)
-{
-    if (done->map)
-        print_map(done, job->unit, job->unit[0] != '\0' ? BAT_EARTH_RADIUS : 1);
-    else
-        print_simple(&done->curves);
-}
-
-/// Whether the result has been cut at corners, or could have been.
-static bool has_corners(const curve_job *job, const curve_findings *findings)
-{
-    return job->refine.corner_angle > 0 || findings->done.curves.corners > 0;
-}
-
-/// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit".
-static void print_stops(const curve_job *job, const bat_curve_refine_report *done)
-{
-    const char *length = argument(job->call.given, "max-edge"), *distance = argument(job->call.given, "tolerance");
-    (void)printf("%zu to %zu levels", done->min_levels, done->max_levels);
-    if (length != NULL)
-        (void)printf(", pieces up to %s%s", length, job->unit);
-    if (distance != NULL)
-        (void)printf(", within %s%s of the limit", distance, job->unit);
-    (void)printf("\n");
-}
-
-/// What the reader guessed or changed.
-static void print_notes(FILE *stream, const bat_curve_set *set)
-{
-    const char *note;
-    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
-        terminal_print(stream, "note: %s\n", note);
-}
-
-/// The rings that have no area at the precision of the file.
-static void print_left_out(FILE *stream, const curve_job *job, const bat_curve_set *fine,
-                           const bat_curve_write_report *written)
-{
-    char place[160] = "";
-    if (written->left_out == 0)
-        return;
-    if (written->first_left_out < fine->count && fine->curves != NULL)
-        bat_curve_set_place(fine, written->first_left_out, BAT_NO_INDEX, place, sizeof place);
-    terminal_print(stream, "note: left out %zu ring%s without area at %d decimals%s%s; --precision writes more\n",
-                   written->left_out, written->left_out == 1 ? "" : "s", job->write.precision,
-                   place[0] != '\0' ? ", the first in " : "", place);
-}
-
-/// ", the first at time 1403715524.907": to the microsecond where the origin is kept apart.
-static void print_time(int64_t origin, double seconds)
-{
-    double whole = floor(seconds);
-    if (origin == 0)
-        (void)printf(", the first at time %.10g", seconds);
-    else
-        (void)printf(", the first at time %" PRId64 ".%06.0f", origin + (int64_t)whole, floor((seconds - whole) * 1e6));
-}
-
-/// "3 of 40 keyframes are farther than 4.685 sigma from the motion and do not count, the first at time 1.4".
-static void print_outliers(const curve_job *job, const bat_curve_set *fine)
-{
-    const bat_motion_report *moved = &job->findings.moved;
-    bool tukey = job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY;
-    if (!job->is_motion || !(moved->threshold > 0))
-        return;
-    (void)printf("outliers: %zu of %zu keyframes are farther than %.4g sigma from the motion and %s", moved->outliers,
-                 moved->keys, moved->threshold, tukey ? "do not count" : "count less");
-    if (moved->outliers > 0)
-        print_time(bat_curve_set_time_origin(fine), moved->outlier_time);
-    (void)printf("\n");
-}
-
-static void print_report(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
-{
-    char place[32];
-    bool many = fine->count > 1;
-    (void)printf("%zu curve%s %s, scheme %s, ", fine->count, many ? "s" : "", place_of(fine->space, place, sizeof place),
-                 job->scheme);
-    if (job->motion.rate > 0)
-        (void)printf("%.15g points a unit of time\n", job->motion.rate);
-    else if (job->motion.times != NULL)
-        (void)printf("%zu given times\n", job->motion.time_count);
-    else if (curve_stops(job))
-        print_stops(job, &findings->done.curves);
-    else
-        (void)printf("%zu level%s\n", job->refine.levels, job->refine.levels == 1 ? "" : "s");
-    if (job->is_motion && job->motion.rate == 0 && strcmp(job->scheme, "spline") != 0 && bat_motion_has_times(fine))
-        (void)printf("times do not steer this scheme; --scheme spline makes motions in time\n");
-    print_outliers(job, fine);
-    if (has_corners(job, findings))
-        (void)printf("%zu corner%s kept\n", findings->done.curves.corners, findings->done.curves.corners == 1 ? "" : "s");
-    (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
-                 many ? "mean bending" : "bending", "largest angle");
-    print_row("given", &findings->before);
-    print_row("refined", &findings->after);
-    print_crossings(job, &findings->done);
-    if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
-        (void)printf("picture: projection %s\n", bat_choice_name(&bat_curve_projection_family, (int)findings->projection));
-    print_notes(stdout, fine);
-    print_left_out(stdout, job, fine, &findings->written);
-    if (findings->compared)
-        (void)printf("distance to the truth%s: mean %.6g, Hausdorff %.6g\n", many ? " (means over the curves)" : "",
-                     findings->mean_nn, findings->hausdorff);
-}
-
+/// The notes of the reader; JSON's null where there are none.
 static json_t *notes_json(const bat_curve_set *set)
 {
-    json_t *notes = json_array();
     const char *note;
+    if (bat_curve_set_note(set, 0) == NULL)
+        return json_null();
+    json_t *notes = json_array();
     for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
         (void)json_array_append_new(notes, json_string(note));
     return notes;
 }
 
-static json_t *totals_json(const curve_totals *t)
+/// What the reader guessed or changed, and the rings that have no area at the precision of the file.
+static void print_notes(const curve_job *job, FILE *stream)
 {
-    return json_pack("{s:I, s:o, s:o, s:o}", "points", (json_int_t)t->points, "length", report_number(t->length), "bending",
-                     report_number(t->bending), "g1", report_number(t->g1));
+    const bat_curve_write_report *written = &job->findings.written;
+    const bat_curve_set *fine = &job->fine;
+    const char *note;
+    char place[160] = "";
+    for (size_t i = 0; (note = bat_curve_set_note(fine, i)) != NULL; i++)
+        report_text(stream, "note: %s\n", note);
+    if (written->left_out == 0)
+        return;
+    if (written->first_left_out < fine->count && fine->curves != NULL)
+        bat_curve_set_place(fine, written->first_left_out, BAT_NO_INDEX, place, sizeof place);
+    report_text(stream, "note: left out %zu ring%s without area at %d decimals%s%s; --precision writes more\n",
+                written->left_out, written->left_out == 1 ? "" : "s", job->write.precision,
+                place[0] != '\0' ? ", the first in " : "", place);
 }
 
-static json_t *simple_json(const bat_curve_refine_report *simple)
+/// "3 of 40 keyframes are farther than 4.685 sigma from the motion and do not count, the first at time 1.4". Times are to
+/// the microsecond where the origin is kept apart.
+static json_t *report_outliers(const curve_job *job, bool as_json)
 {
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I}", "checked", (json_int_t)simple->checked, "given_crossing",
-                     (json_int_t)simple->given_crossing, "crossing", (json_int_t)simple->crossing, "crossings",
-                     (json_int_t)simple->crossings, "drawn_back", (json_int_t)simple->drawn_back, "straight",
-                     (json_int_t)simple->straight, "left_crossing", (json_int_t)simple->left_crossing);
+    const bat_motion_report *moved = &job->findings.moved;
+    int64_t origin = bat_curve_set_time_origin(&job->fine);
+    double whole = floor(moved->outlier_time), first = (double)origin + moved->outlier_time;
+    bool any = moved->outliers > 0;
+    char time[40];
+    if (origin == 0)
+        (void)snprintf(time, sizeof time, "%.10g", moved->outlier_time);
+    else
+        (void)snprintf(time, sizeof time, "%" PRId64 ".%06.0f", origin + (int64_t)whole,
+                       floor((moved->outlier_time - whole) * 1e6));
+    return report_part(as_json,
+                       "outliers: {count} of {keyframes} keyframes are farther than {threshold:.4g} sigma from the motion "
+                       "and [tukey?do not "
+                       "count][!tukey?count less][count?, the first at time {time}]\n",
+                       "rule:s threshold:n keyframes:z count:z first_time:n -tukey:b -time:s",
+                       bat_choice_name(&bat_motion_outliers_family, (int)job->motion.spline.outliers), moved->threshold,
+                       moved->keys, moved->outliers, any ? first : NAN,
+                       (int)(job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY), time);
 }
 
-static json_t *map_json(const bat_curve_map_refine_report *map)
+/// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit", or the other amounts. Returns it for JSON.
+static json_t *report_amount(const curve_job *job, bool as_json)
 {
-    return json_pack("{s:I, s:I, s:I, s:I, s:I, s:I, s:I, s:f}", "arcs", (json_int_t)map->arcs, "nodes",
-                     (json_int_t)map->nodes, "shared", (json_int_t)map->shared, "given_crossing",
-                     (json_int_t)map->given_crossing, "crossings", (json_int_t)map->crossings, "drawn_back",
-                     (json_int_t)map->drawn_back, "snapped", (json_int_t)map->snapped, "largest_area_error",
-                     map->largest_area_error);
-}
-
-/// Add a member to an object and keep the object; null where either is, or where memory runs out.
-static json_t *with_member(json_t *object, const char *name, json_t *member)
-{
-    if (json_object_set_new(object, name, member) == 0)
-        return object;
-    json_decref(object);
+    const char *length = argument(job->call.given, "max-edge"), *distance = argument(job->call.given, "tolerance");
+    const bat_curve_refine_report *done = &job->findings.done.curves;
+    size_t levels = job->refine.levels, times = job->motion.time_count;
+    double rate = job->motion.rate;
+    if (as_json && job->motion.times != NULL)
+        return json_integer((json_int_t)times);
+    if (as_json && !(rate > 0) && curve_stops(job))
+        return json_pack("[I, I]", (json_int_t)done->min_levels, (json_int_t)done->max_levels);
+    if (as_json)
+        return rate > 0 ? json_real(rate) : json_integer((json_int_t)levels);
+    if (rate > 0)
+        (void)printf("%.15g points a unit of time\n", rate);
+    else if (job->motion.times != NULL)
+        (void)printf("%zu given times\n", times);
+    else if (!curve_stops(job))
+        (void)printf("%zu level%s\n", levels, levels == 1 ? "" : "s");
+    else
+        (void)report_part(
+            false,
+            "{min} to {max} levels[length?, pieces up to {length}{unit}][distance?, within {distance}{unit} of "
+            "the limit]\n",
+            "min:z max:z length:s distance:s unit:s", done->min_levels, done->max_levels, length, distance, job->unit);
     return NULL;
 }
 
-static json_t *outliers_json(const curve_job *job, const bat_curve_set *fine)
+/// A row of the table that compares the curves before and after.
+static json_t *report_totals(const char *name, const curve_totals *t, bool as_json)
 {
-    const bat_motion_report *moved = &job->findings.moved;
-    return json_pack(
-        "{s:s, s:f, s:I, s:I, s:o}", "rule", bat_choice_name(&bat_motion_outliers_family, (int)job->motion.spline.outliers),
-        "threshold", moved->threshold, "keyframes", (json_int_t)moved->keys, "count", (json_int_t)moved->outliers,
-        "first_time",
-        moved->outliers > 0 ? json_real((double)bat_curve_set_time_origin(fine) + moved->outlier_time) : json_null());
+    return report_part(as_json, "{name:-8} {points:12} {length:12.6g} {bending:14.6g} {g1:15.6g}\n",
+                       "-name:s points:z length:n bending:n g1:n", name, t->points, t->length, t->bending, t->g1);
 }
 
-static json_t *make_json(const curve_job *job, const bat_curve_set *fine, const curve_findings *findings)
+/// Report all but the first line. Returns the object, or null where it is printed.
+static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
 {
-    bool sampled = job->motion.rate > 0, timed = job->motion.times != NULL;
-    json_t *amount = timed     ? json_integer((json_int_t)job->motion.time_count)
-                     : sampled ? json_real(job->motion.rate)
-                               : json_integer((json_int_t)job->refine.levels);
-    if (!sampled && !timed && curve_stops(job))
-    {
-        json_decref(amount);
-        amount =
-            json_pack("[I, I]", (json_int_t)findings->done.curves.min_levels, (json_int_t)findings->done.curves.max_levels);
-    }
-    json_t *object = json_pack("{s:s, s:s, s:o, s:I, s:o, s:o}", "space", fine->space->name, "scheme", job->scheme,
-                               timed     ? "times"
-                               : sampled ? "rate"
-                                         : "levels",
-                               amount, "curves", (json_int_t)fine->count, "given", totals_json(&findings->before), "refined",
-                               totals_json(&findings->after));
-    if (bat_curve_set_note(fine, 0) != NULL)
-        object = with_member(object, "notes", notes_json(fine));
-    if (findings->written.left_out > 0)
-        object = with_member(object, "left_out", json_integer((json_int_t)findings->written.left_out));
-    if (job->is_motion && findings->moved.threshold > 0)
-        object = with_member(object, "outliers", outliers_json(job, fine));
-    if (!job->is_motion && findings->done.map)
-        object = with_member(object, "map", map_json(&findings->done));
-    else if (!job->is_motion)
-        object = with_member(object, "simple", simple_json(&findings->done.curves));
-    if (has_corners(job, findings))
-        object = with_member(object, "corners", json_integer((json_int_t)findings->done.curves.corners));
-    if (findings->projection != BAT_CURVE_PROJECTION_AUTO)
-        object = with_member(object, "projection",
-                             json_string(bat_choice_name(&bat_curve_projection_family, (int)findings->projection)));
-    if (findings->compared)
-        object = with_member(object, "distance",
-                             json_pack("{s:o, s:o}", "mean_nn", report_number(findings->mean_nn), "hausdorff",
-                                       report_number(findings->hausdorff)));
-    return object;
+    const bat_curve_set *fine = &job->fine;
+    const curve_findings *findings = &job->findings;
+    bool many = fine->count > 1, corners = job->refine.corner_angle > 0 || findings->done.curves.corners > 0;
+    size_t kept = findings->done.curves.corners;
+    json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
+    if (!json && corners)
+        (void)printf("%zu corner%s kept\n", kept, kept == 1 ? "" : "s");
+    if (!json)
+        (void)printf("%-8s %12s %12s %14s %15s\n", "", many ? "total points" : "points", many ? "total length" : "length",
+                     many ? "mean bending" : "bending", "largest angle");
+    json_t *given = report_totals("given", &findings->before, json);
+    json_t *refined = report_totals("refined", &findings->after, json);
+    json_t *crossings = job->is_motion       ? json_null()
+                        : findings->done.map ? report_map(&findings->done, job->unit, json)
+                                             : report_simple(&findings->done.curves, json);
+    bool projected = findings->projection != BAT_CURVE_PROJECTION_AUTO;
+    const char *projection = projected ? bat_choice_name(&bat_curve_projection_family, (int)findings->projection) : NULL;
+    if (!json && projected)
+        (void)printf("picture: projection %s\n", projection);
+    if (!json)
+        print_notes(job, stdout);
+    json_t *distance =
+        !findings->compared
+            ? json_null()
+            : report_part(json,
+                          "distance to the truth[many? (means over the curves)]: mean {mean_nn:.6g}, Hausdorff "
+                          "{hausdorff:.6g}\n",
+                          "mean_nn:n hausdorff:n -many:b", findings->mean_nn, findings->hausdorff, (int)many);
+    if (!json)
+        return NULL;
+    char keys[160];
+    (void)snprintf(keys, sizeof keys,
+                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? outliers:o? %s:o? corners:o? "
+                   "projection:s? distance:o?",
+                   job->motion.times != NULL ? "times"
+                   : job->motion.rate > 0    ? "rate"
+                                             : "levels",
+                   findings->done.map ? "map" : "simple");
+    return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
+                         findings->written.left_out, outliers, crossings,
+                         corners ? json_integer((json_int_t)kept) : json_null(), projection, distance);
 }
 
 int curve_report(curve_job *job)
 {
     const bat_curve_set *fine = &job->fine;
-    const curve_findings *findings = &job->findings;
-    if (job->call.json)
-        return report_json(make_json(job, fine, findings));
+    bool json = job->call.json;
+    char place[32];
+    if (json)
+        return report_json(report_findings(job, report_amount(job, true), true));
     if (job->call.quiet)
-    {
-        print_notes(stderr, fine);
-        print_left_out(stderr, job, fine, &findings->written);
-    }
-    else
-        print_report(job, fine, findings);
+        print_notes(job, stderr);
+    if (job->call.quiet)
+        return EXIT_DONE;
+    (void)printf("%zu curve%s %s, scheme %s, ", fine->count, fine->count > 1 ? "s" : "",
+                 place_of(fine->space, place, sizeof place), job->scheme);
+    (void)report_amount(job, false);
+    if (job->is_motion && job->motion.rate == 0 && strcmp(job->scheme, "spline") != 0 && bat_motion_has_times(fine))
+        (void)printf("times do not steer this scheme; --scheme spline makes motions in time\n");
+    (void)report_findings(job, NULL, false);
     return EXIT_DONE;
 }

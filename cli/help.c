@@ -1,5 +1,6 @@
-#include "help.h"
+#include "verb.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum
@@ -25,7 +26,8 @@ static size_t count_characters(const char *text, size_t length)
     return count;
 }
 
-void help_wrap(FILE *out, const char *text, size_t column, size_t indent)
+/// Print a text, which begins at `column` of its line, with line breaks; further lines begin at `indent`. Ends the line.
+static void wrap(const char *text, size_t column, size_t indent)
 {
     bool begins = true;
     while (*text != '\0')
@@ -33,22 +35,22 @@ void help_wrap(FILE *out, const char *text, size_t column, size_t indent)
         size_t length = strcspn(text, " \n"), wide = count_characters(text, length);
         if (!begins && column + 1 + wide > HELP_WIDTH)
         {
-            (void)fprintf(out, "\n%*s", (int)indent, "");
+            (void)printf("\n%*s", (int)indent, "");
             column = indent;
             begins = true;
         }
-        (void)fprintf(out, "%s%.*s", begins ? "" : " ", (int)length, text);
+        (void)printf("%s%.*s", begins ? "" : " ", (int)length, text);
         column += wide + !begins;
         text += length;
         begins = *text == '\n';
         if (begins)
         {
-            (void)fprintf(out, "\n%*s", (int)indent, "");
+            (void)printf("\n%*s", (int)indent, "");
             column = indent;
         }
         text += *text != '\0';
     }
-    (void)fputc('\n', out);
+    (void)putchar('\n');
 }
 
 const char *help_summary(const option_spec *option, char *text)
@@ -76,7 +78,7 @@ static void print_option(const option_spec *option)
         (void)printf("\n%*s", DESCRIPTION, "");
     else
         (void)printf("%*s", (int)(DESCRIPTION - wide), "");
-    help_wrap(stdout, help_summary(option, text), DESCRIPTION, DESCRIPTION);
+    wrap(help_summary(option, text), DESCRIPTION, DESCRIPTION);
 }
 
 /// Print the options of a group; returns the number of those that are left out.
@@ -108,9 +110,9 @@ void help_print(const verb *what, bool all)
     size_t indent =
         (size_t)snprintf(usage, sizeof usage, "usage: %s %s %s", verb_program(what), what->name, what->arguments) -
         strlen(what->arguments);
-    help_wrap(stdout, usage, 0, indent);
+    wrap(usage, 0, indent);
     (void)fputc('\n', stdout);
-    help_wrap(stdout, what->about, 0, 0);
+    wrap(what->about, 0, 0);
     size_t left_out = 0;
     for (option_group group = INPUT; group <= CALL; group++)
         left_out += print_group(what, group, all);

@@ -1,6 +1,5 @@
 #include "interrupt.h"
 #include "report.h"
-#include "terminal.h"
 #include "verb.h"
 
 #include <stdio.h>
@@ -22,7 +21,7 @@ static int run_verb(int argc, char **argv)
     for (const verb *const *each = VERBS; *each != NULL; each++)
         if (strcmp(argv[0], (*each)->name) == 0)
             return verb_run(*each, argc, argv);
-    terminal_print(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", argv[0]);
+    report_text(stderr, "batten: there is no verb '%s'; `batten --help` names them\n", argv[0]);
     return EXIT_BAD_USAGE;
 }
 

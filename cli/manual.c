@@ -1,4 +1,4 @@
-#include "help.h"
+#include "verb.h"
 
 #include "report.h"
 

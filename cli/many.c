@@ -1,9 +1,5 @@
-#include "many.h"
-
 #include "interrupt.h"
-#include "outputs.h"
 #include "report.h"
-#include "terminal.h"
 #include "verb.h"
 
 #include <errno.h>
@@ -77,36 +73,22 @@ static const char *base_name(const char *path)
 
 // Outputs
 
-/// Whether one of the endings, separated by blanks, is that of a name.
-static bool has_ending(const char *name, const char *endings)
-{
-    size_t whole = strlen(name);
-    while (*endings != '\0')
-    {
-        size_t length = strcspn(endings, " ");
-        if (whole > length && strncasecmp(name + whole - length, endings, length) == 0)
-            return true;
-        endings += length + (endings[length] == ' ');
-    }
-    return false;
-}
-
 /// The length of a name without ".gz".
 static size_t unpacked_length(const char *name)
 {
-    return strlen(name) - (has_ending(name, ".gz") ? strlen(".gz") : 0);
+    size_t length = strlen(name);
+    return length > 3 && strcasecmp(name + length - 3, ".gz") == 0 ? length - 3 : length;
 }
 
 /// Whether a file of that name can be written.
 static bool is_written(const char *name, const bat_family *formats)
 {
-    const bat_choice *choice;
+    const bat_choice *row = NULL;
     char *plain = strndup(name, unpacked_length(name));
-    bool found = false;
-    for (size_t i = 0; plain != NULL && !found && (choice = bat_choices(formats, i)) != NULL; i++)
-        found = choice->writes && choice->endings != NULL && has_ending(plain, choice->endings);
+    if (plain != NULL)
+        (void)bat_choice_of_path(formats, plain, true, &row, NULL);
     free(plain);
-    return found;
+    return row != NULL && row->endings != NULL && row->writes;
 }
 
 /// The endings of a format; null when there is no such format to write.
@@ -358,7 +340,7 @@ static void gather(many *all, task *one, int s)
         char text[PIECE];
         int length = snprintf(text, sizeof text, "batten: %.2000s: the process was ended by signal %d (%s)", one->input,
                               WTERMSIG(status), strsignal(WTERMSIG(status)));
-        terminal_clean(text);
+        report_clean(text);
         append(&one->streams[1], text, (size_t)length);
         append(&one->streams[1], "\n", 1);
     }
@@ -400,7 +382,7 @@ static void print_report(const task *one)
 {
     static const char NOTE[] = "note: ";
     const char *text = one->streams[0].text, *summary = text;
-    terminal_print(stdout, "%s -> %s", one->input, one->output);
+    report_text(stdout, "%s -> %s", one->input, one->output);
     while (summary != NULL && strncmp(summary, NOTE, sizeof NOTE - 1) == 0)
     {
         const char *end = strchr(summary, '\n');

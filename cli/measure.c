@@ -154,16 +154,22 @@ static int report_curve(const char *path, const bat_curve_set *set, size_t curve
     return report_failure(path, &named);
 }
 
-static int measure_fairness(const char *path, const bat_curve_set *set, const bat_curve_measure_options *options,
-                            bat_curve_fairness_values *fairness)
+/// Measure the distances of the curves, or the fairness of a side.
+static int measure_curves(const measure_job *job, measured what, results *all)
 {
+    const bat_curve_set *a = &job->sets[0], *b = &job->sets[1], *set = what == FAIRNESS_OF_B ? b : a;
     bat_error error;
     size_t failed = BAT_NO_INDEX;
-    bat_curve_measure_options how = *options;
-    how.progress = report_progress("measuring fairness");
-    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, &failed, &error);
+    bool compares = what == DISTANCE;
+    bat_curve_measure_options how = job->measure;
+    how.progress = report_progress(compares ? "measuring distances" : "measuring fairness");
+    bat_status status = compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, &failed, &error)
+                                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], &failed, &error);
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_curve(path, set, failed, &error);
+    if (status == BAT_OK)
+        return EXIT_DONE;
+    const char *path = compares ? file_at_fault(job->paths, &error) : job->paths[what];
+    return report_curve(path, path == job->paths[0] ? a : b, failed, &error);
 }
 
 /// Whether each curve is simple. Does nothing in spaces where curves do not cross.
@@ -183,21 +189,6 @@ static int measure_simple(const measure_job *job, const bat_curve_set *set, bool
     else
         free(answers);
     return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE : report_curve(job->paths[0], set, failed, &error);
-}
-
-static int measure_distances(const char *const paths[2], const bat_curve_set *a, const bat_curve_set *b,
-                             const bat_curve_measure_options *options, bat_curve_distance *distances)
-{
-    bat_error error;
-    size_t failed = BAT_NO_INDEX;
-    bat_curve_measure_options how = *options;
-    how.progress = report_progress("measuring distances");
-    bat_status status = bat_curves_compare(a->curves, b->curves, a->count, &how, distances, &failed, &error);
-    report_progress_end();
-    if (status == BAT_OK)
-        return EXIT_DONE;
-    const char *path = file_at_fault(paths, &error);
-    return report_curve(path, path == paths[0] ? a : b, failed, &error);
 }
 
 static int measure_sets(measure_job *job)
@@ -220,13 +211,13 @@ static int measure_sets(measure_job *job)
     if (all.fairness[0] == NULL || all.fairness[1] == NULL || all.distances == NULL)
         code = report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
     if (code == EXIT_DONE)
-        code = measure_fairness(job->paths[0], a, &job->measure, all.fairness[0]);
+        code = measure_curves(job, FAIRNESS_OF_A, &all);
     if (code == EXIT_DONE)
         code = measure_simple(job, a, &all.simple);
     if (code == EXIT_DONE && compared)
-        code = measure_distances(job->paths, a, b, &job->measure, all.distances);
+        code = measure_curves(job, DISTANCE, &all);
     if (code == EXIT_DONE && compared)
-        code = measure_fairness(job->paths[1], b, &job->measure, all.fairness[1]);
+        code = measure_curves(job, FAIRNESS_OF_B, &all);
     if (code == EXIT_DONE)
         code = report_results(job->paths[0], &all, compared, job->call.json);
     free(all.fairness[0]);

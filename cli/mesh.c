@@ -1,5 +1,4 @@
 #include "report.h"
-#include "terminal.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -93,14 +92,22 @@ static int write_mesh(void *of, const char *path)
     return report_status(job->call.given, job->call.output, status, &error);
 }
 
+static json_t *notes_json(const bat_mesh_notes *notes)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < notes->count; i++)
+        (void)json_array_append_new(list, json_string(notes->texts[i]));
+    return list;
+}
+
 /// Print notes and repairs, as far as the call wants them. Returns whether more is to be printed.
 static bool report_files(const mesh_job *job)
 {
     const verb_call *call = &job->call;
     if (call->json)
         return true;
-    if (!call->silent)
-        report_notes(&job->notes, is_standard_output(call->output) ? stderr : stdout);
+    for (size_t i = 0; i < job->notes.count && !call->silent; i++)
+        report_text(is_standard_output(call->output) ? stderr : stdout, "note: %s\n", job->notes.texts[i]);
     if (!call->quiet && job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&job->repairs));
     return !call->quiet;
@@ -355,20 +362,20 @@ static void warn(const mesh_job *job)
     bool sharp = polygons ? job->given_polygons.crease_count + job->given_polygons.corner_count > 0
                           : job->given.crease_count + job->given.corner_count > 0;
     if (job->fallback > 0)
-        terminal_print(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->call.input,
-                       job->fallback);
+        report_text(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->call.input,
+                    job->fallback);
     bat_mesh_scheme last = job->scheme == BAT_MESH_SCHEME_LEARNED ? job->refine.then : job->scheme;
     if ((rules.boundary != BAT_MESH_BOUNDARY_AUTO || rules.creasing != BAT_MESH_CREASING_AUTO ||
          rules.linear != BAT_MESH_LINEAR_AUTO) &&
         !has_rules(last))
-        terminal_print(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
-                       job->call.input, bat_choice_name(&bat_mesh_scheme_family, (int)last));
+        report_text(stderr, "batten: %s: %s does not know the file's rules of boundaries, creases and texture\n",
+                    job->call.input, bat_choice_name(&bat_mesh_scheme_family, (int)last));
     if ((textured || sharp) && is_adaptive(job))
-        terminal_print(stderr, "batten: %s: adaptive refinement leaves out texture coordinates, creases and corners\n",
-                       job->call.input);
+        report_text(stderr, "batten: %s: adaptive refinement leaves out texture coordinates, creases and corners\n",
+                    job->call.input);
     if ((textured || sharp) && job->scheme == BAT_MESH_SCHEME_SQRT3)
-        terminal_print(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
-                       job->call.input);
+        report_text(stderr, "batten: %s: sqrt3 turns edges over: texture coordinates, creases and corners are left out\n",
+                    job->call.input);
 }
 
 static int report_refinement(void *of)
@@ -391,7 +398,7 @@ static int report_refinement(void *of)
         given->face_count > 0 ? given->face_count : job->given.face_count,
         made->face_count > 0 ? made->vertex_count : job->made.vertex_count,
         made->face_count > 0 ? made->face_count : job->made.face_count, job->boundary_edges, job->fallback,
-        bat_mesh_repair_places(&job->repairs), report_notes_json(&job->notes));
+        bat_mesh_repair_places(&job->repairs), notes_json(&job->notes));
 }
 
 static int make_refinement(void *of)
@@ -412,16 +419,7 @@ const verb VERB_MESH = {
         "refined into quads by catmull-clark. Texture coordinates, values at the vertices, creases, corners, groups and "
         "materials go along as far as OUT's format holds them; notes tell what it does not hold.",
     .example = "batten mesh cage.obj -o smooth.obj --levels 3 --picture smooth.png",
-    .options = (const option_table[]){{OUTPUT_OPTION, 0},
-                                      {REFINE_OPTIONS, 0},
-                                      {FILE_OPTIONS, 0},
-                                      {REPORT_OPTIONS, 0},
-                                      {THREADS_OPTION, 0},
-                                      {MANY_OPTIONS, 0},
-                                      {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = SIZE_MAX,
-    .reads_files = true,
+    .options = (const option_table[]){{REFINE_OPTIONS, 0}, {FILE_OPTIONS, 0}, {NULL, 0}},
     .formats = &bat_mesh_format_family,
     .job_size = sizeof(mesh_job),
     .begin = begin,
@@ -574,7 +572,7 @@ static int report_decimation(void *of)
         fine->vertex_count, fine->face_count, coarse->vertex_count, coarse->face_count,
         bat_choice_name(&bat_mesh_decimate_method_family, (int)how->method), find_target(job->call.given), wanted,
         (int)is_reached(job), how->tolerance > 0 ? job->distance : NAN, bat_mesh_repair_places(&job->repairs), job->map_file,
-        report_notes_json(&job->notes));
+        notes_json(&job->notes));
 }
 
 const verb VERB_DECIMATE = {
@@ -586,16 +584,7 @@ const verb VERB_DECIMATE = {
         "(see `batten list formats`; - for standard input). Topology, boundaries, creases and seams of the texture stay; "
         "texture coordinates and values at the vertices count in the error and go along.",
     .example = "batten decimate scan.ply -o coarse.ply --tolerance 0.1%",
-    .options = (const option_table[]){{OUTPUT_OPTION, 0},
-                                      {DECIMATE_OPTIONS, 0},
-                                      {FILE_OPTIONS, 0},
-                                      {REPORT_OPTIONS, 0},
-                                      {THREADS_OPTION, 0},
-                                      {MANY_OPTIONS, 0},
-                                      {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = SIZE_MAX,
-    .reads_files = true,
+    .options = (const option_table[]){{DECIMATE_OPTIONS, 0}, {FILE_OPTIONS, 0}, {NULL, 0}},
     .formats = &bat_mesh_format_family,
     .job_size = sizeof(mesh_job),
     .begin = begin,

@@ -119,26 +119,25 @@ static bool check_options(const arguments *given, const curve_job *job)
     const char *for_motions = argument_first(given, FOR_MOTIONS);
     const char *for_curves = argument_first(given, FOR_CURVES);
     const char *scheme = job->scheme != NULL ? job->scheme : "spline", *for_splines = first_of_splines(given, job);
-    bool sampled = job->motion.rate > 0 || job->times_file != NULL;
+    const bat_motion_curves_options *motion = &job->motion;
+    bool sampled = motion->rate > 0 || job->times_file != NULL, hermite = motion->method == BAT_MOTION_METHOD_HERMITE;
     if (for_curves == NULL && !job->is_verb && argument(given, "ends") != NULL)
         for_curves = "ends";
     if (!job->is_motion && for_motions != NULL)
-        (void)usage_error(given, "--%s goes with --scheme spline or hermite, not '%s'", for_motions, job->scheme);
-    else if (job->is_motion && for_curves != NULL)
-        (void)usage_error(given, "--%s does not go with --scheme %s", for_curves, scheme);
-    else if (job->motion.rate > 0 && job->times_file != NULL)
-        (void)usage_error(given, "--rate and --times exclude each other");
-    else if (sampled && (argument(given, "levels") != NULL || argument(given, "panel") != NULL))
-        (void)usage_error(given, "--%s and --levels exclude each other", job->motion.rate > 0 ? "rate" : "times");
-    else if (job->motion.method == BAT_MOTION_METHOD_HERMITE && for_splines != NULL)
-        (void)usage_error(given, "--%s%s goes with --scheme spline, not '%s'", for_splines,
-                          strcmp(for_splines, "tangents") == 0 ? " by name" : "", scheme);
-    else if (job->motion.rate > 0 && job->motion.method == BAT_MOTION_METHOD_HERMITE &&
-             (job->motion.scheme.kind != BAT_HERMITE_KIND_LANE_RIESENFELD || job->motion.scheme.order != 1))
-        (void)usage_error(given, "--rate goes with --scheme spline or hermite, not '%s'", scheme);
-    else
-        return true;
-    return false;
+        return usage_refused(given, "--%s goes with --scheme spline or hermite, not '%s'", for_motions, job->scheme);
+    if (job->is_motion && for_curves != NULL)
+        return usage_refused(given, "--%s does not go with --scheme %s", for_curves, scheme);
+    if (motion->rate > 0 && job->times_file != NULL)
+        return usage_refused(given, "--rate and --times exclude each other");
+    if (sampled && (argument(given, "levels") != NULL || argument(given, "panel") != NULL))
+        return usage_refused(given, "--%s and --levels exclude each other", motion->rate > 0 ? "rate" : "times");
+    if (hermite && for_splines != NULL)
+        return usage_refused(given, "--%s%s goes with --scheme spline, not '%s'", for_splines,
+                             strcmp(for_splines, "tangents") == 0 ? " by name" : "", scheme);
+    if (motion->rate > 0 && hermite &&
+        (motion->scheme.kind != BAT_HERMITE_KIND_LANE_RIESENFELD || motion->scheme.order != 1))
+        return usage_refused(given, "--rate goes with --scheme spline or hermite, not '%s'", scheme);
+    return true;
 }
 
 bool motion_read(curve_job *job)
@@ -151,11 +150,8 @@ bool motion_read(curve_job *job)
     else if (argument_first(given, FOR_MOTIONS) != NULL)
         job->is_motion = true;
     if (job->is_verb && !job->is_motion)
-    {
-        (void)usage_error(given, "'%s' is no scheme for points with tangents; `batten list schemes` names them",
-                          job->scheme);
-        return false;
-    }
+        return usage_refused(given, "'%s' is no scheme for points with tangents; `batten list schemes` names them",
+                             job->scheme);
     if (job->is_motion && job->scheme != NULL &&
         !usage_accepts(given, bat_motion_scheme_by_name(job->scheme, &job->motion, &error), &error))
         return false;
@@ -231,7 +227,7 @@ int motion_draw(const curve_job *job)
         options.length_unit = job->units[0];
         options.time_unit = job->units[1];
     }
-    if (bat_motion_picture_write(output_path(&job->call.files, "picture"), &job->coarse, &how, &options, &error) == BAT_OK)
-        return EXIT_DONE;
-    return report_failure(job->call.picture, &error);
+    const char *path = output_path(&job->call.files, "picture");
+    return report_status(NULL, job->call.picture, bat_motion_picture_write(path, &job->coarse, &how, &options, &error),
+                         &error);
 }

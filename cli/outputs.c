@@ -1,5 +1,3 @@
-#include "outputs.h"
-
 #include "interrupt.h"
 #include "report.h"
 #include "verb.h"
@@ -43,7 +41,7 @@ static int check_inputs(const arguments *given, const char *option)
     const option_spec *other;
     const char *path = argument(given, option);
     bool replaces = strcmp(option, "output") == 0;
-    for (size_t i = 0; what->reads_files && !replaces && i < given->positional_count; i++)
+    for (size_t i = 0; (what->reads_files || what->formats != NULL) && !replaces && i < given->positional_count; i++)
         if (same_file(path, given->positional[i]))
             return usage_error(given, "%s%s would overwrite '%s', which is read", dashes(option), shown(option), path);
     for (size_t i = 0; (other = option_at(what, i, NULL)) != NULL; i++)

@@ -1,7 +1,6 @@
 #include "report.h"
 
 #include "interrupt.h"
-#include "terminal.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -11,6 +10,72 @@
 #include <string.h>
 #include <unistd.h>
 
+// Text for people
+
+/// The bytes of the UTF-8 character at the start of a text; 0 where there is none.
+static size_t character_length(const unsigned char *text)
+{
+    size_t length = *text < 0x80                    ? 1
+                    : *text >= 0xc2 && *text < 0xe0 ? 2
+                    : *text >= 0xe0 && *text < 0xf0 ? 3
+                    : *text >= 0xf0 && *text < 0xf5 ? 4
+                                                    : 0;
+    for (size_t i = 1; i < length; i++)
+        if ((text[i] & 0xc0) != 0x80)
+            return 0;
+    return length;
+}
+
+void report_clean(char *text)
+{
+    for (unsigned char *at = (unsigned char *)text; *at != '\0';)
+    {
+        size_t length = character_length(at);
+        bool c1 = length == 2 && at[0] == 0xc2 && at[1] < 0xa0;
+        bool control = length == 0 || at[0] < 0x20 || at[0] == 0x7f || c1;
+        length += length == 0;
+        if (control)
+            memset(at, '?', length);
+        at += length;
+    }
+}
+
+void report_text_list(FILE *stream, const char *format, va_list list)
+{
+    va_list again;
+    va_copy(again, list);
+    char usual[1024], *text = usual;
+    int length = vsnprintf(usual, sizeof usual, format, list);
+    if (length >= (int)sizeof usual)
+    {
+        text = malloc((size_t)length + 1);
+        // Without memory the beginning is shown.
+        if (text != NULL)
+            (void)vsnprintf(text, (size_t)length + 1, format, again);
+        else
+            text = usual;
+    }
+    va_end(again);
+    size_t format_length = strlen(format);
+    bool ends = format_length > 0 && format[format_length - 1] == '\n';
+    if (ends && length > 0)
+        text[strlen(text) - 1] = '\0';
+    report_clean(text);
+    (void)fprintf(stream, ends ? "%s\n" : "%s", text);
+    if (text != usual)
+        free(text);
+}
+
+void report_text(FILE *stream, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    report_text_list(stream, format, list);
+    va_end(list);
+}
+
+// Failures and progress
+
 /// The work under way, one at a time.
 static struct
 {
@@ -19,27 +84,27 @@ static struct
     int percent;      ///< the one drawn last; -1 for none
 } work;
 
-static int report_text(const char *file, size_t line, const char *text)
+static int print_failure(const char *file, size_t line, const char *text)
 {
     (void)fputs("batten: ", stderr);
     if (file != NULL)
-        terminal_print(stderr, "%s:", file);
+        report_text(stderr, "%s:", file);
     if (line > 0)
         (void)fprintf(stderr, "%zu:", line);
-    terminal_print(stderr, "%s%s\n", file != NULL || line > 0 ? " " : "", text);
+    report_text(stderr, "%s%s\n", file != NULL || line > 0 ? " " : "", text);
     return EXIT_BAD_INPUT;
 }
 
 int(report_failure)(const char *file, const bat_error *error)
 {
-    return report_text(file, error->line, error->text);
+    return print_failure(file, error->line, error->text);
 }
 
 int report_bad_input(const arguments *given, const char *file, const bat_error *error)
 {
     char text[WORDING_SIZE];
     argument_wording(given, error, text);
-    return report_text(file, error->line, text);
+    return print_failure(file, error->line, text);
 }
 
 int report_status(const arguments *given, const char *file, bat_status status, const bat_error *error)
@@ -48,20 +113,6 @@ int report_status(const arguments *given, const char *file, bat_status status, c
     if (status == BAT_OK)
         return EXIT_DONE;
     return given != NULL ? report_bad_input(given, file, error) : report_failure(file, error);
-}
-
-void report_notes(const bat_mesh_notes *notes, FILE *stream)
-{
-    for (size_t i = 0; i < notes->count; i++)
-        terminal_print(stream, "note: %s\n", notes->texts[i]);
-}
-
-json_t *report_notes_json(const bat_mesh_notes *notes)
-{
-    json_t *list = json_array();
-    for (size_t i = 0; i < notes->count; i++)
-        (void)json_array_append_new(list, json_string(notes->texts[i]));
-    return list;
 }
 
 static bool draw_progress(void *context, double fraction)
@@ -226,12 +277,19 @@ static bool put_value(json_t *object, const report_value *value)
     return json_object_set_new(object, name, value_json(value)) == 0;
 }
 
+/// Whether a value has no member in the object.
+static bool is_left_out(const report_value *value)
+{
+    bool set = value->kind == 'o' ? !json_is_null(value->json) : is_set(value);
+    return value->key[0] == '-' || (value->optional && !set);
+}
+
 static json_t *make_object(const report_value *values, size_t count)
 {
     json_t *object = json_object();
     bool failed = object == NULL;
     for (size_t i = 0; i < count; i++)
-        if (values[i].key[0] != '-' && (!values[i].optional || is_set(&values[i])))
+        if (!is_left_out(&values[i]))
             failed = !put_value(object, &values[i]) || failed;
     if (!failed)
         return object;
@@ -266,7 +324,7 @@ static void print_field(const char *field, const report_value *values, size_t co
     if (value->kind == 'n')
         (void)printf(format, factor * value->number);
     else if (value->kind == 's')
-        terminal_print(stdout, "%*s", (int)strtol(how, NULL, 10), value->text);
+        report_text(stdout, "%*s", (int)strtol(how, NULL, 10), value->text);
     else
         (void)printf("%*lld", (int)strtol(how, NULL, 10), value->whole);
     if (second == 0)

@@ -3,24 +3,28 @@
 
 #include "arguments.h"
 
-#include "batten/mesh_file.h"
-
 #include <jansson.h>
+#include <stdarg.h>
 #include <stdio.h>
 
 /// @file
 /// Errors in one line, progress, and reports as text or as JSON.
+
+// Text for people. Names of files and what files contain may hold control characters, which a terminal would obey.
+
+/// Replace each control character by '?', in place: of ASCII, also line breaks, and of the C1 set. So are bytes that are no
+/// UTF-8.
+void report_clean(char *text);
+
+/// As fprintf(), with control characters replaced but for a line break that ends the format.
+void report_text(FILE *stream, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void report_text_list(FILE *stream, const char *format, va_list list) __attribute__((format(printf, 2, 0)));
 
 /// Print "batten: FILE:LINE: text" (as far as file and line are known) to standard error and return EXIT_BAD_INPUT.
 int report_failure(const char *file, const bat_error *error);
 
 /// report_failure() for a file that was read, with the option of the verb that leads out, where there is one.
 int report_bad_input(const arguments *given, const char *file, const bat_error *error);
-
-/// Print each note as a line "note: text".
-void report_notes(const bat_mesh_notes *notes, FILE *stream);
-/// The notes as a JSON array.
-json_t *report_notes_json(const bat_mesh_notes *notes);
 
 /// A progress function that draws a line on standard error when that is a terminal, and stops the work once a signal such as
 /// that of Ctrl-C has come. `what` names the work and must outlive it. A second signal ends the program at once.
@@ -38,7 +42,8 @@ json_t *report_numbers(const double *values, size_t count);
 // a text or null, z for size_t, i for int, b for int as a truth value, n for double, which is null in JSON where it is not
 // finite, and o for a json_t *, which is taken over; a null one means that memory ran out. A key with a full stop, as
 // "fine.faces", is a member of an object in the object. One that begins with - is for the text alone. One whose kind has ?
-// behind it is left out of the object where its value is not set: null, an empty text, 0, false or not finite.
+// behind it is left out of the object where its value is not set: null, an empty text, 0, false or not finite; an o where it
+// is the null of JSON.
 //
 // In the text, "{faces:8}" stands for a value, with its width, or with the format of a number without %: "{mean:9.4f}".
 // "{100 mean:9.4f}" is a hundred times it, "{ours/theirs:9.5g}" a number and in brackets its ratio to the other where that

@@ -9,13 +9,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct shape_family;
+/// What is made.
+typedef enum shape_family
+{
+    OF_MESHES,
+    OF_CLOUDS,
+    OF_MAPS,
+    UNKNOWN
+} shape_family;
 
 /// The job of `batten shape`.
 typedef struct shape_job
 {
     verb_call call;
-    const struct shape_family *family;
+    shape_family family;
     size_t vertices;
     uint64_t seed;
     bat_mesh_write_options write;
@@ -25,17 +32,6 @@ typedef struct shape_job
     double *parameters; ///< of the cloud
     bat_curve_set borders;
 } shape_job;
-
-/// Meshes, clouds of points, or maps.
-typedef struct shape_family
-{
-    bool (*has)(const char *kind);
-    bat_status (*make)(shape_job *job, bat_error *error);
-    bat_status (*draw)(const shape_job *job, const char *path, bat_error *error);
-    bat_status (*write)(const shape_job *job, const char *path, bat_error *error);
-    json_t *(*describe)(const shape_job *job);
-    void (*print)(const shape_job *job);
-} shape_family;
 
 static const option_spec OPTIONS[] = {
     {"output", "OUT", RESULT, COMMON | IS_WRITTEN,
@@ -56,97 +52,30 @@ static const option_spec OPTIONS[] = {
     END_OF_OPTIONS,
 };
 
-// Meshes
-
-static bool is_mesh(const char *kind)
+static shape_family family_of(const char *kind)
 {
     for (size_t i = 0; i < bat_mesh_shape_count(); i++)
         if (strcmp(bat_mesh_shape_at(i)->name, kind) == 0)
-            return true;
-    return false;
-}
-
-static bat_status make_mesh(shape_job *job, bat_error *error)
-{
-    return bat_mesh_shape(job->call.input, job->vertices > 0 ? job->vertices : 10000, job->seed, &job->mesh, error);
-}
-
-static bat_status draw_mesh(const shape_job *job, const char *path, bat_error *error)
-{
-    bat_mesh_picture_panel panel = {.mesh = &job->mesh, .title = job->call.input};
-    return bat_mesh_picture_write(path, &panel, 1, NULL, error);
-}
-
-static bat_status write_mesh(const shape_job *job, const char *path, bat_error *error)
-{
-    return bat_mesh_write(path, &job->mesh, &job->write, error);
-}
-
-static json_t *describe_mesh(const shape_job *job)
-{
-    return json_pack("{s:I, s:I}", "vertices", (json_int_t)job->mesh.vertex_count, "faces",
-                     (json_int_t)job->mesh.face_count);
-}
-
-static void print_mesh(const shape_job *job)
-{
-    (void)printf("%s: %zu vertices, %zu faces\n", job->call.input, job->mesh.vertex_count, job->mesh.face_count);
-}
-
-// Clouds of points
-
-static bool is_cloud(const char *kind)
-{
+            return OF_MESHES;
     for (const char *const *name = bat_cloud_shape_names(); *name != NULL; name++)
         if (strcmp(*name, kind) == 0)
-            return true;
-    return false;
+            return OF_CLOUDS;
+    return strcmp(kind, "map") == 0 ? OF_MAPS : UNKNOWN;
 }
 
-static bat_status make_cloud(shape_job *job, bat_error *error)
+static bat_status make_shape(shape_job *job, bat_error *error)
 {
-    return bat_cloud_shape(job->call.input, job->vertices > 0 ? job->vertices : 9600, job->seed, &job->cloud,
-                           &job->parameters, error);
-}
-
-static bat_status draw_cloud(const shape_job *job, const char *path, bat_error *error)
-{
-    bat_surface_picture_row panel = {.cloud = &job->cloud, .title = job->call.input, .parameters = job->parameters};
-    return bat_surface_picture_write(path, &panel, 1, NULL, error);
-}
-
-static bat_status write_cloud(const shape_job *job, const char *path, bat_error *error)
-{
-    return bat_cloud_write(path, &job->cloud, error);
-}
-
-static json_t *describe_cloud(const shape_job *job)
-{
-    return json_pack("{s:I, s:I}", "points", (json_int_t)job->cloud.count, "boundary",
-                     (json_int_t)job->cloud.boundary_count);
-}
-
-static void print_cloud(const shape_job *job)
-{
-    (void)printf("%s: %zu points, %zu known to be on the boundary\n", job->call.input, job->cloud.count,
-                 job->cloud.boundary_count);
-}
-
-// Maps
-
-static bool is_map(const char *kind)
-{
-    return strcmp(kind, "map") == 0;
-}
-
-static bat_status make_map(shape_job *job, bat_error *error)
-{
+    const char *kind = job->call.input;
+    size_t given = job->vertices;
+    if (job->family == OF_MESHES)
+        return bat_mesh_shape(kind, given > 0 ? given : 10000, job->seed, &job->mesh, error);
+    if (job->family == OF_CLOUDS)
+        return bat_cloud_shape(kind, given > 0 ? given : 9600, job->seed, &job->cloud, &job->parameters, error);
     return bat_shape_map(&job->map, &job->borders, error);
 }
 
-static bat_status draw_map(const shape_job *job, const char *path, bat_error *error)
+static bat_status draw_map(const bat_curve_set *map, const char *path, bat_error *error)
 {
-    const bat_curve_set *map = &job->borders;
     bat_curve_picture_layer *layers = calloc(map->count, sizeof *layers);
     *error = (bat_error){.text = "out of memory"};
     if (layers == NULL)
@@ -166,38 +95,16 @@ static bat_status draw_map(const shape_job *job, const char *path, bat_error *er
     return status;
 }
 
-static bat_status write_map(const shape_job *job, const char *path, bat_error *error)
+static bat_status draw_shape(const shape_job *job, const char *path, bat_error *error)
 {
-    return bat_curve_write(path, &job->borders, NULL, error);
+    const char *title = job->call.input;
+    if (job->family == OF_MESHES)
+        return bat_mesh_picture_write(path, &(bat_mesh_picture_panel){.mesh = &job->mesh, .title = title}, 1, NULL, error);
+    if (job->family == OF_MAPS)
+        return draw_map(&job->borders, path, error);
+    bat_surface_picture_row row = {.cloud = &job->cloud, .title = title, .parameters = job->parameters};
+    return bat_surface_picture_write(path, &row, 1, NULL, error);
 }
-
-static size_t count_points(const bat_curve_set *map)
-{
-    size_t points = 0;
-    for (size_t i = 0; i < map->count; i++)
-        points += map->curves[i].count;
-    return points;
-}
-
-static json_t *describe_map(const shape_job *job)
-{
-    return json_pack("{s:I, s:I, s:I}", "countries", (json_int_t)job->map.countries, "rings", (json_int_t)job->borders.count,
-                     "points", (json_int_t)count_points(&job->borders));
-}
-
-static void print_map(const shape_job *job)
-{
-    (void)printf("%s: %zu countries, %zu rings of %zu points\n", job->call.input, job->map.countries, job->borders.count,
-                 count_points(&job->borders));
-}
-
-// The verb
-
-static const shape_family FAMILIES[] = {
-    {is_mesh, make_mesh, draw_mesh, write_mesh, describe_mesh, print_mesh},
-    {is_cloud, make_cloud, draw_cloud, write_cloud, describe_cloud, print_cloud},
-    {is_map, make_map, draw_map, write_map, describe_map, print_map},
-};
 
 static void begin(void *to)
 {
@@ -213,57 +120,60 @@ static bool check(void *of)
     shape_job *job = of;
     const arguments *given = job->call.given;
     bat_error error;
-    for (size_t i = 0; i < sizeof FAMILIES / sizeof *FAMILIES && job->family == NULL; i++)
-        if (FAMILIES[i].has(job->call.input))
-            job->family = &FAMILIES[i];
+    job->family = family_of(job->call.input);
     job->map.seed = job->seed;
-    bool map = is_map(job->call.input), mesh = job->family == FAMILIES;
-    if (job->family == NULL)
-        (void)usage_error(given, "unknown kind of shape; `batten list shapes` names the kinds");
-    else if (!map && argument_first(given, of_maps) != NULL)
-        (void)usage_error(given, "--%s goes with the shape map", argument_first(given, of_maps));
-    else if (map && argument(given, "vertices") != NULL)
-        (void)usage_error(given, "--vertices does not go with the shape map; --countries and --detail do");
-    else if (!mesh && argument(given, "to") != NULL)
-        (void)usage_error(given, "--to is for meshes; the file's ending says how a cloud or a map is written");
-    else
-        return usage_accepts(given, bat_options_check(&bat_shape_map_fields, &job->map, &error), &error) &&
-               (!mesh || argument_ending(given, &bat_mesh_format_family, (int)job->write.format));
-    return false;
+    bool map = job->family == OF_MAPS, mesh = job->family == OF_MESHES;
+    if (job->family == UNKNOWN)
+        return usage_refused(given, "unknown kind of shape; `batten list shapes` names the kinds");
+    if (!map && argument_first(given, of_maps) != NULL)
+        return usage_refused(given, "--%s goes with the shape map", argument_first(given, of_maps));
+    if (map && argument(given, "vertices") != NULL)
+        return usage_refused(given, "--vertices does not go with the shape map; --countries and --detail do");
+    if (!mesh && argument(given, "to") != NULL)
+        return usage_refused(given, "--to is for meshes; the file's ending says how a cloud or a map is written");
+    return usage_accepts(given, bat_options_check(&bat_shape_map_fields, &job->map, &error), &error) &&
+           (!mesh || argument_ending(given, &bat_mesh_format_family, (int)job->write.format));
 }
 
 static int make(void *of)
 {
     shape_job *job = of;
     bat_error error;
-    if (job->family->make(job, &error) != BAT_OK)
-        return report_failure(NULL, &error);
-    if (job->call.picture != NULL && job->family->draw(job, output_path(&job->call.files, "picture"), &error) != BAT_OK)
-        return report_failure(job->call.picture, &error);
-    return EXIT_DONE;
+    int code = report_status(NULL, NULL, make_shape(job, &error), &error);
+    if (code != EXIT_DONE || job->call.picture == NULL)
+        return code;
+    return report_status(NULL, job->call.picture, draw_shape(job, output_path(&job->call.files, "picture"), &error), &error);
 }
 
 static int write(void *of, const char *path)
 {
-    shape_job *job = of;
+    const shape_job *job = of;
     bat_error error;
-    return job->family->write(job, path, &error) == BAT_OK ? EXIT_DONE : report_failure(job->call.output, &error);
+    bat_status status = job->family == OF_MESHES   ? bat_mesh_write(path, &job->mesh, &job->write, &error)
+                        : job->family == OF_CLOUDS ? bat_cloud_write(path, &job->cloud, &error)
+                                                   : bat_curve_write(path, &job->borders, NULL, &error);
+    return report_status(NULL, job->call.output, status, &error);
 }
 
 static int report(void *of)
 {
-    shape_job *job = of;
-    if (job->call.json)
-    {
-        json_t *object = json_pack("{s:s, s:I}", "shape", job->call.input, "seed", (json_int_t)job->seed),
-               *numbers = job->family->describe(job);
-        (void)json_object_update(object, numbers);
-        json_decref(numbers);
-        return report_json(object);
-    }
-    if (!job->call.quiet)
-        job->family->print(job);
-    return EXIT_DONE;
+    const shape_job *job = of;
+    const verb_call *call = &job->call;
+    if (call->quiet)
+        return EXIT_DONE;
+    if (job->family == OF_MESHES)
+        return report_print(call->json, "{shape}: {vertices} vertices, {faces} faces\n", "shape:s seed:z vertices:z faces:z",
+                            call->input, (size_t)job->seed, job->mesh.vertex_count, job->mesh.face_count);
+    if (job->family == OF_CLOUDS)
+        return report_print(call->json, "{shape}: {points} points, {boundary} known to be on the boundary\n",
+                            "shape:s seed:z points:z boundary:z", call->input, (size_t)job->seed, job->cloud.count,
+                            job->cloud.boundary_count);
+    size_t points = 0;
+    for (size_t i = 0; i < job->borders.count; i++)
+        points += job->borders.curves[i].count;
+    return report_print(call->json, "{shape}: {countries} countries, {rings} rings of {points} points\n",
+                        "shape:s seed:z countries:z rings:z points:z", call->input, (size_t)job->seed,
+                        (size_t)job->map.countries, job->borders.count, points);
 }
 
 static void end(void *of)

@@ -1,6 +1,5 @@
 #include "report.h"
 #include "surface_fit.h"
-#include "terminal.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -281,8 +280,8 @@ static int report_fit(const surface_job *job)
         (void)surface_report(&findings, false);
     if (!job->result.below_noise)
         return code;
-    terminal_print(stderr, "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
-                   job->call.input, job->result.noise);
+    report_text(stderr, "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
+                job->call.input, job->result.noise);
     return EXIT_BAD_INPUT;
 }
 
@@ -335,17 +334,10 @@ const verb VERB_SURFACE = {
     .about = "Fit an adaptive spline surface to the points of a file (see `batten list formats`; - for standard input): a "
              "patch with one boundary, or a mesh of one. A spline surface (.xml, .json) as IN is written in another format.",
     .example = "batten surface scan.ply --tolerance 0.05 -o scan.step --picture scan.png",
-    .options = (const option_table[]){{OUTPUT_OPTION, 0},
-                                      {SURFACE_FIT_OPTIONS, offsetof(surface_job, options.fit)},
+    .options = (const option_table[]){{SURFACE_FIT_OPTIONS, offsetof(surface_job, options.fit)},
                                       {OPTIONS, 0},
                                       {SURFACE_WRITE_OPTIONS, offsetof(surface_job, write)},
-                                      {REPORT_OPTIONS, 0},
-                                      {THREADS_OPTION, 0},
-                                      {MANY_OPTIONS, 0},
                                       {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = SIZE_MAX,
-    .reads_files = true,
     .formats = &bat_surface_format_family,
     .job_size = sizeof(surface_job),
     .begin = begin,

@@ -1,5 +1,4 @@
 #include "report.h"
-#include "terminal.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -122,7 +121,7 @@ static int end_report(json_t *object, const bat_train_options *run, bool as_json
 {
     if (as_json)
         return report_json(object);
-    terminal_print(stdout, "%s/model.safetensors\n", run->folder);
+    report_text(stdout, "%s/model.safetensors\n", run->folder);
     return EXIT_DONE;
 }
 
@@ -530,7 +529,7 @@ int train_in_group(int argc, char **argv, const bat_group *processes, int thread
     for (size_t k = 0; k < sizeof KINDS / sizeof *KINDS; k++)
         if (strcmp(name, KINDS[k]->name + strlen("train ")) == 0)
             return verb_run(KINDS[k], argc - 1, argv + 1);
-    terminal_print(stderr, "batten: there is no model '%s' to train; there are curve, mesh and surface\n", name);
+    report_text(stderr, "batten: there is no model '%s' to train; there are curve, mesh and surface\n", name);
     (void)fputs("usage: batten train curve|mesh|surface [options]\n", stderr);
     return EXIT_BAD_USAGE;
 }

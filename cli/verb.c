@@ -1,6 +1,5 @@
 #include "verb.h"
 
-#include "many.h"
 #include "report.h"
 
 #include <stdlib.h>

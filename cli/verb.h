@@ -1,12 +1,48 @@
 #ifndef CLI_VERB_H
 #define CLI_VERB_H
 
-#include "outputs.h"
+#include "arguments.h"
 
 #include "batten/distributed.h"
 
 /// @file
 /// Verbs: what each tells of itself, and how all of them run.
+
+// The files that a call writes. They appear together, or none does.
+
+enum
+{
+    MAX_OUTPUTS = 4
+};
+
+/// The files of the options that write or draw.
+typedef struct outputs
+{
+    bat_outputs *files; ///< null once they are closed
+    struct
+    {
+        const char *option, *path, *write_to;
+    } each[MAX_OUTPUTS];
+    size_t count;
+    const char *folder; ///< of further files, which the verb adds; null for none
+    bool piped;         ///< -o is standard output, which is written after the files
+} outputs;
+
+/// Whether a path, which may be null, is standard output.
+bool is_standard_output(const char *path);
+
+/// Open the files. Two outputs to one file, and an output to a file that is read (but for -o to IN), are a bad command line;
+/// pictures need an ending that tells their format. Returns the program's exit code; after a failure nothing is open.
+int outputs_open(const arguments *given, outputs *out);
+
+/// Where to write what belongs to an option; null where it was not given. For standard output beside other files this is
+/// /dev/null, to find what cannot be written before those appear; alone it is null.
+const char *output_path(const outputs *out, const char *option);
+
+/// Put the files in their places when `code` is EXIT_DONE, else remove them. Returns the program's exit code.
+int outputs_close(outputs *out, int code);
+
+// Verbs
 
 /// The begin of the job of every verb: what was given, and the files.
 typedef struct verb_call
@@ -33,11 +69,12 @@ typedef struct verb
     const char *example;   ///< a command, or several lines
     const option_table *options;
     size_t min_positional, max_positional;
-    bool reads_files;          ///< the positional arguments are files that are read
-    bool prints_result;        ///< without any output and --json, the result goes to standard output
-    const char *words;         ///< what the first positional argument may be, separated by blanks; null for other things
-    const char *list;          ///< of what `batten list` prints it may be; null for none
-    const bat_family *formats; ///< the formats of OUT of a verb that takes several inputs; else null
+    bool reads_files;   ///< the positional arguments are files that are read
+    bool prints_result; ///< without any output and --json, the result goes to standard output
+    const char *words;  ///< what the first positional argument may be, separated by blanks; null for other things
+    const char *list;   ///< of what `batten list` prints it may be; null for none
+    const bat_family
+        *formats; ///< the formats of OUT of a verb that takes any number of files, and all options below; else null
     size_t job_size;
     void (*begin)(void *job); ///< sets defaults
     bool (*check)(void *job); ///< reads what no row of the options reads, and checks all. False after a message
@@ -50,11 +87,49 @@ typedef struct verb
 /// Read a command line and run a verb. Returns the program's exit code.
 int verb_run(const verb *what, int argc, char **argv);
 
+// Several inputs in one call: each in a process of its own, several at a time, its output in a folder.
+
+/// What a verb makes of one input. Returns the program's exit code.
+typedef int (*many_verb)(const arguments *given);
+
+/// Whether a command line asks for several inputs, or for one whose output goes to a folder.
+bool many_wanted(const arguments *given);
+
+/// Run a verb for each input; -o names a folder. An output has the name of its input, with the ending of --to where it is
+/// given; one that is an input is refused without --in-place. Each appears as a whole when it is done. A failed input does
+/// not stop the others. A signal stops those that are under way and keeps those that are done.
+///
+/// @return the program's exit code: EXIT_BAD_INPUT when an input failed
+int many_run(const arguments *given, many_verb run);
+
 /// The verb `train`, with its command line, divided among the processes of a group. Rank 0 prints failures.
 /// @param processes null for a process alone
 /// @param threads   of each process where --threads is not given; 0: all processors
 /// @return the program's exit code
 int train_in_group(int argc, char **argv, const bat_group *processes, int threads);
+
+// The help of a verb, made of its tables.
+
+enum
+{
+    /// The maximum number of characters on a line.
+    HELP_WIDTH = 100,
+    /// Of a summary, with its final zero.
+    HELP_TEXT_SIZE = 1024,
+    HELP_GROUPS = CALL + 1
+};
+
+/// The headings of the groups of options.
+extern const char *const HELP_HEADINGS[HELP_GROUPS];
+
+/// The name of a verb's program.
+const char *verb_program(const verb *what);
+
+/// The summary of an option, with the names of its family in the place of "{}".
+/// @param text [HELP_TEXT_SIZE], may receive it
+const char *help_summary(const option_spec *option, char *text);
+/// Print the help of a verb: its common options, or all of them.
+void help_print(const verb *what, bool all);
 
 // Options that verbs share. Their fields are in verb_call.
 extern const option_spec OUTPUT_OPTION[], JSON_OPTION[], REPORT_OPTIONS[], THREADS_OPTION[], MANY_OPTIONS[];

@@ -2,8 +2,8 @@
 
 #include "counts.h"
 #include "ranks.h"
+#include "report.h"
 #include "solver.h"
-#include "terminal.h"
 
 #include "batten/base.h"
 
@@ -56,7 +56,7 @@ static int run(int argc, char **argv, bool speaks)
         if (strcmp(argv[1], VERBS[i].name) == 0)
             return VERBS[i].run(argc - 1, argv + 1);
     if (speaks)
-        terminal_print(stderr, "batten: there is no verb '%s'; `batten-mpi --help` names them\n", argv[1]);
+        report_text(stderr, "batten: there is no verb '%s'; `batten-mpi --help` names them\n", argv[1]);
     return EXIT_BAD_USAGE;
 }
 

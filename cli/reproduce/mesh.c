@@ -1,7 +1,6 @@
 #include "reproduce.h"
 
 #include "report.h"
-#include "terminal.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
@@ -165,8 +164,8 @@ static int read_and_measure(shape_table *t, const char *path)
     int code = read_shape(path, &shape);
     if (code == EXIT_DONE && shape.vertex_count < MIN_VERTICES)
     {
-        terminal_print(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
-                       MIN_VERTICES);
+        report_text(stderr, "batten: %s: left out: %zu vertices, %d are the least\n", path, shape.vertex_count,
+                    MIN_VERTICES);
         if (t->left_out.as_json && json_array_append_new(t->left_out.rows, json_string(name)) != 0)
             code = report_failure(NULL, &(bat_error){.text = "out of memory"});
     }

@@ -11,191 +11,85 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/// When a result writes pictures.
-typedef enum pictures
-{
-    NEVER,
-    WITH_FOLDER, ///< when a folder is given
-    ALWAYS,
-    TRAINING ///< never, but a folder contains trainings
-} pictures;
-
-/// How a result uses given meshes.
-typedef enum meshes
-{
-    NO_MESHES,
-    SUBDIVIDES, ///< decimates and subdivides them
-    LEARNS      ///< trains on them
-} meshes;
-
-/// How a result uses clouds.
-typedef enum cloud_use
-{
-    NO_CLOUDS,
-    ABLATES, ///< trains two networks, or uses given ones
-    DRAWS,   ///< draws random clouds
-    SCANS,   ///< reads clouds from a folder
-    MAKES    ///< samples built-in shapes
-} cloud_use;
-
+/// What a result does and takes, or-ed together.
 enum
 {
+    WITH_FOLDER = 1,  ///< writes pictures where a folder is given
+    ALWAYS = 2,       ///< writes pictures
+    TRAINING = 4,     ///< the folder contains trainings
+    MODEL = 8,        ///< accepts a network
+    SEED = 16,        ///< accepts a seed
+    OTHER_SETS = 32,  ///< accepts other sets of curves
+    SUBDIVIDES = 64,  ///< decimates and subdivides given meshes
+    LEARNS = 128,     ///< trains on given meshes
+    PAIR = 256,       ///< takes two meshes or none
+    ABLATES = 512,    ///< trains two networks on clouds, or uses given ones
+    DRAWS = 1024,     ///< draws random clouds
+    SCANS = 2048,     ///< reads clouds from a folder
+    MAKES = 4096,     ///< samples built-in shapes
+    TRUTH = 8192,     ///< reads curves or meshes from a folder
+    MAY_READ = 16384, ///< reads a folder where one is given
+    CLOUDS = ABLATES | DRAWS | SCANS | MAKES,
     MAX_SHAPES = MAX_POSITIONAL - 1,
     MAX_NUMBER = 1000000
 };
 
-/// A result and what it takes.
 typedef struct result
 {
     const char *name;
     int (*run)(const reproduce_job *job);
-    pictures drawn;
-    bool learned; ///< accepts a network
-    bool seeded;  ///< accepts a seed
-    bool sets;    ///< accepts other sets of curves
-    const char *summary;
-    meshes meshes;
-    size_t max_meshes;
+    unsigned marks;
     const char *folder; ///< the default one of ALWAYS and TRAINING
-    cloud_use clouds;
-    const char *data; ///< files required by SCANS, or of curves
-    bool reads_truth; ///< reads curves or meshes from a folder
-    bool may_read;    ///< reads a folder where one is given
+    const char *data;   ///< files that it reads from a folder
+    const char *summary;
 } result;
 
 static const result RESULTS[] = {
-    {.name = "curve-figures",
-     .run = reproduce_curve_figures,
-     .drawn = ALWAYS,
-     .summary = "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20",
-     .folder = "out"},
-    {.name = "tension-table1",
-     .run = reproduce_tension_table1,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .sets = true,
-     .summary = "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs"},
-    {.name = "tension-table2",
-     .run = reproduce_tension_table2,
-     .learned = true,
-     .seeded = true,
-     .summary = "table 2 of the tension paper: largest angles where the control points are disturbed"},
-    {.name = "tension-table3",
-     .run = reproduce_tension_table3,
-     .drawn = TRAINING,
-     .seeded = true,
-     .summary = "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times",
-     .folder = "out/tension-ablations"},
-    {.name = "tension-table4",
-     .run = reproduce_tension_table4,
-     .drawn = TRAINING,
-     .seeded = true,
-     .summary = "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times",
-     .folder = "out/tension-ablations"},
-    {.name = "tension-iss",
-     .run = reproduce_tension_iss,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .summary = "table 5 of the tension paper: the ISS ground track"},
-    {.name = "tension-mechanism",
-     .run = reproduce_tension_mechanism,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .summary = "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
-    {.name = "real-curves",
-     .run = reproduce_real_curves,
-     .learned = true,
-     .summary =
-         "curves that people have, sampled evenly, unevenly and by simplification: schemes and splines against the truth",
-     .data = "FAMILY-truth.csv and FAMILY-SAMPLING.csv",
-     .reads_truth = true},
-    {.name = "hermite-figures",
-     .run = reproduce_hermite_figures,
-     .drawn = ALWAYS,
-     .summary =
-         "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport",
-     .folder = "out"},
-    {.name = "hermite-order",
-     .run = reproduce_hermite_order,
-     .summary =
-         "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement"},
-    {.name = "motion-keyframes",
-     .run = reproduce_motion_keyframes,
-     .summary = "motions of which every k-th pose is kept: splines in time beside scipy's; with --data a recorded one too",
-     .data = "fr1-xyz.txt",
-     .may_read = true},
-    {.name = "mesh-table2",
-     .run = reproduce_mesh_table2,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .summary = "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured",
-     .meshes = SUBDIVIDES,
-     .max_meshes = MAX_SHAPES},
-    {.name = "real-meshes",
-     .run = reproduce_real_meshes,
-     .learned = true,
-     .summary =
-         "coarse meshes that other programs made of known shapes: learned, butterfly, Loop and flat against the truth",
-     .data = "SHAPE.obj and coarse-by/SHAPE-VERTICES-WAY.off",
-     .reads_truth = true},
-    {.name = "mesh-ablations",
-     .run = reproduce_mesh_ablations,
-     .drawn = TRAINING,
-     .seeded = true,
-     .summary = "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some "
-                "minutes",
-     .meshes = LEARNS,
-     .max_meshes = MAX_SHAPES,
-     .folder = "out/mesh-ablations"},
-    {.name = "mesh-style",
-     .run = reproduce_mesh_style,
-     .drawn = TRAINING,
-     .seeded = true,
-     .summary = "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice",
-     .meshes = LEARNS,
-     .max_meshes = 2,
-     .folder = "out/mesh-style"},
-    {.name = "surface-ablation",
-     .run = reproduce_surface_ablation,
-     .drawn = TRAINING,
-     .learned = true,
-     .seeded = true,
-     .summary = "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, "
-                "some minutes",
-     .folder = "out/surface-ablation",
-     .clouds = ABLATES},
-    {.name = "surface-clouds",
-     .run = reproduce_surface_clouds,
-     .learned = true,
-     .seeded = true,
-     .summary = "figures 5 to 9 of the BIDGCN paper: errors, times and failures of parameterizations on random clouds",
-     .clouds = DRAWS},
-    {.name = "surface-nefertiti",
-     .run = reproduce_surface_nefertiti,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .summary = "figures 12 and 14 of the BIDGCN paper: six clouds of a bust, and an adaptive fit of the largest",
-     .clouds = SCANS,
-     .data = "nefertiti-532.xyz, -1043, -2062, -3253, -6024 and -8818"},
-    {.name = "surface-face",
-     .run = reproduce_surface_face,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .summary = "figure 15 of the BIDGCN paper: adaptive fits of a face of bidegrees (3, 3) and (4, 4)",
-     .clouds = SCANS,
-     .data = "face-9283.xyz"},
-    {.name = "surface-shapes",
-     .run = reproduce_surface_shapes,
-     .drawn = WITH_FOLDER,
-     .learned = true,
-     .summary = "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)",
-     .clouds = MAKES},
-    {.name = "scan-verdict",
-     .run = reproduce_scan_verdict,
-     .seeded = true,
-     .summary = "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses",
-     .data = "meshes (OBJ, OFF, PLY)",
-     .reads_truth = true},
+    {"curve-figures", reproduce_curve_figures, ALWAYS, "out", NULL,
+     "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20"},
+    {"tension-table1", reproduce_tension_table1, WITH_FOLDER | MODEL | OTHER_SETS, NULL, NULL,
+     "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs"},
+    {"tension-table2", reproduce_tension_table2, MODEL | SEED, NULL, NULL,
+     "table 2 of the tension paper: largest angles where the control points are disturbed"},
+    {"tension-table3", reproduce_tension_table3, TRAINING | SEED, "out/tension-ablations", NULL,
+     "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times"},
+    {"tension-table4", reproduce_tension_table4, TRAINING | SEED, "out/tension-ablations", NULL,
+     "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times"},
+    {"tension-iss", reproduce_tension_iss, WITH_FOLDER | MODEL, NULL, NULL,
+     "table 5 of the tension paper: the ISS ground track"},
+    {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER | MODEL, NULL, NULL,
+     "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
+    {"real-curves", reproduce_real_curves, MODEL | TRUTH, NULL, "FAMILY-truth.csv and FAMILY-SAMPLING.csv",
+     "curves that people have, sampled evenly, unevenly and by simplification: schemes and splines against the truth"},
+    {"hermite-figures", reproduce_hermite_figures, ALWAYS, "out", NULL,
+     "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport"},
+    {"hermite-order", reproduce_hermite_order, 0, NULL, NULL,
+     "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement"},
+    {"motion-keyframes", reproduce_motion_keyframes, MAY_READ, NULL, "fr1-xyz.txt",
+     "motions of which every k-th pose is kept: splines in time beside scipy's; with --data a recorded one too"},
+    {"mesh-table2", reproduce_mesh_table2, WITH_FOLDER | MODEL | SUBDIVIDES, NULL, NULL,
+     "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured"},
+    {"real-meshes", reproduce_real_meshes, MODEL | TRUTH, NULL, "SHAPE.obj and coarse-by/SHAPE-VERTICES-WAY.off",
+     "coarse meshes that other programs made of known shapes: learned, butterfly, Loop and flat against the truth"},
+    {"mesh-ablations", reproduce_mesh_ablations, TRAINING | SEED | LEARNS, "out/mesh-ablations", NULL,
+     "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some "
+     "minutes"},
+    {"mesh-style", reproduce_mesh_style, TRAINING | SEED | LEARNS | PAIR, "out/mesh-style", NULL,
+     "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice"},
+    {"surface-ablation", reproduce_surface_ablation, TRAINING | MODEL | SEED | ABLATES, "out/surface-ablation", NULL,
+     "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, "
+     "some minutes"},
+    {"surface-clouds", reproduce_surface_clouds, MODEL | SEED | DRAWS, NULL, NULL,
+     "figures 5 to 9 of the BIDGCN paper: errors, times and failures of parameterizations on random clouds"},
+    {"surface-nefertiti", reproduce_surface_nefertiti, WITH_FOLDER | MODEL | SCANS, NULL,
+     "nefertiti-532.xyz, -1043, -2062, -3253, -6024 and -8818",
+     "figures 12 and 14 of the BIDGCN paper: six clouds of a bust, and an adaptive fit of the largest"},
+    {"surface-face", reproduce_surface_face, WITH_FOLDER | MODEL | SCANS, NULL, "face-9283.xyz",
+     "figure 15 of the BIDGCN paper: adaptive fits of a face of bidegrees (3, 3) and (4, 4)"},
+    {"surface-shapes", reproduce_surface_shapes, WITH_FOLDER | MODEL | MAKES, NULL, NULL,
+     "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)"},
+    {"scan-verdict", reproduce_scan_verdict, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
+     "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses"},
 };
 enum
 {
@@ -258,49 +152,47 @@ static const option_spec OPTIONS[] = {
 /// is the name of the result, %2$s the files that it reads, and %s the most shapes that it takes.
 static bool check_options(const arguments *given, const result *what)
 {
-    meshes use = what->meshes;
-    cloud_use clouds = what->clouds;
-    size_t shapes = given->positional_count - 1;
+    unsigned marks = what->marks;
+    size_t shapes = given->positional_count - 1, max = marks & PAIR ? 2 : marks & (SUBDIVIDES | LEARNS) ? MAX_SHAPES : 0;
     bool data = argument_flag(given, "data"), vertices = argument_flag(given, "vertices");
     bool epochs = argument_flag(given, "epochs"), pairs = argument_flag(given, "pairs");
     bool model = argument_flag(given, "model"), uninformed = argument_flag(given, "uninformed");
     bool cases = argument_flag(given, "points") || argument_flag(given, "noise") || argument_flag(given, "degrees");
-    bool reads = clouds != NO_CLOUDS || what->reads_truth || (what->may_read && !vertices && !epochs && !pairs);
+    bool reads = marks & (CLOUDS | TRUTH) || (marks & MAY_READ && !vertices && !epochs && !pairs);
+    bool has_folder = marks & (WITH_FOLDER | ALWAYS | TRAINING), subdivides = !reads && marks & SUBDIVIDES;
     char most[24];
-    (void)snprintf(most, sizeof most, "%zu", what->max_meshes);
+    (void)snprintf(most, sizeof most, "%zu", max);
     const usage_rule rules[] = {
-        {argument_flag(given, "output") && what->drawn == NEVER, "%s has no pictures to put into a folder"},
-        {model && !what->learned, "%s has no row for a model"},
-        {argument_flag(given, "seed") && !what->seeded, "%s has no chance in it for a seed"},
-        {argument_flag(given, "set") && !what->sets, "%s has no other curves: --set goes with tension-table1"},
-        {shapes > what->max_meshes && use == NO_MESHES, "one argument too many: %s takes no shapes"},
-        {shapes > what->max_meshes, "%s takes %s shapes at most"},
-        {what->max_meshes == 2 && shapes == 1, "%s takes two shapes, a smooth and a sharp one, or none"},
-        {!reads && use != SUBDIVIDES && (data || vertices),
+        {argument_flag(given, "output") && !has_folder, "%s has no pictures to put into a folder"},
+        {model && !(marks & MODEL), "%s has no row for a model"},
+        {argument_flag(given, "seed") && !(marks & SEED), "%s has no chance in it for a seed"},
+        {argument_flag(given, "set") && !(marks & OTHER_SETS), "%s has no other curves: --set goes with tension-table1"},
+        {shapes > max && max == 0, "one argument too many: %s takes no shapes"},
+        {shapes > max, "%s takes %s shapes at most"},
+        {max == 2 && shapes == 1, "%s takes two shapes, a smooth and a sharp one, or none"},
+        {!reads && !subdivides && (data || vertices),
          "--data and --vertices go with mesh-table2, --data with real-curves, real-meshes, motion-keyframes, "
          "surface-nefertiti and -face too"},
-        {!reads && use != LEARNS && (epochs || pairs),
+        {!reads && !(marks & LEARNS) && (epochs || pairs),
          "--epochs and --pairs go with mesh-ablations and mesh-style, --epochs with surface-ablation"},
-        {!reads && use == SUBDIVIDES && shapes > 0 && data,
-         "%s needs either shapes or --data, not both: the program comes without any"},
-        {!reads && use == SUBDIVIDES && shapes == 0 && !data,
+        {subdivides && shapes > 0 && data, "%s needs either shapes or --data, not both: the program comes without any"},
+        {subdivides && shapes == 0 && !data,
          "%s needs shapes, or a folder of them as --data: the program comes without any"},
-        {what->reads_truth && (vertices || epochs || pairs), "--vertices, --pairs and --epochs do not go with %s"},
-        {what->reads_truth && !data, "%s needs --data FOLDER with %s: the program comes without any"},
-        {clouds != DRAWS && cases, "--points, --noise and --degrees go with surface-clouds"},
-        {clouds != DRAWS && clouds != ABLATES && argument_flag(given, "clouds"),
+        {marks & TRUTH && (vertices || epochs || pairs), "--vertices, --pairs and --epochs do not go with %s"},
+        {marks & TRUTH && !data, "%s needs --data FOLDER with %s: the program comes without any"},
+        {!(marks & DRAWS) && cases, "--points, --noise and --degrees go with surface-clouds"},
+        {!(marks & (DRAWS | ABLATES)) && argument_flag(given, "clouds"),
          "--clouds goes with surface-clouds and surface-ablation"},
-        {clouds != SCANS && clouds != MAKES && argument_flag(given, "corrections"),
+        {!(marks & (SCANS | MAKES)) && argument_flag(given, "corrections"),
          "--corrections goes with surface-nefertiti, -face and -shapes"},
-        {clouds != ABLATES && uninformed, "--uninformed goes with surface-ablation"},
-        {clouds == ABLATES && model != uninformed, "%s needs both --model and --uninformed, or trains both"},
-        {clouds != NO_CLOUDS && (vertices || pairs || (clouds != ABLATES && epochs)),
+        {!(marks & ABLATES) && uninformed, "--uninformed goes with surface-ablation"},
+        {marks & ABLATES && model != uninformed, "%s needs both --model and --uninformed, or trains both"},
+        {marks & CLOUDS && (vertices || pairs || (!(marks & ABLATES) && epochs)),
          "--vertices, --pairs and --epochs do not go with %s"},
-        {clouds != NO_CLOUDS && clouds != SCANS && data, "%s makes its clouds itself: there is no --data"},
-        {clouds == SCANS && !data, "%s needs --data FOLDER with %s: the program comes without any scans"},
+        {marks & CLOUDS && !(marks & SCANS) && data, "%s makes its clouds itself: there is no --data"},
+        {marks & SCANS && !data, "%s needs --data FOLDER with %s: the program comes without any scans"},
     };
-    return usage_obeys(given, rules, sizeof rules / sizeof *rules, what->name,
-                       shapes > what->max_meshes ? most : what->data);
+    return usage_obeys(given, rules, sizeof rules / sizeof *rules, what->name, shapes > max ? most : what->data);
 }
 
 static void begin(void *to)
@@ -344,7 +236,7 @@ static int make(void *of)
     const char *folder = job->folder;
     bat_error error = {0};
     // Trainings make their folders themselves.
-    bool makes_folder = folder != NULL && RESULTS[job->index].drawn != TRAINING;
+    bool makes_folder = folder != NULL && !(RESULTS[job->index].marks & TRAINING);
     job->made = makes_folder && mkdir(folder, 0777) == 0;
     if (makes_folder && !job->made && errno != EEXIST)
     {
