@@ -228,12 +228,15 @@ static void print_list(const double *numbers, size_t count)
         (void)printf(" / %.0f", denominator);
 }
 
-static void print_fraction(double number)
+/// "3/4", or a decimal number.
+static const char *fraction(double number, char text[64])
 {
     double denominator = common_denominator(&number, 1);
-    print_number(number, denominator);
     if (denominator > 1)
-        (void)printf("/%.0f", denominator);
+        (void)snprintf(text, 64, "%.0f/%.0f", round(number * denominator), denominator);
+    else
+        (void)snprintf(text, 64, "%.10g", number);
+    return text;
 }
 
 /// A polynomial with constant term first: "-1 + 4 z - z^2".
@@ -245,10 +248,7 @@ static void print_polynomial(const double *coefficients, size_t count, double de
         double number = denominator > 0 ? round(coefficients[k] * denominator) : coefficients[k];
         if (number == 0)
             continue;
-        if (is_first)
-            (void)printf("%s", number < 0 ? "-" : "");
-        else
-            (void)printf("%s", number < 0 ? " - " : " + ");
+        (void)printf("%s", is_first ? number < 0 ? "-" : "" : number < 0 ? " - " : " + ");
         is_first = false;
         if (fabs(number) != 1 || k == 0)
             (void)printf(denominator > 0 ? "%.0f" : "%.10g", fabs(number));
@@ -264,12 +264,9 @@ static void print_symbol(const bat_analysis *analysis)
 {
     const bat_mask *quotient = &analysis->quotient;
     double denominator = common_denominator(quotient->coefficients, quotient->count);
-    (void)printf("  a(z) = ");
-    if (analysis->mask.first != 0)
-        (void)printf("z^%d ", analysis->mask.first);
-    (void)printf("(1 + z)");
-    if (analysis->multiplicity > 1)
-        (void)printf("^%zu", analysis->multiplicity);
+    (void)report_part(false, "  a(z) = [first?z^{first} ](1 + z)[several?^{multiplicity}]",
+                      "first:i multiplicity:z several:b", analysis->mask.first, analysis->multiplicity,
+                      (int)(analysis->multiplicity > 1));
     bool is_unit = quotient->count == 1 && denominator > 0 && round(quotient->coefficients[0] * denominator) == 1;
     if (!is_unit)
     {
@@ -297,21 +294,20 @@ static void print_differences(const bat_analysis *analysis)
 
 static void report_symbol(const bat_analysis *analysis)
 {
-    (void)printf("Symbol\n");
-    (void)printf("  mask, from index %d:    ", analysis->mask.first);
+    char shift[64];
+    (void)printf("Symbol\n  mask, from index %d:    ", analysis->mask.first);
     print_list(analysis->mask.coefficients, analysis->mask.count);
     (void)putchar('\n');
     print_symbol(analysis);
     print_differences(analysis);
     if (analysis->remainder > 0)
         (void)printf("  the factors fit the given coefficients to %.1e\n", analysis->remainder);
-    (void)printf("  %s, %s\n", analysis->is_symmetric ? "symmetric" : "not symmetric",
-                 analysis->is_interpolatory ? "interpolatory" : "approximating");
-    (void)printf("\nPolynomials\n");
-    (void)printf("  generates degree %zu, reproduces degree %zu with point i at (i + shift) / 2^level, shift = ",
-                 analysis->generation_degree, analysis->reproduction_degree);
-    print_fraction(analysis->shift);
-    (void)printf("\n");
+    (void)printf(
+        "  %s, %s\n\nPolynomials\n  generates degree %zu, reproduces degree %zu with point i at (i + shift) / 2^level, "
+        "shift = %s\n",
+        analysis->is_symmetric ? "symmetric" : "not symmetric",
+        analysis->is_interpolatory ? "interpolatory" : "approximating", analysis->generation_degree,
+        analysis->reproduction_degree, fraction(analysis->shift + 0, shift));
 }
 
 static void print_matrix(const bat_analysis *analysis)
@@ -365,13 +361,7 @@ static void print_eigenvalue(const bat_analysis_eigenvalue *value)
 {
     char text[64];
     if (value->imaginary == 0)
-    {
-        double denominator = common_denominator(&value->real, 1);
-        if (denominator > 1)
-            (void)snprintf(text, sizeof text, "%.0f/%.0f", round(value->real * denominator), denominator);
-        else
-            (void)snprintf(text, sizeof text, "%.10g", value->real);
-    }
+        (void)fraction(value->real, text);
     else
         (void)snprintf(text, sizeof text, "%.8g %c %.8gi", value->real, value->imaginary < 0 ? '-' : '+',
                        fabs(value->imaginary));
@@ -381,12 +371,9 @@ static void print_eigenvalue(const bat_analysis_eigenvalue *value)
 static void report_matrix(const bat_analysis *analysis)
 {
     size_t size = analysis->matrix_size;
-    (void)printf("\nLocal subdivision matrix\n");
+    (void)printf("\nLocal subdivision matrix\n%s", size == 0 ? "  none: no point determines the limit\n" : "");
     if (size == 0)
-    {
-        (void)printf("  none: no point determines the limit\n");
         return;
-    }
     (void)printf("  of points %d to %d, which determine the limit at parameter 0 (point i at i / 2^level)\n",
                  analysis->matrix_first, analysis->matrix_first + (int)size - 1);
     print_matrix(analysis);
@@ -408,83 +395,58 @@ static void report_matrix(const bat_analysis *analysis)
     }
 }
 
-static void print_stencil(const char *label, const bat_mask_stencil *stencil)
-{
-    if (stencil->count == 0)
-        return;
-    (void)printf("  %-42s", label);
-    print_list(stencil->weights, stencil->count);
-    (void)printf("  from point %d\n", stencil->first);
-}
-
 static void report_stencils(const bat_analysis *analysis)
 {
-    if (analysis->limit.count == 0)
-        return;
-    (void)printf("\nLimit stencils\n");
-    print_stencil("limit at parameter 0", &analysis->limit);
-    print_stencil("derivative at parameter 0", &analysis->tangent);
-    print_stencil("limit at the parameter of point 0 (snap)", &analysis->vertex);
+    const struct
+    {
+        const char *label;
+        const bat_mask_stencil *stencil;
+    } rows[] = {{"limit at parameter 0", &analysis->limit},
+                {"derivative at parameter 0", &analysis->tangent},
+                {"limit at the parameter of point 0 (snap)", &analysis->vertex}};
+    if (analysis->limit.count > 0)
+        (void)printf("\nLimit stencils\n");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows && analysis->limit.count > 0; i++)
+        if (rows[i].stencil->count > 0)
+        {
+            (void)printf("  %-42s", rows[i].label);
+            print_list(rows[i].stencil->weights, rows[i].stencil->count);
+            (void)printf("  from point %d\n", rows[i].stencil->first);
+        }
 }
 
-/// Nine digits, rounded so that a lower bound stays one and an upper one too; upper bounds that exceed their nine digits by
-/// less than counts as equality keep them.
-static double round_down(double number)
-{
-    return floor(number * 1e9) * 1e-9;
-}
-static double round_up(double number)
-{
-    return ceil((number - BAT_ANALYSIS_EQUALITY) * 1e9) * 1e-9;
-}
-
-/// A bound whose other bound is within NARROW of it, rounded to nine decimals.
-static void print_narrow(double bound)
-{
-    (void)printf("%.12g, to within %g", round(bound * 1e9) * 1e-9, 2 * NARROW);
-}
-
+/// Bounds of nine digits, rounded so that a lower bound stays one and an upper one too; upper bounds that exceed their nine
+/// digits by less than counts as equality keep them. Bounds within NARROW of each other are one number.
 static void print_bounds(double lower, double upper)
 {
+    double low = floor(lower * 1e9) * 1e-9, high = ceil((upper - BAT_ANALYSIS_EQUALITY) * 1e9) * 1e-9;
     if (lower == upper)
         (void)printf("%.9g, both bounds", lower);
     else if (upper - lower <= NARROW)
-        print_narrow(upper);
+        (void)printf("%.12g, to within %g", round(upper * 1e9) * 1e-9, 2 * NARROW);
     else if (isfinite(upper))
-        (void)printf("at least %.10g, at most %.10g", round_down(lower), round_up(upper));
+        (void)printf("at least %.10g, at most %.10g", low, high);
     else
-        (void)printf("at least %.10g", round_down(lower));
+        (void)printf("at least %.10g", low);
 }
 
 static void report_convergence(const bat_analysis *analysis)
 {
-    (void)printf("\nConvergence: %s\n", analysis->converges == BAT_ANALYSIS_VERDICT_PROVEN ? "yes, proven"
-                                        : analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN
-                                            ? "no, proven"
-                                            : "undecided; try a larger --depth");
-    (void)printf("  differences of order %zu grow by a factor per level ", analysis->multiplicity);
-    if (analysis->radius_lower == analysis->radius_upper)
-        (void)printf("of %.12g, both bounds\n", analysis->radius_lower);
-    else if (analysis->radius_upper - analysis->radius_lower <= NARROW)
-    {
-        (void)printf("of ");
-        print_narrow(analysis->radius_lower);
-        (void)putchar('\n');
-    }
+    static const char *const ANSWERS[] = {[BAT_ANALYSIS_VERDICT_PROVEN] = "yes, proven",
+                                          [BAT_ANALYSIS_VERDICT_DISPROVEN] = "no, proven",
+                                          [BAT_ANALYSIS_VERDICT_UNDECIDED] = "undecided; try a larger --depth"};
+    double lower = analysis->radius_lower, upper = analysis->radius_upper;
+    (void)printf("\nConvergence: %s\n  differences of order %zu grow by a factor per level ", ANSWERS[analysis->converges],
+                 analysis->multiplicity);
+    if (lower == upper)
+        (void)printf("of %.12g, both bounds\n", lower);
+    else if (upper - lower <= NARROW)
+        (void)printf("of %.12g, to within %g\n", round(lower * 1e9) * 1e-9, 2 * NARROW);
     else
-        (void)printf("between %.14g and %.14g\n", analysis->radius_lower, analysis->radius_upper);
+        (void)printf("between %.14g and %.14g\n", lower, upper);
     (void)printf("  (joint spectral radius of the two matrices of that order; products up to length %zu tried,\n"
                  "  the fastest growing one is %s)\n",
                  analysis->depth, analysis->product);
-}
-
-static void print_lipschitz(const bat_analysis *analysis)
-{
-    if (analysis->lipschitz == BAT_ANALYSIS_VERDICT_PROVEN)
-        (void)printf(", Lipschitz continuous");
-    else if (analysis->lipschitz == BAT_ANALYSIS_VERDICT_DISPROVEN &&
-             analysis->exponent_upper >= (double)(analysis->smooth_proven + 1))
-        (void)printf(", for every exponent below 1 but not 1 itself");
 }
 
 /// The exponents of the derivatives: orders with equal ones on one line, the highest order, of which there is more to say,
@@ -500,13 +462,15 @@ static void print_derivatives(const bat_analysis *analysis)
                bat_analysis_derivative_exponent(analysis, last + 1, &next_lower, &next_upper) && next_lower == lower &&
                next_upper == upper)
             last++;
-        if (first == last)
-            (void)printf("  derivative of order %zu: Hölder exponent ", first);
-        else
-            (void)printf("  derivatives of orders %zu to %zu: Hölder exponent ", first, last);
+        (void)report_part(false, "  derivative[several?s of orders {first} to][!several? of order] {last}: Hölder exponent ",
+                          "several:b first:z last:z", (int)(first < last), first, last);
         print_bounds(lower, upper);
-        if ((int)last == analysis->smooth_proven)
-            print_lipschitz(analysis);
+        bool is_highest = (int)last == analysis->smooth_proven;
+        if (is_highest && analysis->lipschitz == BAT_ANALYSIS_VERDICT_PROVEN)
+            (void)printf(", Lipschitz continuous");
+        else if (is_highest && analysis->lipschitz == BAT_ANALYSIS_VERDICT_DISPROVEN &&
+                 analysis->exponent_upper >= (double)(analysis->smooth_proven + 1))
+            (void)printf(", for every exponent below 1 but not 1 itself");
         (void)putchar('\n');
     }
 }
@@ -515,14 +479,11 @@ static void report_smoothness(const bat_analysis *analysis)
 {
     if (analysis->converges == BAT_ANALYSIS_VERDICT_DISPROVEN)
         return;
-    (void)printf("\nSmoothness of the limit\n");
-    if (analysis->smooth_proven >= 0)
-        (void)printf("  C^%d is proven", analysis->smooth_proven);
-    else
-        (void)printf("  no continuity is proven");
-    if (analysis->smooth_disproven >= 0)
-        (void)printf(", C^%d is disproven", analysis->smooth_disproven);
-    (void)printf("\n  total Hölder exponent: ");
+    int proven = analysis->smooth_proven, disproven = analysis->smooth_disproven;
+    (void)report_part(false,
+                      "\nSmoothness of the limit\n[some?  C^{proven} is proven][!some?  no continuity is proven][not_all?, "
+                      "C^{disproven} is disproven]\n  total Hölder exponent: ",
+                      "some:b proven:i not_all:b disproven:i", (int)(proven >= 0), proven, (int)(disproven >= 0), disproven);
     print_bounds(analysis->exponent_lower, analysis->exponent_upper);
     (void)putchar('\n');
     print_derivatives(analysis);
@@ -693,14 +654,9 @@ const verb VERB_ANALYZE = {
     .about = "Analyze a linear scheme in the limit: symbol, local matrix and eigenvalues, limit stencils, polynomials, "
              "convergence and smoothness with proven bounds. `batten list schemes` names the schemes.",
     .example = "batten analyze four-point:w=0.05 --picture basis.svg",
-    .options = (const option_table[]){{OPTIONS, 0}, {JSON_OPTION, 0}, {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = 1,
+    .options = {{OPTIONS, 0}, {JSON_OPTION, 0}},
+    .positional = {1, 1},
     .list = "schemes",
     .job_size = sizeof(analyze_job),
-    .begin = begin,
-    .check = check,
-    .make = make,
-    .report = report,
-    .end = end,
+    .calls = {begin, check, make, NULL, report, end},
 };

@@ -13,29 +13,15 @@
 
 static const double DEGREE = 3.14159265358979323846 / 180;
 
-static void print_usage(const arguments *given, const char *format, va_list list)
-{
-    (void)fputs("batten: ", stderr);
-    report_text_list(stderr, format, list);
-    (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
-}
-
 int usage_error(const arguments *given, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
-    print_usage(given, format, list);
+    (void)fputs("batten: ", stderr);
+    report_text_list(stderr, format, list);
+    (void)fprintf(stderr, "\nusage: %s %s %s\n", verb_program(given->verb), given->verb->name, given->verb->arguments);
     va_end(list);
     return EXIT_BAD_USAGE;
-}
-
-bool usage_refused(const arguments *given, const char *format, ...)
-{
-    va_list list;
-    va_start(list, format);
-    print_usage(given, format, list);
-    va_end(list);
-    return false;
 }
 
 bool usage_obeys(const arguments *given, const usage_rule *rules, size_t count, const char *first, const char *second)
@@ -199,7 +185,7 @@ bool arguments_read(const verb *what, int argc, char **argv, arguments *given, i
             if (!read_option(given, argc, argv, &i, exit_code))
                 return false;
         }
-        else if (what->formats == NULL && given->positional_count == what->max_positional)
+        else if (what->formats == NULL && given->positional_count == what->positional.max)
         {
             *exit_code = usage_error(given, "'%s' is one argument too many", word);
             return false;
@@ -207,7 +193,7 @@ bool arguments_read(const verb *what, int argc, char **argv, arguments *given, i
         else
             argv[1 + given->positional_count++] = argv[i];
     }
-    if (given->positional_count < (what->formats != NULL ? 1 : what->min_positional))
+    if (given->positional_count < (what->formats != NULL ? 1 : what->positional.min))
     {
         *exit_code = usage_error(given, "an argument is missing");
         return false;

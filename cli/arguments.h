@@ -160,8 +160,8 @@ bool argument_ending(const arguments *given, const bat_family *formats, int to);
 
 /// Print "batten: message" and the usage line of the verb to standard error, and return EXIT_BAD_USAGE.
 int usage_error(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/// The same, but return false.
-bool usage_refused(const arguments *given, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/// The same, but false.
+#define usage_refused(...) (usage_error(__VA_ARGS__) == EXIT_DONE)
 /// A rule of a command line, with the message where it is broken.
 typedef struct usage_rule
 {

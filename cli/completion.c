@@ -224,10 +224,7 @@ const verb VERB_COMPLETION = {
     .about = "Print a script by which a shell completes the verbs of batten, their options and the names of choices. `make "
              "install` puts the scripts where shells find them.",
     .example = "source <(batten completion bash)",
-    .options = (const option_table[]){{NULL, 0}},
-    .min_positional = 1,
-    .max_positional = 1,
+    .positional = {1, 1},
     .words = "bash zsh fish",
-    .job_size = sizeof(verb_call),
-    .make = make,
+    .calls = {NULL, NULL, make, NULL, NULL, NULL},
 };

@@ -3,6 +3,7 @@
 #include "report.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -120,6 +121,36 @@ static const option_spec PICTURE_OPTIONS[] = {
     END_OF_OPTIONS,
 };
 
+/// Of motions, which `batten curve` has, too.
+static const option_spec MOTION_OPTIONS[] = {
+    {"rate", "R", METHOD, COMMON, "of motions: R points a unit of time, in place of --levels",
+     POSITIVE(curve_job, motion.rate)},
+    {"times", "FILE", METHOD, COMMON | IS_READ,
+     "of motions: the points at these increasing times, a number a line, in place of --levels", TEXT(curve_job, times_file)},
+    {"velocities", NULL, METHOD, 0, "of motions: write velocities even if IN has none", FLAG(curve_job, motion.velocities)},
+    {"tangents", "HOW", METHOD, 0,
+     "of motions: how velocities are found where IN has none: resting (default), smooth or limited, see docs/motion.md, or "
+     "estimates of order 2 or 4",
+     NO_FIELD},
+    END_OF_OPTIONS,
+};
+
+/// Of `batten motion` alone.
+static const option_spec MOTION_VERB_OPTIONS[] = {
+    {"ends", "RULE", METHOD, COMMON, "spline: {}; default auto; clamped ends are at rest",
+     CHOICE(curve_job, motion.spline.ends, bat_motion_ends_family)},
+    {"sigma", "S[,T]", METHOD, 0,
+     "spline: smooth keyframes with noise S, the root mean square distance; for poses S in units of length and T in radians",
+     NO_FIELD},
+    {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
+     CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
+    {"extrapolate", NULL, METHOD, 0, "spline: go on before the first and after the last keyframe, with constant velocity",
+     FLAG(curve_job, motion.spline.extrapolate)},
+    {"poses", "N", PICTURE, 0, "frames or poses in the picture; default: by the motion", WHOLE(curve_job, poses, 1, 1000)},
+    {"units", "L,T", PICTURE, 0, "units of length and time in the picture, as m,s; default: by the file", NO_FIELD},
+    END_OF_OPTIONS,
+};
+
 static bool read_panels(curve_job *job)
 {
     const char *at = argument(job->call.given, "panel");
@@ -212,6 +243,137 @@ static bool check_stops(curve_job *job)
     return true;
 }
 
+// Motions
+
+/// Options of `batten curve` that only motions take, and those that they do not take.
+static const char *const FOR_MOTIONS[] = {"rate", "times", "velocities", "tangents", NULL};
+static const char *const FOR_CURVES[] = {"fairness",  "model",    "snap",         "best-tension",
+                                         "tolerance", "max-edge", "corner-angle", NULL};
+
+static bool is_motion_scheme(const char *scheme)
+{
+    static const char *const families[] = {"hermite", "spline"};
+    for (size_t i = 0; i < sizeof families / sizeof *families; i++)
+    {
+        size_t length = strlen(families[i]);
+        if (strncmp(scheme, families[i], length) == 0 && strchr(":-", scheme[length]) != NULL)
+            return true;
+    }
+    return false;
+}
+
+/// --tangents: a shape of splines, or the order of estimates.
+static bool read_tangents(const arguments *given, curve_job *job)
+{
+    const char *how = argument(given, "tangents");
+    bat_motion_curves_options *motion = &job->motion;
+    const bat_choice *shape;
+    if (how == NULL)
+        return true;
+    if (bat_choice_find(&bat_motion_shape_family, how, &shape, NULL) == BAT_OK)
+    {
+        motion->spline.shape = (bat_motion_shape)shape->value;
+        return true;
+    }
+    if (strcmp(how, "2") != 0 && strcmp(how, "4") != 0)
+        return argument_refused(given, "tangents", "resting, smooth, limited, 2 or 4");
+    motion->tangent_order = (size_t)(how[0] - '0');
+    return true;
+}
+
+/// --sigma: one number, or two.
+static bool read_sigma(const arguments *given, curve_job *job)
+{
+    const char *text = argument(given, "sigma");
+    bat_motion_spline_options *spline = &job->motion.spline;
+    if (text == NULL)
+        return true;
+    char *end;
+    spline->sigma = strtod(text, &end);
+    bool good = end != text && spline->sigma >= 0 && isfinite(spline->sigma);
+    if (good && *end == ',')
+    {
+        const char *second = end + 1;
+        spline->angle_sigma = strtod(second, &end);
+        good = end != second && spline->angle_sigma >= 0 && isfinite(spline->angle_sigma);
+    }
+    return (good && *end == '\0') || argument_refused(given, "sigma", "a number, or two as in 0.01,0.002");
+}
+
+static bool read_units(const arguments *given, curve_job *job)
+{
+    const char *units = argument(given, "units"), *comma = units != NULL ? strchr(units, ',') : NULL;
+    if (units == NULL)
+        return true;
+    if (comma == NULL || strlen(comma + 1) >= sizeof job->units[1] || comma - units >= (ptrdiff_t)sizeof job->units[0])
+        return argument_refused(given, "units", "a unit of length and one of time, as in m,s");
+    (void)snprintf(job->units[0], sizeof job->units[0], "%.*s", (int)(comma - units), units);
+    (void)snprintf(job->units[1], sizeof job->units[1], "%s", comma + 1);
+    return true;
+}
+
+/// Options that only splines have, or null.
+static const char *first_of_splines(const arguments *given, const curve_job *job)
+{
+    static const char *const options[] = {"times", "ends", "extrapolate", "sigma", "outliers", NULL}, *const of_curves[] = {
+                                                                                                          "times", NULL};
+    const char *how = argument(given, "tangents");
+    if (how != NULL && job->motion.tangent_order == 0)
+        return "tangents";
+    return argument_first(given, job->is_verb ? options : of_curves);
+}
+
+static bool check_options(const arguments *given, const curve_job *job)
+{
+    const char *for_motions = argument_first(given, FOR_MOTIONS);
+    const char *for_curves = argument_first(given, FOR_CURVES);
+    const char *scheme = job->scheme != NULL ? job->scheme : "spline", *for_splines = first_of_splines(given, job);
+    const bat_motion_curves_options *motion = &job->motion;
+    bool sampled = motion->rate > 0 || job->times_file != NULL, hermite = motion->method == BAT_MOTION_METHOD_HERMITE;
+    if (for_curves == NULL && !job->is_verb && argument(given, "ends") != NULL)
+        for_curves = "ends";
+    if (!job->is_motion && for_motions != NULL)
+        return usage_refused(given, "--%s goes with --scheme spline or hermite, not '%s'", for_motions, job->scheme);
+    if (job->is_motion && for_curves != NULL)
+        return usage_refused(given, "--%s does not go with --scheme %s", for_curves, scheme);
+    if (motion->rate > 0 && job->times_file != NULL)
+        return usage_refused(given, "--rate and --times exclude each other");
+    if (sampled && (argument(given, "levels") != NULL || argument(given, "panel") != NULL))
+        return usage_refused(given, "--%s and --levels exclude each other", motion->rate > 0 ? "rate" : "times");
+    if (hermite && for_splines != NULL)
+        return usage_refused(given, "--%s%s goes with --scheme spline, not '%s'", for_splines,
+                             strcmp(for_splines, "tangents") == 0 ? " by name" : "", scheme);
+    if (motion->rate > 0 && hermite &&
+        (motion->scheme.kind != BAT_HERMITE_KIND_LANE_RIESENFELD || motion->scheme.order != 1))
+        return usage_refused(given, "--rate goes with --scheme spline or hermite, not '%s'", scheme);
+    return true;
+}
+
+/// Read the options of motions, once the others are read. False after a message.
+static bool read_motion(curve_job *job)
+{
+    bat_error error;
+    const arguments *given = job->call.given;
+    job->motion.scheme.threads = job->motion.spline.threads = job->refine.threads;
+    if (job->scheme != NULL)
+        job->is_motion = is_motion_scheme(job->scheme);
+    else if (argument_first(given, FOR_MOTIONS) != NULL)
+        job->is_motion = true;
+    if (job->is_verb && !job->is_motion)
+        return usage_refused(given, "'%s' is no scheme for points with tangents; `batten list schemes` names them",
+                             job->scheme);
+    if (job->is_motion && job->scheme != NULL &&
+        !usage_accepts(given, bat_motion_scheme_by_name(job->scheme, &job->motion, &error), &error))
+        return false;
+    if (job->is_motion && !job->is_verb)
+        job->hint = "is treated as a motion";
+    return read_tangents(given, job) && read_sigma(given, job) && read_units(given, job) &&
+           usage_accepts(given, bat_options_check(&bat_motion_curves_fields, &job->motion, &error), &error) &&
+           check_options(given, job);
+}
+
+// The verbs
+
 /// Whether the file is a sequence that can go through memory part by part: nothing else needs it as a whole.
 static bool is_streamed(const curve_job *job)
 {
@@ -256,7 +418,7 @@ static bool check(void *of)
     if (job->call.output != NULL && job->write.format == BAT_CURVE_FORMAT_AUTO &&
         !usage_accepts(given, bat_choice_of_path(&bat_curve_format_family, job->call.output, true, &format, &error), &error))
         return false;
-    if (!read_panels(job) || !check_stops(job) || !motion_read(job) || !read_scheme(job) || !check_exclusions(job) ||
+    if (!read_panels(job) || !check_stops(job) || !read_motion(job) || !read_scheme(job) || !check_exclusions(job) ||
         !check_needs(job))
         return false;
     job->is_streamed = is_streamed(job);
@@ -284,7 +446,7 @@ static int make(void *of)
     if (code == EXIT_DONE && !job->call.quiet)
         code = curve_measure(job);
     if (code == EXIT_DONE && job->call.picture != NULL)
-        code = motion_is_drawn(job) ? motion_draw(job) : curve_draw(job);
+        code = curve_draw(job);
     return code;
 }
 
@@ -318,21 +480,15 @@ const verb VERB_CURVE = {
         "Refine the curves of a file (see `batten list formats`; - for standard input). Without -o, --picture and --json "
         "the result goes to standard output in the format of the input.",
     .example = "batten curve coast.geojson --tolerance 500 -o smooth.geojson --picture smooth.svg",
-    .options = (const option_table[]){{CURVE_OPTIONS, 0},
-                                      {CURVE_READ_OPTIONS, offsetof(curve_job, read)},
-                                      {FILE_OPTIONS, 0},
-                                      {MOTION_OPTIONS, 0},
-                                      {PICTURE_OPTIONS, 0},
-                                      {NULL, 0}},
+    .options = {{CURVE_OPTIONS, 0},
+                {CURVE_READ_OPTIONS, offsetof(curve_job, read)},
+                {FILE_OPTIONS, 0},
+                {MOTION_OPTIONS, 0},
+                {PICTURE_OPTIONS, 0}},
     .prints_result = true,
     .formats = &bat_curve_format_family,
     .job_size = sizeof(curve_job),
-    .begin = begin,
-    .check = check,
-    .make = make,
-    .write = write_curves,
-    .report = report,
-    .end = end,
+    .calls = {begin, check, make, write_curves, report, end},
 };
 
 const verb VERB_MOTION = {
@@ -345,20 +501,14 @@ const verb VERB_MOTION = {
         "docs/formats.md the columns. Without -o, --picture and --json the result goes to standard output in the format "
         "of the input.",
     .example = "batten motion keyframes.tum --rate 30 -o frames.tum --picture frames.svg",
-    .options = (const option_table[]){{MOTION_OPTIONS, 0},
-                                      {MOTION_SCHEMES, 0},
-                                      {MOTION_VERB_OPTIONS, 0},
-                                      {CURVE_READ_OPTIONS, offsetof(curve_job, read)},
-                                      {FILE_OPTIONS, 0},
-                                      {PICTURE_OPTIONS, 0},
-                                      {NULL, 0}},
+    .options = {{MOTION_OPTIONS, 0},
+                {MOTION_SCHEMES, 0},
+                {MOTION_VERB_OPTIONS, 0},
+                {CURVE_READ_OPTIONS, offsetof(curve_job, read)},
+                {FILE_OPTIONS, 0},
+                {PICTURE_OPTIONS, 0}},
     .prints_result = true,
     .formats = &bat_curve_format_family,
     .job_size = sizeof(curve_job),
-    .begin = begin_motion,
-    .check = check,
-    .make = make,
-    .write = write_curves,
-    .report = report,
-    .end = end,
+    .calls = {begin_motion, check, make, write_curves, report, end},
 };

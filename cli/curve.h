@@ -98,25 +98,6 @@ bool curve_has_tension(const bat_curve_scheme *scheme);
 /// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
 int curve_draw(curve_job *job);
 
-// motion.c
-
-/// Options of motions: those that `batten curve` has, too, and those of `batten motion` alone. Their fields are in
-/// curve_job.
-extern const option_spec MOTION_OPTIONS[], MOTION_VERB_OPTIONS[];
-
-/// Read the options of motions, once the others are read. False after a message.
-bool motion_read(curve_job *job);
-/// The name of the scheme that a motion gets when the user names none.
-const char *motion_scheme(const curve_job *job);
-/// Read the file of times.
-int motion_read_times(curve_job *job);
-/// Draw the picture of a motion in time.
-int motion_draw(const curve_job *job);
-/// Whether the picture is that of a motion in time, and not of its shape.
-bool motion_is_drawn(const curve_job *job);
-/// curve_refine() of a motion.
-int motion_refine(curve_job *job, size_t levels, bat_curve_set *fine);
-
 // curve_report.c
 
 /// Report that refining failed with curve `failed` of the given ones.

@@ -14,12 +14,60 @@ bool curve_has_tension(const bat_curve_scheme *scheme)
     return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
 }
 
+/// The name of the scheme that a motion gets when the user names none.
+static const char *motion_scheme(const curve_job *job)
+{
+    bat_motion_curves_options options = job->motion;
+    double time = 0;
+    if (job->times_file != NULL)
+    {
+        // They are read later.
+        options.times = &time;
+        options.time_count = 1;
+    }
+    return bat_motion_method_for(&job->coarse, &options) == BAT_MOTION_METHOD_SPLINE ? "spline" : "hermite";
+}
+
+/// Read the file of times.
+static int read_times(curve_job *job)
+{
+    bat_error error;
+    size_t count;
+    if (bat_motion_times_read(job->times_file, bat_curve_set_time_origin(&job->coarse), &job->times, &count, &error) !=
+        BAT_OK)
+        return report_bad_input(job->call.given, job->times_file, &error);
+    job->motion.times = job->times;
+    job->motion.time_count = count;
+    return EXIT_DONE;
+}
+
+/// curve_refine() of a motion.
+static int refine_motion(curve_job *job, size_t levels, bat_curve_set *fine)
+{
+    const bat_curve_set *keyframes = &job->coarse;
+    bat_motion_curves_options how = job->motion;
+    bat_error error;
+    size_t failed = keyframes->count;
+    const char *sigma = argument(job->call.given, "sigma");
+    if (sigma != NULL && strchr(sigma, ',') == NULL && strcmp(keyframes->space->name, "rigid") == 0)
+    {
+        error = (bat_error){.text = "--sigma takes two numbers for poses, as in 0.01,0.002: lengths and radians"};
+        return report_failure(job->call.input, &error);
+    }
+    how.scheme.levels = levels;
+    how.report = &job->findings.moved;
+    how.scheme.progress = report_progress("refining");
+    bat_status status = bat_motion_curves(keyframes, &how, fine, &failed, &error);
+    report_progress_end();
+    return status == BAT_OK ? EXIT_DONE : curve_failure(job, failed, &error);
+}
+
 int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_refine_report *report)
 {
     if (report != NULL)
         *report = (bat_curve_map_refine_report){.map = false};
     if (job->is_motion)
-        return motion_refine(job, levels, fine);
+        return refine_motion(job, levels, fine);
     bat_error error;
     bat_curve_map_refine_options how = job->map;
     how.refine = job->refine;
@@ -128,7 +176,7 @@ int curve_read(curve_job *job)
     if (bat_curve_read(job->call.input, &job->read, &job->coarse, &error) != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, &error);
     convert_lengths(job, job->coarse.space);
-    if (job->times_file != NULL && motion_read_times(job) != EXIT_DONE)
+    if (job->times_file != NULL && read_times(job) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     if (job->scheme == NULL)
         choose_scheme(job);
@@ -252,8 +300,37 @@ static int make_panel(curve_job *job, panel_set *set)
     return EXIT_DONE;
 }
 
+/// Whether the picture is that of a motion in time, and not of its shape.
+static bool shows_time(const curve_job *job)
+{
+    static const char *const shapes[] = {"truth", "panel", "projection", "comb", "axes", NULL};
+    return job->is_motion && job->scheme != NULL && strcmp(job->scheme, "spline") == 0 &&
+           argument_first(job->call.given, shapes) == NULL;
+}
+
+/// Draw the picture of a motion in time.
+static int draw_motion(const curve_job *job)
+{
+    bat_error error;
+    bat_motion_curves_options how = job->motion;
+    bat_motion_picture_options options = bat_motion_picture_defaults();
+    how.method = BAT_MOTION_METHOD_SPLINE;
+    options.title = job->draw.title;
+    options.poses = job->poses;
+    if (job->units[0][0] != '\0' || job->units[1][0] != '\0')
+    {
+        options.length_unit = job->units[0];
+        options.time_unit = job->units[1];
+    }
+    const char *path = output_path(&job->call.files, "picture");
+    return report_status(NULL, job->call.picture, bat_motion_picture_write(path, &job->coarse, &how, &options, &error),
+                         &error);
+}
+
 int curve_draw(curve_job *job)
 {
+    if (shows_time(job))
+        return draw_motion(job);
     panel_set set = {0};
     bat_error error;
     int code = EXIT_DONE;

@@ -113,10 +113,8 @@ const verb VERB_LIST = {
     .summary = "list schemes, spaces, shapes and published results",
     .about = "The names that the other verbs take.",
     .example = "batten list schemes",
-    .options = (const option_table[]){{JSON_OPTION, 0}, {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = 1,
+    .options = {{JSON_OPTION, 0}},
+    .positional = {1, 1},
     .words = "schemes spaces formats models parameterizations shapes results",
-    .job_size = sizeof(verb_call),
-    .make = make,
+    .calls = {NULL, NULL, make, NULL, NULL, NULL},
 };

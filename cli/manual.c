@@ -193,8 +193,7 @@ const verb VERB_MANUAL = {
         "Print the manual page of the program or of a verb, or write all pages to a folder. `make install` puts them where "
         "man finds them.",
     .example = "batten manual curve | man -l -",
-    .options = (const option_table[]){{OPTIONS, 0}, {NULL, 0}},
-    .max_positional = 1,
-    .job_size = sizeof(verb_call),
-    .make = make,
+    .options = {{OPTIONS, 0}},
+    .positional = {0, 1},
+    .calls = {NULL, NULL, make, NULL, NULL, NULL},
 };

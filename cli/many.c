@@ -20,18 +20,9 @@
 enum
 {
     MAX_JOBS = 1024,
-    PIECE = 4096,    ///< bytes read at a time
     WAIT_MS = 1000,  ///< how long a wait lasts at most
     STREAM_COUNT = 2 ///< standard output and standard error
 };
-
-/// What a process has written to one of its streams.
-typedef struct stream
-{
-    int descriptor; ///< of the reading end; -1 once it is at its end
-    char *text;     ///< ends with a zero; null for nothing
-    size_t length, room;
-} stream;
 
 typedef enum task_state
 {
@@ -48,8 +39,9 @@ typedef struct task
     char *output;
     task_state state;
     pid_t process;
-    int code; ///< the exit code, once it is done
-    stream streams[STREAM_COUNT];
+    int alive;                   ///< a pipe that ends with the process
+    int code;                    ///< the exit code, once it is done
+    FILE *streams[STREAM_COUNT]; ///< temporary files of what it writes
 } task;
 
 /// All inputs of a call.
@@ -228,14 +220,11 @@ static int make_folder(const char *folder)
 // Processes
 
 /// Run the verb for one input in the process that was made for it.
-static void work(const many *all, const task *one, const int writing[STREAM_COUNT])
+static void work(const many *all, const task *one)
 {
     arguments given = *all->given;
     for (int s = 0; s < STREAM_COUNT; s++)
-    {
-        (void)dup2(writing[s], STDOUT_FILENO + s);
-        (void)close(writing[s]);
-    }
+        (void)dup2(fileno(one->streams[s]), STDOUT_FILENO + s);
     interrupt_catch();
     interrupt_use(INTERRUPT_AT_ONCE);
     given.positional = &one->input;
@@ -246,124 +235,80 @@ static void work(const many *all, const task *one, const int writing[STREAM_COUN
     exit(report_end(all->run(&given)));
 }
 
-/// Make the pipes of a process. False where the system allows no more.
-static bool open_pipes(int reading[STREAM_COUNT], int writing[STREAM_COUNT])
+static void close_streams(task *one)
 {
     for (int s = 0; s < STREAM_COUNT; s++)
     {
-        int ends[2];
-        if (pipe(ends) != 0)
-        {
-            for (int k = 0; k < s; k++)
-            {
-                (void)close(reading[k]);
-                (void)close(writing[k]);
-            }
-            return false;
-        }
-        reading[s] = ends[0];
-        writing[s] = ends[1];
+        if (one->streams[s] != NULL)
+            (void)fclose(one->streams[s]);
+        one->streams[s] = NULL;
     }
-    return true;
 }
 
 /// Start the next task. False where the system allows no further process.
 static bool start(many *all)
 {
     task *one = &all->tasks[all->started];
-    int reading[STREAM_COUNT], writing[STREAM_COUNT];
-    if (!open_pipes(reading, writing))
-        return false;
-    (void)fflush(NULL);
-    pid_t process = fork();
-    if (process == 0)
-    {
-        for (int s = 0; s < STREAM_COUNT; s++)
-            (void)close(reading[s]);
-        work(all, one, writing);
-    }
+    int ends[2];
     for (int s = 0; s < STREAM_COUNT; s++)
+        one->streams[s] = tmpfile();
+    if (one->streams[0] == NULL || one->streams[1] == NULL || pipe(ends) != 0)
     {
-        (void)close(writing[s]);
-        if (process < 0)
-            (void)close(reading[s]);
-        else
-            one->streams[s].descriptor = reading[s];
-    }
-    if (process < 0)
+        close_streams(one);
         return false;
-    one->process = process;
+    }
+    (void)fflush(NULL);
+    one->process = fork();
+    if (one->process == 0)
+    {
+        (void)close(ends[0]);
+        work(all, one);
+    }
+    (void)close(ends[1]);
+    one->alive = ends[0];
+    if (one->process < 0)
+    {
+        (void)close(ends[0]);
+        close_streams(one);
+        return false;
+    }
     one->state = TASK_RUNNING;
     all->started++;
     all->running++;
     return true;
 }
 
-/// Keep what a process wrote. Texts for which there is no memory are lost.
-static void append(stream *to, const char *bytes, size_t count)
+/// Learn how a process has ended.
+static void finish_task(many *all, task *one)
 {
-    if (to->length + count + 1 > to->room)
-    {
-        size_t room = 2 * to->room + count + 1;
-        char *grown = realloc(to->text, room);
-        if (grown == NULL)
-            return;
-        to->text = grown;
-        to->room = room;
-    }
-    memcpy(to->text + to->length, bytes, count);
-    to->length += count;
-    to->text[to->length] = '\0';
-}
-
-/// Read what has come, and find out whether the process has ended.
-static void gather(many *all, task *one, int s)
-{
-    char piece[PIECE];
-    stream *from = &one->streams[s];
-    ssize_t count = read(from->descriptor, piece, sizeof piece);
-    if (count > 0)
-        append(from, piece, (size_t)count);
-    if (count > 0 || (count < 0 && errno == EINTR))
-        return;
-    (void)close(from->descriptor);
-    from->descriptor = -1;
-    if (one->streams[1 - s].descriptor >= 0)
-        return;
     int status;
+    (void)close(one->alive);
     while (waitpid(one->process, &status, 0) < 0)
         if (errno != EINTR)
             status = -1;
     one->code = WIFEXITED(status) ? WEXITSTATUS(status) : EXIT_BAD_INPUT;
     if (WIFSIGNALED(status) && !all->stopped)
-    {
-        char text[PIECE];
-        int length = snprintf(text, sizeof text, "batten: %.2000s: the process was ended by signal %d (%s)", one->input,
-                              WTERMSIG(status), strsignal(WTERMSIG(status)));
-        report_clean(text);
-        append(&one->streams[1], text, (size_t)length);
-        append(&one->streams[1], "\n", 1);
-    }
+        report_text(one->streams[1], "batten: %.2000s: the process was ended by signal %d (%s)\n", one->input,
+                    WTERMSIG(status), strsignal(WTERMSIG(status)));
     one->state = all->stopped && one->code != EXIT_DONE ? TASK_STOPPED : TASK_DONE;
     all->running--;
 }
 
-/// Wait until processes write or end, and read from them.
+/// Wait until processes end.
 static void wait_for_some(many *all, struct pollfd *polled, task **owners)
 {
     nfds_t count = 0;
     for (size_t i = all->reported; i < all->started; i++)
-        for (int s = 0; s < STREAM_COUNT; s++)
-            if (all->tasks[i].state == TASK_RUNNING && all->tasks[i].streams[s].descriptor >= 0)
-            {
-                polled[count] = (struct pollfd){.fd = all->tasks[i].streams[s].descriptor, .events = POLLIN};
-                owners[count++] = &all->tasks[i];
-            }
+        if (all->tasks[i].state == TASK_RUNNING)
+        {
+            polled[count] = (struct pollfd){.fd = all->tasks[i].alive, .events = POLLIN};
+            owners[count++] = &all->tasks[i];
+        }
     if (poll(polled, count, WAIT_MS) <= 0)
         return;
     for (nfds_t k = 0; k < count; k++)
         if (polled[k].revents != 0)
-            gather(all, owners[k], polled[k].fd == owners[k]->streams[0].descriptor ? 0 : 1);
+            finish_task(all, owners[k]);
 }
 
 /// Hand a signal on to the processes, once.
@@ -377,11 +322,22 @@ static void stop(many *all)
 
 // Reports
 
+/// What a process wrote to one of its streams; null for nothing, or where there is no memory for it.
+static char *text_of(FILE *from)
+{
+    long length = fseek(from, 0, SEEK_END) == 0 ? ftell(from) : 0;
+    char *text = length > 0 ? calloc((size_t)length + 1, 1) : NULL;
+    rewind(from);
+    if (text != NULL && fread(text, 1, (size_t)length, from) == 0)
+        text[0] = '\0';
+    return text;
+}
+
 /// Print the first line of a report, and its notes behind it.
-static void print_report(const task *one)
+static void print_report(const task *one, const char *text)
 {
     static const char NOTE[] = "note: ";
-    const char *text = one->streams[0].text, *summary = text;
+    const char *summary = text;
     report_text(stdout, "%s -> %s", one->input, one->output);
     while (summary != NULL && strncmp(summary, NOTE, sizeof NOTE - 1) == 0)
     {
@@ -403,7 +359,7 @@ static void print_report(const task *one)
 
 static void report_task(many *all, const task *one)
 {
-    const char *text = one->streams[0].text, *error = one->streams[1].text;
+    char *text = text_of(one->streams[0]), *error = text_of(one->streams[1]);
     if (error != NULL)
         (void)fputs(error, stderr);
     if (all->list != NULL)
@@ -416,7 +372,9 @@ static void report_task(many *all, const task *one)
                                                          report, "error", fault));
     }
     else if (one->code == EXIT_DONE && !argument_flag(all->given, "quiet"))
-        print_report(one);
+        print_report(one, text);
+    free(text);
+    free(error);
 }
 
 /// Report the tasks that are done, in the order of the inputs.
@@ -427,11 +385,7 @@ static void report_done(many *all)
         task *one = &all->tasks[all->reported++];
         if (one->state == TASK_DONE)
             report_task(all, one);
-        for (int s = 0; s < STREAM_COUNT; s++)
-        {
-            free(one->streams[s].text);
-            one->streams[s].text = NULL;
-        }
+        close_streams(one);
     }
 }
 
@@ -459,8 +413,8 @@ static int finish(many *all)
 static int run_tasks(many *all)
 {
     size_t jobs = (size_t)all->jobs;
-    struct pollfd *polled = calloc(STREAM_COUNT * jobs, sizeof *polled);
-    task **owners = calloc(STREAM_COUNT * jobs, sizeof(task *));
+    struct pollfd *polled = calloc(jobs, sizeof *polled);
+    task **owners = calloc(jobs, sizeof(task *));
     int code = polled == NULL || owners == NULL ? report_failure(NULL, &(bat_error){.text = "out of memory"}) : EXIT_DONE;
     interrupt_use(INTERRUPT_COOPERATIVE);
     while (code == EXIT_DONE && (all->running > 0 || (!all->stopped && all->started < all->count)))
@@ -533,7 +487,7 @@ int many_run(const arguments *given, many_verb run)
     if (all.tasks == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
     for (size_t i = 0; i < all.count; i++)
-        all.tasks[i] = (task){.input = given->positional[i], .streams = {{.descriptor = -1}, {.descriptor = -1}}};
+        all.tasks[i].input = given->positional[i];
     all.list = argument_flag(given, "json") ? json_array() : NULL;
     code = name_outputs(&all);
     if (code == EXIT_DONE)

@@ -419,15 +419,10 @@ const verb VERB_MESH = {
         "refined into quads by catmull-clark. Texture coordinates, values at the vertices, creases, corners, groups and "
         "materials go along as far as OUT's format holds them; notes tell what it does not hold.",
     .example = "batten mesh cage.obj -o smooth.obj --levels 3 --picture smooth.png",
-    .options = (const option_table[]){{REFINE_OPTIONS, 0}, {FILE_OPTIONS, 0}, {NULL, 0}},
+    .options = {{REFINE_OPTIONS, 0}, {FILE_OPTIONS, 0}},
     .formats = &bat_mesh_format_family,
     .job_size = sizeof(mesh_job),
-    .begin = begin,
-    .check = check_refinement,
-    .make = make_refinement,
-    .write = write_mesh,
-    .report = report_refinement,
-    .end = end,
+    .calls = {begin, check_refinement, make_refinement, write_mesh, report_refinement, end},
 };
 
 // Decimation
@@ -584,13 +579,8 @@ const verb VERB_DECIMATE = {
         "(see `batten list formats`; - for standard input). Topology, boundaries, creases and seams of the texture stay; "
         "texture coordinates and values at the vertices count in the error and go along.",
     .example = "batten decimate scan.ply -o coarse.ply --tolerance 0.1%",
-    .options = (const option_table[]){{DECIMATE_OPTIONS, 0}, {FILE_OPTIONS, 0}, {NULL, 0}},
+    .options = {{DECIMATE_OPTIONS, 0}, {FILE_OPTIONS, 0}},
     .formats = &bat_mesh_format_family,
     .job_size = sizeof(mesh_job),
-    .begin = begin,
-    .check = check_decimation,
-    .make = make_decimation,
-    .write = write_mesh,
-    .report = report_decimation,
-    .end = end,
+    .calls = {begin, check_decimation, make_decimation, write_mesh, report_decimation, end},
 };

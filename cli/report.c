@@ -367,11 +367,13 @@ static void print_values(const char *text, const report_value *values, size_t co
     }
 }
 
-/// Print the text, or make the object.
-static json_t *make_part(bool as_json, const char *text, const char *keys, va_list list)
+json_t *report_part(bool as_json, const char *text, const char *keys, ...)
 {
     report_value values[MAX_VALUES];
+    va_list list;
+    va_start(list, keys);
     size_t count = read_values(keys, list, values);
+    va_end(list);
     if (as_json)
         return make_object(values, count);
     print_values(text, values, count);
@@ -380,13 +382,9 @@ static json_t *make_part(bool as_json, const char *text, const char *keys, va_li
     return NULL;
 }
 
-json_t *report_object(const char *keys, ...)
+int report_whole(bool as_json, json_t *object)
 {
-    va_list list;
-    va_start(list, keys);
-    json_t *object = make_part(true, NULL, keys, list);
-    va_end(list);
-    return object;
+    return as_json ? report_json(object) : EXIT_DONE;
 }
 
 json_t *report_add(json_t *object, const char *key, json_t *member)
@@ -395,24 +393,6 @@ json_t *report_add(json_t *object, const char *key, json_t *member)
         return object;
     json_decref(object);
     return NULL;
-}
-
-json_t *report_part(bool as_json, const char *text, const char *keys, ...)
-{
-    va_list list;
-    va_start(list, keys);
-    json_t *object = make_part(as_json, text, keys, list);
-    va_end(list);
-    return object;
-}
-
-int report_print(bool as_json, const char *text, const char *keys, ...)
-{
-    va_list list;
-    va_start(list, keys);
-    json_t *object = make_part(as_json, text, keys, list);
-    va_end(list);
-    return as_json ? report_json(object) : EXIT_DONE;
 }
 
 report_table report_begin(bool as_json)
@@ -435,14 +415,6 @@ void report_gather(report_table *table, json_t *row)
         (void)fflush(stdout);
     else if (json_array_append_new(table->rows, row) != 0)
         (void)report_drop(table, EXIT_BAD_INPUT);
-}
-
-void report_row(report_table *table, const char *text, const char *keys, ...)
-{
-    va_list list;
-    va_start(list, keys);
-    report_gather(table, make_part(table->as_json, text, keys, list));
-    va_end(list);
 }
 
 int report_drop(report_table *table, int code)

@@ -50,14 +50,16 @@ json_t *report_numbers(const double *values, size_t count);
 // is finite. "[faces?...]" is printed where the value is set, "[!faces?...]" where it is not. Control characters in values
 // are replaced.
 
-/// An object of JSON; null where memory ran out.
-json_t *report_object(const char *keys, ...);
+/// Print the text and return null, or return the object, which is null where memory ran out.
+json_t *report_part(bool as_json, const char *text, const char *keys, ...);
+/// An object of JSON.
+#define report_object(...) report_part(true, "", __VA_ARGS__)
+/// Print an object. Returns the program's exit code, EXIT_DONE where only a text was wanted.
+int report_whole(bool as_json, json_t *object);
+/// Print the text or the object. Returns the program's exit code.
+#define report_print(as_json, ...) report_whole(as_json, report_part(as_json, __VA_ARGS__))
 /// Add a member to an object and return the object; null where either is, or where memory ran out.
 json_t *report_add(json_t *object, const char *key, json_t *member);
-/// Print the text and return null, or return the object.
-json_t *report_part(bool as_json, const char *text, const char *keys, ...);
-/// Print the text or the object. Returns the program's exit code.
-int report_print(bool as_json, const char *text, const char *keys, ...);
 
 /// Rows of a table, which are printed one by one, or gathered.
 typedef struct report_table
@@ -69,9 +71,9 @@ typedef struct report_table
 report_table report_begin(bool as_json);
 /// Print what stands above rows, where they are printed.
 void report_head(const report_table *table, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void report_row(report_table *table, const char *text, const char *keys, ...);
 /// Add a row that report_part() has made.
 void report_gather(report_table *table, json_t *row);
+#define report_row(table, ...) report_gather(table, report_part((table)->as_json, __VA_ARGS__))
 /// Release the rows of a table that has failed. Returns `code`.
 int report_drop(report_table *table, int code);
 

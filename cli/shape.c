@@ -193,15 +193,9 @@ const verb VERB_SHAPE = {
         "Make a triangle mesh, a cloud of points or a map for tests and trainings; `batten list shapes` names the kinds. "
         "The same kind, numbers and seed give the same shape.",
     .example = "batten shape creature -o creature.ply --vertices 5000",
-    .options = (const option_table[]){{OPTIONS, 0}, {REPORT_OPTIONS, 0}, {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = 1,
+    .options = {{OPTIONS, 0}, {REPORT_OPTIONS, 0}},
+    .positional = {1, 1},
     .list = "shapes",
     .job_size = sizeof(shape_job),
-    .begin = begin,
-    .check = check,
-    .make = make,
-    .write = write,
-    .report = report,
-    .end = end,
+    .calls = {begin, check, make, write, report, end},
 };

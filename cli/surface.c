@@ -85,16 +85,6 @@ static bool read_corners(const char *text, size_t corners[4])
     return true;
 }
 
-static void read_boundary(const char *text, bat_cloud_read_options *read)
-{
-    const char *end;
-    size_t count;
-    if (is_count(text, &end, &count) && *end == '\0')
-        read->boundary = count;
-    else
-        read->boundary_path = text;
-}
-
 /// What the command line says about the cloud. False after a message.
 static bool read_input(surface_job *job)
 {
@@ -103,8 +93,12 @@ static bool read_input(surface_job *job)
     if (corners != NULL && !read_corners(corners, job->corners))
         return argument_refused(given, "corners", "four numbers of points, as in 0,33,66,99");
     job->read.corners = corners != NULL ? job->corners : NULL;
-    if (boundary != NULL)
-        read_boundary(boundary, &job->read);
+    const char *end;
+    if (boundary != NULL && (!is_count(boundary, &end, &job->read.boundary) || *end != '\0'))
+    {
+        job->read.boundary = 0;
+        job->read.boundary_path = boundary;
+    }
     return boundary == NULL || job->read.boundary_path != NULL || job->read.boundary >= 4 ||
            argument_refused(given, "boundary", "a file, or a number of points from 4");
 }
@@ -334,16 +328,10 @@ const verb VERB_SURFACE = {
     .about = "Fit an adaptive spline surface to the points of a file (see `batten list formats`; - for standard input): a "
              "patch with one boundary, or a mesh of one. A spline surface (.xml, .json) as IN is written in another format.",
     .example = "batten surface scan.ply --tolerance 0.05 -o scan.step --picture scan.png",
-    .options = (const option_table[]){{SURFACE_FIT_OPTIONS, offsetof(surface_job, options.fit)},
-                                      {OPTIONS, 0},
-                                      {SURFACE_WRITE_OPTIONS, offsetof(surface_job, write)},
-                                      {NULL, 0}},
+    .options = {{SURFACE_FIT_OPTIONS, offsetof(surface_job, options.fit)},
+                {OPTIONS, 0},
+                {SURFACE_WRITE_OPTIONS, offsetof(surface_job, write)}},
     .formats = &bat_surface_format_family,
     .job_size = sizeof(surface_job),
-    .begin = begin,
-    .check = check,
-    .make = make,
-    .write = write_surface,
-    .report = report,
-    .end = end,
+    .calls = {begin, check, make, write_surface, report, end},
 };

@@ -475,14 +475,9 @@ const verb VERB_TRAIN_CURVE = {
     .about = "Train the learned curve scheme." ABOUT_END
              " `batten train mesh --help` is about meshes, `batten train surface --help` about scattered points.",
     .example = "batten train curve --recipe batten -o out/fairing",
-    .options =
-        (const option_table[]){
-            {CURVE_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, curve.run)}, {JSON_OPTION, 0}, {NULL, 0}},
+    .options = {{CURVE_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, curve.run)}, {JSON_OPTION, 0}},
     .job_size = sizeof(train_job),
-    .begin = begin_curve,
-    .check = check_curve,
-    .make = train_curve,
-    .report = report_curve,
+    .calls = {begin_curve, check_curve, train_curve, NULL, report_curve, NULL},
 };
 
 const verb VERB_TRAIN_MESH = {
@@ -491,15 +486,10 @@ const verb VERB_TRAIN_MESH = {
     .summary = "train a learned subdivision of meshes",
     .about = "Train a learned subdivision of meshes on shapes (see `batten list formats`)." ABOUT_END,
     .example = "batten train mesh bunny.obj horse.ply -o out/mesh",
-    .options =
-        (const option_table[]){{MESH_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, mesh.run)}, {JSON_OPTION, 0}, {NULL, 0}},
-    .max_positional = MAX_POSITIONAL,
+    .options = {{MESH_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, mesh.run)}, {JSON_OPTION, 0}},
+    .positional = {0, MAX_POSITIONAL},
     .job_size = sizeof(train_job),
-    .begin = begin_mesh,
-    .check = check_mesh,
-    .make = train_mesh,
-    .report = report_mesh,
-    .end = end_mesh,
+    .calls = {begin_mesh, check_mesh, train_mesh, NULL, report_mesh, end_mesh},
 };
 
 const verb VERB_TRAIN_SURFACE = {
@@ -508,14 +498,9 @@ const verb VERB_TRAIN_SURFACE = {
     .summary = "train learned parameters of scattered points",
     .about = "Train learned parameters of scattered points on random Bézier clouds, made on the fly." ABOUT_END,
     .example = "batten train surface --recipe batten -o out/surface",
-    .options =
-        (const option_table[]){
-            {SURFACE_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, surface.run)}, {JSON_OPTION, 0}, {NULL, 0}},
+    .options = {{SURFACE_OPTIONS, 0}, {RUN_OPTIONS, offsetof(train_job, surface.run)}, {JSON_OPTION, 0}},
     .job_size = sizeof(train_job),
-    .begin = begin_surface,
-    .check = check_surface,
-    .make = train_surface,
-    .report = report_surface,
+    .calls = {begin_surface, check_surface, train_surface, NULL, report_surface, NULL},
 };
 
 int train_in_group(int argc, char **argv, const bat_group *processes, int threads)

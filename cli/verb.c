@@ -1,8 +1,15 @@
 #include "verb.h"
 
+#include "interrupt.h"
 #include "report.h"
 
+#include "batten/curve_picture.h"
+
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 const option_spec JSON_OPTION[] = {
     {"json", NULL, RESULT, COMMON, "print one JSON object", FLAG(verb_call, json)},
@@ -26,6 +33,138 @@ const option_spec MANY_OPTIONS[] = {
     {"in-place", NULL, CALL, 0, "of several IN: outputs may replace inputs", NO_FIELD},
     END_OF_OPTIONS,
 };
+
+// Outputs
+
+bool is_standard_output(const char *path)
+{
+    return path != NULL && (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0);
+}
+
+/// Whether a path leads to a regular file, and to that of `other`.
+static bool is_file(const char *path, const struct stat *other)
+{
+    struct stat own;
+    return stat(path, &own) == 0 && S_ISREG(own.st_mode) && own.st_dev == other->st_dev && own.st_ino == other->st_ino;
+}
+
+/// Refuse an output to a file. Returns the program's exit code.
+static int refuse_output(const arguments *given, const char *option, const char *use)
+{
+    bool is_output = strcmp(option, "output") == 0;
+    return usage_error(given, "%s%s would overwrite '%s', which %s", is_output ? "" : "--", is_output ? "-o" : option,
+                       argument(given, option), use);
+}
+
+/// Refuse an output to a file that is read, or to standard output. The result may replace IN, which is read before.
+static int check_inputs(const arguments *given, const char *option)
+{
+    const verb *what = given->verb;
+    const option_spec *other;
+    const char *path = argument(given, option);
+    struct stat file;
+    bool replaces = strcmp(option, "output") == 0;
+    for (size_t i = 0; (what->reads_files || what->formats != NULL) && !replaces && i < given->positional_count; i++)
+        if (stat(given->positional[i], &file) == 0 && is_file(path, &file))
+            return refuse_output(given, option, "is read");
+    for (size_t i = 0; (other = option_at(what, i, NULL)) != NULL; i++)
+        if ((other->marks & IS_READ) != 0 && given->values[i] != NULL && stat(given->values[i], &file) == 0 &&
+            is_file(path, &file))
+        {
+            char reader[64];
+            (void)snprintf(reader, sizeof reader, "--%s reads", other->name);
+            return refuse_output(given, option, reader);
+        }
+    return fstat(STDOUT_FILENO, &file) == 0 && is_file(path, &file) ? refuse_output(given, option, "is standard output")
+                                                                    : EXIT_DONE;
+}
+
+static int open_one(const arguments *given, const char *option, outputs *out)
+{
+    const char *path = argument(given, option);
+    bat_error error;
+    if (is_standard_output(path) && strcmp(option, "output") != 0)
+        return usage_error(given, "--%s cannot be standard output", option);
+    if (is_standard_output(path))
+    {
+        out->piped = true;
+        return EXIT_DONE;
+    }
+    int code = check_inputs(given, option);
+    if (code != EXIT_DONE)
+        return code;
+    bat_status status = bat_outputs_add(out->files, path, &out->each[out->count].write_to, &error);
+    if (status == BAT_INVALID_ARGUMENT)
+        return refuse_output(given, option, "another option writes");
+    if (status != BAT_OK)
+        return report_failure(path, &error);
+    out->each[out->count].option = option;
+    out->each[out->count].path = path;
+    out->count++;
+    return EXIT_DONE;
+}
+
+/// Whether the endings of pictures tell their formats.
+static int check_pictures(const arguments *given)
+{
+    bat_error error;
+    const option_spec *option;
+    for (size_t i = 0; (option = option_at(given->verb, i, NULL)) != NULL; i++)
+        if ((option->marks & IS_DRAWN) != 0 && given->values[i] != NULL &&
+            bat_picture_check(given->values[i], &error) != BAT_OK)
+            return report_failure(given->values[i], &error);
+    return EXIT_DONE;
+}
+
+/// Put the files in their places when `code` is EXIT_DONE, else remove them. Returns the program's exit code.
+static int close_outputs(outputs *out, int code)
+{
+    bat_error error;
+    if (code == EXIT_DONE)
+    {
+        interrupt_use(INTERRUPT_NEVER);
+        if (bat_outputs_commit(out->files, &error) != BAT_OK)
+            code = report_failure(error.index < out->count ? out->each[error.index].path : out->folder, &error);
+    }
+    interrupt_files(NULL);
+    interrupt_use(INTERRUPT_AT_ONCE);
+    bat_outputs_free(out->files);
+    out->files = NULL;
+    if (code != EXIT_DONE)
+        out->piped = false;
+    return code;
+}
+
+/// Open the files. Two outputs to one file, and an output to a file that is read (but for -o to IN), are a bad command line;
+/// pictures need an ending that tells their format. Returns the program's exit code; after a failure nothing is open.
+static int open_outputs(const arguments *given, outputs *out)
+{
+    bat_error error;
+    *out = (outputs){.count = 0};
+    if (bat_outputs_make(&out->files, &error) != BAT_OK)
+        return report_failure(NULL, &error);
+    interrupt_files(out->files);
+    int code = EXIT_DONE;
+    const option_spec *option;
+    for (size_t i = 0; code == EXIT_DONE && (option = option_at(given->verb, i, NULL)) != NULL; i++)
+        if ((option->marks & (IS_WRITTEN | IS_DRAWN)) != 0 && given->values[i] != NULL)
+            code = open_one(given, option->name, out);
+    if (code == EXIT_DONE)
+        code = check_pictures(given);
+    if (code != EXIT_DONE)
+        (void)close_outputs(out, code);
+    return code;
+}
+
+const char *output_path(const outputs *out, const char *option)
+{
+    for (size_t i = 0; i < out->count; i++)
+        if (strcmp(out->each[i].option, option) == 0)
+            return out->each[i].write_to;
+    return out->piped && out->count > 0 && strcmp(option, "output") == 0 ? "/dev/null" : NULL;
+}
+
+// Verbs
 
 /// Find the outputs. False after a message.
 static bool choose_outputs(const verb *what, verb_call *call)
@@ -58,33 +197,33 @@ static bool choose_outputs(const verb *what, verb_call *call)
 /// Make and write the result, and report.
 static int carry_out(const verb *what, verb_call *call)
 {
-    int code = what->make(call);
-    if (code == EXIT_DONE && what->write != NULL && output_path(&call->files, "output") != NULL)
-        code = what->write(call, output_path(&call->files, "output"));
-    code = outputs_close(&call->files, code);
-    if (code == EXIT_DONE && what->write != NULL && is_standard_output(call->output))
-        code = what->write(call, "-");
-    return code == EXIT_DONE && what->report != NULL ? what->report(call) : code;
+    int code = what->calls.make(call);
+    if (code == EXIT_DONE && what->calls.write != NULL && output_path(&call->files, "output") != NULL)
+        code = what->calls.write(call, output_path(&call->files, "output"));
+    code = close_outputs(&call->files, code);
+    if (code == EXIT_DONE && what->calls.write != NULL && is_standard_output(call->output))
+        code = what->calls.write(call, "-");
+    return code == EXIT_DONE && what->calls.report != NULL ? what->calls.report(call) : code;
 }
 
 /// Run a verb for one input.
 static int run(const arguments *given)
 {
     const verb *what = given->verb;
-    verb_call *call = calloc(1, what->job_size);
+    verb_call *call = calloc(1, what->job_size > 0 ? what->job_size : sizeof(verb_call));
     if (call == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
     call->given = given;
     call->input = given->positional_count > 0 ? given->positional[0] : NULL;
-    if (what->begin != NULL)
-        what->begin(call);
+    if (what->calls.begin != NULL)
+        what->calls.begin(call);
     int code = EXIT_BAD_USAGE;
-    if (arguments_store(given, call) && choose_outputs(what, call) && (what->check == NULL || what->check(call)))
-        code = outputs_open(given, &call->files);
+    if (arguments_store(given, call) && choose_outputs(what, call) && (what->calls.check == NULL || what->calls.check(call)))
+        code = open_outputs(given, &call->files);
     if (code == EXIT_DONE)
         code = carry_out(what, call);
-    if (what->end != NULL)
-        what->end(call);
+    if (what->calls.end != NULL)
+        what->calls.end(call);
     free(call);
     return code;
 }

@@ -12,7 +12,8 @@
 
 enum
 {
-    MAX_OUTPUTS = 4
+    MAX_OUTPUTS = 4,
+    MAX_TABLES = 8 ///< of options of a verb, with an empty one at the end
 };
 
 /// The files of the options that write or draw.
@@ -31,16 +32,9 @@ typedef struct outputs
 /// Whether a path, which may be null, is standard output.
 bool is_standard_output(const char *path);
 
-/// Open the files. Two outputs to one file, and an output to a file that is read (but for -o to IN), are a bad command line;
-/// pictures need an ending that tells their format. Returns the program's exit code; after a failure nothing is open.
-int outputs_open(const arguments *given, outputs *out);
-
 /// Where to write what belongs to an option; null where it was not given. For standard output beside other files this is
 /// /dev/null, to find what cannot be written before those appear; alone it is null.
 const char *output_path(const outputs *out, const char *option);
-
-/// Put the files in their places when `code` is EXIT_DONE, else remove them. Returns the program's exit code.
-int outputs_close(outputs *out, int code);
 
 // Verbs
 
@@ -57,8 +51,18 @@ typedef struct verb_call
     int threads; ///< --threads; 0 for the default
 } verb_call;
 
-/// A verb. Its functions take its job, which begins with a verb_call; those that return an int return the program's exit
-/// code. All but `make` may be null.
+/// The functions of a verb. They take its job, which begins with a verb_call; those that return an int return the program's
+/// exit code. All but `make` may be null.
+typedef struct verb_calls
+{
+    void (*begin)(void *job); ///< sets defaults
+    bool (*check)(void *job); ///< reads what no row of the options reads, and checks all. False after a message
+    int (*make)(void *job);   ///< everything that can fail, the files but OUT included
+    int (*write)(void *job, const char *path); ///< writes OUT
+    int (*report)(void *job);                  ///< once all files are in their places
+    void (*end)(void *job);                    ///< releases what the job holds
+} verb_calls;
+
 typedef struct verb
 {
     const char *program;   ///< null for "batten"
@@ -67,21 +71,18 @@ typedef struct verb
     const char *summary;   ///< one line
     const char *about;     ///< a paragraph
     const char *example;   ///< a command, or several lines
-    const option_table *options;
-    size_t min_positional, max_positional;
-    bool reads_files;   ///< the positional arguments are files that are read
-    bool prints_result; ///< without any output and --json, the result goes to standard output
-    const char *words;  ///< what the first positional argument may be, separated by blanks; null for other things
-    const char *list;   ///< of what `batten list` prints it may be; null for none
-    const bat_family
-        *formats; ///< the formats of OUT of a verb that takes any number of files, and all options below; else null
-    size_t job_size;
-    void (*begin)(void *job); ///< sets defaults
-    bool (*check)(void *job); ///< reads what no row of the options reads, and checks all. False after a message
-    int (*make)(void *job);   ///< everything that can fail, the files but OUT included
-    int (*write)(void *job, const char *path); ///< writes OUT
-    int (*report)(void *job);                  ///< once all files are in their places
-    void (*end)(void *job);                    ///< releases what the job holds
+    option_table options[MAX_TABLES];
+    struct
+    {
+        size_t min, max;
+    } positional;              ///< how many arguments are no options
+    bool reads_files;          ///< the positional arguments are files that are read
+    bool prints_result;        ///< without any output and --json, the result goes to standard output
+    const char *words;         ///< what the first positional argument may be, separated by blanks; null for other things
+    const char *list;          ///< of what `batten list` prints it may be; null for none
+    const bat_family *formats; ///< of OUT, of a verb that takes any number of files and all options below; else null
+    size_t job_size;           ///< 0: that of a verb_call
+    verb_calls calls;
 } verb;
 
 /// Read a command line and run a verb. Returns the program's exit code.

@@ -84,13 +84,11 @@ static const verb FIT = {
         "Fit an adaptive spline surface to points, which are divided among the ranks (XYZ, binary PLY). The surface is that "
         "of `batten surface`.",
     .example = "mpirun -n 8 batten-mpi surface scan.ply -o scan.step --tolerance 0.05",
-    .options = (const option_table[]){{OPTIONS, 0},
-                                      {SURFACE_FIT_OPTIONS, offsetof(fit_job, options.fit)},
-                                      {SURFACE_WRITE_OPTIONS, offsetof(fit_job, write)},
-                                      {REPORT_OPTIONS, 0},
-                                      {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = 1,
+    .options = {{OPTIONS, 0},
+                {SURFACE_FIT_OPTIONS, offsetof(fit_job, options.fit)},
+                {SURFACE_WRITE_OPTIONS, offsetof(fit_job, write)},
+                {REPORT_OPTIONS, 0}},
+    .positional = {1, 1},
     .reads_files = true,
 };
 

@@ -271,16 +271,11 @@ const verb VERB_REPRODUCE = {
         "them. mesh-table2 needs SHAPEs (see `batten list formats`) or --data. mesh-ablations learns from all SHAPEs but "
         "the last, which it tests on; mesh-style from a smooth and a sharp one; without any, both make their own.",
     .example = "batten reproduce tension-iss -o out",
-    .options = (const option_table[]){{OPTIONS, 0}, {JSON_OPTION, 0}, {NULL, 0}},
-    .min_positional = 1,
-    .max_positional = MAX_POSITIONAL,
+    .options = {{OPTIONS, 0}, {JSON_OPTION, 0}},
+    .positional = {1, MAX_POSITIONAL},
     .list = "results",
     .job_size = sizeof(reproduce_job),
-    .begin = begin,
-    .check = check,
-    .make = make,
-    .report = report,
-    .end = end,
+    .calls = {begin, check, make, NULL, report, end},
 };
 
 // What the results share.
