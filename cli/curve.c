@@ -2,6 +2,8 @@
 
 #include "report.h"
 
+#include "batten/research/networks.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -438,6 +440,14 @@ static int write_curves(void *of, const char *path)
 static int make(void *of)
 {
     curve_job *job = of;
+    bat_error error;
+    if (job->model_file != NULL)
+    {
+        if (bat_curve_model_read_published(job->model_file, &job->model, &error) != BAT_OK)
+            return report_failure(job->model_file, &error);
+        job->refine.scheme = bat_curve_scheme_of_model(job->model);
+        job->refine.scheme.fairness = job->fairness;
+    }
     if (job->is_streamed)
         return curve_stream(job);
     int code = curve_read(job);

@@ -120,18 +120,6 @@ static int read_truth(curve_job *job)
     return report_failure(job->truth, &error);
 }
 
-static int load_model(curve_job *job)
-{
-    bat_error error;
-    if (job->model_file == NULL)
-        return EXIT_DONE;
-    if (bat_curve_model_read_published(job->model_file, &job->model, &error) != BAT_OK)
-        return report_failure(job->model_file, &error);
-    job->refine.scheme = bat_curve_scheme_of_model(job->model);
-    job->refine.scheme.fairness = job->fairness;
-    return EXIT_DONE;
-}
-
 /// The default scheme.
 static void choose_scheme(curve_job *job)
 {
@@ -171,8 +159,6 @@ static void convert_lengths(curve_job *job, const bat_space *space)
 int curve_read(curve_job *job)
 {
     bat_error error;
-    if (load_model(job) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
     if (bat_curve_read(job->call.input, &job->read, &job->coarse, &error) != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, &error);
     convert_lengths(job, job->coarse.space);
@@ -204,8 +190,6 @@ static bool measure_part(void *context, const bat_curve_set *coarse, const bat_c
 int curve_stream(curve_job *job)
 {
     bat_error error;
-    if (load_model(job) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
     if (bat_space_by_name(job->read.space != NULL ? job->read.space : "sphere", 0, &job->space, &error) != BAT_OK)
         return report_failure(job->call.input, &error);
     convert_lengths(job, &job->space);

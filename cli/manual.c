@@ -8,6 +8,11 @@
 
 // Manual pages of section 1, made of the tables of the verbs: one of the program, one of each verb.
 
+enum
+{
+    PAGE_NAME_SIZE = 40
+};
+
 /// The character that begins at `text`, in UTF-8; *length receives its bytes.
 static unsigned long decode(const char *text, size_t *length)
 {
@@ -44,20 +49,22 @@ static void print_text(FILE *out, const char *text)
     }
 }
 
-/// "batten-train-mesh", with `dash` between the words.
-static void print_name(FILE *out, const verb *what, const char *dash)
+/// "batten-train-mesh"; `what` is null for the program.
+static const char *page_name(const verb *what, char name[PAGE_NAME_SIZE])
 {
-    (void)fprintf(out, "batten%s", dash);
-    for (const char *at = what->name; *at != '\0'; at++)
-        (void)fprintf(out, "%s%.1s", *at == ' ' ? dash : "", *at == ' ' ? "" : at);
+    (void)snprintf(name, PAGE_NAME_SIZE, "batten%s%s", what != NULL ? "-" : "", what != NULL ? what->name : "");
+    for (char *at = name; *at != '\0'; at++)
+        *at = *at == ' ' ? '-' : *at;
+    return name;
 }
 
 /// The title of a page, as "BATTEN-CURVE"; `what` is null for the page of the program.
 static void print_head(FILE *out, const verb *what)
 {
-    (void)fprintf(out, ".TH BATTEN%s", what != NULL ? "-" : "");
-    for (const char *at = what != NULL ? what->name : ""; *at != '\0'; at++)
-        (void)fputc(*at == ' ' ? '-' : toupper((unsigned char)*at), out);
+    char name[PAGE_NAME_SIZE];
+    (void)fprintf(out, ".TH ");
+    for (const char *at = page_name(what, name); *at != '\0'; at++)
+        (void)fputc(toupper((unsigned char)*at), out);
     (void)fprintf(out, " 1 \"\" \"batten %s\" \"batten manual\"\n.SH NAME\n", bat_version());
 }
 
@@ -93,8 +100,9 @@ static void print_options(FILE *out, const verb *what)
 
 static void print_verb(FILE *out, const verb *what)
 {
+    char name[PAGE_NAME_SIZE];
     print_head(out, what);
-    print_name(out, what, "\\-");
+    print_text(out, page_name(what, name));
     (void)fprintf(out, " \\- ");
     print_text(out, what->summary);
     (void)fprintf(out, "\n.SH SYNOPSIS\n\\fBbatten %s\\fR ", what->name);
@@ -126,8 +134,9 @@ static void print_program(FILE *out)
     (void)fprintf(out, ".SH SEE ALSO\n");
     for (const verb *const *each = VERBS; *each != NULL; each++)
     {
+        char name[PAGE_NAME_SIZE];
         (void)fprintf(out, ".BR ");
-        print_name(out, *each, "\\-");
+        print_text(out, page_name(*each, name));
         (void)fprintf(out, " (1)%s\n", each[1] != NULL ? "," : "");
     }
 }
@@ -141,11 +150,8 @@ static int write_page(const verb_call *call, const verb *what)
     FILE *out = stdout;
     if (call->output != NULL)
     {
-        int length = snprintf(path, sizeof path, "%s/batten%s%s.1", call->output, what != NULL ? "-" : "",
-                              what != NULL ? what->name : "");
-        for (char *at = path + strlen(call->output); *at != '\0'; at++)
-            *at = *at == ' ' ? '-' : *at;
-        if (length >= (int)sizeof path)
+        char name[PAGE_NAME_SIZE];
+        if (snprintf(path, sizeof path, "%s/%s.1", call->output, page_name(what, name)) >= (int)sizeof path)
             return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
         if (bat_outputs_add(call->files.files, path, &write_to, &error) != BAT_OK)
             return report_failure(path, &error);

@@ -172,9 +172,10 @@ static int measure_curves(const measure_job *job, measured what, results *all)
     return report_curve(path, path == job->paths[0] ? a : b, failed, &error);
 }
 
-/// Whether each curve is simple. Does nothing in spaces where curves do not cross.
-static int measure_simple(const measure_job *job, const bat_curve_set *set, bool **simple)
+/// Whether each curve of A is simple. Does nothing in spaces where curves do not cross.
+static int measure_simple(const measure_job *job, bool **simple)
 {
+    const bat_curve_set *set = &job->sets[0];
     bat_error error;
     size_t failed = BAT_NO_INDEX;
     bat_curve_measure_options how = job->measure;
@@ -213,7 +214,7 @@ static int measure_sets(measure_job *job)
     if (code == EXIT_DONE)
         code = measure_curves(job, FAIRNESS_OF_A, &all);
     if (code == EXIT_DONE)
-        code = measure_simple(job, a, &all.simple);
+        code = measure_simple(job, &all.simple);
     if (code == EXIT_DONE && compared)
         code = measure_curves(job, DISTANCE, &all);
     if (code == EXIT_DONE && compared)

@@ -4,6 +4,7 @@
 #include "batten/batten.h"
 #include "batten/research/research.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -102,28 +103,14 @@ static bool read_range(const arguments *given, const char *name, bool one_is_bot
 
 // Reports
 
-/// What the object of a report begins with.
-static json_t *run_json(bat_recipe recipe, const bat_train_options *run, const bat_train_report *report)
-{
-    return report_object("recipe:s seed:z epochs:z best_epoch:z stopped_early:b loss:n folder:s", bat_recipe_name(recipe),
-                         (size_t)run->seed, (size_t)report->epochs, (size_t)report->best_epoch, (int)report->stopped,
-                         report->loss, run->folder);
-}
+// What all of them begin with, and the pieces of their texts.
 
-static void print_epochs(const bat_train_report *report)
-{
-    (void)printf("%llu epochs%s; the best weights are those after epoch %llu", (unsigned long long)report->epochs,
-                 report->stopped ? ", stopped early" : "", (unsigned long long)report->best_epoch);
-}
-
-/// The end of a report: the object, or the path of the model. Returns the program's exit code.
-static int end_report(json_t *object, const bat_train_options *run, bool as_json)
-{
-    if (as_json)
-        return report_json(object);
-    report_text(stdout, "%s/model.safetensors\n", run->folder);
-    return EXIT_DONE;
-}
+#define RUN_KEYS "recipe:s seed:z epochs:z best_epoch:z stopped_early:b loss:n folder:s "
+#define RUN_VALUES(recipe, run, report)                                                                                     \
+    bat_recipe_name(recipe), (size_t)(run)->seed, (size_t)(report)->epochs, (size_t)(report)->best_epoch,                   \
+        (int)(report)->stopped, (report)->loss, (run)->folder
+#define EPOCHS_TEXT "{epochs} epochs[stopped_early?, stopped early]; the best weights are those after epoch {best_epoch}"
+#define MODEL_TEXT "{folder}/model.safetensors\n"
 
 // Curves
 
@@ -190,36 +177,18 @@ static int train_curve(void *of)
     return report_status(job->call.given, NULL, bat_curve_train(&job->curve, &job->curve_report, &error), &error);
 }
 
-static void report_published(report_table *scores, const bat_curve_train_report *report)
+/// Report the scores of a space.
+static void report_score(report_table *scores, int space, double fairness, const bat_curve_train_score *ours,
+                         const bat_curve_train_score *published)
 {
-    report_head(scores,
-                ", with a mean-NN of %.5f over the spaces\n(published: 0.02325 after epoch 200). Validation curves, "
-                "five learned levels; published values in brackets:\n\n",
-                report->run.best);
-    for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-    {
-        const bat_curve_train_score *ours = &report->scores[0][space], *published = &PUBLISHED[space];
-        report_row(scores,
-                   "{space:-7} mean-NN {mean_nn:.5f} ({published_mean_nn:.5f})   bending {bending:8.4g} "
-                   "({published_bending:8.4g})   G1 {g1:.3f} ({published_g1:.3f})\n",
-                   "space:s mean_nn:n bending:n g1:n published_mean_nn:n published_bending:n published_g1:n", SPACES[space],
-                   ours->mean_nn, ours->bending, ours->g1, published->mean_nn, published->bending, published->g1);
-    }
-}
-
-static void report_batten(report_table *scores, const bat_curve_train_report *report)
-{
-    report_head(scores, "%llu epochs. Validation curves, drawn from the trained families, five levels:\n\n",
-                (unsigned long long)report->run.epochs);
-    for (int i = 0; i < BAT_CURVE_TRAIN_FAIRNESSES; i++)
-        for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
-        {
-            const bat_curve_train_score *score = &report->scores[i][space];
-            report_row(scores,
-                       "fairness {fairness:.1f} {space:-7} mean-NN {mean_nn:.5f}   bending {bending:8.4g}   G1 {g1:.3f}\n",
-                       "fairness:n space:s mean_nn:n bending:n g1:n", FAIRNESS[i], SPACES[space], score->mean_nn,
-                       score->bending, score->g1);
-        }
+    static const bat_curve_train_score none = {NAN, NAN, NAN};
+    const bat_curve_train_score *other = published != NULL ? published : &none;
+    report_row(scores,
+               "[fairness?fairness {fairness:.1f} ]{space:-7} mean-NN {mean_nn:.5f}[published_mean_nn? "
+               "({published_mean_nn:.5f})]   bending {bending:8.4g}[published_bending? ({published_bending:8.4g})]   G1 "
+               "{g1:.3f}[published_g1? ({published_g1:.3f})]\n",
+               "fairness:n? space:s mean_nn:n bending:n g1:n published_mean_nn:n? published_bending:n? published_g1:n?",
+               fairness, SPACES[space], ours->mean_nn, ours->bending, ours->g1, other->mean_nn, other->bending, other->g1);
 }
 
 static int report_curve(void *of)
@@ -227,16 +196,20 @@ static int report_curve(void *of)
     const train_job *job = of;
     const bat_curve_train_report *report = &job->curve_report;
     report_table scores = report_begin(job->call.json);
-    json_t *object = NULL;
-    if (job->call.json)
-        object = run_json(job->recipe, &job->curve.run, &report->run);
-    else if (job->recipe == BAT_RECIPE_PUBLISHED)
-        print_epochs(&report->run);
-    (job->recipe == BAT_RECIPE_PUBLISHED ? report_published : report_batten)(&scores, report);
-    report_head(&scores, "\n");
-    object = report_add(object, "mean_nn", report_number(report->run.best));
-    object = report_add(object, "scores", scores.rows);
-    return end_report(object, &job->curve.run, job->call.json);
+    bool published = job->recipe == BAT_RECIPE_PUBLISHED;
+    if (!job->call.json)
+        (void)report_part(
+            false,
+            published ? EPOCHS_TEXT ", with a mean-NN of {best:.5f} over the spaces\n(published: 0.02325 after epoch 200). "
+                                    "Validation curves, five learned levels; published values in brackets:\n\n"
+                      : "{epochs} epochs. Validation curves, drawn from the trained families, five levels:\n\n",
+            RUN_KEYS "best:n", RUN_VALUES(job->recipe, &job->curve.run, &report->run), report->run.best);
+    for (int i = 0; i < (published ? 1 : BAT_CURVE_TRAIN_FAIRNESSES); i++)
+        for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
+            report_score(&scores, space, published ? NAN : FAIRNESS[i], &report->scores[i][space],
+                         published ? &PUBLISHED[space] : NULL);
+    return report_print(job->call.json, "\n" MODEL_TEXT, RUN_KEYS "mean_nn:n scores:o",
+                        RUN_VALUES(job->recipe, &job->curve.run, &report->run), report->run.best, scores.rows);
 }
 
 // Meshes
@@ -347,27 +320,19 @@ static int report_mesh(void *of)
     const train_job *job = of;
     const bat_mesh_train_options *options = &job->mesh;
     const bat_mesh_train_report *report = &job->mesh_report;
-    json_t *object = NULL;
-    if (job->call.json)
-    {
-        object = run_json(job->recipe, &options->run, &report->run);
-        object = report_add(object, "errors", report_numbers(report->errors, BAT_MESH_TRAIN_LEVELS + 1));
-    }
-    else if (job->recipe == BAT_RECIPE_BATTEN)
-        (void)printf(
-            "%llu epochs, the last weights. Mean distance of validation meshes over the best classical scheme's: %.3f\n"
-            "at best.\n\n",
-            (unsigned long long)report->run.epochs, report->run.best);
-    else
-    {
-        print_epochs(&report->run);
-        (void)printf(". %s\nat levels 0, 1, 2: %.5f, %.5f, %.5f\n\n",
-                     options->surface || options->chamfer
-                         ? "Roots of the losses of validation meshes,"
-                         : "Errors of validation meshes, root mean squares in units of the longest side,",
-                     report->errors[0], report->errors[1], report->errors[2]);
-    }
-    return end_report(object, &options->run, job->call.json);
+    static const char PUBLISHED_TEXT[] =
+        EPOCHS_TEXT ". [losses?Roots of the losses of validation meshes,][!losses?Errors of validation meshes, root mean "
+                    "squares in units of the longest side,]\nat levels 0, 1, 2: {level0:.5f}, {level1:.5f}, "
+                    "{level2:.5f}\n\n" MODEL_TEXT;
+    static const char BATTEN_TEXT[] =
+        "{epochs} epochs, the last weights. Mean distance of validation meshes over the best classical scheme's: "
+        "{best:.3f}\nat best.\n\n" MODEL_TEXT;
+    const double *errors = report->errors;
+    return report_print(job->call.json, job->recipe == BAT_RECIPE_BATTEN ? BATTEN_TEXT : PUBLISHED_TEXT,
+                        RUN_KEYS "errors:o -losses:b -best:n -level0:n -level1:n -level2:n",
+                        RUN_VALUES(job->recipe, &options->run, &report->run),
+                        report_numbers(errors, BAT_MESH_TRAIN_LEVELS + 1), (int)(options->surface || options->chamfer),
+                        report->run.best, errors[0], errors[1], errors[2]);
 }
 
 static void end_mesh(void *of)
@@ -447,21 +412,11 @@ static int report_surface(void *of)
 {
     const train_job *job = of;
     const bat_train_report *report = &job->surface_report.run;
-    json_t *object = NULL;
-    if (job->call.json)
-    {
-        object = run_json(job->recipe, &job->surface.run, report);
-        object = report_add(object, "uninformed", json_boolean(job->surface.uninformed));
-        object = report_add(object, "error", report_number(report->best));
-    }
-    else
-    {
-        print_epochs(report);
-        (void)printf(". Validation clouds, fitted with their bidegree: mean squared error %.4g, in units of the longest "
-                     "side\n\n",
-                     report->best);
-    }
-    return end_report(object, &job->surface.run, job->call.json);
+    return report_print(job->call.json,
+                        EPOCHS_TEXT ". Validation clouds, fitted with their bidegree: mean squared error {error:.4g}, in "
+                                    "units of the longest side\n\n" MODEL_TEXT,
+                        RUN_KEYS "uninformed:b error:n", RUN_VALUES(job->recipe, &job->surface.run, report),
+                        (int)job->surface.uninformed, report->best);
 }
 
 // The verbs

@@ -104,18 +104,6 @@ static int open_one(const arguments *given, const char *option, outputs *out)
     return EXIT_DONE;
 }
 
-/// Whether the endings of pictures tell their formats.
-static int check_pictures(const arguments *given)
-{
-    bat_error error;
-    const option_spec *option;
-    for (size_t i = 0; (option = option_at(given->verb, i, NULL)) != NULL; i++)
-        if ((option->marks & IS_DRAWN) != 0 && given->values[i] != NULL &&
-            bat_picture_check(given->values[i], &error) != BAT_OK)
-            return report_failure(given->values[i], &error);
-    return EXIT_DONE;
-}
-
 /// Put the files in their places when `code` is EXIT_DONE, else remove them. Returns the program's exit code.
 static int close_outputs(outputs *out, int code)
 {
@@ -149,8 +137,9 @@ static int open_outputs(const arguments *given, outputs *out)
     for (size_t i = 0; code == EXIT_DONE && (option = option_at(given->verb, i, NULL)) != NULL; i++)
         if ((option->marks & (IS_WRITTEN | IS_DRAWN)) != 0 && given->values[i] != NULL)
             code = open_one(given, option->name, out);
-    if (code == EXIT_DONE)
-        code = check_pictures(given);
+    for (size_t i = 0; code == EXIT_DONE && (option = option_at(given->verb, i, NULL)) != NULL; i++)
+        if ((option->marks & IS_DRAWN) != 0 && given->values[i] != NULL)
+            code = report_status(NULL, given->values[i], bat_picture_check(given->values[i], &error), &error);
     if (code != EXIT_DONE)
         (void)close_outputs(out, code);
     return code;
@@ -172,26 +161,24 @@ static bool choose_outputs(const verb *what, verb_call *call)
     size_t given = 0, known = 0;
     const option_spec *option;
     for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
-        if ((option->marks & (IS_WRITTEN | IS_DRAWN)) != 0)
-        {
-            known++;
-            given += argument(call->given, option->name) != NULL;
-        }
+    {
+        bool written = (option->marks & (IS_WRITTEN | IS_DRAWN)) != 0;
+        known += written;
+        given += written && call->given->values[i] != NULL;
+    }
     call->output = argument(call->given, "output");
     call->picture = argument(call->given, "picture");
     if (what->prints_result && given == 0 && !call->json)
         call->output = "-";
     bool piped = is_standard_output(call->output);
     call->quiet = call->silent || piped;
-    if (call->json && call->silent)
-        (void)usage_error(call->given, "--json and --quiet exclude each other");
-    else if (call->json && piped)
-        (void)usage_error(call->given, "--json and -o - both need standard output");
-    else if (known > 0 && given == 0 && call->silent && !what->prints_result)
-        (void)usage_error(call->given, "there is no output: give -o OUT, or do without --quiet");
-    else
-        return true;
-    return false;
+    const usage_rule rules[] = {
+        {call->json && call->silent, "--json and --quiet exclude each other"},
+        {call->json && piped, "--json and -o - both need standard output"},
+        {known > 0 && given == 0 && call->silent && !what->prints_result,
+         "there is no output: give -o OUT, or do without --quiet"},
+    };
+    return usage_obeys(call->given, rules, sizeof rules / sizeof *rules, NULL, NULL);
 }
 
 /// Make and write the result, and report.

@@ -190,19 +190,18 @@ static void print_ratios(const shape_table *t)
     for (size_t s = 0; s < PUBLISHED_COUNT; s++)
     {
         (void)printf("%-16s", PUBLISHED[s].shape);
-        for (size_t which = 0; which < 2; which++)
-            for (size_t i = 0; i < 3; i++)
-            {
-                double ratio = PUBLISHED[s].figures[which][i] / PUBLISHED[s].figures[which][BUTTERFLY];
-                published[which][i] += ratio / PUBLISHED_COUNT;
-                (void)printf(" %8.2f (%4.2f)", PUBLISHED[s].figures[which][i], ratio);
-            }
+        for (size_t i = 0; i < 6; i++)
+        {
+            const double *figures = PUBLISHED[s].figures[i / 3];
+            double ratio = figures[i % 3] / figures[BUTTERFLY];
+            published[i / 3][i % 3] += ratio / PUBLISHED_COUNT;
+            (void)printf(" %8.2f (%4.2f)", figures[i % 3], ratio);
+        }
         (void)printf("\n");
     }
     (void)printf("%-16s", "mean ratio");
-    for (size_t which = 0; which < 2; which++)
-        for (size_t i = 0; i < 3; i++)
-            (void)printf(" %15.3f", published[which][i]);
+    for (size_t i = 0; i < 6; i++)
+        (void)printf(" %15.3f", published[i / 3][i % 3]);
     (void)printf("\n");
 }
 

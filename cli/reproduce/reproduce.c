@@ -37,7 +37,7 @@ enum
 typedef struct result
 {
     const char *name;
-    int (*run)(const reproduce_job *job);
+    reproduce_result *run;
     unsigned marks;
     const char *folder; ///< the default one of ALWAYS and TRAINING
     const char *data;   ///< files that it reads from a folder

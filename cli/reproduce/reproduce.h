@@ -34,28 +34,15 @@ typedef struct reproduce_job
     number_list points, noises, degrees; ///< the cases; empty for the default
 } reproduce_job;
 
-/// Each function prints one result, writes its pictures to the folder if it has any, and returns the exit code.
-int reproduce_curve_figures(const reproduce_job *job);
-int reproduce_tension_table1(const reproduce_job *job);
-int reproduce_tension_table2(const reproduce_job *job);
-int reproduce_tension_table3(const reproduce_job *job);
-int reproduce_tension_table4(const reproduce_job *job);
-int reproduce_tension_iss(const reproduce_job *job);
-int reproduce_tension_mechanism(const reproduce_job *job);
-int reproduce_motion_keyframes(const reproduce_job *job);
-int reproduce_real_curves(const reproduce_job *job);
-int reproduce_real_meshes(const reproduce_job *job);
-int reproduce_hermite_figures(const reproduce_job *job);
-int reproduce_hermite_order(const reproduce_job *job);
-int reproduce_mesh_table2(const reproduce_job *job);
-int reproduce_mesh_ablations(const reproduce_job *job);
-int reproduce_mesh_style(const reproduce_job *job);
-int reproduce_surface_ablation(const reproduce_job *job);
-int reproduce_surface_clouds(const reproduce_job *job);
-int reproduce_surface_nefertiti(const reproduce_job *job);
-int reproduce_surface_face(const reproduce_job *job);
-int reproduce_surface_shapes(const reproduce_job *job);
-int reproduce_scan_verdict(const reproduce_job *job);
+/// Prints one result, writes its pictures to the folder if it has any, and returns the exit code.
+typedef int reproduce_result(const reproduce_job *job);
+
+extern reproduce_result reproduce_curve_figures, reproduce_tension_table1, reproduce_tension_table2,
+    reproduce_tension_table3, reproduce_tension_table4, reproduce_tension_iss, reproduce_tension_mechanism,
+    reproduce_motion_keyframes, reproduce_real_curves, reproduce_real_meshes, reproduce_hermite_figures,
+    reproduce_hermite_order, reproduce_mesh_table2, reproduce_mesh_ablations, reproduce_mesh_style,
+    reproduce_surface_ablation, reproduce_surface_clouds, reproduce_surface_nefertiti, reproduce_surface_face,
+    reproduce_surface_shapes, reproduce_scan_verdict;
 
 // Common functions of the results.
 
