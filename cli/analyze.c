@@ -112,31 +112,21 @@ static bool check_sweep(analyze_job *job)
 {
     const arguments *given = job->call.given;
     bat_mask_sweep_options *options = &job->sweep;
-    bat_error error;
     options->analysis = job->options;
     job->family.scheme = job->call.input;
     if (!read_sweep(argument(given, "sweep"), &job->family, options))
         return argument_refused(given, "sweep", "NAME=A:B, as in w=0:0.25");
-    if (!usage_accepts(given, bat_options_check(&bat_mask_sweep_fields, options, &error), &error))
+    if (!usage_accepts(given, bat_options_check(&bat_mask_sweep_fields, options, report_error())))
         return false;
     double ends[] = {options->begin, options->end};
     for (size_t i = 0; i < 2; i++)
     {
         bat_curve_scheme scheme = {0};
-        if (!usage_accepts(given, family_member(&job->family, ends[i], &scheme, &error), &error) ||
+        if (!usage_accepts(given, family_member(&job->family, ends[i], &scheme, report_error())) ||
             !check_linear(given, &scheme))
             return false;
     }
     return true;
-}
-
-static int run_sweep(analyze_job *job)
-{
-    bat_error error;
-    bat_mask_sweep_options options = job->sweep;
-    options.progress = report_progress("analyze");
-    bat_status status = bat_mask_sweep(family_mask, &job->family, &options, &job->intervals, &job->count, &error);
-    return report_status(NULL, NULL, status, &error);
 }
 
 /// The basic limit function over its support.
@@ -357,17 +347,6 @@ static void print_vector(const double *vector, size_t size)
     (void)putchar(']');
 }
 
-static void print_eigenvalue(const bat_analysis_eigenvalue *value)
-{
-    char text[64];
-    if (value->imaginary == 0)
-        (void)fraction(value->real, text);
-    else
-        (void)snprintf(text, sizeof text, "%.8g %c %.8gi", value->real, value->imaginary < 0 ? '-' : '+',
-                       fabs(value->imaginary));
-    (void)printf("    %-16s", text);
-}
-
 static void report_matrix(const bat_analysis *analysis)
 {
     size_t size = analysis->matrix_size;
@@ -381,7 +360,13 @@ static void report_matrix(const bat_analysis *analysis)
     for (size_t e = 0; e < analysis->eigenvalue_count; e++)
     {
         const bat_analysis_eigenvalue *value = &analysis->eigenvalues[e];
-        print_eigenvalue(value);
+        char text[64];
+        if (value->imaginary == 0)
+            (void)fraction(value->real, text);
+        else
+            (void)snprintf(text, sizeof text, "%.8g %c %.8gi", value->real, value->imaginary < 0 ? '-' : '+',
+                           fabs(value->imaginary));
+        (void)printf("    %-16s", text);
         for (size_t v = 0; v < value->vector_count && size <= LARGEST_MATRIX; v++)
         {
             (void)printf("%s", v > 0 ? "  " : " ");
@@ -608,7 +593,6 @@ static bool check(void *of)
     static const char *const of_sweep[] = {"smoothness", "resolution", NULL};
     analyze_job *job = of;
     const arguments *given = job->call.given;
-    bat_error error;
     job->sweeps = argument(given, "sweep") != NULL;
     if (job->sweeps && job->call.picture != NULL)
         return usage_refused(given, "--picture does not go with --sweep");
@@ -616,19 +600,23 @@ static bool check(void *of)
         return check_sweep(job);
     if (argument_first(given, of_sweep) != NULL)
         return usage_refused(given, "--smoothness and --resolution go with --sweep");
-    return usage_accepts(given, bat_curve_scheme_by_name(job->call.input, &job->scheme, &error), &error) &&
+    return usage_accepts(given, bat_curve_scheme_by_name(job->call.input, &job->scheme, report_error())) &&
            check_linear(given, &job->scheme);
 }
 
 static int make(void *of)
 {
     analyze_job *job = of;
-    bat_error error;
     const char *name = job->call.input;
     if (job->sweeps)
-        return run_sweep(job);
-    if (bat_mask_analyze(&job->scheme.mask, &job->options, &job->analysis, &error) != BAT_OK)
-        return report_failure(name, &error);
+    {
+        bat_mask_sweep_options options = job->sweep;
+        options.progress = report_progress("analyze");
+        return report_status(
+            NULL, NULL, bat_mask_sweep(family_mask, &job->family, &options, &job->intervals, &job->count, report_error()));
+    }
+    if (bat_mask_analyze(&job->scheme.mask, &job->options, &job->analysis, report_error()) != BAT_OK)
+        return report_failure(name, report_error());
     return job->call.picture == NULL
                ? EXIT_DONE
                : draw_basis(job->call.picture, output_path(&job->call.files, "picture"), name, &job->scheme.mask);

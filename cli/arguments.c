@@ -121,12 +121,12 @@ void argument_wording(const arguments *given, const bat_error *error, char text[
                    only ? remedy->value : "", error->remedy_effect);
 }
 
-bool usage_accepts(const arguments *given, bat_status status, const bat_error *error)
+bool usage_accepts(const arguments *given, bat_status status)
 {
     char text[WORDING_SIZE];
     if (status == BAT_OK)
         return true;
-    argument_wording(given, error, text);
+    argument_wording(given, report_error(), text);
     return usage_refused(given, "%s", text);
 }
 
@@ -285,12 +285,11 @@ bool argument_list(const arguments *given, const char *name, double low, double 
 
 bool argument_choice(const arguments *given, const char *name, const bat_family *family, void *value)
 {
-    bat_error error;
     const bat_choice *choice;
     const char *text = argument(given, name);
     if (text == NULL)
         return true;
-    if (!usage_accepts(given, bat_choice_find(family, text, &choice, &error), &error))
+    if (!usage_accepts(given, bat_choice_find(family, text, &choice, report_error())))
         return false;
     *(int *)value = choice->value;
     return true;

@@ -173,8 +173,9 @@ bool usage_obeys(const arguments *given, const usage_rule *rules, size_t count, 
 /// Refuse an option that the user gave: "--NAME is VALUE, but must be RANGE". Returns false.
 bool argument_refused(const arguments *given, const char *name, const char *range, ...)
     __attribute__((format(printf, 3, 4)));
-/// Refuse options that the library refuses, in the words of argument_wording(), unless `status` is BAT_OK. True where it is.
-bool usage_accepts(const arguments *given, bat_status status, const bat_error *error);
+/// Refuse options that the library refuses, in the words of argument_wording() on report_error(), unless `status` is BAT_OK.
+/// True where it is.
+bool usage_accepts(const arguments *given, bat_status status);
 
 enum
 {

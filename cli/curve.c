@@ -205,7 +205,6 @@ static bool check_exclusions(const curve_job *job)
 
 static bool read_scheme(curve_job *job)
 {
-    bat_error error;
     const arguments *given = job->call.given;
     if (job->is_motion)
         return true;
@@ -215,7 +214,7 @@ static bool read_scheme(curve_job *job)
         return usage_refused(given, "--%s goes with --scheme learned, not '%s'",
                              job->model_file != NULL ? "model" : "fairness", job->scheme);
     bat_curve_scheme learned_scheme = bat_curve_scheme_learned(job->fairness);
-    if (!usage_accepts(given, bat_curve_scheme_check(&learned_scheme, &error), &error))
+    if (!usage_accepts(given, bat_curve_scheme_check(&learned_scheme, report_error())))
         return false;
     if (chooses_network || learned)
     {
@@ -224,7 +223,7 @@ static bool read_scheme(curve_job *job)
         return true;
     }
     return job->scheme == NULL ||
-           usage_accepts(given, bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, &error), &error);
+           usage_accepts(given, bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, report_error()));
 }
 
 /// Check the corner angle and the stops. With a stop, --levels is the cap.
@@ -233,10 +232,9 @@ static bool check_stops(curve_job *job)
     const arguments *given = job->call.given;
     bat_curve_refine_options *refine = &job->refine;
     bool stops = curve_stops(job);
-    bat_error error;
     if (stops && argument(given, "levels") != NULL)
         refine->max_levels = refine->levels;
-    if (!usage_accepts(given, bat_options_check(&bat_curve_refine_fields, refine, &error), &error))
+    if (!usage_accepts(given, bat_options_check(&bat_curve_refine_fields, refine, report_error())))
         return false;
     if (stops && job->panel_count > 0)
         return usage_refused(given, "--panel draws levels, and does not go with --max-edge and --tolerance");
@@ -354,7 +352,6 @@ static bool check_options(const arguments *given, const curve_job *job)
 /// Read the options of motions, once the others are read. False after a message.
 static bool read_motion(curve_job *job)
 {
-    bat_error error;
     const arguments *given = job->call.given;
     job->motion.scheme.threads = job->motion.spline.threads = job->refine.threads;
     if (job->scheme != NULL)
@@ -365,12 +362,12 @@ static bool read_motion(curve_job *job)
         return usage_refused(given, "'%s' is no scheme for points with tangents; `batten list schemes` names them",
                              job->scheme);
     if (job->is_motion && job->scheme != NULL &&
-        !usage_accepts(given, bat_motion_scheme_by_name(job->scheme, &job->motion, &error), &error))
+        !usage_accepts(given, bat_motion_scheme_by_name(job->scheme, &job->motion, report_error())))
         return false;
     if (job->is_motion && !job->is_verb)
         job->hint = "is treated as a motion";
     return read_tangents(given, job) && read_sigma(given, job) && read_units(given, job) &&
-           usage_accepts(given, bat_options_check(&bat_motion_curves_fields, &job->motion, &error), &error) &&
+           usage_accepts(given, bat_options_check(&bat_motion_curves_fields, &job->motion, report_error())) &&
            check_options(given, job);
 }
 
@@ -414,11 +411,10 @@ static bool check(void *of)
     curve_job *job = of;
     const arguments *given = job->call.given;
     const bat_choice *format;
-    bat_error error;
     job->refine.threads = job->read.threads = job->write.threads = job->call.threads;
     job->read.on_sphere = argument(given, "on") != NULL;
     if (job->call.output != NULL && job->write.format == BAT_CURVE_FORMAT_AUTO &&
-        !usage_accepts(given, bat_choice_of_path(&bat_curve_format_family, job->call.output, true, &format, &error), &error))
+        !usage_accepts(given, bat_choice_of_path(&bat_curve_format_family, job->call.output, true, &format, report_error())))
         return false;
     if (!read_panels(job) || !check_stops(job) || !read_motion(job) || !read_scheme(job) || !check_exclusions(job) ||
         !check_needs(job))
@@ -430,21 +426,19 @@ static bool check(void *of)
 static int write_curves(void *of, const char *path)
 {
     curve_job *job = of;
-    bat_error error;
     bat_curve_write_options how = job->write;
     how.report = &job->findings.written;
-    bat_status status = job->is_streamed ? BAT_OK : bat_curve_write(path, &job->fine, &how, &error);
-    return report_status(job->call.given, job->call.output, status, &error);
+    return report_status(job->call.given, job->call.output,
+                         job->is_streamed ? BAT_OK : bat_curve_write(path, &job->fine, &how, report_error()));
 }
 
 static int make(void *of)
 {
     curve_job *job = of;
-    bat_error error;
     if (job->model_file != NULL)
     {
-        if (bat_curve_model_read_published(job->model_file, &job->model, &error) != BAT_OK)
-            return report_failure(job->model_file, &error);
+        if (bat_curve_model_read_published(job->model_file, &job->model, report_error()) != BAT_OK)
+            return report_failure(job->model_file, report_error());
         job->refine.scheme = bat_curve_scheme_of_model(job->model);
         job->refine.scheme.fairness = job->fairness;
     }

@@ -83,8 +83,6 @@ static inline bool curve_stops(const curve_job *job)
 // Each of the following returns the program's exit code, after a message where it is not EXIT_DONE, unless it says
 // otherwise.
 
-// curve_refine.c
-
 /// Read the curves and all that belongs to them, choose the scheme, and refine.
 int curve_read(curve_job *job);
 /// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
@@ -97,15 +95,8 @@ bool curve_has_tension(const bat_curve_scheme *scheme);
 
 /// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
 int curve_draw(curve_job *job);
-
-// curve_report.c
-
-/// Report that refining failed with curve `failed` of the given ones.
-int curve_failure(const curve_job *job, size_t failed, const bat_error *error);
 /// Measure the result.
 int curve_measure(curve_job *job);
-/// The same of a part of the curves, after others; job->findings is all zero before the first part.
-int curve_measure_part(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine);
 /// Print the report.
 int curve_report(curve_job *job);
 

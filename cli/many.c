@@ -57,12 +57,6 @@ typedef struct many
     bool stopped;
 } many;
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash == NULL ? path : slash + 1;
-}
-
 // Outputs
 
 /// The length of a name without ".gz".
@@ -194,7 +188,7 @@ static int name_outputs(many *all)
     }
     for (size_t i = 0; i < all->count; i++)
     {
-        const char *name = base_name(all->tasks[i].input);
+        const char *name = file_name(all->tasks[i].input);
         if (strcmp(all->tasks[i].input, "-") == 0)
             return usage_error(all->given, "standard input goes to a file, not to a folder");
         if (ending == NULL && !is_written(name, formats))

@@ -124,7 +124,7 @@ static int report_results(const char *path, const results *all, bool compared, b
     if (as_json && object == NULL)
         return report_json(NULL);
     if (!as_json && all->count > 1)
-        (void)printf("%-36s %14s %14s\n", "", "mean", "median");
+        (void)printf("                                               mean         median\n");
     bat_error error = {.text = "out of memory"};
     if (summarize(all, compared, &object, &error) != BAT_OK)
     {
@@ -137,9 +137,9 @@ static int report_results(const char *path, const results *all, bool compared, b
     if (as_json)
         return report_json(all->simple != NULL ? report_add(object, "simple", json_integer((json_int_t)simple)) : object);
     if (all->simple != NULL && all->count == 1)
-        (void)printf("%-36s %14s\n", "A is simple", simple == 1 ? "yes" : "no");
+        (void)printf("A is simple                          %14s\n", simple == 1 ? "yes" : "no");
     else if (all->simple != NULL)
-        (void)printf("%-36s %14zu of %zu\n", "simple curves of A", simple, all->count);
+        (void)printf("simple curves of A                   %14zu of %zu\n", simple, all->count);
     return EXIT_DONE;
 }
 
@@ -158,38 +158,38 @@ static int report_curve(const char *path, const bat_curve_set *set, size_t curve
 static int measure_curves(const measure_job *job, measured what, results *all)
 {
     const bat_curve_set *a = &job->sets[0], *b = &job->sets[1], *set = what == FAIRNESS_OF_B ? b : a;
-    bat_error error;
     size_t failed = BAT_NO_INDEX;
     bool compares = what == DISTANCE;
     bat_curve_measure_options how = job->measure;
     how.progress = report_progress(compares ? "measuring distances" : "measuring fairness");
-    bat_status status = compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, &failed, &error)
-                                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], &failed, &error);
+    bat_status status =
+        compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, &failed, report_error())
+                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], &failed, report_error());
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
-    const char *path = compares ? file_at_fault(job->paths, &error) : job->paths[what];
-    return report_curve(path, path == job->paths[0] ? a : b, failed, &error);
+    const char *path = compares ? file_at_fault(job->paths, report_error()) : job->paths[what];
+    return report_curve(path, path == job->paths[0] ? a : b, failed, report_error());
 }
 
 /// Whether each curve of A is simple. Does nothing in spaces where curves do not cross.
 static int measure_simple(const measure_job *job, bool **simple)
 {
     const bat_curve_set *set = &job->sets[0];
-    bat_error error;
     size_t failed = BAT_NO_INDEX;
     bat_curve_measure_options how = job->measure;
     bool *answers = calloc(set->count > 0 ? set->count : 1, sizeof *answers);
     if (answers == NULL)
         return report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
     how.progress = report_progress("looking for crossings");
-    bat_status status = bat_curves_are_simple(set->curves, set->count, &how, answers, &failed, &error);
+    bat_status status = bat_curves_are_simple(set->curves, set->count, &how, answers, &failed, report_error());
     report_progress_end();
     if (status == BAT_OK)
         *simple = answers;
     else
         free(answers);
-    return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE : report_curve(job->paths[0], set, failed, &error);
+    return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE
+                                                         : report_curve(job->paths[0], set, failed, report_error());
 }
 
 static int measure_sets(measure_job *job)
@@ -276,7 +276,7 @@ static json_t *report_mesh_measure(const bat_measure *at, const char *base, doub
                        ? json_null()
                        : json_integer((json_int_t) * (const int64_t *)value);
         if (at->form == BAT_MEASURE_GENUS && *(const int64_t *)value < 0)
-            (void)printf("%14s\n", "none");
+            (void)printf("          none\n");
         else
             (void)printf("%14lld\n", (long long)*(const int64_t *)value);
         break;
@@ -297,7 +297,7 @@ static json_t *report_mesh_measure(const bat_measure *at, const char *base, doub
         if (at->form == BAT_MEASURE_LENGTH)
             (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
         else if (isnan(*numbers))
-            (void)printf("%14s\n", "none");
+            (void)printf("          none\n");
         else
             (void)printf("%14.8g\n", *numbers);
         break;
@@ -316,13 +316,6 @@ static int report_measures(size_t meshes, const void *base, double diagonal, boo
         object = as_json ? report_add(object, measure.name, value) : NULL;
     }
     return as_json ? report_json(object) : EXIT_DONE;
-}
-
-/// What stands behind a path's last slash; null for no path.
-static const char *file_name(const char *path)
-{
-    const char *slash = path == NULL ? NULL : strrchr(path, '/');
-    return slash == NULL ? path : slash + 1;
 }
 
 /// Draw both meshes, coloured by how far their vertices are from the other.
@@ -357,23 +350,21 @@ static int draw_distances(measure_job *job)
 
 static int compare(measure_job *job)
 {
-    bat_error error;
     bat_mesh_compare_options how = job->compare;
     how.progress = report_progress("measuring distances");
-    bat_status status = bat_mesh_compare(&job->meshes[0], &job->meshes[1], &how, &job->distance, &error);
-    int code = report_status(NULL, file_at_fault(job->paths, &error), status, &error);
+    int code = report_status(NULL, file_at_fault(job->paths, report_error()),
+                             bat_mesh_compare(&job->meshes[0], &job->meshes[1], &how, &job->distance, report_error()));
     return code == EXIT_DONE && job->call.picture != NULL ? draw_distances(job) : code;
 }
 
 static int measure_meshes(measure_job *job)
 {
-    bat_error error;
     for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
-        if (bat_mesh_read(job->paths[i], &job->read_mesh, &job->meshes[i], &error) != BAT_OK)
-            return report_bad_input(job->call.given, job->paths[i], &error);
+        if (bat_mesh_read(job->paths[i], &job->read_mesh, &job->meshes[i], report_error()) != BAT_OK)
+            return report_bad_input(job->call.given, job->paths[i], report_error());
     if (job->paths[1] != NULL)
         return compare(job);
-    return report_status(NULL, job->paths[0], bat_mesh_summarize(&job->meshes[0], &job->summary, &error), &error);
+    return report_status(NULL, job->paths[0], bat_mesh_summarize(&job->meshes[0], &job->summary, report_error()));
 }
 
 static bool check_meshes(measure_job *job)
@@ -381,7 +372,6 @@ static bool check_meshes(measure_job *job)
     static const char *const FOR_CURVES[] = {"geodesic", "to-segments", "space", "closed", "open", "project", NULL};
     static const char *const FOR_TWO[] = {"at-vertices", "samples", "accuracy", "picture", NULL};
     const arguments *given = job->call.given;
-    bat_error error;
     job->compare.threads = job->call.threads;
     if (argument_first(given, FOR_CURVES) != NULL)
         return usage_refused(given, "--%s is for curves, but %s is a mesh", argument_first(given, FOR_CURVES),
@@ -389,7 +379,7 @@ static bool check_meshes(measure_job *job)
     if (argument_first(given, FOR_TWO) != NULL && job->paths[1] == NULL)
         return usage_refused(given, "--%s needs a second file to measure the distance from", argument_first(given, FOR_TWO));
     return argument_choice(given, "from", &bat_mesh_format_family, &job->read_mesh.format) &&
-           usage_accepts(given, bat_options_check(&bat_mesh_compare_fields, &job->compare, &error), &error);
+           usage_accepts(given, bat_options_check(&bat_mesh_compare_fields, &job->compare, report_error()));
 }
 
 // The verb
@@ -430,14 +420,13 @@ static bool check(void *of)
 static int make(void *of)
 {
     measure_job *job = of;
-    bat_error error;
     if (job->failure.status != BAT_OK)
         return report_failure(NULL, &job->failure);
     if (job->of_meshes)
         return measure_meshes(job);
     for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
-        if (bat_curve_read(job->paths[i], &job->read, &job->sets[i], &error) != BAT_OK)
-            return report_bad_input(job->call.given, job->paths[i], &error);
+        if (bat_curve_read(job->paths[i], &job->read, &job->sets[i], report_error()) != BAT_OK)
+            return report_bad_input(job->call.given, job->paths[i], report_error());
     return measure_sets(job);
 }
 
@@ -449,7 +438,7 @@ static int report(void *of)
     if (job->paths[1] == NULL)
         return report_measures(1, &job->summary, job->summary.diagonal, job->call.json);
     if (!job->call.json)
-        (void)printf("%-38s %14s %14s\n", "", "", "of B's diagonal");
+        (void)printf("                                                      of B's diagonal\n");
     return report_measures(2, &job->distance, job->distance.diagonal, job->call.json);
 }
 

@@ -84,12 +84,11 @@ static bool check_files(mesh_job *job)
 static int write_mesh(void *of, const char *path)
 {
     mesh_job *job = of;
-    bat_error error;
     bat_mesh_write_options options = job->write;
     options.vertex_normals = job->limit_normals;
-    bat_status status = job->polygonal ? bat_polygon_mesh_write(path, &job->made_polygons, &options, &error)
-                                       : bat_mesh_write(path, &job->made, &options, &error);
-    return report_status(job->call.given, job->call.output, status, &error);
+    return report_status(job->call.given, job->call.output,
+                         job->polygonal ? bat_polygon_mesh_write(path, &job->made_polygons, &options, report_error())
+                                        : bat_mesh_write(path, &job->made, &options, report_error()));
 }
 
 static json_t *notes_json(const bat_mesh_notes *notes)
@@ -204,7 +203,6 @@ static bool check_refinement(void *of)
     static const char *const of_learned[] = {"model", "then", "fairness", NULL};
     mesh_job *job = of;
     const arguments *given = job->call.given;
-    bat_error error;
     job->has_beside = argument(given, "beside") != NULL;
     job->refine.threads = job->call.threads;
     if (job->refine.scheme == BAT_MESH_SCHEME_AUTO && argument_first(given, of_learned) != NULL)
@@ -213,32 +211,27 @@ static bool check_refinement(void *of)
         return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");
     job->refine.max_memory = (size_t)(1e9 * job->gigabytes);
     job->polygonal = job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
-    return usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, &error), &error) &&
+    return usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, report_error())) &&
            check_schemes(job) && check_files(job);
 }
 
-/// Report a mesh that cannot be read or refined. Where it has polygons, catmull-clark is a way out, too.
-static int report_bad_mesh(const mesh_job *job, const bat_error *error)
-{
-    bat_error whole = *error;
-    size_t used = strlen(whole.remedy_effect);
-    if (strcmp(error->remedy, "triangulate") == 0 && !job->polygonal)
-        (void)snprintf(whole.remedy_effect + used, sizeof whole.remedy_effect - used,
-                       ", and --scheme catmull-clark refines it as it is");
-    return report_bad_input(job->call.given, job->call.input, &whole);
-}
-
+/// Read the mesh and choose the scheme.
 static int read_given(mesh_job *job)
 {
-    bat_error error;
     bat_mesh_connectivity links;
-    bat_status status = job->polygonal ? bat_polygon_mesh_read(job->call.input, &job->read, &job->given_polygons, &error)
-                                       : bat_mesh_read(job->call.input, &job->read, &job->given, &error);
+    bat_status status = job->polygonal
+                            ? bat_polygon_mesh_read(job->call.input, &job->read, &job->given_polygons, report_error())
+                            : bat_mesh_read(job->call.input, &job->read, &job->given, report_error());
     if (status == BAT_OK)
-        status = job->polygonal ? bat_polygon_mesh_connect(&job->given_polygons, &links, &error)
-                                : bat_mesh_connect(&job->given, &links, &error);
+        status = job->polygonal ? bat_polygon_mesh_connect(&job->given_polygons, &links, report_error())
+                                : bat_mesh_connect(&job->given, &links, report_error());
+    bat_error *error = report_error();
+    size_t used = strlen(error->remedy_effect);
+    if (status != BAT_OK && strcmp(error->remedy, "triangulate") == 0 && !job->polygonal)
+        (void)snprintf(error->remedy_effect + used, sizeof error->remedy_effect - used,
+                       ", and --scheme catmull-clark refines it as it is");
     if (status != BAT_OK)
-        return report_bad_mesh(job, &error);
+        return report_bad_input(job->call.given, job->call.input, error);
     job->boundary_edges = links.boundary_edge_count;
     job->scheme = job->refine.scheme;
     if (job->scheme == BAT_MESH_SCHEME_AUTO)
@@ -259,21 +252,20 @@ static int read_given(mesh_job *job)
 
 static int refine(mesh_job *job)
 {
-    bat_error error;
     bat_mesh_refine_options options = job->refine;
     if (job->model_file != NULL)
     {
-        if (bat_mesh_model_read_published(job->model_file, &job->model, &error) != BAT_OK)
-            return report_failure(job->model_file, &error);
+        if (bat_mesh_model_read_published(job->model_file, &job->model, report_error()) != BAT_OK)
+            return report_failure(job->model_file, report_error());
         options.rule = bat_mesh_model_rule(job->model);
     }
     options.progress = report_progress("refining");
     if (options.limit && job->normals)
         options.limit_normals = &job->limit_normals;
-    bat_status status =
-        job->polygonal ? bat_polygon_mesh_refine(&job->given_polygons, &options, &job->made_polygons, &job->fallback, &error)
-                       : bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, &error);
-    return report_status(job->call.given, job->call.input, status, &error);
+    bat_status status = job->polygonal ? bat_polygon_mesh_refine(&job->given_polygons, &options, &job->made_polygons,
+                                                                 &job->fallback, report_error())
+                                       : bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, report_error());
+    return report_status(job->call.given, job->call.input, status);
 }
 
 /// "adaptive", or the number of levels.
@@ -322,18 +314,17 @@ static bat_status refine_beside(const mesh_job *job, bat_mesh *other, bat_error 
 
 static int draw(mesh_job *job)
 {
-    bat_error error;
     bat_mesh other = {0};
     char title[80], beside_title[80];
     bat_status status = BAT_OK;
     if (job->polygonal)
-        status = bat_polygon_mesh_triangulate(&job->given_polygons, &job->given, &error);
+        status = bat_polygon_mesh_triangulate(&job->given_polygons, &job->given, report_error());
     if (status == BAT_OK && job->polygonal)
-        status = bat_polygon_mesh_triangulate(&job->made_polygons, &job->made, &error);
+        status = bat_polygon_mesh_triangulate(&job->made_polygons, &job->made, report_error());
     if (status == BAT_OK && job->has_beside)
-        status = refine_beside(job, &other, &error);
+        status = refine_beside(job, &other, report_error());
     if (status != BAT_OK)
-        return report_bad_input(job->call.given, job->call.input, &error);
+        return report_bad_input(job->call.given, job->call.input, report_error());
     make_title(job, job->scheme, title);
     make_title(job, job->beside, beside_title);
     bat_mesh_picture_panel panels[3] = {
@@ -347,10 +338,10 @@ static int draw(mesh_job *job)
     };
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.threads = job->refine.threads;
-    status =
-        bat_mesh_picture_write(output_path(&job->call.files, "picture"), panels, job->has_beside ? 3 : 2, &options, &error);
+    status = bat_mesh_picture_write(output_path(&job->call.files, "picture"), panels, job->has_beside ? 3 : 2, &options,
+                                    report_error());
     bat_mesh_free(&other);
-    return report_status(NULL, job->call.picture, status, &error);
+    return report_status(NULL, job->call.picture, status);
 }
 
 /// Warn of what the result lacks, on standard error.
@@ -504,7 +495,6 @@ static bool check_decimation(void *of)
     mesh_job *job = of;
     const arguments *given = job->call.given;
     bat_mesh_decimate_options *options = &job->decimate;
-    bat_error error;
     options->threads = job->call.threads;
     if (job->call.output == NULL)
         return usage_refused(given, "-o OUT is missing");
@@ -514,25 +504,24 @@ static bool check_decimation(void *of)
         return false;
     if (argument(given, "ratio") != NULL && !(options->ratio > 0 && options->ratio <= 1))
         return argument_refused(given, "ratio", "above 0 and at most 1");
-    return usage_accepts(given, bat_options_check(&bat_mesh_decimate_fields, options, &error), &error) && check_files(job);
+    return usage_accepts(given, bat_options_check(&bat_mesh_decimate_fields, options, report_error())) && check_files(job);
 }
 
 static int make_decimation(void *of)
 {
     mesh_job *job = of;
-    bat_error error;
-    if (bat_mesh_read(job->call.input, &job->read, &job->given, &error) != BAT_OK)
-        return report_bad_input(job->call.given, job->call.input, &error);
+    if (bat_mesh_read(job->call.input, &job->read, &job->given, report_error()) != BAT_OK)
+        return report_bad_input(job->call.given, job->call.input, report_error());
     bat_mesh_decimate_options options = job->decimate;
     options.progress = report_progress("decimating");
     options.distance = &job->distance;
     bat_mesh_map **map = job->map_file != NULL ? &job->map : NULL;
-    bat_status status = bat_mesh_decimate(&job->given, &options, &job->made, map, &error);
-    int code = report_status(job->call.given, job->call.input, status, &error);
+    int code = report_status(job->call.given, job->call.input,
+                             bat_mesh_decimate(&job->given, &options, &job->made, map, report_error()));
     if (code != EXIT_DONE || map == NULL)
         return code;
-    return report_status(NULL, job->map_file, bat_mesh_map_write(output_path(&job->call.files, "map"), *map, &error),
-                         &error);
+    return report_status(NULL, job->map_file,
+                         bat_mesh_map_write(output_path(&job->call.files, "map"), *map, report_error()));
 }
 
 /// Whether the result has as few vertices or faces as wanted.

@@ -74,6 +74,12 @@ void report_text(FILE *stream, const char *format, ...)
     va_end(list);
 }
 
+const char *file_name(const char *path)
+{
+    const char *slash = path != NULL ? strrchr(path, '/') : NULL;
+    return slash != NULL ? slash + 1 : path;
+}
+
 // Failures and progress
 
 /// The work under way, one at a time.
@@ -107,12 +113,18 @@ int report_bad_input(const arguments *given, const char *file, const bat_error *
     return print_failure(file, error->line, text);
 }
 
-int report_status(const arguments *given, const char *file, bat_status status, const bat_error *error)
+bat_error *report_error(void)
+{
+    static bat_error error;
+    return &error;
+}
+
+int report_status(const arguments *given, const char *file, bat_status status)
 {
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
-    return given != NULL ? report_bad_input(given, file, error) : report_failure(file, error);
+    return given != NULL ? report_bad_input(given, file, report_error()) : report_failure(file, report_error());
 }
 
 static bool draw_progress(void *context, double fraction)
@@ -333,7 +345,7 @@ static void print_field(const char *field, const report_value *values, size_t co
     if (isfinite(other))
         (void)printf(" (%5.3f)", value->number / other);
     else
-        (void)printf(" %7s", "");
+        (void)printf("        ");
 }
 
 static void print_values(const char *text, const report_value *values, size_t count)

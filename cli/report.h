@@ -20,6 +20,9 @@ void report_clean(char *text);
 void report_text(FILE *stream, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void report_text_list(FILE *stream, const char *format, va_list list) __attribute__((format(printf, 2, 0)));
 
+/// What stands behind a path's last slash; null for no path.
+const char *file_name(const char *path);
+
 /// Print "batten: FILE:LINE: text" (as far as file and line are known) to standard error and return EXIT_BAD_INPUT.
 int report_failure(const char *file, const bat_error *error);
 
@@ -81,9 +84,11 @@ int report_drop(report_table *table, int code);
 /// Returns the program's exit code.
 int report_json(json_t *object);
 
-/// Take the progress line away, and report a failure as report_bad_input() does, or as report_failure() where `given` is
-/// null. Returns the program's exit code.
-int report_status(const arguments *given, const char *file, bat_status status, const bat_error *error);
+/// Where a call of the library writes what went wrong, for report_status() and usage_accepts(). The next call overwrites it.
+bat_error *report_error(void);
+/// Take the progress line away, and report what is in report_error() unless `status` is BAT_OK: as report_bad_input() does,
+/// or as report_failure() where `given` is null. Returns the program's exit code.
+int report_status(const arguments *given, const char *file, bat_status status);
 
 /// The exit code of a verb that ended with `code`, once its standard output is written out: a failure to do so is a failure.
 int report_end(int code);

@@ -119,7 +119,6 @@ static bool check(void *of)
     static const char *const of_maps[] = {"countries", "detail", NULL};
     shape_job *job = of;
     const arguments *given = job->call.given;
-    bat_error error;
     job->family = family_of(job->call.input);
     job->map.seed = job->seed;
     bool map = job->family == OF_MAPS, mesh = job->family == OF_MESHES;
@@ -131,28 +130,26 @@ static bool check(void *of)
         return usage_refused(given, "--vertices does not go with the shape map; --countries and --detail do");
     if (!mesh && argument(given, "to") != NULL)
         return usage_refused(given, "--to is for meshes; the file's ending says how a cloud or a map is written");
-    return usage_accepts(given, bat_options_check(&bat_shape_map_fields, &job->map, &error), &error) &&
+    return usage_accepts(given, bat_options_check(&bat_shape_map_fields, &job->map, report_error())) &&
            (!mesh || argument_ending(given, &bat_mesh_format_family, (int)job->write.format));
 }
 
 static int make(void *of)
 {
     shape_job *job = of;
-    bat_error error;
-    int code = report_status(NULL, NULL, make_shape(job, &error), &error);
+    int code = report_status(NULL, NULL, make_shape(job, report_error()));
     if (code != EXIT_DONE || job->call.picture == NULL)
         return code;
-    return report_status(NULL, job->call.picture, draw_shape(job, output_path(&job->call.files, "picture"), &error), &error);
+    return report_status(NULL, job->call.picture, draw_shape(job, output_path(&job->call.files, "picture"), report_error()));
 }
 
 static int write(void *of, const char *path)
 {
     const shape_job *job = of;
-    bat_error error;
-    bat_status status = job->family == OF_MESHES   ? bat_mesh_write(path, &job->mesh, &job->write, &error)
-                        : job->family == OF_CLOUDS ? bat_cloud_write(path, &job->cloud, &error)
-                                                   : bat_curve_write(path, &job->borders, NULL, &error);
-    return report_status(NULL, job->call.output, status, &error);
+    return report_status(NULL, job->call.output,
+                         job->family == OF_MESHES   ? bat_mesh_write(path, &job->mesh, &job->write, report_error())
+                         : job->family == OF_CLOUDS ? bat_cloud_write(path, &job->cloud, report_error())
+                                                    : bat_curve_write(path, &job->borders, NULL, report_error()));
 }
 
 static int report(void *of)

@@ -182,24 +182,23 @@ static bool check(void *of)
 
 static int reconstruct(surface_job *job)
 {
-    bat_error error;
     bat_surface_model *model = NULL;
     double *given = NULL;
     int code = EXIT_DONE;
     if (job->model_file != NULL)
         code =
-            report_status(NULL, job->model_file, bat_surface_model_read_published(job->model_file, &model, &error), &error);
+            report_status(NULL, job->model_file, bat_surface_model_read_published(job->model_file, &model, report_error()));
     if (code == EXIT_DONE && job->parameter_file != NULL)
         code = report_status(NULL, job->parameter_file,
-                             bat_cloud_parameters_read(job->parameter_file, &job->cloud, &given, &error), &error);
+                             bat_cloud_parameters_read(job->parameter_file, &job->cloud, &given, report_error()));
     if (code == EXIT_DONE)
     {
         bat_surface_reconstruct_options options = job->options;
         options.model = model;
         options.given = given;
         options.fit.progress = report_progress("fitting");
-        bat_status status = bat_surface_reconstruct(&job->cloud, &options, &job->result, &error);
-        code = report_status(job->call.given, job->call.input, status, &error);
+        bat_status status = bat_surface_reconstruct(&job->cloud, &options, &job->result, report_error());
+        code = report_status(job->call.given, job->call.input, status);
     }
     bat_surface_model_free(model);
     free(given);
@@ -209,9 +208,8 @@ static int reconstruct(surface_job *job)
 /// Draw a row: of a fit, or of a surface that is converted.
 static int draw_row(const surface_job *job, const bat_surface_picture_row *row)
 {
-    bat_error error;
-    bat_status status = bat_surface_picture_write(output_path(&job->call.files, "picture"), row, 1, NULL, &error);
-    return report_status(NULL, job->call.picture, status, &error);
+    return report_status(NULL, job->call.picture,
+                         bat_surface_picture_write(output_path(&job->call.files, "picture"), row, 1, NULL, report_error()));
 }
 
 static int draw(const surface_job *job)
@@ -229,19 +227,10 @@ static int draw(const surface_job *job)
                                                     .parameters = result->parameters});
 }
 
-static int write_parameters(const surface_job *job)
-{
-    bat_error error;
-    const char *path = output_path(&job->call.files, "parameters");
-    bat_status status = bat_cloud_parameters_write(path, &job->cloud, job->result.parameters, &error);
-    return report_status(NULL, job->parameters, status, &error);
-}
-
 /// Write the surface; the distances of a cloud go along where the format holds them.
 static int write_surface(void *of, const char *path)
 {
     surface_job *job = of;
-    bat_error error;
     bat_surface_write_options write = job->write;
     if (!job->converts)
     {
@@ -249,19 +238,8 @@ static int write_surface(void *of, const char *path)
         write.errors = job->result.report.distances;
         write.point_count = job->cloud.count;
     }
-    bat_status status = bat_surface_write(path, &job->result.surface, &write, &error);
-    return report_status(job->call.given, job->call.output, status, &error);
-}
-
-static int make_fit(surface_job *job)
-{
-    bat_error error;
-    if (bat_cloud_read(job->call.input, &job->read, &job->cloud, &error) != BAT_OK)
-        return report_bad_input(job->call.given, job->call.input, &error);
-    int code = reconstruct(job);
-    if (code == EXIT_DONE && job->call.picture != NULL)
-        code = draw(job);
-    return code == EXIT_DONE && job->parameters != NULL ? write_parameters(job) : code;
+    return report_status(job->call.given, job->call.output,
+                         bat_surface_write(path, &job->result.surface, &write, report_error()));
 }
 
 static int report_fit(const surface_job *job)
@@ -298,14 +276,24 @@ static int report_converted(const surface_job *job)
 static int make(void *of)
 {
     surface_job *job = of;
-    bat_error error;
-    if (!job->converts)
-        return make_fit(job);
-    if (bat_surface_read(job->call.input, &job->result.surface, &error) != BAT_OK)
-        return report_bad_input(job->call.given, job->call.input, &error);
-    if (job->call.picture == NULL)
-        return EXIT_DONE;
-    return draw_row(job, &(bat_surface_picture_row){.title = job->call.input, .surface = &job->result.surface});
+    const char *in = job->call.input, *parameters = output_path(&job->call.files, "parameters");
+    if (job->converts)
+    {
+        if (bat_surface_read(in, &job->result.surface, report_error()) != BAT_OK)
+            return report_bad_input(job->call.given, in, report_error());
+        return job->call.picture == NULL
+                   ? EXIT_DONE
+                   : draw_row(job, &(bat_surface_picture_row){.title = in, .surface = &job->result.surface});
+    }
+    int code = report_status(job->call.given, in, bat_cloud_read(in, &job->read, &job->cloud, report_error()));
+    if (code == EXIT_DONE)
+        code = reconstruct(job);
+    if (code == EXIT_DONE && job->call.picture != NULL)
+        code = draw(job);
+    if (code == EXIT_DONE && job->parameters != NULL)
+        code = report_status(NULL, job->parameters,
+                             bat_cloud_parameters_write(parameters, &job->cloud, job->result.parameters, report_error()));
+    return code;
 }
 
 static int report(void *of)

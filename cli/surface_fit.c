@@ -69,13 +69,12 @@ static bool read_degrees(const arguments *given, int degree[2])
 
 bool surface_check_fit(const arguments *given, bat_surface_fit_options *fit)
 {
-    bat_error error;
     if (argument(given, "smoothing") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_GIVEN;
     else if (argument(given, "noise") != NULL)
         fit->smoothing = BAT_SURFACE_SMOOTHING_NOISE;
     if (!read_degrees(given, fit->space.degree) ||
-        !usage_accepts(given, bat_options_check(&bat_surface_fit_fields, fit, &error), &error))
+        !usage_accepts(given, bat_options_check(&bat_surface_fit_fields, fit, report_error())))
         return false;
     if (argument(given, "noise") != NULL && argument(given, "smoothing") != NULL)
         return usage_refused(given, "--noise and --smoothing exclude each other");
@@ -266,8 +265,8 @@ static json_t *report_candidates(const surface_findings *findings, const char *r
 {
     const bat_surface_result *result = findings->result;
     report_table table = report_begin(as_json);
-    report_head(&table, "\n%-18s %8s %7s %8s %10s %13s %9s %8s\n", "parameters", "seconds", "folds", "repaired", "functions",
-                findings->options->fit.robust ? "median square" : "mean square", "strays", "seconds");
+    report_head(&table, "\nparameters          seconds   folds repaired  functions %13s    strays  seconds\n",
+                findings->options->fit.robust ? "median square" : "mean square");
     for (size_t i = 0; i < result->candidate_count; i++)
         report_candidate(&table, findings, &result->candidates[i]);
     report_head(&table, "%s: %s", bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason);
@@ -280,8 +279,8 @@ static json_t *report_candidates(const surface_findings *findings, const char *r
 static json_t *report_rounds(const surface_findings *findings, bool as_json)
 {
     report_table table = report_begin(as_json);
-    report_head(&table, "\n%5s %10s %7s %12s %12s %8s %10s %8s\n", "round", "functions", "levels", "mean square", "largest",
-                findings->options->fit.tolerance > 0 ? "within" : "", "smoothing", "seconds");
+    report_head(&table, "\nround  functions  levels  mean square      largest %8s  smoothing  seconds\n",
+                findings->options->fit.tolerance > 0 ? "within" : "");
     for (size_t i = 0; i < findings->result->report.count; i++)
         report_gather(&table, report_round(findings, i, as_json));
     return table.rows;

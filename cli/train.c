@@ -172,9 +172,8 @@ static bool check_curve(void *of)
 static int train_curve(void *of)
 {
     train_job *job = of;
-    bat_error error;
     job->curve.run.progress = report_progress("training");
-    return report_status(job->call.given, NULL, bat_curve_train(&job->curve, &job->curve_report, &error), &error);
+    return report_status(job->call.given, NULL, bat_curve_train(&job->curve, &job->curve_report, report_error()));
 }
 
 /// Report the scores of a space.
@@ -301,18 +300,17 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
 static int train_mesh(void *of)
 {
     train_job *job = of;
-    bat_error error;
     size_t count = job->call.given->positional_count;
     for (size_t s = 0; s < count; s++)
     {
         const char *path = job->call.given->positional[s];
-        bat_status status = read_shape(path, job->repair, &job->shapes[s], &error);
-        if (bat_group_agree(group, status, &error) != BAT_OK)
-            return report_failure(path, &error);
+        bat_status status = read_shape(path, job->repair, &job->shapes[s], report_error());
+        if (bat_group_agree(group, status, report_error()) != BAT_OK)
+            return report_failure(path, report_error());
     }
     job->mesh.run.progress = report_progress("training");
-    bat_status status = bat_mesh_train(job->shapes, count, &job->mesh, &job->mesh_report, &error);
-    return report_status(job->call.given, NULL, status, &error);
+    return report_status(job->call.given, NULL,
+                         bat_mesh_train(job->shapes, count, &job->mesh, &job->mesh_report, report_error()));
 }
 
 static int report_mesh(void *of)
@@ -403,9 +401,8 @@ static bool check_surface(void *of)
 static int train_surface(void *of)
 {
     train_job *job = of;
-    bat_error error;
     job->surface.run.progress = report_progress("training");
-    return report_status(job->call.given, NULL, bat_surface_train(&job->surface, &job->surface_report, &error), &error);
+    return report_status(job->call.given, NULL, bat_surface_train(&job->surface, &job->surface_report, report_error()));
 }
 
 static int report_surface(void *of)

@@ -82,7 +82,6 @@ static int check_inputs(const arguments *given, const char *option)
 static int open_one(const arguments *given, const char *option, outputs *out)
 {
     const char *path = argument(given, option);
-    bat_error error;
     if (is_standard_output(path) && strcmp(option, "output") != 0)
         return usage_error(given, "--%s cannot be standard output", option);
     if (is_standard_output(path))
@@ -93,11 +92,11 @@ static int open_one(const arguments *given, const char *option, outputs *out)
     int code = check_inputs(given, option);
     if (code != EXIT_DONE)
         return code;
-    bat_status status = bat_outputs_add(out->files, path, &out->each[out->count].write_to, &error);
+    bat_status status = bat_outputs_add(out->files, path, &out->each[out->count].write_to, report_error());
     if (status == BAT_INVALID_ARGUMENT)
         return refuse_output(given, option, "another option writes");
     if (status != BAT_OK)
-        return report_failure(path, &error);
+        return report_failure(path, report_error());
     out->each[out->count].option = option;
     out->each[out->count].path = path;
     out->count++;
@@ -127,10 +126,9 @@ static int close_outputs(outputs *out, int code)
 /// pictures need an ending that tells their format. Returns the program's exit code; after a failure nothing is open.
 static int open_outputs(const arguments *given, outputs *out)
 {
-    bat_error error;
     *out = (outputs){.count = 0};
-    if (bat_outputs_make(&out->files, &error) != BAT_OK)
-        return report_failure(NULL, &error);
+    if (bat_outputs_make(&out->files, report_error()) != BAT_OK)
+        return report_failure(NULL, report_error());
     interrupt_files(out->files);
     int code = EXIT_DONE;
     const option_spec *option;
@@ -139,7 +137,7 @@ static int open_outputs(const arguments *given, outputs *out)
             code = open_one(given, option->name, out);
     for (size_t i = 0; code == EXIT_DONE && (option = option_at(given->verb, i, NULL)) != NULL; i++)
         if ((option->marks & IS_DRAWN) != 0 && given->values[i] != NULL)
-            code = report_status(NULL, given->values[i], bat_picture_check(given->values[i], &error), &error);
+            code = report_status(NULL, given->values[i], bat_picture_check(given->values[i], report_error()));
     if (code != EXIT_DONE)
         (void)close_outputs(out, code);
     return code;
@@ -181,36 +179,35 @@ static bool choose_outputs(const verb *what, verb_call *call)
     return usage_obeys(call->given, rules, sizeof rules / sizeof *rules, NULL, NULL);
 }
 
-/// Make and write the result, and report.
-static int carry_out(const verb *what, verb_call *call)
-{
-    int code = what->calls.make(call);
-    if (code == EXIT_DONE && what->calls.write != NULL && output_path(&call->files, "output") != NULL)
-        code = what->calls.write(call, output_path(&call->files, "output"));
-    code = close_outputs(&call->files, code);
-    if (code == EXIT_DONE && what->calls.write != NULL && is_standard_output(call->output))
-        code = what->calls.write(call, "-");
-    return code == EXIT_DONE && what->calls.report != NULL ? what->calls.report(call) : code;
-}
-
 /// Run a verb for one input.
 static int run(const arguments *given)
 {
     const verb *what = given->verb;
+    const verb_calls *calls = &what->calls;
     verb_call *call = calloc(1, what->job_size > 0 ? what->job_size : sizeof(verb_call));
     if (call == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
     call->given = given;
     call->input = given->positional_count > 0 ? given->positional[0] : NULL;
-    if (what->calls.begin != NULL)
-        what->calls.begin(call);
+    if (calls->begin != NULL)
+        calls->begin(call);
     int code = EXIT_BAD_USAGE;
-    if (arguments_store(given, call) && choose_outputs(what, call) && (what->calls.check == NULL || what->calls.check(call)))
+    if (arguments_store(given, call) && choose_outputs(what, call) && (calls->check == NULL || calls->check(call)))
         code = open_outputs(given, &call->files);
     if (code == EXIT_DONE)
-        code = carry_out(what, call);
-    if (what->calls.end != NULL)
-        what->calls.end(call);
+    {
+        const char *out = output_path(&call->files, "output");
+        code = calls->make(call);
+        if (code == EXIT_DONE && calls->write != NULL && out != NULL)
+            code = calls->write(call, out);
+        code = close_outputs(&call->files, code);
+        if (code == EXIT_DONE && calls->write != NULL && is_standard_output(call->output))
+            code = calls->write(call, "-");
+        if (code == EXIT_DONE && calls->report != NULL)
+            code = calls->report(call);
+    }
+    if (calls->end != NULL)
+        calls->end(call);
     free(call);
     return code;
 }

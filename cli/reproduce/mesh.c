@@ -38,24 +38,13 @@ enum
     PUBLISHED_COUNT = sizeof PUBLISHED / sizeof PUBLISHED[0]
 };
 
-/// The name of a file without folders and extension.
-static void shape_name(const char *path, char name[NAME_SIZE])
-{
-    const char *slash = strrchr(path, '/');
-    (void)snprintf(name, NAME_SIZE, "%s", slash != NULL ? slash + 1 : path);
-    char *dot = strrchr(name, '.');
-    if (dot != NULL && dot != name)
-        *dot = '\0';
-}
-
 /// Read a shape and repair it where needed, with a message. Returns the program's exit code.
 static int read_shape(const char *path, bat_mesh *mesh)
 {
-    bat_error error;
     bool repaired;
     bat_mesh_repair_report report;
-    if (bat_mesh_study_read(path, mesh, &repaired, &report, &error) != BAT_OK)
-        return report_failure(path, &error);
+    if (bat_mesh_study_read(path, mesh, &repaired, &report, report_error()) != BAT_OK)
+        return report_failure(path, report_error());
     if (repaired)
         (void)fprintf(stderr,
                       "batten: %s: repaired: %zu faces dropped, %zu turned over, %zu edges cut, %zu vertices split\n", path,
@@ -85,8 +74,8 @@ static void print_head(const shape_table *t)
 {
     report_head(&t->rows,
                 "Shapes decimated to about %zu vertices and subdivided twice: distances from the original in %% of its "
-                "diagonal, and\nin brackets divided by those of the butterfly.\n\n%-16s %8s %6s",
-                t->options.vertices, "shape", "vertices", "coarse");
+                "diagonal, and\nin brackets divided by those of the butterfly.\n\nshape            vertices coarse",
+                t->options.vertices);
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
         {
@@ -124,25 +113,24 @@ static int draw(const shape_table *t, const char *name, const bat_mesh *shape, c
 {
     char file[PATH_SIZE];
     reproduce_picture picture;
-    bat_error error;
     if ((size_t)snprintf(file, sizeof file, "%s.png", name) >= sizeof file)
         return report_failure(NULL, &(bat_error){.text = "the shape's name is too long"});
     int code = reproduce_picture_add(t->job, file, &picture);
     if (code != EXIT_DONE)
         return code;
     bat_status status = bat_mesh_study_draw(picture.write_to, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY,
-                                            scores + BUTTERFLY, t->method_count - BUTTERFLY, 0, &error);
-    return report_status(NULL, picture.path, status, &error);
+                                            scores + BUTTERFLY, t->method_count - BUTTERFLY, 0, report_error());
+    return report_status(NULL, picture.path, status);
 }
 
 static int measure_shape(shape_table *t, const char *path, const char *name, const bat_mesh *shape)
 {
     bat_mesh coarse, fine[MAX_METHODS];
     bat_mesh_score scores[MAX_METHODS];
-    bat_error error;
     t->options.progress = report_progress(name);
-    bat_status status = bat_mesh_study_shape(shape, t->methods, t->method_count, &t->options, &coarse, fine, scores, &error);
-    int code = report_status(NULL, path, status, &error);
+    int code = report_status(
+        NULL, path,
+        bat_mesh_study_shape(shape, t->methods, t->method_count, &t->options, &coarse, fine, scores, report_error()));
     if (code != EXIT_DONE)
         return code;
     if (t->measured++ == 0)
@@ -160,7 +148,10 @@ static int read_and_measure(shape_table *t, const char *path)
 {
     char name[NAME_SIZE];
     bat_mesh shape = {0};
-    shape_name(path, name);
+    (void)snprintf(name, NAME_SIZE, "%s", file_name(path));
+    char *dot = strrchr(name, '.');
+    if (dot != NULL && dot != name)
+        *dot = '\0';
     int code = read_shape(path, &shape);
     if (code == EXIT_DONE && shape.vertex_count < MIN_VERTICES)
     {
@@ -179,14 +170,13 @@ static int read_and_measure(shape_table *t, const char *path)
 static void print_ratios(const shape_table *t)
 {
     double published[2][3] = {{0}};
-    (void)printf("%-32s", "mean ratio to butterfly");
+    (void)printf("mean ratio to butterfly         ");
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
             (void)printf(" %15.3f", t->ratios[which][i] / (double)t->measured);
-    (void)printf(
-        "\n\nTable 2 of Liu et al. (2020), trained on one category (other shapes; its units), with the same ratios:\n\n"
-        "%-16s %15s %15s %15s %15s %15s %15s\n",
-        "shape", "H loop", "H butterfly", "H neural", "mean loop", "mean butterfly", "mean neural");
+    (void)printf("\n\nTable 2 of Liu et al. (2020), trained on one category (other shapes; its units), with the same "
+                 "ratios:\n\nshape                     H loop     H butterfly        H neural       mean loop  mean "
+                 "butterfly     mean neural\n");
     for (size_t s = 0; s < PUBLISHED_COUNT; s++)
     {
         (void)printf("%-16s", PUBLISHED[s].shape);
@@ -199,7 +189,7 @@ static void print_ratios(const shape_table *t)
         }
         (void)printf("\n");
     }
-    (void)printf("%-16s", "mean ratio");
+    (void)printf("mean ratio      ");
     for (size_t i = 0; i < 6; i++)
         (void)printf(" %15.3f", published[i / 3][i % 3]);
     (void)printf("\n");
@@ -224,8 +214,7 @@ static int print_table(shape_table *t, const char *const *paths, size_t count)
 /// Add a learned subdivision: from a file, or the built-in one for a null path.
 static int add_learned(shape_table *t, const char *name, const char *path, bat_mesh_model **model)
 {
-    bat_error error;
-    int code = report_status(NULL, path, bat_mesh_model_read_published(path, model, &error), &error);
+    int code = report_status(NULL, path, bat_mesh_model_read_published(path, model, report_error()));
     if (code == EXIT_DONE)
         t->methods[t->method_count++] = (bat_mesh_method){name, BAT_MESH_SCHEME_LEARNED, bat_mesh_model_rule(*model)};
     return code;
@@ -239,7 +228,6 @@ int reproduce_mesh_table2(const reproduce_job *job)
                      .method_count = 2};
     char **listed = NULL;
     size_t count = 0;
-    bat_error error;
     bat_mesh_model *learned = NULL, *given = NULL;
     if (job->vertices > 0)
         t.options.vertices = job->vertices;
@@ -247,7 +235,7 @@ int reproduce_mesh_table2(const reproduce_job *job)
     if (code == EXIT_DONE && job->model != NULL)
         code = add_learned(&t, "given", job->model, &given);
     if (code == EXIT_DONE && job->data != NULL)
-        code = report_status(NULL, NULL, bat_mesh_study_list(job->data, &listed, &count, &error), &error);
+        code = report_status(NULL, NULL, bat_mesh_study_list(job->data, &listed, &count, report_error()));
     if (code == EXIT_DONE)
         code = listed != NULL ? print_table(&t, (const char *const *)listed, count)
                               : print_table(&t, job->shapes, job->shape_count);
@@ -315,15 +303,15 @@ static int print_ablations(const reproduce_job *job, const bat_mesh_study_option
                            const bat_mesh_ablation_row *rows)
 {
     report_table table = report_begin(job->call.json);
-    report_head(
-        &table,
-        "Networks without one part each: %llu epochs on %zu meshes of each shape, seed %llu, stored in %s.\n"
-        "Validation: root mean square errors at levels 0, 1, 2 on decimations of the training shapes, of the longest side 1 "
-        "(chamfer: of that\ndistance). Test: mean distance of a vertex from its target at levels 1, 2, on decimations of "
-        "the test shape; then mean surface and\nHausdorff distance of that shape, decimated to %zu vertices, and of the "
-        "same turned by a radian: all in %% of the diagonal.\n\n%-15s %9s %9s %9s  %8s %8s  %8s %8s  %8s %8s\n",
-        (unsigned long long)options->epochs, options->pairs, (unsigned long long)job->seed, job->folder, options->vertices,
-        "variant", "valid. 0", "valid. 1", "valid. 2", "test 1", "test 2", "mean", "H", "turned", "H");
+    report_head(&table,
+                "Networks without one part each: %llu epochs on %zu meshes of each shape, seed %llu, stored in "
+                "%s.\nValidation: root mean square errors at levels 0, 1, 2 on decimations of the training shapes, of the "
+                "longest side 1 (chamfer: of that\ndistance). Test: mean distance of a vertex from its target at levels 1, "
+                "2, on decimations of the test shape; then mean surface and\nHausdorff distance of that shape, decimated to "
+                "%zu vertices, and of the same turned by a radian: all in %% of the diagonal.\n\nvariant          valid. 0  "
+                "valid. 1  valid. 2    test 1   test 2      mean        H    turned        H\n",
+                (unsigned long long)options->epochs, options->pairs, (unsigned long long)job->seed, job->folder,
+                options->vertices);
     for (size_t i = 0; i < BAT_MESH_VARIANT_COUNT; i++)
         report_variant(&table, &rows[i]);
     return report_print(
@@ -340,7 +328,6 @@ int reproduce_mesh_ablations(const reproduce_job *job)
     bat_mesh_study_options options = options_of(job);
     bat_mesh_ablation_row rows[BAT_MESH_VARIANT_COUNT];
     bat_mesh *shapes = NULL;
-    bat_error error;
     int code = read_shapes(job, &shapes);
     if (code == EXIT_DONE)
     {
@@ -348,8 +335,8 @@ int reproduce_mesh_ablations(const reproduce_job *job)
         options.progress = report_progress("training");
         // A single shape is also the test shape.
         bat_status status = bat_mesh_ablate(count > 0 ? shapes : NULL, count > 1 ? count - 1 : count,
-                                            count > 0 ? &shapes[count - 1] : NULL, &options, rows, &error);
-        code = report_status(NULL, NULL, status, &error);
+                                            count > 0 ? &shapes[count - 1] : NULL, &options, rows, report_error());
+        code = report_status(NULL, NULL, status);
     }
     free_shapes(job, shapes);
     return code == EXIT_DONE ? print_ablations(job, &options, rows) : code;
@@ -361,9 +348,9 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
     const bat_mesh *const shapes[] = {&style->smooth, &style->sharp};
     report_table table = report_begin(job->call.json);
     report_head(&table,
-                "A cage of %zu vertices, subdivided by networks that learned from a smooth and from a sharp shape; "
-                "picture: %s\n\n%-8s %9s %14s %28s\n",
-                style->cage.vertex_count, picture, "teacher", "vertices", "validation 2", "edges above 60 degrees");
+                "A cage of %zu vertices, subdivided by networks that learned from a smooth and from a sharp shape; picture: "
+                "%s\n\nteacher   vertices   validation 2       edges above 60 degrees\n",
+                style->cage.vertex_count, picture);
     for (size_t i = 0; i < 2; i++)
         report_row(&table, "{teacher:-8} {vertices:9} {validation_error:14.6f} {100 sharp_edges:26.2f} %\n",
                    "teacher:s vertices:z validation_error:n sharp_edges:n", NAMES[i], shapes[i]->vertex_count,
@@ -377,20 +364,19 @@ int reproduce_mesh_style(const reproduce_job *job)
     reproduce_picture picture;
     bat_mesh_style style = {0};
     bat_mesh *shapes = NULL;
-    bat_error error;
     int code = read_shapes(job, &shapes);
     if (code == EXIT_DONE)
     {
         bool given = job->shape_count > 0;
         options.progress = report_progress("training");
-        bat_status status =
-            bat_mesh_style_make(given ? &shapes[0] : NULL, given ? &shapes[1] : NULL, NULL, &options, &style, &error);
-        code = report_status(NULL, NULL, status, &error);
+        bat_status status = bat_mesh_style_make(given ? &shapes[0] : NULL, given ? &shapes[1] : NULL, NULL, &options, &style,
+                                                report_error());
+        code = report_status(NULL, NULL, status);
     }
     if (code == EXIT_DONE)
         code = reproduce_picture_add(job, "style.png", &picture);
     if (code == EXIT_DONE)
-        code = report_status(NULL, picture.path, bat_mesh_style_draw(picture.write_to, &style, 0, &error), &error);
+        code = report_status(NULL, picture.path, bat_mesh_style_draw(picture.write_to, &style, 0, report_error()));
     if (code == EXIT_DONE)
         code = print_style(job, &style, picture.path);
     bat_mesh_style_free(&style);

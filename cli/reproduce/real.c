@@ -44,8 +44,10 @@ static size_t model_methods(const bat_curve_model *model, bat_tension_method met
 static void report_curve(report_table *table, const bat_real_curves_row *row)
 {
     if (strcmp(row->method, "polygon") == 0)
-        report_head(table, "\n%s, %s, %s: %zu curves\n%-35s %9s %9s %9s %7s %8s\n", row->space, row->family, row->sampling,
-                    row->curves, "scheme", "relative", "distance", "largest", "turn", "crossed");
+        report_head(
+            table,
+            "\n%s, %s, %s: %zu curves\nscheme                               relative  distance   largest    turn  crossed\n",
+            row->space, row->family, row->sampling, row->curves);
     report_row(table, "{scheme:-35} {relative:9.3f} {distance:9.5f} {largest:9.4f} {turn:7.2f} {crossed:8}\n",
                "space:s family:s sampling:s scheme:s distance:n relative:n largest:n turn:n crossed:z curves:z", row->space,
                row->family, row->sampling, row->method, row->distance, row->relative, row->largest, row->turn * DEGREES,
@@ -58,14 +60,13 @@ int reproduce_real_curves(const reproduce_job *job)
     bat_curve_model *model = NULL;
     bat_real_curves_row *rows;
     size_t count;
-    bat_error error;
     if (job->model != NULL && reproduce_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     bat_real_curves_options options = bat_real_curves_defaults();
     options.methods = methods;
     options.method_count = model != NULL ? model_methods(model, methods) : 0;
     options.progress = report_progress("measuring curves");
-    int code = report_status(NULL, NULL, bat_real_curves(job->data, &options, &rows, &count, &error), &error);
+    int code = report_status(NULL, NULL, bat_real_curves(job->data, &options, &rows, &count, report_error()));
     bat_curve_model_free(model);
     if (code != EXIT_DONE)
         return code;
@@ -137,8 +138,7 @@ static void print_summary(const bat_real_meshes_row *rows, size_t count)
         add_row(&all[at], &rows[i]);
     }
     report_table table = report_begin(false);
-    report_head(&table, "\n%-10s %-20s %6s %8s %8s %-12s %10s %8s\n", "way", "scheme", "meshes", "relative", "worst", "of",
-                "angle/true", "volume %");
+    report_head(&table, "\nway        scheme               meshes relative    worst of           angle/true volume %%\n");
     for (size_t i = 0; i < used; i++)
     {
         const summary *s = &all[i];
@@ -158,23 +158,22 @@ int reproduce_real_meshes(const reproduce_job *job)
     bat_mesh_model *model = NULL;
     bat_real_meshes_row *rows;
     size_t count;
-    bat_error error;
-    if (job->model != NULL && bat_mesh_model_read_published(job->model, &model, &error) != BAT_OK)
-        return report_failure(job->model, &error);
+    if (job->model != NULL && bat_mesh_model_read_published(job->model, &model, report_error()) != BAT_OK)
+        return report_failure(job->model, report_error());
     options.model = model;
     options.progress = report_progress("measuring meshes");
-    int code = report_status(NULL, NULL, bat_real_meshes(job->data, &options, &rows, &count, &error), &error);
+    int code = report_status(NULL, NULL, bat_real_meshes(job->data, &options, &rows, &count, report_error()));
     bat_mesh_model_free(model);
     if (code != EXIT_DONE)
         return code;
     report_table table = report_begin(job->call.json);
-    report_head(&table,
-                "Coarse meshes refined by %zu levels against the shapes that they were made from.\n"
-                "relative: mean distance over the least of flat, butterfly and Loop; mean and largest distance over the\n"
-                "diagonal; angle: 95 %% quantile between neighbouring faces, degrees; true: the same with all vertices\n"
-                "moved to the shape; volume: error.\n\n%-12s %8s %-10s %-20s %8s %9s %10s %6s %6s %8s\n",
-                options.levels, "shape", "vertices", "way", "scheme", "relative", "mean %", "largest %", "angle", "true",
-                "volume %");
+    report_head(
+        &table,
+        "Coarse meshes refined by %zu levels against the shapes that they were made from.\nrelative: mean distance over the "
+        "least of flat, butterfly and Loop; mean and largest distance over the\ndiagonal; angle: 95 %% quantile between "
+        "neighbouring faces, degrees; true: the same with all vertices\nmoved to the shape; volume: error.\n\nshape        "
+        "vertices way        scheme               relative    mean %%  largest %%  angle   true volume %%\n",
+        options.levels);
     for (size_t i = 0; i < count; i++)
         report_mesh(&table, &rows[i]);
     if (!job->call.json)
@@ -192,15 +191,13 @@ int reproduce_scan_verdict(const reproduce_job *job)
     bat_scan_verdict_options options = bat_scan_verdict_defaults();
     bat_scan_verdict_row *rows;
     size_t count, failed = 0, sums[2][2] = {{0}};
-    bat_error error;
     options.seed = job->seed;
     options.progress = report_progress("fitting");
-    int code = report_status(NULL, NULL, bat_scan_verdict(job->data, &options, &rows, &count, &error), &error);
+    int code = report_status(NULL, NULL, bat_scan_verdict(job->data, &options, &rows, &count, report_error()));
     if (code != EXIT_DONE)
         return code;
     report_table table = report_begin(job->call.json);
-    report_head(&table, "%-20s %7s %7s %-16s %8s %8s %6s\n", "shape", "points", "noise", "outcome", "missed", "strays",
-                "area");
+    report_head(&table, "shape                 points   noise outcome            missed   strays   area\n");
     for (size_t i = 0; i < count; i++)
     {
         const bat_scan_verdict_row *row = &rows[i];

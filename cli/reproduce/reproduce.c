@@ -282,9 +282,8 @@ const verb VERB_REPRODUCE = {
 
 int reproduce_model(const reproduce_job *job, bat_curve_model **model)
 {
-    bat_error error;
-    bat_status status = bat_curve_model_read_published(job->model, model, &error);
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->model, &error);
+    bat_status status = bat_curve_model_read_published(job->model, model, report_error());
+    return status == BAT_OK ? EXIT_DONE : report_failure(job->model, report_error());
 }
 
 int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE])
@@ -297,9 +296,9 @@ int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PAT
 
 int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_picture *picture)
 {
-    bat_error error;
     int code = reproduce_path(job->folder, name, picture->path);
-    if (code == EXIT_DONE && bat_outputs_add(job->call.files.files, picture->path, &picture->write_to, &error) != BAT_OK)
-        code = report_failure(picture->path, &error);
+    if (code == EXIT_DONE &&
+        bat_outputs_add(job->call.files.files, picture->path, &picture->write_to, report_error()) != BAT_OK)
+        code = report_failure(picture->path, report_error());
     return code;
 }

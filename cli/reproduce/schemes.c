@@ -27,13 +27,12 @@ static int draw_figure(const reproduce_job *job, const char *name, figure_draw d
     int code = EXIT_DONE;
     for (size_t i = 0; i < sizeof ENDINGS / sizeof *ENDINGS && code == EXIT_DONE; i++)
     {
-        bat_error error;
         reproduce_picture picture;
         char file[NAME_SIZE + 8];
         (void)snprintf(file, sizeof file, "%s.%s", name, ENDINGS[i]);
         code = reproduce_picture_add(job, file, &picture);
         if (code == EXIT_DONE)
-            code = report_status(NULL, picture.path, draw(picture.write_to, figure, &error), &error);
+            code = report_status(NULL, picture.path, draw(picture.write_to, figure, report_error()));
     }
     return code;
 }
@@ -50,10 +49,9 @@ static int curve_figure(const bat_curve_shape *shape, const bat_shape_figure *st
                         report_table *table)
 {
     bat_space plane = bat_euclidean(2);
-    bat_error error;
     bat_curve_figure f;
-    bat_status status = bat_curve_figure_make(shape, study, &plane, report_progress(shape->name), &f, &error);
-    int code = report_status(NULL, shape->name, status, &error);
+    int code = report_status(NULL, shape->name,
+                             bat_curve_figure_make(shape, study, &plane, report_progress(shape->name), &f, report_error()));
     if (code == EXIT_DONE)
         code = draw_figure(job, f.name, draw_curves, &f);
     if (code == EXIT_DONE)
@@ -111,10 +109,9 @@ static void report_panel(report_table *table, const bat_hermite_panel *panel, si
 static int hermite_figure(size_t index, const reproduce_job *job, report_table *table)
 {
     bat_hermite_figure figure;
-    bat_error error;
     char name[NAME_SIZE];
-    if (bat_hermite_figure_make(index, &figure, &error) != BAT_OK)
-        return report_failure(NULL, &error);
+    if (bat_hermite_figure_make(index, &figure, report_error()) != BAT_OK)
+        return report_failure(NULL, report_error());
     (void)snprintf(name, sizeof name, "hermite-%s", figure.name);
     int code = draw_figure(job, name, draw_hermite, &figure);
     for (size_t p = 0; p < figure.panel_count && code == EXIT_DONE; p++)
@@ -185,7 +182,7 @@ static size_t group_size(const bat_hermite_table *table, size_t first)
 /// Print the groups of a quantity, each in one line.
 static void print_halvings(const bat_hermite_table *table, bat_hermite_quantity quantity)
 {
-    (void)printf("%-15s %-37s %9s %9s %9s %9s %6s\n", "space", "scheme", "h", "h/2", "h/4", "h/8", "order");
+    (void)printf("space           scheme                                        h       h/2       h/4       h/8  order\n");
     for (size_t i = 0, size; i < table->count; i += size)
     {
         const bat_hermite_measure *rows = &table->rows[i];
@@ -218,9 +215,8 @@ static void print_single(const bat_hermite_table *table, bat_hermite_quantity qu
 int reproduce_hermite_order(const reproduce_job *job)
 {
     bat_hermite_table table;
-    bat_error error;
     report_table rows = report_begin(job->call.json);
-    int code = report_status(NULL, NULL, bat_hermite_measure_orders(report_progress("measuring"), &table, &error), &error);
+    int code = report_status(NULL, NULL, bat_hermite_measure_orders(report_progress("measuring"), &table, report_error()));
     if (code != EXIT_DONE)
         return report_drop(&rows, code);
     for (size_t i = 0; i < table.count && rows.as_json; i++)
@@ -270,18 +266,16 @@ int reproduce_motion_keyframes(const reproduce_job *job)
 {
     bat_keyframes_row *rows;
     size_t count;
-    bat_error error;
-    bat_status status = bat_keyframes_measure(job->data, report_progress("measuring"), &rows, &count, &error);
-    int code = report_status(NULL, NULL, status, &error);
+    int code = report_status(NULL, NULL,
+                             bat_keyframes_measure(job->data, report_progress("measuring"), &rows, &count, report_error()));
     if (code != EXIT_DONE)
         return code;
     report_table table = report_begin(job->call.json);
-    report_head(
-        &table,
-        "Every k-th pose kept; root mean square errors of the poses between: translation, and angle in degrees.\n"
-        "ratio: of the default spline to the best of scipy's CubicSpline with RotationSpline, Akima with squad, and\n"
-        "lines with Slerp (stored figures).\n\n%-16s %3s %21s %21s %21s %21s %21s %13s\n",
-        "motion", "k", "spline", "limited", "CubicSpline, RotationS.", "Akima, squad", "lines, Slerp", "ratio");
+    report_head(&table,
+                "Every k-th pose kept; root mean square errors of the poses between: translation, and angle in "
+                "degrees.\nratio: of the default spline to the best of scipy's CubicSpline with RotationSpline, Akima with "
+                "squad, and\nlines with Slerp (stored figures).\n\nmotion             k                spline               "
+                "limited CubicSpline, RotationS.          Akima, squad          lines, Slerp         ratio\n");
     for (size_t i = 0; i < count; i++)
         report_motion(&table, &rows[i]);
     free(rows);

@@ -64,7 +64,6 @@ static const struct
 
 static int train_network(const reproduce_job *job, size_t which, char path[REPRODUCE_PATH_SIZE])
 {
-    bat_error error;
     char folder[REPRODUCE_PATH_SIZE];
     bat_surface_train_options options = bat_surface_train_defaults(BAT_RECIPE_PUBLISHED);
     int code = reproduce_path(job->folder, NETWORKS[which].folder, folder);
@@ -80,20 +79,19 @@ static int train_network(const reproduce_job *job, size_t which, char path[REPRO
     options.run.folder = folder;
     options.run.resume = true;
     options.run.progress = report_progress(NETWORKS[which].name);
-    return report_status(NULL, folder, bat_surface_train(&options, NULL, &error), &error);
+    return report_status(NULL, folder, bat_surface_train(&options, NULL, report_error()));
 }
 
 /// Read the given networks, or train them.
 static int get_network(const reproduce_job *job, size_t which, bat_surface_model **model)
 {
-    bat_error error;
     char trained[REPRODUCE_PATH_SIZE];
     const char *path = which == 0 ? job->model : job->uninformed;
     int code = path != NULL ? EXIT_DONE : train_network(job, which, trained);
     if (code != EXIT_DONE)
         return code;
     path = path != NULL ? path : trained;
-    return report_status(NULL, path, bat_surface_model_read_published(path, model, &error), &error);
+    return report_status(NULL, path, bat_surface_model_read_published(path, model, report_error()));
 }
 
 static int print_ablation(const reproduce_job *job, const bat_surface_case *what, size_t clouds,
@@ -101,9 +99,9 @@ static int print_ablation(const reproduce_job *job, const bat_surface_case *what
 {
     report_table table = report_begin(job->call.json);
     report_head(&table,
-                "%zu clean clouds of %zu points, bidegree (%d, %d): mean squared error in the unit box\n\n%-20s %11s "
-                "%11s %9s\n",
-                clouds, what->points, what->degree, what->degree, "network", "ours", "published", "(ratio)");
+                "%zu clean clouds of %zu points, bidegree (%d, %d): mean squared error in the unit box\n\nnetwork           "
+                "          ours   published   (ratio)\n",
+                clouds, what->points, what->degree, what->degree);
     for (size_t m = 0; m < 2; m++)
         report_row(&table, "{network:-20} {mse:11.3g} {published:11.3g} ({ratio:7.3f})\n",
                    "network:s mse:n published:n succeeded:z -ratio:n", NETWORKS[m].name, scores[m].mse,
@@ -121,7 +119,6 @@ int reproduce_surface_ablation(const reproduce_job *job)
     static const bat_surface_case WHAT = {1000, 0, 2};
     bat_surface_model *models[2] = {NULL, NULL};
     bat_surface_score scores[2];
-    bat_error error;
     int code = get_network(job, 0, &models[0]);
     if (code == EXIT_DONE)
         code = get_network(job, 1, &models[1]);
@@ -132,7 +129,7 @@ int reproduce_surface_ablation(const reproduce_job *job)
             methods[m] = (bat_surface_method){NETWORKS[m].name, BAT_SURFACE_PARAMETERS_LEARNED, false, models[m], false};
         bat_surface_study_options options = study_options(job);
         options.progress = report_progress("measuring");
-        code = report_status(NULL, NULL, bat_surface_study_clouds(&WHAT, methods, 2, &options, scores, &error), &error);
+        code = report_status(NULL, NULL, bat_surface_study_clouds(&WHAT, methods, 2, &options, scores, report_error()));
         if (code == EXIT_DONE)
             code = print_ablation(job, &WHAT, options.clouds, scores);
     }
@@ -161,13 +158,12 @@ static int run_case(const bat_surface_case *what, const bat_surface_method *meth
                     report_table *table)
 {
     char label[80];
-    bat_error error;
     bat_surface_score scores[METHOD_COUNT];
     bat_surface_study_options options = *study;
     (void)snprintf(label, sizeof label, "%zu points, noise %g, bidegree %d", what->points, what->noise, what->degree);
     options.progress = report_progress(label);
-    bat_status status = bat_surface_study_clouds(what, methods, METHOD_COUNT, &options, scores, &error);
-    int code = report_status(NULL, NULL, status, &error);
+    int code =
+        report_status(NULL, NULL, bat_surface_study_clouds(what, methods, METHOD_COUNT, &options, scores, report_error()));
     for (size_t m = 0; m < METHOD_COUNT && code == EXIT_DONE; m++)
         report_score(table, what, methods[m].name, &scores[m], &scores[SHAPE_PRESERVING]);
     return code;
@@ -186,11 +182,11 @@ static int run_cases(const reproduce_job *job, const bat_surface_method *methods
         for (size_t n = 0; n < noises->count; n++)
         {
             double degree = degrees->numbers[d], noise = noises->numbers[n];
-            report_head(table,
-                        "\nbidegree (%g, %g), noise %g: means over those of %zu clouds that could be parameterized\n\n"
-                        "%6s %-22s %11s %11s %9s %11s %9s\n",
-                        degree, degree, noise, options->clouds, "points", "method", "mse", "excess", "(ratio)",
-                        "milliseconds", "succeeded");
+            report_head(
+                table,
+                "\nbidegree (%g, %g), noise %g: means over those of %zu clouds that could be parameterized\n\npoints method "
+                "                        mse      excess   (ratio) milliseconds succeeded\n",
+                degree, degree, noise, options->clouds);
             for (size_t p = 0; p < points->count && code == EXIT_DONE; p++)
                 code =
                     run_case(&(bat_surface_case){(size_t)points->numbers[p], noise, (int)degree}, methods, options, table);
@@ -203,8 +199,7 @@ int reproduce_surface_clouds(const reproduce_job *job)
     bat_surface_method methods[METHOD_COUNT];
     bat_surface_study_options options = study_options(job);
     bat_surface_model *model = NULL;
-    bat_error error;
-    int code = report_status(NULL, job->model, bat_surface_model_read_published(job->model, &model, &error), &error);
+    int code = report_status(NULL, job->model, bat_surface_model_read_published(job->model, &model, report_error()));
     if (code != EXIT_DONE)
         return code;
     memcpy(methods, METHODS, sizeof METHODS);
@@ -241,12 +236,12 @@ typedef struct scan_study
 
 static int study_begin(const reproduce_job *job, scan_study *study)
 {
-    bat_error error;
     bool json = job->call.json;
     *study =
         (scan_study){.job = job, .clouds = report_begin(json), .fits = report_begin(json), .ratios = report_begin(json)};
-    bat_status status = job->model != NULL ? bat_surface_model_read_published(job->model, &study->model, &error) : BAT_OK;
-    return report_status(NULL, job->model, status, &error);
+    return report_status(NULL, job->model,
+                         job->model != NULL ? bat_surface_model_read_published(job->model, &study->model, report_error())
+                                            : BAT_OK);
 }
 
 /// Print the JSON where it is wanted, and release everything.
@@ -263,25 +258,23 @@ static int study_end(scan_study *study, int code)
 
 static int read_cloud(const scan_study *study, const char *file, bat_cloud *cloud)
 {
-    bat_error error;
     char path[REPRODUCE_PATH_SIZE];
     int code = reproduce_path(study->job->data, file, path);
     if (code != EXIT_DONE)
         return code;
-    bat_status status = bat_cloud_read(path, NULL, cloud, &error);
+    bat_status status = bat_cloud_read(path, NULL, cloud, report_error());
     if (status == BAT_OK && cloud->boundary_count == 0)
     {
-        status = bat_cloud_find_boundary(cloud, &error);
+        status = bat_cloud_find_boundary(cloud, report_error());
         if (status != BAT_OK)
             bat_cloud_free(cloud);
     }
-    return report_status(NULL, path, status, &error);
+    return report_status(NULL, path, status);
 }
 
 /// One patch through a scan.
 static int study_scan(scan_study *study, const char *file)
 {
-    bat_error error;
     bat_cloud cloud;
     bat_surface_method methods[SCAN_METHOD_COUNT];
     bat_surface_score scores[SCAN_METHOD_COUNT];
@@ -291,7 +284,7 @@ static int study_scan(scan_study *study, const char *file)
     int code = read_cloud(study, file, &cloud);
     if (code != EXIT_DONE)
         return code;
-    code = report_status(NULL, file, bat_surface_study_scan(&cloud, 2, methods, SCAN_METHOD_COUNT, scores, &error), &error);
+    code = report_status(NULL, file, bat_surface_study_scan(&cloud, 2, methods, SCAN_METHOD_COUNT, scores, report_error()));
     for (size_t m = 0; m < SCAN_METHOD_COUNT && code == EXIT_DONE; m++)
         report_row(&study->clouds,
                    "{points:6} {method:-22} [succeeded?{mse:11.4g} {1000 seconds:12.3f}][!succeeded?     failed]\n",
@@ -353,20 +346,18 @@ static void report_ratio(scan_study *study, const published_fit *what, const bat
 static int draw_fits(const scan_study *study, const published_fit *what, const bat_cloud *cloud,
                      const bat_surface_method *methods, const bat_surface_trial *trials)
 {
-    bat_error error;
     char file[80];
     reproduce_picture picture;
     (void)snprintf(file, sizeof file, "%s-%d-%d.png", what->name, what->degree[0], what->degree[1]);
     int code = reproduce_picture_add(study->job, file, &picture);
     if (code != EXIT_DONE)
         return code;
-    bat_status status = bat_surface_study_draw(picture.write_to, cloud, methods, trials, FITTED, &error);
-    return report_status(NULL, picture.path, status, &error);
+    bat_status status = bat_surface_study_draw(picture.write_to, cloud, methods, trials, FITTED, report_error());
+    return report_status(NULL, picture.path, status);
 }
 
 static int study_fit(scan_study *study, const published_fit *what, const bat_cloud *cloud)
 {
-    bat_error error;
     const double published[FITTED] = {what->shape_preserving, what->learned, 0, 0};
     bat_surface_method methods[FITTED] = {METHODS[SHAPE_PRESERVING],
                                           METHODS[LEARNED],
@@ -382,8 +373,8 @@ static int study_fit(scan_study *study, const published_fit *what, const bat_clo
     memcpy(fit.space.degree, what->degree, sizeof what->degree);
     bat_status status = BAT_OK;
     for (size_t m = 0; m < FITTED && status == BAT_OK; m++)
-        status = bat_surface_study_fit(cloud, &methods[m], &fit, &trials[m], &error);
-    int code = report_status(NULL, what->name, status, &error);
+        status = bat_surface_study_fit(cloud, &methods[m], &fit, &trials[m], report_error());
+    int code = report_status(NULL, what->name, status);
     for (size_t m = 0; m < FITTED && code == EXIT_DONE; m++)
         report_fit(study, what, methods[m].name, published[m], &trials[m]);
     if (code == EXIT_DONE)
@@ -398,19 +389,18 @@ static int study_fit(scan_study *study, const published_fit *what, const bat_clo
 /// The two fits of a result.
 static int study_fits(scan_study *study, const published_fit fits[2], const bat_cloud *cloud, const char *units)
 {
-    report_head(
-        &study->fits,
-        "adaptive fits, errors in %s: mean squared and largest distance, and mean squared distance of held-out points\n\n"
-        "%-12s %6s %-20s %9s %11s %11s %11s %11s %8s %9s\n",
-        units, "cloud", "", "parameters", "functions", "mse", "largest", "held out", "published", "folds", "corrected");
+    report_head(&study->fits,
+                "adaptive fits, errors in %s: mean squared and largest distance, and mean squared distance of held-out "
+                "points\n\ncloud               parameters           functions         mse     largest    held out   "
+                "published    folds corrected\n",
+                units);
     int code = EXIT_DONE;
-    bat_error error;
     for (size_t i = 0; i < 2 && code == EXIT_DONE; i++)
     {
         static const size_t POINTS = 9636;
         bat_cloud shape = {0};
         if (cloud == NULL)
-            code = report_status(NULL, fits[i].name, bat_cloud_shape(fits[i].name, POINTS, 1, &shape, NULL, &error), &error);
+            code = report_status(NULL, fits[i].name, bat_cloud_shape(fits[i].name, POINTS, 1, &shape, NULL, report_error()));
         if (code == EXIT_DONE)
             code = study_fit(study, &fits[i], cloud != NULL ? cloud : &shape);
         bat_cloud_free(&shape);
@@ -428,9 +418,8 @@ int reproduce_surface_nefertiti(const reproduce_job *job)
     bat_cloud cloud = {0};
     int code = study_begin(job, &study);
     if (code == EXIT_DONE)
-        report_head(&study.clouds,
-                    "one biquadratic patch through each cloud: mean squared error in its unit box\n\n%6s %-22s %11s %12s\n",
-                    "points", "method", "mse", "milliseconds");
+        report_head(&study.clouds, "one biquadratic patch through each cloud: mean squared error in its unit box\n\npoints "
+                                   "method                         mse milliseconds\n");
     for (size_t i = 0; i < sizeof FILES / sizeof FILES[0] && code == EXIT_DONE; i++)
         code = study_scan(&study, FILES[i]);
     if (code == EXIT_DONE)

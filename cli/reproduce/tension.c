@@ -44,8 +44,10 @@ static int print_rows(const bat_tension_row *rows, size_t count, const char *tit
     bool sets = rows[0].mean_nn.count > 1, published = isfinite(rows[0].published_mean_nn);
     report_table table = report_begin(as_json);
     report_head(&table, "%s\n%s\n", title, published ? "In brackets: ours divided by the published figure.\n" : "");
-    report_head(&table, "%-7s %-27s %6s %17s %9s %17s%s %15s\n", "space", "method", "mu", "mean-NN          ", "Hausdorff",
-                "bending          ", sets ? "    median" : "", "G1             ");
+    report_head(
+        &table,
+        "space   method                          mu mean-NN           Hausdorff bending          %s G1             \n",
+        sets ? "    median" : "");
     for (size_t i = 0; i < count; i++)
         report_method(&table, &rows[i]);
     report_head(&table, "\n%s\n", remark);
@@ -66,19 +68,18 @@ static void networks_free(networks *n)
 
 static int read_networks(const reproduce_job *job, networks *n)
 {
-    bat_error error;
     bat_curve_model *given = NULL;
     *n = (networks){0};
-    if (job->model != NULL && bat_curve_model_read_published(job->model, &given, &error) != BAT_OK)
-        return report_failure(job->model, &error);
+    if (job->model != NULL && bat_curve_model_read_published(job->model, &given, report_error()) != BAT_OK)
+        return report_failure(job->model, report_error());
     if (given != NULL && bat_curve_model_has_fairness(given))
         n->own = given;
     else
         n->published = given;
-    if (n->published == NULL && bat_curve_model_read_published(NULL, &n->published, &error) != BAT_OK)
+    if (n->published == NULL && bat_curve_model_read_published(NULL, &n->published, report_error()) != BAT_OK)
     {
         networks_free(n);
-        return report_failure(NULL, &error);
+        return report_failure(NULL, report_error());
     }
     return EXIT_DONE;
 }
@@ -96,14 +97,12 @@ static void own_methods(const networks *n, bat_tension_method methods[OWN])
 
 /// The rows of table 1: for each space the built-in methods, then the others.
 static bat_status table1_rows(bat_tension_set_kind curves, const bat_tension_method methods[OWN], bat_tension_row *rows,
-                              bat_error *error)
+                              bat_progress progress, bat_error *error)
 {
     bat_tension_row built_in[BAT_TENSION_TABLE1_ROWS], own[BAT_TENSION_SPACE_COUNT * OWN];
-    bat_progress progress = report_progress("refining the curves");
     bat_status status = bat_tension_table1(curves, built_in, 0, progress, error);
     if (status == BAT_OK)
         status = bat_tension_table1_methods(curves, methods, OWN, own, 0, progress, error);
-    report_progress_end();
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT && status == BAT_OK; s++)
     {
         for (size_t m = 0; m < BAT_TENSION_METHODS; m++)
@@ -134,57 +133,51 @@ static const char *table1_remark(bat_tension_set_kind curves)
            "gives the published figures (docs/errata.md).";
 }
 
-int reproduce_tension_table1(const reproduce_job *job)
+/// Reproduce table 1, or table 5, that of the ground track.
+static int reproduce_methods(const reproduce_job *job, bool track)
 {
     bat_tension_method methods[OWN];
     bat_tension_row rows[BAT_TENSION_SPACE_COUNT * (BAT_TENSION_METHODS + OWN)];
+    size_t count = track ? BAT_TENSION_METHODS + OWN : sizeof rows / sizeof *rows;
     networks compared;
-    bat_error error;
     if (read_networks(job, &compared) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     own_methods(&compared, methods);
-    bat_status status = table1_rows(job->curves, methods, rows, &error);
+    bat_progress progress = report_progress(track ? "refining the ground track" : "refining the curves");
+    bat_status status = track ? bat_tension_table5(rows, 0, progress, report_error())
+                              : table1_rows(job->curves, methods, rows, progress, report_error());
+    if (status == BAT_OK && track)
+        status = bat_tension_table5_methods(methods, OWN, rows + BAT_TENSION_METHODS, 0, progress, report_error());
     networks_free(&compared);
-    const size_t count = sizeof rows / sizeof *rows;
     reproduce_picture picture;
-    int code = report_status(NULL, NULL, status, &error);
+    int code = report_status(NULL, NULL, status);
     if (code == EXIT_DONE && job->folder != NULL)
-        code = reproduce_picture_add(job, "tension-frontier.png", &picture);
+        code = reproduce_picture_add(job, track ? "tension-iss.png" : "tension-frontier.png", &picture);
     if (code == EXIT_DONE && job->folder != NULL)
-        code = report_status(NULL, picture.path, bat_tension_frontier_draw(picture.write_to, rows, count, &error), &error);
-    return code != EXIT_DONE
-               ? code
-               : print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
+    {
+        status = track ? bat_tension_iss_draw(picture.write_to, report_error())
+                       : bat_tension_frontier_draw(picture.write_to, rows, count, report_error());
+        code = report_status(NULL, picture.path, status);
+    }
+    if (code != EXIT_DONE)
+        return code;
+    if (!track)
+        return print_rows(rows, count, TABLE1_TITLES[job->curves], table1_remark(job->curves), job->call.json);
+    return print_rows(rows, count,
+                      "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
+                      "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "
+                      "true one.\nThe published learned predictor: mean-NN 0.00699, bending 76.0, G1 0.721.",
+                      job->call.json);
+}
+
+int reproduce_tension_table1(const reproduce_job *job)
+{
+    return reproduce_methods(job, false);
 }
 
 int reproduce_tension_iss(const reproduce_job *job)
 {
-    bat_tension_method methods[OWN];
-    bat_tension_row rows[BAT_TENSION_METHODS + OWN];
-    networks compared;
-    bat_error error;
-    if (read_networks(job, &compared) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
-    own_methods(&compared, methods);
-    bat_progress progress = report_progress("refining the ground track");
-    bat_status status = bat_tension_table5(rows, 0, progress, &error);
-    if (status == BAT_OK)
-        status = bat_tension_table5_methods(methods, OWN, rows + BAT_TENSION_METHODS, 0, progress, &error);
-    networks_free(&compared);
-    reproduce_picture picture;
-    int code = report_status(NULL, NULL, status, &error);
-    if (code == EXIT_DONE && job->folder != NULL)
-        code = reproduce_picture_add(job, "tension-iss.png", &picture);
-    if (code == EXIT_DONE && job->folder != NULL)
-        code = report_status(NULL, picture.path, bat_tension_iss_draw(picture.write_to, &error), &error);
-    return code != EXIT_DONE
-               ? code
-               : print_rows(
-                     rows, BAT_TENSION_METHODS + OWN,
-                     "Table 5 of Ugail and Howard (2026): the ISS ground track, 16 control points, five levels.",
-                     "What the paper's table calls Hausdorff is the mean nearest-neighbour distance; Hausdorff here is the "
-                     "true one.\nThe published learned predictor: mean-NN 0.00699, bending 76.0, G1 0.721.",
-                     job->call.json);
+    return reproduce_methods(job, true);
 }
 
 // Table 2
@@ -198,7 +191,7 @@ static void report_noise(report_table *table, const bat_tension_noise_options *o
                    "published_g1_deviation:n?",
                    "plane", row->method, options->noise[s], row->g1[s].count, row->g1[s].mean, row->g1[s].deviation,
                    row->g1[s].median, row->tension, row->published_g1[s], row->published_deviation[s]);
-    report_head(table, "\n%27s", "deviation");
+    report_head(table, "\n                  deviation");
     for (size_t s = 0; s < BAT_TENSION_NOISES && !table->as_json; s++)
         (void)report_part(false, " {ours/published:8.5g}", "ours:n published:n", row->g1[s].deviation,
                           row->published_deviation[s]);
@@ -210,12 +203,12 @@ static int print_noise(const bat_tension_noise_options *options, const bat_tensi
 {
     report_table table = report_begin(as_json);
     report_head(&table,
-                "Table 2 of Ugail and Howard (2026): largest exterior angle (G1), mean and deviation over the plane's %zu\n"
-                "validation curves, whose control points have normal noise of so many polygon radii; %zu levels.\nIn "
-                "brackets: ours divided by the published figure.\n\n%-27s",
-                rows[0].g1[0].count, options->levels, "method");
+                "Table 2 of Ugail and Howard (2026): largest exterior angle (G1), mean and deviation over the plane's "
+                "%zu\nvalidation curves, whose control points have normal noise of so many polygon radii; %zu levels.\nIn "
+                "brackets: ours divided by the published figure.\n\nmethod                     ",
+                rows[0].g1[0].count, options->levels);
     for (size_t s = 0; s < BAT_TENSION_NOISES; s++)
-        report_head(&table, " %8.2f %7s", options->noise[s], "");
+        report_head(&table, " %8.2f        ", options->noise[s]);
     report_head(&table, "\n");
     for (size_t i = 0; i < count; i++)
         report_noise(&table, options, &rows[i]);
@@ -231,22 +224,21 @@ int reproduce_tension_table2(const reproduce_job *job)
 {
     bat_tension_noise_row rows[BAT_TENSION_NOISE_METHODS + 1];
     bat_curve_model *model;
-    bat_error error;
     if (reproduce_model(job, &model) != EXIT_DONE)
         return EXIT_BAD_INPUT;
     bat_tension_noise_options options = bat_tension_noise_defaults();
     options.seed = job->seed;
     options.progress = report_progress("refining disturbed curves");
     size_t count = BAT_TENSION_NOISE_METHODS;
-    bat_status status = bat_tension_table2(&options, rows, &error);
+    bat_status status = bat_tension_table2(&options, rows, report_error());
     if (status == BAT_OK)
     {
         bat_curve_scheme scheme = bat_curve_scheme_of_model(model);
         const char *name = bat_curve_model_has_fairness(model) ? "learned 0.50" : BAT_TENSION_LEARNED_PUBLISHED;
-        status = bat_tension_table2_method(name, &scheme, &options, &rows[count++], &error);
+        status = bat_tension_table2_method(name, &scheme, &options, &rows[count++], report_error());
     }
     bat_curve_model_free(model);
-    int code = report_status(NULL, NULL, status, &error);
+    int code = report_status(NULL, NULL, status);
     return code == EXIT_DONE ? print_noise(&options, rows, count, job->call.json) : code;
 }
 
@@ -272,20 +264,18 @@ static int reproduce_ablation(const reproduce_job *job, const char *title, size_
 {
     bat_tension_ablation_row rows[BAT_TENSION_TABLE4_ROWS];
     bat_tension_ablation_options options = bat_tension_ablation_defaults();
-    bat_error error;
     options.seed = job->seed;
     options.folder = job->folder;
     options.progress = report_progress("training");
-    int code = report_status(NULL, NULL, make(&options, rows, &error), &error);
+    int code = report_status(NULL, NULL, make(&options, rows, report_error()));
     if (code != EXIT_DONE)
         return code;
     report_table table = report_begin(job->call.json);
     report_head(&table,
-                "%s of Ugail and Howard (2026): 100 epochs each, seed %llu, stored in %s. Validation curves, five learned\n"
-                "levels, best weights. In brackets: ours divided by the published figure.\n\n%-7s %-15s %8s %5s %18s %17s "
-                "%17s\n",
-                title, (unsigned long long)job->seed, job->folder, "space", "variant", "weights", "epoch",
-                "mean-NN         ", "G1             ", "bending share  ");
+                "%s of Ugail and Howard (2026): 100 epochs each, seed %llu, stored in %s. Validation curves, five "
+                "learned\nlevels, best weights. In brackets: ours divided by the published figure.\n\nspace   variant       "
+                "   weights epoch   mean-NN            G1                bending share  \n",
+                title, (unsigned long long)job->seed, job->folder);
     // The text is ordered by spaces, JSON by variants.
     for (size_t k = 0; k < count * BAT_TENSION_SPACE_COUNT; k++)
         report_ablation(&table, &rows[table.as_json ? k / BAT_TENSION_SPACE_COUNT : k % count],
@@ -335,7 +325,7 @@ static void report_effective(report_table *rows, const char *space, const char *
     report_head(rows, "\n");
     if (!isfinite(published_mean))
         return;
-    report_head(rows, "%26s %27s %+6.2f", "published", "", published_mean);
+    report_head(rows, "                 published                             %+6.2f", published_mean);
     if (published_deviation > 0)
         report_head(rows, " %6.2f", published_deviation);
     report_head(rows, "\n");
@@ -366,8 +356,8 @@ static int print_mechanism(const bat_tension_mechanism_report *report, const bat
         "Section 9 of Ugail and Howard (2026): the effective tension (eq. 26) of every insertion on %zu validation curves a "
         "space,\n%zu levels. Mean and deviation after clipping to -3 ... 1.5, as published; quantiles without.\n\n",
         options->curves, options->levels);
-    report_head(&rows, "%-7s %-8s %10s %9s %8s %8s  %6s %6s  %7s %7s %7s %7s %7s\n", "space", "sign", "insertions",
-                "undefined", "below -3", "over 1.5", "mean", "dev.", "5 %", "25 %", "50 %", "75 %", "95 %");
+    report_head(&rows, "space   sign     insertions undefined below -3 over 1.5    mean   dev.      5 %%    25 %%    50 %%  "
+                       "  75 %%    95 %%\n");
     for (size_t s = 0; s < BAT_TENSION_SPACE_COUNT; s++)
     {
         const bat_tension_mechanism_space *space = &report->spaces[s];
@@ -388,15 +378,14 @@ int reproduce_tension_mechanism(const reproduce_job *job)
 {
     bat_tension_mechanism_report report;
     bat_tension_mechanism_options options = bat_tension_mechanism_defaults();
-    bat_error error;
     reproduce_picture picture;
     options.progress = report_progress("refining validation curves");
-    bat_status status = bat_tension_mechanism(job->model, &options, &report, &error);
+    bat_status status = bat_tension_mechanism(job->model, &options, &report, report_error());
     bool is_model = status == BAT_BAD_FILE || status == BAT_FILE_ACCESS;
-    int code = report_status(NULL, is_model ? job->model : NULL, status, &error);
+    int code = report_status(NULL, is_model ? job->model : NULL, status);
     if (code == EXIT_DONE && job->folder != NULL)
         code = reproduce_picture_add(job, "tension-mechanism.png", &picture);
     if (code == EXIT_DONE && job->folder != NULL)
-        code = report_status(NULL, picture.path, bat_tension_mechanism_draw(picture.write_to, &report, &error), &error);
+        code = report_status(NULL, picture.path, bat_tension_mechanism_draw(picture.write_to, &report, report_error()));
     return code == EXIT_DONE ? print_mechanism(&report, &options, job) : code;
 }
