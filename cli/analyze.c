@@ -1,4 +1,3 @@
-#include "report.h"
 #include "verb.h"
 
 #include "batten/curve_analysis.h"
@@ -133,14 +132,13 @@ static bool check_sweep(analyze_job *job)
 static int draw_basis(const char *path, const char *write_to, const char *name, const bat_mask *mask)
 {
     bat_basis basis;
-    bat_error error = {.text = "out of memory"};
-    if (bat_mask_basis(mask, DRAWN_LEVEL, &basis, &error) != BAT_OK)
-        return report_failure(NULL, &error);
+    if (bat_mask_basis(mask, DRAWN_LEVEL, &basis, report_error()) != BAT_OK)
+        return report_failure(NULL, report_error());
     double *parameters = calloc(basis.count, sizeof *parameters);
-    bat_status status = parameters == NULL ? BAT_NO_MEMORY : BAT_OK;
-    for (size_t i = 0; i < basis.count && status == BAT_OK; i++)
+    int code = parameters == NULL ? report_failure(path, &(bat_error){.text = "out of memory"}) : EXIT_DONE;
+    for (size_t i = 0; i < basis.count && code == EXIT_DONE; i++)
         parameters[i] = basis.first + ldexp((double)i, -DRAWN_LEVEL);
-    if (status == BAT_OK)
+    if (code == EXIT_DONE)
     {
         bat_chart_series series = {.x = parameters, .y = basis.values, .count = basis.count};
         bat_chart chart = bat_chart_defaults();
@@ -149,11 +147,11 @@ static int draw_basis(const char *path, const char *write_to, const char *name, 
         chart.title = name;
         chart.x_label = "parameter";
         chart.y_label = "basic limit function";
-        status = bat_chart_write(write_to, &chart, 1, NULL, &error);
+        code = report_status(NULL, path, bat_chart_write(write_to, &chart, 1, NULL, report_error()));
     }
     free(parameters);
     bat_basis_free(&basis);
-    return status == BAT_OK ? EXIT_DONE : report_failure(path, &error);
+    return code;
 }
 
 // The report

@@ -1,6 +1,5 @@
 #include "arguments.h"
 
-#include "report.h"
 #include "verb.h"
 
 #include <ctype.h>
@@ -12,6 +11,29 @@
 #include <string.h>
 
 static const double DEGREE = 3.14159265358979323846 / 180;
+
+const option_spec JSON_OPTION[] = {
+    {"json", NULL, RESULT, COMMON, "print one JSON object", FLAG(verb_call, json)},
+    END_OF_OPTIONS,
+};
+const option_spec OUTPUT_OPTION[] = {
+    {"output", "OUT", RESULT, COMMON | IS_WRITTEN, "write the result to OUT (- for standard output)", NO_FIELD},
+    END_OF_OPTIONS,
+};
+const option_spec REPORT_OPTIONS[] = {
+    {"json", NULL, RESULT, COMMON, "print the report as one JSON object", FLAG(verb_call, json)},
+    {"quiet", NULL, RESULT, COMMON, "print no report", FLAG(verb_call, silent)},
+    END_OF_OPTIONS,
+};
+const option_spec THREADS_OPTION[] = {
+    {"threads", "N", CALL, 0, "default: all; the result does not depend on it", WHOLE(verb_call, threads, 1, MAX_THREADS)},
+    END_OF_OPTIONS,
+};
+const option_spec MANY_OPTIONS[] = {
+    {"jobs", "N", CALL, 0, "of several IN: so many at a time, which share the threads; default 1", NO_FIELD},
+    {"in-place", NULL, CALL, 0, "of several IN: outputs may replace inputs", NO_FIELD},
+    END_OF_OPTIONS,
+};
 
 int usage_error(const arguments *given, const char *format, ...)
 {
@@ -60,14 +82,6 @@ static int find(const verb *what, const char *name, size_t length)
     return -1;
 }
 
-/// Whether a text is a number, which a message names without quotes.
-static bool is_number(const char *text)
-{
-    char *end;
-    (void)strtod(text, &end);
-    return end != text && *end == '\0';
-}
-
 bool argument_refused(const arguments *given, const char *name, const char *range, ...)
 {
     char wanted[400];
@@ -75,7 +89,10 @@ bool argument_refused(const arguments *given, const char *name, const char *rang
     va_start(list, range);
     (void)vsnprintf(wanted, sizeof wanted, range, list);
     va_end(list);
-    const char *text = argument(given, name), *quote = is_number(text) ? "" : "'";
+    char *end;
+    const char *text = argument(given, name);
+    (void)strtod(text, &end);
+    const char *quote = end != text && *end == '\0' ? "" : "'"; // around what is no number
     return usage_refused(given, "--%s is %s%s%s, but must be %s", name, quote, text, quote, wanted);
 }
 
@@ -113,7 +130,7 @@ void argument_wording(const arguments *given, const bat_error *error, char text[
     bool typed = option != NULL && argument(given, option->name) != NULL;
     int used = snprintf(text, WORDING_SIZE, "%s%s%s", typed ? "--" : "", typed ? option->name : "",
                         error->text + (typed ? strlen(error->option) : 0));
-    if (remedy == NULL || (remedy->value == NULL && argument_flag(given, remedy->name)))
+    if (remedy == NULL || (remedy->value == NULL && argument(given, remedy->name) != NULL))
         return;
     // A value in small letters is the only one.
     bool only = remedy->value != NULL && islower((unsigned char)remedy->value[0]);
@@ -212,11 +229,6 @@ void argument_set(arguments *given, const char *name, const char *value)
     int index = find(given->verb, name, strlen(name));
     if (index >= 0)
         given->values[index] = value;
-}
-
-bool argument_flag(const arguments *given, const char *name)
-{
-    return argument(given, name) != NULL;
 }
 
 const char *argument_first(const arguments *given, const char *const *names)

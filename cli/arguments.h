@@ -131,7 +131,6 @@ bool arguments_store(const arguments *given, void *job);
 
 /// The value of an option, null when it was not given; "" for a flag that was.
 const char *argument(const arguments *given, const char *name);
-bool argument_flag(const arguments *given, const char *name);
 /// Give an option, which the verb has, a value that outlives `given`.
 void argument_set(arguments *given, const char *name, const char *value);
 /// The first of some options, a null-terminated list, that was given; null for none.

@@ -1,9 +1,5 @@
 #include "curve.h"
 
-#include "report.h"
-
-#include "batten/research/networks.h"
-
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -192,7 +188,7 @@ static bool check_needs(const curve_job *job)
 static bool check_exclusions(const curve_job *job)
 {
     const arguments *given = job->call.given;
-    if (argument_flag(given, "closed") && argument_flag(given, "open"))
+    if (argument(given, "closed") != NULL && argument(given, "open") != NULL)
         return usage_refused(given, "--closed and --open exclude each other");
     if (job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
         return usage_refused(given, "--topology separate does not go with --keep-area and --snap-tolerance");
@@ -249,6 +245,10 @@ static bool check_stops(curve_job *job)
 static const char *const FOR_MOTIONS[] = {"rate", "times", "velocities", "tangents", NULL};
 static const char *const FOR_CURVES[] = {"fairness",  "model",    "snap",         "best-tension",
                                          "tolerance", "max-edge", "corner-angle", NULL};
+
+/// Those of splines: of `batten motion`, and of `batten curve`.
+static const char *const FOR_SPLINES[] = {"times", "ends", "extrapolate", "sigma", "outliers", NULL};
+static const char *const FOR_SAMPLES[] = {"times", NULL};
 
 static bool is_motion_scheme(const char *scheme)
 {
@@ -312,23 +312,14 @@ static bool read_units(const arguments *given, curve_job *job)
     return true;
 }
 
-/// Options that only splines have, or null.
-static const char *first_of_splines(const arguments *given, const curve_job *job)
-{
-    static const char *const options[] = {"times", "ends", "extrapolate", "sigma", "outliers", NULL}, *const of_curves[] = {
-                                                                                                          "times", NULL};
-    const char *how = argument(given, "tangents");
-    if (how != NULL && job->motion.tangent_order == 0)
-        return "tangents";
-    return argument_first(given, job->is_verb ? options : of_curves);
-}
-
 static bool check_options(const arguments *given, const curve_job *job)
 {
     const char *for_motions = argument_first(given, FOR_MOTIONS);
     const char *for_curves = argument_first(given, FOR_CURVES);
-    const char *scheme = job->scheme != NULL ? job->scheme : "spline", *for_splines = first_of_splines(given, job);
+    const char *scheme = job->scheme != NULL ? job->scheme : "spline";
     const bat_motion_curves_options *motion = &job->motion;
+    bool named = argument(given, "tangents") != NULL && motion->tangent_order == 0; // which only splines have
+    const char *for_splines = named ? "tangents" : argument_first(given, job->is_verb ? FOR_SPLINES : FOR_SAMPLES);
     bool sampled = motion->rate > 0 || job->times_file != NULL, hermite = motion->method == BAT_MOTION_METHOD_HERMITE;
     if (for_curves == NULL && !job->is_verb && argument(given, "ends") != NULL)
         for_curves = "ends";
@@ -423,59 +414,6 @@ static bool check(void *of)
     return true;
 }
 
-static int write_curves(void *of, const char *path)
-{
-    curve_job *job = of;
-    bat_curve_write_options how = job->write;
-    how.report = &job->findings.written;
-    return report_status(job->call.given, job->call.output,
-                         job->is_streamed ? BAT_OK : bat_curve_write(path, &job->fine, &how, report_error()));
-}
-
-static int make(void *of)
-{
-    curve_job *job = of;
-    if (job->model_file != NULL)
-    {
-        if (bat_curve_model_read_published(job->model_file, &job->model, report_error()) != BAT_OK)
-            return report_failure(job->model_file, report_error());
-        job->refine.scheme = bat_curve_scheme_of_model(job->model);
-        job->refine.scheme.fairness = job->fairness;
-    }
-    if (job->is_streamed)
-        return curve_stream(job);
-    int code = curve_read(job);
-    if (code == EXIT_DONE)
-        code = curve_refine(job, job->refine.levels, &job->fine, &job->findings.done);
-    if (code == EXIT_DONE && !job->call.quiet)
-        code = curve_measure(job);
-    if (code == EXIT_DONE && job->call.picture != NULL)
-        code = curve_draw(job);
-    return code;
-}
-
-static int report(void *of)
-{
-    curve_job *job = of;
-    if (job->call.silent)
-        return EXIT_DONE;
-    if (job->hint != NULL)
-        report_text(stderr, "batten: %s %s, see `batten motion --help`\n", job->call.input, job->hint);
-    return curve_report(job);
-}
-
-static void end(void *of)
-{
-    curve_job *job = of;
-    if (job->is_streamed)
-        job->fine = (bat_curve_set){.count = 0}; // its space is the job's
-    bat_curve_set_free(&job->coarse);
-    bat_curve_set_free(&job->truths);
-    bat_curve_set_free(&job->fine);
-    bat_curve_model_free(job->model);
-    free(job->times);
-}
-
 const verb VERB_CURVE = {
     .name = "curve",
     .arguments = "IN... [-o OUT] [--scheme NAME] [--levels K] [--picture FILE] [options]",
@@ -492,7 +430,7 @@ const verb VERB_CURVE = {
     .prints_result = true,
     .formats = &bat_curve_format_family,
     .job_size = sizeof(curve_job),
-    .calls = {begin, check, make, write_curves, report, end},
+    .calls = {begin, check, curve_make, curve_write, curve_report, curve_end},
 };
 
 const verb VERB_MOTION = {
@@ -514,5 +452,5 @@ const verb VERB_MOTION = {
     .prints_result = true,
     .formats = &bat_curve_format_family,
     .job_size = sizeof(curve_job),
-    .calls = {begin_motion, check, make, write_curves, report, end},
+    .calls = {begin_motion, check, curve_make, curve_write, curve_report, curve_end},
 };

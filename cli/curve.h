@@ -29,7 +29,7 @@ typedef struct curve_totals
 typedef struct curve_findings
 {
     size_t curves;                    ///< so many have been measured, in parts
-    bat_curve_map_refine_report done; ///< of curve_refine()
+    bat_curve_map_refine_report done; ///< of the refinement
     curve_totals before, after;
     bool compared;
     double mean_nn, hausdorff;       ///< when compared with the truth: means over the curves
@@ -80,24 +80,17 @@ static inline bool curve_stops(const curve_job *job)
     return job->refine.max_edge > 0 || job->refine.tolerance > 0;
 }
 
-// Each of the following returns the program's exit code, after a message where it is not EXIT_DONE, unless it says
-// otherwise.
-
-/// Read the curves and all that belongs to them, choose the scheme, and refine.
-int curve_read(curve_job *job);
-/// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
-/// receives what was done, zeros for motions; it may be null.
-int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_refine_report *report);
-/// Refine a sequence part by part, from its file to OUT.
-int curve_stream(curve_job *job);
 /// Whether a scheme takes its angles from a tension.
-bool curve_has_tension(const bat_curve_scheme *scheme);
+static inline bool curve_has_tension(const bat_curve_scheme *scheme)
+{
+    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
+}
 
-/// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
-int curve_draw(curve_job *job);
-/// Measure the result.
-int curve_measure(curve_job *job);
-/// Print the report.
-int curve_report(curve_job *job);
+// What the verbs call, see verb_calls.
+
+int curve_make(void *of);
+int curve_write(void *of, const char *path);
+int curve_report(void *of);
+void curve_end(void *of);
 
 #endif

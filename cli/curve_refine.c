@@ -1,7 +1,5 @@
 #include "curve.h"
 
-#include "report.h"
-
 #include "batten/curve_measure.h"
 #include "batten/research/curve_study.h"
 #include "batten/research/networks.h"
@@ -11,11 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-bool curve_has_tension(const bat_curve_scheme *scheme)
-{
-    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
-}
 
 /// Report that refining failed with curve `failed` of the given ones.
 static int report_curve(const curve_job *job, size_t failed, const bat_error *error)
@@ -43,33 +36,7 @@ static int report_curve(const curve_job *job, size_t failed, const bat_error *er
     return report_bad_input(job->call.given, job->call.input, &whole);
 }
 
-/// The name of the scheme that a motion gets when the user names none.
-static const char *motion_scheme(const curve_job *job)
-{
-    bat_motion_curves_options options = job->motion;
-    double time = 0;
-    if (job->times_file != NULL)
-    {
-        // They are read later.
-        options.times = &time;
-        options.time_count = 1;
-    }
-    return bat_motion_method_for(&job->coarse, &options) == BAT_MOTION_METHOD_SPLINE ? "spline" : "hermite";
-}
-
-/// Read the file of times.
-static int read_times(curve_job *job)
-{
-    size_t count;
-    if (bat_motion_times_read(job->times_file, bat_curve_set_time_origin(&job->coarse), &job->times, &count,
-                              report_error()) != BAT_OK)
-        return report_bad_input(job->call.given, job->times_file, report_error());
-    job->motion.times = job->times;
-    job->motion.time_count = count;
-    return EXIT_DONE;
-}
-
-/// curve_refine() of a motion.
+/// refine_set() of a motion.
 static int refine_motion(curve_job *job, size_t levels, bat_curve_set *fine)
 {
     const bat_curve_set *keyframes = &job->coarse;
@@ -90,7 +57,9 @@ static int refine_motion(curve_job *job, size_t levels, bat_curve_set *fine)
     return status == BAT_OK ? EXIT_DONE : report_curve(job, failed, &error);
 }
 
-int curve_refine(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_refine_report *report)
+/// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
+/// receives what was done, zeros for motions; it may be null.
+static int refine_set(curve_job *job, size_t levels, bat_curve_set *fine, bat_curve_map_refine_report *report)
 {
     if (report != NULL)
         *report = (bat_curve_map_refine_report){.map = false};
@@ -161,7 +130,7 @@ static void choose_scheme(curve_job *job)
     }
     if (job->is_motion)
     {
-        job->scheme = motion_scheme(job);
+        job->scheme = bat_motion_method_for(coarse, &job->motion) == BAT_MOTION_METHOD_SPLINE ? "spline" : "hermite";
         return;
     }
     if (job->refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
@@ -183,13 +152,17 @@ static void convert_lengths(curve_job *job, const bat_space *space)
     job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
 }
 
-int curve_read(curve_job *job)
+/// Read the curves and all that belongs to them, and choose the scheme.
+static int read_curves(curve_job *job)
 {
     if (bat_curve_read(job->call.input, &job->read, &job->coarse, report_error()) != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, report_error());
     convert_lengths(job, job->coarse.space);
-    if (job->times_file != NULL && read_times(job) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
+    int64_t origin = bat_curve_set_time_origin(&job->coarse);
+    if (job->times_file != NULL &&
+        bat_motion_times_read(job->times_file, origin, &job->times, &job->motion.time_count, report_error()) != BAT_OK)
+        return report_bad_input(job->call.given, job->times_file, report_error());
+    job->motion.times = job->times;
     if (job->scheme == NULL)
         choose_scheme(job);
     int code = EXIT_DONE;
@@ -200,18 +173,16 @@ int curve_read(curve_job *job)
 
 // Measures
 
-static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_measure_options *options, curve_totals *sum,
-                                   bat_error *error)
+static int measure_fairness(const curve_job *job, const bat_curve_set *set, curve_totals *sum)
 {
     *sum = (curve_totals){0};
     bat_curve_fairness_values *fairness = calloc(set->count, sizeof *fairness);
-    *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
     if (fairness == NULL)
-        return BAT_NO_MEMORY;
-    bat_curve_measure_options how = *options;
+        return report_failure(job->call.input, &(bat_error){.text = "out of memory"});
+    bat_curve_measure_options how = bat_curve_measure_defaults();
+    how.threads = job->read.threads;
     how.progress = report_progress("measuring fairness");
-    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, NULL, error);
-    report_progress_end();
+    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, NULL, report_error());
     for (size_t i = 0; i < set->count && status == BAT_OK; i++)
     {
         sum->points += set->curves[i].count;
@@ -220,43 +191,28 @@ static bat_status measure_fairness(const bat_curve_set *set, const bat_curve_mea
         sum->g1 = fairness[i].g1 > sum->g1 ? fairness[i].g1 : sum->g1;
     }
     free(fairness);
-    return status;
+    return report_status(NULL, job->call.input, status);
 }
 
-/// The mean distances of the curves of two sets, curve by curve.
-static bat_status measure_distances(const bat_curve_set *fine, const bat_curve_set *truth,
-                                    const bat_curve_measure_options *options, curve_findings *findings, bat_error *error)
+/// The mean distances of the curves from those of the truth, curve by curve.
+static int measure_distances(curve_job *job)
 {
-    bat_curve_distance *each = calloc(fine->count, sizeof *each);
-    *error = (bat_error){.status = BAT_NO_MEMORY, .index = BAT_NO_INDEX, .text = "out of memory"};
+    size_t count = job->fine.count;
+    curve_findings *findings = &job->findings;
+    bat_curve_distance *each = calloc(count, sizeof *each);
     if (each == NULL)
-        return BAT_NO_MEMORY;
-    bat_curve_measure_options how = *options;
+        return report_failure(job->truth, &(bat_error){.text = "out of memory"});
+    bat_curve_measure_options how = bat_curve_measure_defaults();
+    how.threads = job->read.threads;
     how.progress = report_progress("measuring distances");
-    bat_status status = bat_curves_compare(fine->curves, truth->curves, fine->count, &how, each, NULL, error);
-    report_progress_end();
-    for (size_t i = 0; i < fine->count && status == BAT_OK; i++)
+    bat_status status = bat_curves_compare(job->fine.curves, job->truths.curves, count, &how, each, NULL, report_error());
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        findings->mean_nn += each[i].mean_nn / (double)fine->count;
-        findings->hausdorff += each[i].hausdorff / (double)fine->count;
+        findings->mean_nn += each[i].mean_nn / (double)count;
+        findings->hausdorff += each[i].hausdorff / (double)count;
     }
     free(each);
-    return status;
-}
-
-/// Measure curves and, where `truth` is not null, their distances from as many others.
-static int measure_sets(const curve_job *job, const bat_curve_set *coarse, const bat_curve_set *truth,
-                        const bat_curve_set *fine, curve_findings *findings)
-{
-    bat_curve_measure_options options = bat_curve_measure_defaults();
-    options.threads = job->read.threads;
-    findings->compared = truth != NULL;
-    if (measure_fairness(coarse, &options, &findings->before, report_error()) != BAT_OK ||
-        measure_fairness(fine, &options, &findings->after, report_error()) != BAT_OK)
-        return report_failure(job->call.input, report_error());
-    if (truth != NULL && measure_distances(fine, truth, &options, findings, report_error()) != BAT_OK)
-        return report_failure(job->truth, report_error());
-    return EXIT_DONE;
+    return report_status(NULL, job->truth, status);
 }
 
 /// Add the totals of `added` curves to those of `count`.
@@ -268,22 +224,20 @@ static void add_totals(curve_totals *sum, size_t count, const curve_totals *part
     sum->g1 = part->g1 > sum->g1 ? part->g1 : sum->g1;
 }
 
-int curve_measure(curve_job *job)
-{
-    return measure_sets(job, &job->coarse, job->truth != NULL ? &job->truths : NULL, &job->fine, &job->findings);
-}
-
-/// The same of a part of the curves, after others; job->findings is all zero before the first part.
+/// Measure a part of the curves, after others; job->findings is all zero before the first part.
 static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
 {
-    curve_findings part = {.curves = 0}, *findings = &job->findings;
+    curve_findings *findings = &job->findings;
+    curve_totals before, after;
     if (coarse->count == 0)
         return EXIT_DONE;
-    int code = measure_sets(job, coarse, NULL, fine, &part);
+    int code = measure_fairness(job, coarse, &before);
+    if (code == EXIT_DONE)
+        code = measure_fairness(job, fine, &after);
     if (code != EXIT_DONE)
         return code;
-    add_totals(&findings->before, findings->curves, &part.before, coarse->count);
-    add_totals(&findings->after, findings->curves, &part.after, coarse->count);
+    add_totals(&findings->before, findings->curves, &before, coarse->count);
+    add_totals(&findings->after, findings->curves, &after, coarse->count);
     findings->curves += coarse->count;
     return EXIT_DONE;
 }
@@ -303,7 +257,8 @@ static bool measure_streamed(void *context, const bat_curve_set *coarse, const b
     return stream->code == EXIT_DONE;
 }
 
-int curve_stream(curve_job *job)
+/// Refine a sequence part by part, from its file to OUT.
+static int refine_stream(curve_job *job)
 {
     bat_error error;
     if (bat_space_by_name(job->read.space != NULL ? job->read.space : "sphere", 0, &job->space, &error) != BAT_OK)
@@ -381,7 +336,7 @@ static int make_panel(curve_job *job, panel_set *set)
     size_t p = set->count++, levels = job->panel_count > 0 ? job->panels[p] : job->refine.levels;
     if (levels > 0 && levels != job->refine.levels)
     {
-        int code = curve_refine(job, levels, &set->fine[p], NULL);
+        int code = refine_set(job, levels, &set->fine[p], NULL);
         if (code != EXIT_DONE)
             return code;
         fine = &set->fine[p];
@@ -398,14 +353,6 @@ static int make_panel(curve_job *job, panel_set *set)
                                                .layer_count = make_layers(job, coarse, truth, fine, levels, set->layers[p]),
                                                .title = job->panel_count > 0 ? set->titles[p] : NULL};
     return EXIT_DONE;
-}
-
-/// Whether the picture is that of a motion in time, and not of its shape.
-static bool shows_time(const curve_job *job)
-{
-    static const char *const shapes[] = {"truth", "panel", "projection", "comb", "axes", NULL};
-    return job->is_motion && job->scheme != NULL && strcmp(job->scheme, "spline") == 0 &&
-           argument_first(job->call.given, shapes) == NULL;
 }
 
 /// Draw the picture of a motion in time.
@@ -426,9 +373,13 @@ static int draw_motion(const curve_job *job)
                          bat_motion_picture_write(path, &job->coarse, &how, &options, report_error()));
 }
 
-int curve_draw(curve_job *job)
+/// Draw the picture. findings.projection receives that of the sphere, else BAT_CURVE_PROJECTION_AUTO.
+static int draw(curve_job *job)
 {
-    if (shows_time(job))
+    // A motion in time, unless its shape is asked for.
+    static const char *const OF_SHAPES[] = {"truth", "panel", "projection", "comb", "axes", NULL};
+    if (job->is_motion && job->scheme != NULL && strcmp(job->scheme, "spline") == 0 &&
+        argument_first(job->call.given, OF_SHAPES) == NULL)
         return draw_motion(job);
     panel_set set = {0};
     int code = EXIT_DONE;
@@ -639,11 +590,16 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
                          corners ? json_integer((json_int_t)kept) : json_null(), projection, distance);
 }
 
-int curve_report(curve_job *job)
+int curve_report(void *of)
 {
+    const curve_job *job = of;
     const bat_curve_set *fine = &job->fine;
     bool json = job->call.json;
     char place[32];
+    if (job->call.silent)
+        return EXIT_DONE;
+    if (job->hint != NULL)
+        report_text(stderr, "batten: %s %s, see `batten motion --help`\n", job->call.input, job->hint);
     if (json)
         return report_json(report_findings(job, report_amount(job, true), true));
     if (job->call.quiet)
@@ -657,4 +613,55 @@ int curve_report(curve_job *job)
         (void)printf("times do not steer this scheme; --scheme spline makes motions in time\n");
     (void)report_findings(job, NULL, false);
     return EXIT_DONE;
+}
+
+// The verbs
+
+int curve_make(void *of)
+{
+    curve_job *job = of;
+    curve_findings *findings = &job->findings;
+    if (job->model_file != NULL)
+    {
+        if (bat_curve_model_read_published(job->model_file, &job->model, report_error()) != BAT_OK)
+            return report_failure(job->model_file, report_error());
+        job->refine.scheme = bat_curve_scheme_of_model(job->model);
+        job->refine.scheme.fairness = job->fairness;
+    }
+    if (job->is_streamed)
+        return refine_stream(job);
+    int code = read_curves(job);
+    if (code == EXIT_DONE)
+        code = refine_set(job, job->refine.levels, &job->fine, &job->findings.done);
+    if (code == EXIT_DONE && !job->call.quiet)
+        code = measure_fairness(job, &job->coarse, &findings->before);
+    if (code == EXIT_DONE && !job->call.quiet)
+        code = measure_fairness(job, &job->fine, &findings->after);
+    findings->compared = job->truth != NULL && !job->call.quiet;
+    if (code == EXIT_DONE && findings->compared)
+        code = measure_distances(job);
+    if (code == EXIT_DONE && job->call.picture != NULL)
+        code = draw(job);
+    return code;
+}
+
+int curve_write(void *of, const char *path)
+{
+    curve_job *job = of;
+    bat_curve_write_options how = job->write;
+    how.report = &job->findings.written;
+    return report_status(job->call.given, job->call.output,
+                         job->is_streamed ? BAT_OK : bat_curve_write(path, &job->fine, &how, report_error()));
+}
+
+void curve_end(void *of)
+{
+    curve_job *job = of;
+    if (job->is_streamed)
+        job->fine = (bat_curve_set){.count = 0}; // its space is the job's
+    bat_curve_set_free(&job->coarse);
+    bat_curve_set_free(&job->truths);
+    bat_curve_set_free(&job->fine);
+    bat_curve_model_free(job->model);
+    free(job->times);
 }

@@ -81,29 +81,6 @@ static void print_option(const option_spec *option)
     wrap(help_summary(option, text), DESCRIPTION, DESCRIPTION);
 }
 
-/// Print the options of a group; returns the number of those that are left out.
-static size_t print_group(const verb *what, option_group group, bool all)
-{
-    size_t left_out = 0;
-    bool begun = false;
-    const option_spec *option;
-    for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
-    {
-        if (option->group != group)
-            continue;
-        if (!all && (option->marks & COMMON) == 0)
-        {
-            left_out++;
-            continue;
-        }
-        if (!begun)
-            (void)printf("\n%s\n", HELP_HEADINGS[group]);
-        begun = true;
-        print_option(option);
-    }
-    return left_out;
-}
-
 void help_print(const verb *what, bool all)
 {
     char usage[LINE_SIZE];
@@ -114,8 +91,22 @@ void help_print(const verb *what, bool all)
     (void)fputc('\n', stdout);
     wrap(what->about, 0, 0);
     size_t left_out = 0;
+    const option_spec *option;
     for (option_group group = INPUT; group <= CALL; group++)
-        left_out += print_group(what, group, all);
+    {
+        bool begun = false;
+        for (size_t i = 0; (option = option_at(what, i, NULL)) != NULL; i++)
+        {
+            bool shown = all || (option->marks & COMMON) != 0;
+            left_out += option->group == group && !shown;
+            if (option->group != group || !shown)
+                continue;
+            if (!begun)
+                (void)printf("\n%s\n", HELP_HEADINGS[group]);
+            begun = true;
+            print_option(option);
+        }
+    }
     if (what->example != NULL)
         (void)printf("\nExample\n  %s\n", what->example);
     if (left_out > 0)

@@ -18,9 +18,8 @@ static void stop(void)
     static const char text[] = "batten: stopped\n", erase[] = "\r\033[K";
     if (files != NULL)
         bat_outputs_remove(files);
-    if (on_terminal && write(STDERR_FILENO, erase, sizeof erase - 1) < 0)
-        _exit(EXIT_BAD_INPUT);
-    if (write(STDERR_FILENO, text, sizeof text - 1) < 0)
+    if ((on_terminal && write(STDERR_FILENO, erase, sizeof erase - 1) < 0) ||
+        write(STDERR_FILENO, text, sizeof text - 1) < 0)
         _exit(EXIT_BAD_INPUT);
     _exit(EXIT_BAD_INPUT);
 }

@@ -1,4 +1,3 @@
-#include "report.h"
 #include "reproduce/reproduce.h"
 #include "verb.h"
 
@@ -65,6 +64,7 @@ static const listing LISTINGS[] = {
     {"parameterizations", {&bat_surface_parameters_family}, NULL},
     {"shapes", {NULL}, shape_row},
     {"results", {NULL}, result_row},
+    {NULL, {NULL}, NULL},
 };
 
 static void add_row(report_table *table, const bat_choice *choice, const char *summary)
@@ -79,9 +79,15 @@ static void add_row(report_table *table, const bat_choice *choice, const char *s
                (int)(choice->writes || !choice->reads), (int)(choice->reads && choice->writes));
 }
 
-static int print_listing(const listing *all, bool as_json)
+static int make(void *of)
 {
-    report_table table = report_begin(as_json);
+    const verb_call *call = of;
+    const listing *all = LISTINGS;
+    while (all->what != NULL && strcmp(call->input, all->what) != 0)
+        all++;
+    if (all->what == NULL)
+        return usage_error(call->given, "there is no list of '%s'", call->input);
+    report_table table = report_begin(call->json);
     const bat_choice *row;
     bat_choice choice;
     char summary[160], keys[32];
@@ -95,16 +101,7 @@ static int print_listing(const listing *all, bool as_json)
     for (size_t i = 0; all->row != NULL && all->row(i, &choice); i++)
         add_row(&table, &choice, choice.summary);
     (void)snprintf(keys, sizeof keys, "%s:o", all->what);
-    return report_print(as_json, "", keys, table.rows);
-}
-
-static int make(void *of)
-{
-    const verb_call *call = of;
-    for (size_t i = 0; i < sizeof LISTINGS / sizeof *LISTINGS; i++)
-        if (strcmp(call->input, LISTINGS[i].what) == 0)
-            return print_listing(&LISTINGS[i], call->json);
-    return usage_error(call->given, "there is no list of '%s'", call->input);
+    return report_print(call->json, "", keys, table.rows);
 }
 
 const verb VERB_LIST = {

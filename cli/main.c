@@ -1,5 +1,4 @@
 #include "interrupt.h"
-#include "report.h"
 #include "verb.h"
 
 #include <stdio.h>

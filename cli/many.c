@@ -1,5 +1,4 @@
 #include "interrupt.h"
-#include "report.h"
 #include "verb.h"
 
 #include <errno.h>
@@ -64,24 +63,6 @@ static size_t unpacked_length(const char *name)
 {
     size_t length = strlen(name);
     return length > 3 && strcasecmp(name + length - 3, ".gz") == 0 ? length - 3 : length;
-}
-
-/// Whether a file of that name can be written.
-static bool is_written(const char *name, const bat_family *formats)
-{
-    const bat_choice *row = NULL;
-    char *plain = strndup(name, unpacked_length(name));
-    if (plain != NULL)
-        (void)bat_choice_of_path(formats, plain, true, &row, NULL);
-    free(plain);
-    return row != NULL && row->endings != NULL && row->writes;
-}
-
-/// The endings of a format; null when there is no such format to write.
-static const char *endings_of(const char *format, const bat_family *formats)
-{
-    const bat_choice *choice;
-    return bat_choice_find(formats, format, &choice, NULL) == BAT_OK && choice->writes ? choice->endings : NULL;
 }
 
 /// "FOLDER/NAME", where `ending` takes the place of NAME's when it is not null; null when out of memory.
@@ -180,7 +161,9 @@ static int name_outputs(many *all)
 {
     const bat_family *formats = all->given->verb->formats;
     const char *folder = argument(all->given, "output"), *format = argument(all->given, "to");
-    const char *ending = format != NULL ? endings_of(format, formats) : NULL;
+    const bat_choice *row = NULL;
+    bool written = format != NULL && bat_choice_find(formats, format, &row, NULL) == BAT_OK && row->writes;
+    const char *ending = written ? row->endings : NULL;
     if (format != NULL && ending == NULL)
     {
         (void)argument_refused(all->given, "to", "a format with an ending, see `batten list formats`");
@@ -191,24 +174,19 @@ static int name_outputs(many *all)
         const char *name = file_name(all->tasks[i].input);
         if (strcmp(all->tasks[i].input, "-") == 0)
             return usage_error(all->given, "standard input goes to a file, not to a folder");
-        if (ending == NULL && !is_written(name, formats))
+        char *plain = strndup(name, unpacked_length(name));
+        row = NULL;
+        if (plain != NULL)
+            (void)bat_choice_of_path(formats, plain, true, &row, NULL);
+        free(plain);
+        if (ending == NULL && (row == NULL || row->endings == NULL || !row->writes))
             return usage_error(all->given, "the ending of '%s' names no format to write; --to does", all->tasks[i].input);
         all->tasks[i].output = join(folder, name, ending);
         if (all->tasks[i].output == NULL)
             return report_failure(NULL, &(bat_error){.text = "out of memory"});
     }
     int code = check_names(all);
-    return code == EXIT_DONE && !argument_flag(all->given, "in-place") ? check_inputs(all) : code;
-}
-
-static int make_folder(const char *folder)
-{
-    struct stat about;
-    bat_error error = {.line = 0};
-    if (mkdir(folder, 0777) == 0 || (errno == EEXIST && stat(folder, &about) == 0 && S_ISDIR(about.st_mode)))
-        return EXIT_DONE;
-    (void)snprintf(error.text, sizeof error.text, "cannot make the folder: %s", strerror(errno));
-    return report_failure(folder, &error);
+    return code == EXIT_DONE && argument(all->given, "in-place") == NULL ? check_inputs(all) : code;
 }
 
 // Processes
@@ -305,15 +283,6 @@ static void wait_for_some(many *all, struct pollfd *polled, task **owners)
             finish_task(all, owners[k]);
 }
 
-/// Hand a signal on to the processes, once.
-static void stop(many *all)
-{
-    all->stopped = true;
-    for (size_t i = 0; i < all->started; i++)
-        if (all->tasks[i].state == TASK_RUNNING)
-            (void)kill(all->tasks[i].process, SIGTERM);
-}
-
 // Reports
 
 /// What a process wrote to one of its streams; null for nothing, or where there is no memory for it.
@@ -365,7 +334,7 @@ static void report_task(many *all, const task *one)
                                                          "output", json_string(one->output), "exit", one->code, "report",
                                                          report, "error", fault));
     }
-    else if (one->code == EXIT_DONE && !argument_flag(all->given, "quiet"))
+    else if (one->code == EXIT_DONE && argument(all->given, "quiet") == NULL)
         print_report(one, text);
     free(text);
     free(error);
@@ -416,8 +385,12 @@ static int run_tasks(many *all)
         while (!all->stopped && all->started < all->count && all->running < jobs)
             if (!start(all))
                 break;
-        if (interrupt_pending() && !all->stopped)
-            stop(all);
+        // A signal is handed on to the processes, once.
+        bool stops = interrupt_pending() && !all->stopped;
+        for (size_t i = 0; i < all->started && stops; i++)
+            if (all->tasks[i].state == TASK_RUNNING)
+                (void)kill(all->tasks[i].process, SIGTERM);
+        all->stopped = all->stopped || stops;
         if (all->running > 0)
             wait_for_some(all, polled, owners);
         else if (!all->stopped && all->started < all->count)
@@ -457,16 +430,6 @@ static int check(const arguments *given)
     return EXIT_DONE;
 }
 
-/// The threads of each process: those that OpenMP would take, divided.
-static int threads_each(long jobs)
-{
-    int all = 1;
-#ifdef _OPENMP
-    all = omp_get_max_threads();
-#endif
-    return all > jobs ? all / (int)jobs : 1;
-}
-
 int many_run(const arguments *given, many_verb run)
 {
     many all = {.given = given, .run = run, .count = given->positional_count};
@@ -476,16 +439,28 @@ int many_run(const arguments *given, many_verb run)
     if (code != EXIT_DONE)
         return code;
     all.jobs = all.count < (size_t)all.jobs ? (long)all.count : all.jobs;
-    (void)snprintf(all.threads, sizeof all.threads, "%d", threads_each(all.jobs));
+    // The processes share the threads that OpenMP would take.
+    int threads = 1;
+#ifdef _OPENMP
+    threads = omp_get_max_threads();
+#endif
+    (void)snprintf(all.threads, sizeof all.threads, "%d", threads > all.jobs ? threads / (int)all.jobs : 1);
     all.tasks = calloc(all.count, sizeof *all.tasks);
     if (all.tasks == NULL)
         return report_failure(NULL, &(bat_error){.text = "out of memory"});
     for (size_t i = 0; i < all.count; i++)
         all.tasks[i].input = given->positional[i];
-    all.list = argument_flag(given, "json") ? json_array() : NULL;
+    all.list = argument(given, "json") != NULL ? json_array() : NULL;
     code = name_outputs(&all);
-    if (code == EXIT_DONE)
-        code = make_folder(argument(given, "output"));
+    const char *folder = argument(given, "output");
+    struct stat about;
+    if (code == EXIT_DONE && mkdir(folder, 0777) != 0 &&
+        !(errno == EEXIST && stat(folder, &about) == 0 && S_ISDIR(about.st_mode)))
+    {
+        bat_error error = {.line = 0};
+        (void)snprintf(error.text, sizeof error.text, "cannot make the folder: %s", strerror(errno));
+        code = report_failure(folder, &error);
+    }
     if (code == EXIT_DONE)
         code = run_tasks(&all);
     if (code == EXIT_DONE)

@@ -1,5 +1,4 @@
 #include "curve.h"
-#include "report.h"
 
 #include "batten/batten.h"
 
@@ -13,6 +12,24 @@ enum
     MAX_SAMPLES = 1000000000
 };
 
+/// What is measured of a set of curves, one result each.
+typedef enum measured
+{
+    FAIRNESS_OF_A,
+    FAIRNESS_OF_B,
+    DISTANCE,
+    MEASURED
+} measured;
+
+/// The results of all curves.
+typedef struct results
+{
+    size_t count;
+    bat_curve_fairness_values *fairness[2]; ///< of A and B
+    bat_curve_distance *distances;
+    bool *simple; ///< of A; null in spaces where curves do not cross
+} results;
+
 /// The job of `batten measure`.
 typedef struct measure_job
 {
@@ -23,6 +40,7 @@ typedef struct measure_job
     bat_curve_read_options read;
     bat_curve_measure_options measure;
     bat_curve_set sets[2];
+    results results; ///< of them
     bat_mesh_read_options read_mesh;
     bat_mesh_compare_options compare;
     bat_mesh meshes[2];
@@ -58,24 +76,6 @@ static const char *file_at_fault(const char *const paths[2], const bat_error *er
 }
 
 // Curves
-
-/// What is measured of a set of curves, one result each.
-typedef enum measured
-{
-    FAIRNESS_OF_A,
-    FAIRNESS_OF_B,
-    DISTANCE,
-    MEASURED
-} measured;
-
-/// The results of all curves.
-typedef struct results
-{
-    size_t count;
-    bat_curve_fairness_values *fairness[2]; ///< of A and B
-    bat_curve_distance *distances;
-    bool *simple; ///< of A; null in spaces where curves do not cross
-} results;
 
 /// Report the mean and the median of one measure of all curves.
 static bat_status report_measure(const results *all, measured in, const bat_measure *measure, double *values,
@@ -203,29 +203,21 @@ static int measure_sets(measure_job *job)
                        job->paths[0]);
         return report_failure(job->paths[1], &error);
     }
-    results all = {
-        .count = a->count,
-        .fairness = {calloc(a->count, sizeof *all.fairness[0]), calloc(a->count, sizeof *all.fairness[1])},
-        .distances = calloc(a->count, sizeof *all.distances),
-    };
-    int code = EXIT_DONE;
-    if (all.fairness[0] == NULL || all.fairness[1] == NULL || all.distances == NULL)
-        code = report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
+    results *all = &job->results;
+    all->count = a->count;
+    all->distances = calloc(a->count, sizeof *all->distances);
+    for (size_t k = 0; k < 2; k++)
+        all->fairness[k] = calloc(a->count, sizeof *all->fairness[k]);
+    if (all->fairness[0] == NULL || all->fairness[1] == NULL || all->distances == NULL)
+        return report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
+    int code = measure_curves(job, FAIRNESS_OF_A, all);
     if (code == EXIT_DONE)
-        code = measure_curves(job, FAIRNESS_OF_A, &all);
-    if (code == EXIT_DONE)
-        code = measure_simple(job, &all.simple);
+        code = measure_simple(job, &all->simple);
     if (code == EXIT_DONE && compared)
-        code = measure_curves(job, DISTANCE, &all);
+        code = measure_curves(job, DISTANCE, all);
     if (code == EXIT_DONE && compared)
-        code = measure_curves(job, FAIRNESS_OF_B, &all);
-    if (code == EXIT_DONE)
-        code = report_results(job->paths[0], &all, compared, job->call.json);
-    free(all.fairness[0]);
-    free(all.fairness[1]);
-    free(all.distances);
-    free(all.simple);
-    return code;
+        code = measure_curves(job, FAIRNESS_OF_B, all);
+    return code == EXIT_DONE ? report_results(job->paths[0], all, compared, job->call.json) : code;
 }
 
 // Meshes
@@ -238,7 +230,7 @@ static bool means_meshes(const arguments *given, bat_error *failure)
     bat_mesh_format format;
     const bat_choice *row;
     const char *from = argument(given, "from");
-    if (argument_flag(given, "mesh"))
+    if (argument(given, "mesh") != NULL)
         return true;
     if (from != NULL && bat_choice_find(&bat_mesh_format_family, from, &row, NULL) == BAT_OK &&
         bat_choice_find(&bat_curve_format_family, from, &row, NULL) != BAT_OK)
@@ -348,23 +340,18 @@ static int draw_distances(measure_job *job)
     return status == BAT_OK ? EXIT_DONE : report_failure(job->call.picture, &error);
 }
 
-static int compare(measure_job *job)
-{
-    bat_mesh_compare_options how = job->compare;
-    how.progress = report_progress("measuring distances");
-    int code = report_status(NULL, file_at_fault(job->paths, report_error()),
-                             bat_mesh_compare(&job->meshes[0], &job->meshes[1], &how, &job->distance, report_error()));
-    return code == EXIT_DONE && job->call.picture != NULL ? draw_distances(job) : code;
-}
-
 static int measure_meshes(measure_job *job)
 {
+    const bat_mesh *a = &job->meshes[0], *b = &job->meshes[1];
     for (size_t i = 0; i < 2 && job->paths[i] != NULL; i++)
         if (bat_mesh_read(job->paths[i], &job->read_mesh, &job->meshes[i], report_error()) != BAT_OK)
             return report_bad_input(job->call.given, job->paths[i], report_error());
-    if (job->paths[1] != NULL)
-        return compare(job);
-    return report_status(NULL, job->paths[0], bat_mesh_summarize(&job->meshes[0], &job->summary, report_error()));
+    if (job->paths[1] == NULL)
+        return report_status(NULL, job->paths[0], bat_mesh_summarize(a, &job->summary, report_error()));
+    job->compare.progress = report_progress("measuring distances");
+    bat_status status = bat_mesh_compare(a, b, &job->compare, &job->distance, report_error());
+    int code = report_status(NULL, file_at_fault(job->paths, report_error()), status);
+    return code == EXIT_DONE && job->call.picture != NULL ? draw_distances(job) : code;
 }
 
 static bool check_meshes(measure_job *job)
@@ -407,7 +394,7 @@ static bool check(void *of)
     if (!argument_choice(given, "from", &bat_curve_format_family, &job->read.format))
         return false;
     const usage_rule rules[] = {
-        {argument_flag(given, "closed") && argument_flag(given, "open"), "--closed and --open exclude each other"},
+        {argument(given, "closed") != NULL && argument(given, "open") != NULL, "--closed and --open exclude each other"},
         {job->measure.geodesic && job->measure.to_segments, "--geodesic and --to-segments exclude each other"},
         {argument_first(given, of_meshes) != NULL,
          "--at-vertices, --samples, --accuracy, --picture and --triangulate are for meshes"},
@@ -449,7 +436,10 @@ static void end(void *of)
     {
         bat_curve_set_free(&job->sets[i]);
         bat_mesh_free(&job->meshes[i]);
+        free(job->results.fairness[i]);
     }
+    free(job->results.distances);
+    free(job->results.simple);
 }
 
 const verb VERB_MEASURE = {

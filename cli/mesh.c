@@ -1,4 +1,3 @@
-#include "report.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -250,24 +249,6 @@ static int read_given(mesh_job *job)
     return EXIT_DONE;
 }
 
-static int refine(mesh_job *job)
-{
-    bat_mesh_refine_options options = job->refine;
-    if (job->model_file != NULL)
-    {
-        if (bat_mesh_model_read_published(job->model_file, &job->model, report_error()) != BAT_OK)
-            return report_failure(job->model_file, report_error());
-        options.rule = bat_mesh_model_rule(job->model);
-    }
-    options.progress = report_progress("refining");
-    if (options.limit && job->normals)
-        options.limit_normals = &job->limit_normals;
-    bat_status status = job->polygonal ? bat_polygon_mesh_refine(&job->given_polygons, &options, &job->made_polygons,
-                                                                 &job->fallback, report_error())
-                                       : bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, report_error());
-    return report_status(job->call.given, job->call.input, status);
-}
-
 /// "adaptive", or the number of levels.
 static const char *levels_text(const mesh_job *job, bat_mesh_scheme scheme, char text[32])
 {
@@ -395,9 +376,22 @@ static int report_refinement(void *of)
 static int make_refinement(void *of)
 {
     mesh_job *job = of;
-    int code = read_given(job);
-    if (code == EXIT_DONE)
-        code = refine(job);
+    if (read_given(job) != EXIT_DONE)
+        return EXIT_BAD_INPUT;
+    bat_mesh_refine_options options = job->refine;
+    if (job->model_file != NULL)
+    {
+        if (bat_mesh_model_read_published(job->model_file, &job->model, report_error()) != BAT_OK)
+            return report_failure(job->model_file, report_error());
+        options.rule = bat_mesh_model_rule(job->model);
+    }
+    options.progress = report_progress("refining");
+    if (options.limit && job->normals)
+        options.limit_normals = &job->limit_normals;
+    bat_status status = job->polygonal ? bat_polygon_mesh_refine(&job->given_polygons, &options, &job->made_polygons,
+                                                                 &job->fallback, report_error())
+                                       : bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, report_error());
+    int code = report_status(job->call.given, job->call.input, status);
     return code == EXIT_DONE && job->call.picture != NULL ? draw(job) : code;
 }
 

@@ -1,4 +1,3 @@
-#include "report.h"
 #include "verb.h"
 
 #include <ctype.h>
@@ -238,17 +237,6 @@ enum
     PAGE_NAME_SIZE = 40
 };
 
-/// The character that begins at `text`, in UTF-8; *length receives its bytes.
-static unsigned long decode(const char *text, size_t *length)
-{
-    unsigned char first = (unsigned char)text[0];
-    *length = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-    unsigned long code = first < 0x80 ? first : first & (0xFFU >> (*length + 1));
-    for (size_t i = 1; i < *length; i++)
-        code = code << 6 | ((unsigned char)text[i] & 0x3FU);
-    return code;
-}
-
 /// Print a text so that troff shows its characters as they are, on lines of their own where it has several.
 static void print_text(FILE *out, const char *text)
 {
@@ -261,7 +249,12 @@ static void print_text(FILE *out, const char *text)
         (void)fputs("\\&", out);
     for (size_t length = 1; *text != '\0'; text += length)
     {
-        unsigned long code = decode(text, &length);
+        // The character that begins here, in UTF-8.
+        unsigned char first = (unsigned char)*text;
+        length = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+        unsigned long code = first < 0x80 ? first : first & (0xFFU >> (length + 1));
+        for (size_t k = 1; k < length; k++)
+            code = code << 6 | ((unsigned char)text[k] & 0x3FU);
         size_t i = 0;
         while (i < sizeof SPECIAL / sizeof *SPECIAL && (unsigned long)SPECIAL[i].is != code)
             i++;
@@ -369,20 +362,18 @@ static void print_program(FILE *out)
 /// Write one page to standard output, or to a file of a folder. `what` is null for the page of the program.
 static int write_page(const verb_call *call, const verb *what)
 {
-    char path[1024];
-    const char *write_to = NULL;
+    output_file page;
     FILE *out = stdout;
     if (call->output != NULL)
     {
-        char name[PAGE_NAME_SIZE];
-        if (snprintf(path, sizeof path, "%s/%s.1", call->output, page_name(what, name)) >= (int)sizeof path)
-            return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-        if (bat_outputs_add(call->files.files, path, &write_to, report_error()) != BAT_OK)
-            return report_failure(path, report_error());
-        out = fopen(write_to, "w");
+        char name[PAGE_NAME_SIZE], file[PAGE_NAME_SIZE + 2];
+        (void)snprintf(file, sizeof file, "%s.1", page_name(what, name));
+        if (output_add(call, call->output, file, &page) != EXIT_DONE)
+            return EXIT_BAD_INPUT;
+        out = fopen(page.write_to, "w");
     }
     if (out == NULL)
-        return report_failure(path, &(bat_error){.text = "cannot be written"});
+        return report_failure(page.path, &(bat_error){.text = "cannot be written"});
     if (what != NULL)
         print_verb(out, what);
     else
@@ -390,7 +381,7 @@ static int write_page(const verb_call *call, const verb *what)
     bool written = !ferror(out);
     if (out != stdout)
         written = fclose(out) == 0 && written;
-    return written || out == stdout ? EXIT_DONE : report_failure(path, &(bat_error){.text = "cannot be written"});
+    return written || out == stdout ? EXIT_DONE : report_failure(page.path, &(bat_error){.text = "cannot be written"});
 }
 
 static int make_manual(void *of)

@@ -289,20 +289,17 @@ static bool put_value(json_t *object, const report_value *value)
     return json_object_set_new(object, name, value_json(value)) == 0;
 }
 
-/// Whether a value has no member in the object.
-static bool is_left_out(const report_value *value)
-{
-    bool set = value->kind == 'o' ? !json_is_null(value->json) : is_set(value);
-    return value->key[0] == '-' || (value->optional && !set);
-}
-
 static json_t *make_object(const report_value *values, size_t count)
 {
     json_t *object = json_object();
     bool failed = object == NULL;
     for (size_t i = 0; i < count; i++)
-        if (!is_left_out(&values[i]))
-            failed = !put_value(object, &values[i]) || failed;
+    {
+        const report_value *value = &values[i];
+        bool set = value->kind == 'o' ? !json_is_null(value->json) : is_set(value);
+        if (value->key[0] != '-' && (set || !value->optional))
+            failed = !put_value(object, value) || failed;
+    }
     if (!failed)
         return object;
     json_decref(object);

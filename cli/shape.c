@@ -1,4 +1,3 @@
-#include "report.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -63,17 +62,6 @@ static shape_family family_of(const char *kind)
     return strcmp(kind, "map") == 0 ? OF_MAPS : UNKNOWN;
 }
 
-static bat_status make_shape(shape_job *job, bat_error *error)
-{
-    const char *kind = job->call.input;
-    size_t given = job->vertices;
-    if (job->family == OF_MESHES)
-        return bat_mesh_shape(kind, given > 0 ? given : 10000, job->seed, &job->mesh, error);
-    if (job->family == OF_CLOUDS)
-        return bat_cloud_shape(kind, given > 0 ? given : 9600, job->seed, &job->cloud, &job->parameters, error);
-    return bat_shape_map(&job->map, &job->borders, error);
-}
-
 static bat_status draw_map(const bat_curve_set *map, const char *path, bat_error *error)
 {
     bat_curve_picture_layer *layers = calloc(map->count, sizeof *layers);
@@ -93,17 +81,6 @@ static bat_status draw_map(const bat_curve_set *map, const char *path, bat_error
     bat_status status = bat_curve_picture_write(path, &panel, 1, &options, error);
     free(layers);
     return status;
-}
-
-static bat_status draw_shape(const shape_job *job, const char *path, bat_error *error)
-{
-    const char *title = job->call.input;
-    if (job->family == OF_MESHES)
-        return bat_mesh_picture_write(path, &(bat_mesh_picture_panel){.mesh = &job->mesh, .title = title}, 1, NULL, error);
-    if (job->family == OF_MAPS)
-        return draw_map(&job->borders, path, error);
-    bat_surface_picture_row row = {.cloud = &job->cloud, .title = title, .parameters = job->parameters};
-    return bat_surface_picture_write(path, &row, 1, NULL, error);
 }
 
 static void begin(void *to)
@@ -137,10 +114,22 @@ static bool check(void *of)
 static int make(void *of)
 {
     shape_job *job = of;
-    int code = report_status(NULL, NULL, make_shape(job, report_error()));
+    const char *kind = job->call.input;
+    size_t count = job->vertices > 0 ? job->vertices : job->family == OF_MESHES ? 10000 : 9600;
+    bat_status status = job->family == OF_MESHES ? bat_mesh_shape(kind, count, job->seed, &job->mesh, report_error())
+                        : job->family == OF_CLOUDS
+                            ? bat_cloud_shape(kind, count, job->seed, &job->cloud, &job->parameters, report_error())
+                            : bat_shape_map(&job->map, &job->borders, report_error());
+    int code = report_status(NULL, NULL, status);
     if (code != EXIT_DONE || job->call.picture == NULL)
         return code;
-    return report_status(NULL, job->call.picture, draw_shape(job, output_path(&job->call.files, "picture"), report_error()));
+    const char *path = output_path(&job->call.files, "picture");
+    bat_mesh_picture_panel mesh = {.mesh = &job->mesh, .title = kind};
+    bat_surface_picture_row cloud = {.cloud = &job->cloud, .title = kind, .parameters = job->parameters};
+    status = job->family == OF_MESHES   ? bat_mesh_picture_write(path, &mesh, 1, NULL, report_error())
+             : job->family == OF_CLOUDS ? bat_surface_picture_write(path, &cloud, 1, NULL, report_error())
+                                        : draw_map(&job->borders, path, report_error());
+    return report_status(NULL, job->call.picture, status);
 }
 
 static int write(void *of, const char *path)

@@ -1,4 +1,3 @@
-#include "report.h"
 #include "surface_fit.h"
 #include "verb.h"
 
@@ -73,25 +72,15 @@ static bool is_count(const char *text, const char **end, size_t *count)
     return value < LONG_MAX;
 }
 
-/// "A,B,C,D"
-static bool read_corners(const char *text, size_t corners[4])
-{
-    for (int k = 0; k < 4; k++)
-    {
-        if (!is_count(text, &text, &corners[k]) || *text != (k < 3 ? ',' : '\0'))
-            return false;
-        text++;
-    }
-    return true;
-}
-
 /// What the command line says about the cloud. False after a message.
 static bool read_input(surface_job *job)
 {
     const arguments *given = job->call.given;
     const char *boundary = argument(given, "boundary"), *corners = argument(given, "corners");
-    if (corners != NULL && !read_corners(corners, job->corners))
-        return argument_refused(given, "corners", "four numbers of points, as in 0,33,66,99");
+    const char *at = corners;
+    for (int k = 0; k < 4 && corners != NULL; k++, at++)
+        if (!is_count(at, &at, &job->corners[k]) || *at != (k < 3 ? ',' : '\0'))
+            return argument_refused(given, "corners", "four numbers of points, as in 0,33,66,99");
     job->read.corners = corners != NULL ? job->corners : NULL;
     const char *end;
     if (boundary != NULL && (!is_count(boundary, &end, &job->read.boundary) || *end != '\0'))
@@ -122,16 +111,6 @@ static bool read_parameterization(surface_job *job)
     if (strpbrk(text, "./") != NULL)
         return true;
     return usage_refused(given, "%s, or a file such as ./%s", error.text, text);
-}
-
-/// Whether a file holds a spline surface, by its name: there is nothing to fit then.
-static bool is_surface(const char *path)
-{
-    const bat_choice *row;
-    (void)bat_choice_of_path(&bat_surface_format_family, path, true, &row, NULL);
-    bat_surface_format format = row != NULL ? (bat_surface_format)row->value : BAT_SURFACE_FORMAT_AUTO;
-    return format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON || format == BAT_SURFACE_FORMAT_STEP ||
-           format == BAT_SURFACE_FORMAT_IGES;
 }
 
 /// The name of an option that has no part in a conversion; null when none is given.
@@ -173,7 +152,12 @@ static bool check(void *of)
     if (!usage_obeys(given, rules, sizeof rules / sizeof *rules, NULL, NULL) ||
         !argument_ending(given, &bat_surface_format_family, (int)job->write.format))
         return false;
-    job->converts = is_surface(job->call.input);
+    // A file that holds a spline surface, by its name, leaves nothing to fit.
+    const bat_choice *row;
+    (void)bat_choice_of_path(&bat_surface_format_family, job->call.input, true, &row, NULL);
+    bat_surface_format format = row != NULL ? (bat_surface_format)row->value : BAT_SURFACE_FORMAT_AUTO;
+    job->converts = format == BAT_SURFACE_FORMAT_XML || format == BAT_SURFACE_FORMAT_JSON ||
+                    format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_IGES;
     const char *option = job->converts ? find_fit_option(given) : NULL;
     return option == NULL || usage_refused(given, "IN is a spline surface already: --%s goes with points", option);
 }
@@ -242,21 +226,6 @@ static int write_surface(void *of, const char *path)
                          bat_surface_write(path, &job->result.surface, &write, report_error()));
 }
 
-static int report_fit(const surface_job *job)
-{
-    surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result};
-    int code = EXIT_DONE;
-    if (job->call.json)
-        code = report_json(surface_report(&findings, true));
-    else if (!job->call.quiet)
-        (void)surface_report(&findings, false);
-    if (!job->result.below_noise)
-        return code;
-    report_text(stderr, "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
-                job->call.input, job->result.noise);
-    return EXIT_BAD_INPUT;
-}
-
 // A conversion
 
 static int report_converted(const surface_job *job)
@@ -299,7 +268,19 @@ static int make(void *of)
 static int report(void *of)
 {
     const surface_job *job = of;
-    return job->converts ? report_converted(job) : report_fit(job);
+    if (job->converts)
+        return report_converted(job);
+    surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result};
+    int code = EXIT_DONE;
+    if (job->call.json)
+        code = report_json(surface_report(&findings, true));
+    else if (!job->call.quiet)
+        (void)surface_report(&findings, false);
+    if (!job->result.below_noise)
+        return code;
+    report_text(stderr, "batten: %s: the tolerance is below the noise (about %.3g); the best surface so far is written\n",
+                job->call.input, job->result.noise);
+    return EXIT_BAD_INPUT;
 }
 
 static void end(void *of)

@@ -113,18 +113,13 @@ static const bat_surface_candidate *runner_up(const surface_findings *findings)
     return second;
 }
 
-static const bat_surface_candidate *chosen_one(const bat_surface_result *result)
-{
-    size_t i = 0;
-    while (i + 1 < result->candidate_count && result->candidates[i].parameters != result->chosen)
-        i++;
-    return &result->candidates[i];
-}
-
 /// Why these parameters were chosen, in a few words.
 static void make_reason(const surface_findings *findings, char *text, size_t size)
 {
-    const bat_surface_candidate *first = chosen_one(findings->result), *second = runner_up(findings);
+    const bat_surface_result *result = findings->result;
+    const bat_surface_candidate *first = result->candidates, *second = runner_up(findings);
+    while (first + 1 < result->candidates + result->candidate_count && first->parameters != result->chosen)
+        first++;
     bool tolerant = findings->options->fit.tolerance > 0;
     if (findings->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         (void)snprintf(text, size, "asked for");
@@ -225,17 +220,6 @@ static void print_end(const surface_findings *findings)
                      place_of(findings->cloud, result->folds.first));
 }
 
-static json_t *report_trim(const bat_surface_result *result, bool as_json)
-{
-    const bat_spline_trim *trim = &result->surface.trim;
-    if (trim->loop_count == 0)
-        return as_json ? json_null() : NULL;
-    return report_part(as_json,
-                       "trimmed by an outline and {holes} holes, {curves} curves in all; {filled_holes} holes are filled\n",
-                       "holes:z curves:z filled_holes:z", trim->loop_count - 1, (size_t)trim->loops[trim->loop_count],
-                       (size_t)result->filled_holes);
-}
-
 const char *surface_verdict(const bat_surface_verdict *verdict)
 {
     static const char *const TEXTS[] = {
@@ -276,16 +260,6 @@ static json_t *report_candidates(const surface_findings *findings, const char *r
     return table.rows;
 }
 
-static json_t *report_rounds(const surface_findings *findings, bool as_json)
-{
-    report_table table = report_begin(as_json);
-    report_head(&table, "\nround  functions  levels  mean square      largest %8s  smoothing  seconds\n",
-                findings->options->fit.tolerance > 0 ? "within" : "");
-    for (size_t i = 0; i < findings->result->report.count; i++)
-        report_gather(&table, report_round(findings, i, as_json));
-    return table.rows;
-}
-
 json_t *surface_report(const surface_findings *findings, bool as_json)
 {
     const bat_surface_result *result = findings->result;
@@ -293,10 +267,20 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
     char reason[200];
     make_reason(findings, reason, sizeof reason);
     json_t *cloud = report_cloud(findings, as_json), *candidates = report_candidates(findings, reason, as_json);
-    json_t *rounds = report_rounds(findings, as_json);
+    report_table rounds = report_begin(as_json);
+    report_head(&rounds, "\nround  functions  levels  mean square      largest %8s  smoothing  seconds\n",
+                findings->options->fit.tolerance > 0 ? "within" : "");
+    for (size_t i = 0; i < findings->result->report.count; i++)
+        report_gather(&rounds, report_round(findings, i, as_json));
     if (!as_json)
         print_end(findings);
-    json_t *trim = report_trim(result, as_json);
+    const bat_spline_trim *cuts = &result->surface.trim;
+    json_t *trim = json_null();
+    if (cuts->loop_count > 0)
+        trim = report_part(
+            as_json, "trimmed by an outline and {holes} holes, {curves} curves in all; {filled_holes} holes are filled\n",
+            "holes:z curves:z filled_holes:z", cuts->loop_count - 1, (size_t)cuts->loops[cuts->loop_count],
+            (size_t)result->filled_holes);
     json_t *held_out = report_part(
         as_json,
         "[points?{points} points held out: root mean square distance {rms:.4g}, largest {largest:.4g}\n]noise: about "
@@ -314,7 +298,7 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
         "cloud:o chosen:s reason:s trial_points:z candidates:o degree:o rounds:o result:o reached:b moved:z outliers:z "
         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o",
         cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, result->trial_points,
-        candidates, json_pack("[i, i]", degree[0], degree[1]), rounds, report_round(findings, report->count - 1, true),
+        candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows, report_round(findings, report->count - 1, true),
         (int)report->reached, (size_t)report->moved, (size_t)report->outliers, folds_json(findings->cloud, &result->folds),
         held_out, result->noise, verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3));
 }

@@ -1,4 +1,3 @@
-#include "report.h"
 #include "verb.h"
 
 #include "batten/batten.h"
@@ -372,7 +371,7 @@ static void begin_surface(void *to)
     train_job *job = to;
     job->recipe = recipe_of(job);
     job->surface = bat_surface_train_defaults(job->recipe);
-    if (argument_flag(job->call.given, "adam"))
+    if (argument(job->call.given, "adam") != NULL)
         job->surface.rate = 1e-3;
     begin_run(job, &job->surface.run, "out/surface", "out/surface");
 }

@@ -1,7 +1,6 @@
 #include "verb.h"
 
 #include "interrupt.h"
-#include "report.h"
 
 #include "batten/curve_picture.h"
 
@@ -10,29 +9,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-const option_spec JSON_OPTION[] = {
-    {"json", NULL, RESULT, COMMON, "print one JSON object", FLAG(verb_call, json)},
-    END_OF_OPTIONS,
-};
-const option_spec OUTPUT_OPTION[] = {
-    {"output", "OUT", RESULT, COMMON | IS_WRITTEN, "write the result to OUT (- for standard output)", NO_FIELD},
-    END_OF_OPTIONS,
-};
-const option_spec REPORT_OPTIONS[] = {
-    {"json", NULL, RESULT, COMMON, "print the report as one JSON object", FLAG(verb_call, json)},
-    {"quiet", NULL, RESULT, COMMON, "print no report", FLAG(verb_call, silent)},
-    END_OF_OPTIONS,
-};
-const option_spec THREADS_OPTION[] = {
-    {"threads", "N", CALL, 0, "default: all; the result does not depend on it", WHOLE(verb_call, threads, 1, MAX_THREADS)},
-    END_OF_OPTIONS,
-};
-const option_spec MANY_OPTIONS[] = {
-    {"jobs", "N", CALL, 0, "of several IN: so many at a time, which share the threads; default 1", NO_FIELD},
-    {"in-place", NULL, CALL, 0, "of several IN: outputs may replace inputs", NO_FIELD},
-    END_OF_OPTIONS,
-};
 
 // Outputs
 
@@ -149,6 +125,22 @@ const char *output_path(const outputs *out, const char *option)
         if (strcmp(out->each[i].option, option) == 0)
             return out->each[i].write_to;
     return out->piped && out->count > 0 && strcmp(option, "output") == 0 ? "/dev/null" : NULL;
+}
+
+int folder_path(const char *folder, const char *name, char path[FOLDER_PATH_SIZE])
+{
+    int length = snprintf(path, FOLDER_PATH_SIZE, "%s/%s", folder, name);
+    if (length < 0 || length >= FOLDER_PATH_SIZE)
+        return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
+    return EXIT_DONE;
+}
+
+int output_add(const verb_call *call, const char *folder, const char *name, output_file *file)
+{
+    int code = folder_path(folder, name, file->path);
+    if (code != EXIT_DONE)
+        return code;
+    return report_status(NULL, file->path, bat_outputs_add(call->files.files, file->path, &file->write_to, report_error()));
 }
 
 // Verbs

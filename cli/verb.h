@@ -1,7 +1,7 @@
 #ifndef CLI_VERB_H
 #define CLI_VERB_H
 
-#include "arguments.h"
+#include "report.h"
 
 #include "batten/distributed.h"
 
@@ -50,6 +50,24 @@ typedef struct verb_call
     bool quiet;  ///< no report: --quiet, or standard output has the result
     int threads; ///< --threads; 0 for the default
 } verb_call;
+
+enum
+{
+    FOLDER_PATH_SIZE = 4096
+};
+
+/// "folder/name" in a buffer. Returns the program's exit code.
+int folder_path(const char *folder, const char *name, char path[FOLDER_PATH_SIZE]);
+
+/// A further file: where it goes, and where it is written first.
+typedef struct output_file
+{
+    char path[FOLDER_PATH_SIZE];
+    const char *write_to;
+} output_file;
+
+/// Add a file of that name in a folder. Returns the program's exit code.
+int output_add(const verb_call *call, const char *folder, const char *name, output_file *file);
 
 /// The functions of a verb. They take its job, which begins with a verb_call; those that return an int return the program's
 /// exit code. All but `make` may be null.

@@ -1,10 +1,5 @@
 #include "reproduce.h"
 
-#include "report.h"
-
-#include "batten/batten.h"
-#include "batten/research/research.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,11 +28,6 @@ static const struct
     {"Horse", {{5.87, 4.53, 4.04}, {1.51, 0.50, 0.45}}},    {"Michael", {{3.88, 2.71, 2.24}, {1.12, 0.38, 0.28}}},
     {"Victoria", {{4.25, 3.01, 2.36}, {1.12, 0.39, 0.30}}}, {"Wolf", {{2.83, 1.74, 1.63}, {0.69, 0.23, 0.21}}},
 };
-enum
-{
-    PUBLISHED_COUNT = sizeof PUBLISHED / sizeof PUBLISHED[0]
-};
-
 /// Read a shape and repair it where needed, with a message. Returns the program's exit code.
 static int read_shape(const char *path, bat_mesh *mesh)
 {
@@ -112,10 +102,10 @@ static int draw(const shape_table *t, const char *name, const bat_mesh *shape, c
                 const bat_mesh_score *scores)
 {
     char file[PATH_SIZE];
-    reproduce_picture picture;
+    output_file picture;
     if ((size_t)snprintf(file, sizeof file, "%s.png", name) >= sizeof file)
         return report_failure(NULL, &(bat_error){.text = "the shape's name is too long"});
-    int code = reproduce_picture_add(t->job, file, &picture);
+    int code = output_add(&t->job->call, t->job->folder, file, &picture);
     if (code != EXIT_DONE)
         return code;
     bat_status status = bat_mesh_study_draw(picture.write_to, name, shape, coarse, t->methods + BUTTERFLY, fine + BUTTERFLY,
@@ -169,7 +159,7 @@ static int read_and_measure(shape_table *t, const char *path)
 /// Print the mean ratios to butterfly, computed and published.
 static void print_ratios(const shape_table *t)
 {
-    double published[2][3] = {{0}};
+    double published[2][3] = {{0}}, count = sizeof PUBLISHED / sizeof *PUBLISHED;
     (void)printf("mean ratio to butterfly         ");
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
@@ -177,14 +167,14 @@ static void print_ratios(const shape_table *t)
     (void)printf("\n\nTable 2 of Liu et al. (2020), trained on one category (other shapes; its units), with the same "
                  "ratios:\n\nshape                     H loop     H butterfly        H neural       mean loop  mean "
                  "butterfly     mean neural\n");
-    for (size_t s = 0; s < PUBLISHED_COUNT; s++)
+    for (size_t s = 0; s < sizeof PUBLISHED / sizeof *PUBLISHED; s++)
     {
         (void)printf("%-16s", PUBLISHED[s].shape);
         for (size_t i = 0; i < 6; i++)
         {
             const double *figures = PUBLISHED[s].figures[i / 3];
             double ratio = figures[i % 3] / figures[BUTTERFLY];
-            published[i / 3][i % 3] += ratio / PUBLISHED_COUNT;
+            published[i / 3][i % 3] += ratio / count;
             (void)printf(" %8.2f (%4.2f)", figures[i % 3], ratio);
         }
         (void)printf("\n");
@@ -361,7 +351,7 @@ static int print_style(const reproduce_job *job, const bat_mesh_style *style, co
 int reproduce_mesh_style(const reproduce_job *job)
 {
     bat_mesh_study_options options = options_of(job);
-    reproduce_picture picture;
+    output_file picture;
     bat_mesh_style style = {0};
     bat_mesh *shapes = NULL;
     int code = read_shapes(job, &shapes);
@@ -374,7 +364,7 @@ int reproduce_mesh_style(const reproduce_job *job)
         code = report_status(NULL, NULL, status);
     }
     if (code == EXIT_DONE)
-        code = reproduce_picture_add(job, "style.png", &picture);
+        code = output_add(&job->call, job->folder, "style.png", &picture);
     if (code == EXIT_DONE)
         code = report_status(NULL, picture.path, bat_mesh_style_draw(picture.write_to, &style, 0, report_error()));
     if (code == EXIT_DONE)

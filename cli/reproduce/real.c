@@ -1,10 +1,5 @@
 #include "reproduce.h"
 
-#include "report.h"
-
-#include "batten/batten.h"
-#include "batten/research/research.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,27 +36,14 @@ static size_t model_methods(const bat_curve_model *model, bat_tension_method met
     return MAX_METHODS;
 }
 
-static void report_curve(report_table *table, const bat_real_curves_row *row)
-{
-    if (strcmp(row->method, "polygon") == 0)
-        report_head(
-            table,
-            "\n%s, %s, %s: %zu curves\nscheme                               relative  distance   largest    turn  crossed\n",
-            row->space, row->family, row->sampling, row->curves);
-    report_row(table, "{scheme:-35} {relative:9.3f} {distance:9.5f} {largest:9.4f} {turn:7.2f} {crossed:8}\n",
-               "space:s family:s sampling:s scheme:s distance:n relative:n largest:n turn:n crossed:z curves:z", row->space,
-               row->family, row->sampling, row->method, row->distance, row->relative, row->largest, row->turn * DEGREES,
-               row->crossed, row->curves);
-}
-
 int reproduce_real_curves(const reproduce_job *job)
 {
     bat_tension_method methods[MAX_METHODS];
     bat_curve_model *model = NULL;
     bat_real_curves_row *rows;
     size_t count;
-    if (job->model != NULL && reproduce_model(job, &model) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
+    if (job->model != NULL && bat_curve_model_read_published(job->model, &model, report_error()) != BAT_OK)
+        return report_failure(job->model, report_error());
     bat_real_curves_options options = bat_real_curves_defaults();
     options.methods = methods;
     options.method_count = model != NULL ? model_methods(model, methods) : 0;
@@ -78,7 +60,18 @@ int reproduce_real_curves(const reproduce_job *job)
                 "polygon does not.\n",
                 options.levels);
     for (size_t i = 0; i < count; i++)
-        report_curve(&table, &rows[i]);
+    {
+        const bat_real_curves_row *row = &rows[i];
+        if (strcmp(row->method, "polygon") == 0)
+            report_head(&table,
+                        "\n%s, %s, %s: %zu curves\nscheme                               relative  distance   largest    "
+                        "turn  crossed\n",
+                        row->space, row->family, row->sampling, row->curves);
+        report_row(&table, "{scheme:-35} {relative:9.3f} {distance:9.5f} {largest:9.4f} {turn:7.2f} {crossed:8}\n",
+                   "space:s family:s sampling:s scheme:s distance:n relative:n largest:n turn:n crossed:z curves:z",
+                   row->space, row->family, row->sampling, row->method, row->distance, row->relative, row->largest,
+                   row->turn * DEGREES, row->crossed, row->curves);
+    }
     free(rows);
     return report_print(job->call.json, "", "levels:z rows:o", options.levels, table.rows);
 }
@@ -94,16 +87,6 @@ typedef struct summary
     const char *worst_shape;
     double rough, volume; ///< sums: of logarithms of the angle over the true one; of absolute errors
 } summary;
-
-static void report_mesh(report_table *table, const bat_real_meshes_row *row)
-{
-    report_row(table,
-               "{shape:-12} {vertices:8} {way:-10} {scheme:-20} {relative:8.3f} {100 mean:9.4f} {100 hausdorff:10.3f} "
-               "{angle:6.1f} {true_angle:6.1f} [volume?{100 volume:8.2f}][!volume?       -]\n",
-               "shape:s way:s vertices:z scheme:s mean:n hausdorff:n relative:n angle:n true_angle:n volume:n", row->shape,
-               row->way, row->vertices, row->method, row->mean, row->hausdorff, row->relative, row->angle * DEGREES,
-               row->true_angle * DEGREES, row->volume);
-}
 
 static void add_row(summary *s, const bat_real_meshes_row *row)
 {
@@ -175,7 +158,15 @@ int reproduce_real_meshes(const reproduce_job *job)
         "vertices way        scheme               relative    mean %%  largest %%  angle   true volume %%\n",
         options.levels);
     for (size_t i = 0; i < count; i++)
-        report_mesh(&table, &rows[i]);
+    {
+        const bat_real_meshes_row *row = &rows[i];
+        report_row(&table,
+                   "{shape:-12} {vertices:8} {way:-10} {scheme:-20} {relative:8.3f} {100 mean:9.4f} {100 hausdorff:10.3f} "
+                   "{angle:6.1f} {true_angle:6.1f} [volume?{100 volume:8.2f}][!volume?       -]\n",
+                   "shape:s way:s vertices:z scheme:s mean:n hausdorff:n relative:n angle:n true_angle:n volume:n",
+                   row->shape, row->way, row->vertices, row->method, row->mean, row->hausdorff, row->relative,
+                   row->angle * DEGREES, row->true_angle * DEGREES, row->volume);
+    }
     if (!job->call.json)
         print_summary(rows, count);
     free(rows);

@@ -1,10 +1,5 @@
 #include "reproduce.h"
 
-#include "report.h"
-
-#include "batten/research/networks.h"
-#include "batten/spline.h"
-
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -91,14 +86,9 @@ static const result RESULTS[] = {
     {"scan-verdict", reproduce_scan_verdict, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
      "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses"},
 };
-enum
-{
-    RESULT_COUNT = sizeof RESULTS / sizeof RESULTS[0]
-};
-
 bool reproduce_row(size_t index, const char **name, const char **summary)
 {
-    if (index >= RESULT_COUNT)
+    if (index >= sizeof RESULTS / sizeof *RESULTS)
         return false;
     *name = RESULTS[index].name;
     *summary = RESULTS[index].summary;
@@ -154,19 +144,19 @@ static bool check_options(const arguments *given, const result *what)
 {
     unsigned marks = what->marks;
     size_t shapes = given->positional_count - 1, max = marks & PAIR ? 2 : marks & (SUBDIVIDES | LEARNS) ? MAX_SHAPES : 0;
-    bool data = argument_flag(given, "data"), vertices = argument_flag(given, "vertices");
-    bool epochs = argument_flag(given, "epochs"), pairs = argument_flag(given, "pairs");
-    bool model = argument_flag(given, "model"), uninformed = argument_flag(given, "uninformed");
-    bool cases = argument_flag(given, "points") || argument_flag(given, "noise") || argument_flag(given, "degrees");
+    bool data = argument(given, "data") != NULL, vertices = argument(given, "vertices") != NULL;
+    bool epochs = argument(given, "epochs") != NULL, pairs = argument(given, "pairs") != NULL;
+    bool model = argument(given, "model") != NULL, uninformed = argument(given, "uninformed") != NULL;
+    bool cases = argument(given, "points") != NULL || argument(given, "noise") != NULL || argument(given, "degrees") != NULL;
     bool reads = marks & (CLOUDS | TRUTH) || (marks & MAY_READ && !vertices && !epochs && !pairs);
     bool has_folder = marks & (WITH_FOLDER | ALWAYS | TRAINING), subdivides = !reads && marks & SUBDIVIDES;
     char most[24];
     (void)snprintf(most, sizeof most, "%zu", max);
     const usage_rule rules[] = {
-        {argument_flag(given, "output") && !has_folder, "%s has no pictures to put into a folder"},
+        {argument(given, "output") != NULL && !has_folder, "%s has no pictures to put into a folder"},
         {model && !(marks & MODEL), "%s has no row for a model"},
-        {argument_flag(given, "seed") && !(marks & SEED), "%s has no chance in it for a seed"},
-        {argument_flag(given, "set") && !(marks & OTHER_SETS), "%s has no other curves: --set goes with tension-table1"},
+        {argument(given, "seed") != NULL && !(marks & SEED), "%s has no chance in it for a seed"},
+        {argument(given, "set") != NULL && !(marks & OTHER_SETS), "%s has no other curves: --set goes with tension-table1"},
         {shapes > max && max == 0, "one argument too many: %s takes no shapes"},
         {shapes > max, "%s takes %s shapes at most"},
         {max == 2 && shapes == 1, "%s takes two shapes, a smooth and a sharp one, or none"},
@@ -181,9 +171,9 @@ static bool check_options(const arguments *given, const result *what)
         {marks & TRUTH && (vertices || epochs || pairs), "--vertices, --pairs and --epochs do not go with %s"},
         {marks & TRUTH && !data, "%s needs --data FOLDER with %s: the program comes without any"},
         {!(marks & DRAWS) && cases, "--points, --noise and --degrees go with surface-clouds"},
-        {!(marks & (DRAWS | ABLATES)) && argument_flag(given, "clouds"),
+        {!(marks & (DRAWS | ABLATES)) && argument(given, "clouds") != NULL,
          "--clouds goes with surface-clouds and surface-ablation"},
-        {!(marks & (SCANS | MAKES)) && argument_flag(given, "corrections"),
+        {!(marks & (SCANS | MAKES)) && argument(given, "corrections") != NULL,
          "--corrections goes with surface-nefertiti, -face and -shapes"},
         {!(marks & ABLATES) && uninformed, "--uninformed goes with surface-ablation"},
         {marks & ABLATES && model != uninformed, "%s needs both --model and --uninformed, or trains both"},
@@ -209,13 +199,10 @@ static bool check(void *of)
     reproduce_job *job = of;
     const arguments *given = job->call.given;
     int set;
-    while (job->index < RESULT_COUNT && strcmp(job->call.input, RESULTS[job->index].name) != 0)
+    while (job->index < sizeof RESULTS / sizeof *RESULTS && strcmp(job->call.input, RESULTS[job->index].name) != 0)
         job->index++;
-    if (job->index == RESULT_COUNT)
-    {
-        (void)usage_error(given, "there is no result '%s'; `batten list results` names them", job->call.input);
-        return false;
-    }
+    if (job->index == sizeof RESULTS / sizeof *RESULTS)
+        return usage_refused(given, "there is no result '%s'; `batten list results` names them", job->call.input);
     if (!check_options(given, &RESULTS[job->index]) ||
         !argument_word(given, "set", SETS, BAT_TENSION_SET_KIND_PUBLISHED, &set) ||
         !argument_list(given, "points", 1, 100000, true, &job->points) ||
@@ -277,28 +264,3 @@ const verb VERB_REPRODUCE = {
     .job_size = sizeof(reproduce_job),
     .calls = {begin, check, make, NULL, report, end},
 };
-
-// What the results share.
-
-int reproduce_model(const reproduce_job *job, bat_curve_model **model)
-{
-    bat_status status = bat_curve_model_read_published(job->model, model, report_error());
-    return status == BAT_OK ? EXIT_DONE : report_failure(job->model, report_error());
-}
-
-int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE])
-{
-    int length = snprintf(path, REPRODUCE_PATH_SIZE, "%s/%s", folder, file);
-    if (length < 0 || length >= REPRODUCE_PATH_SIZE)
-        return report_failure(NULL, &(bat_error){.text = "the folder's name is too long"});
-    return EXIT_DONE;
-}
-
-int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_picture *picture)
-{
-    int code = reproduce_path(job->folder, name, picture->path);
-    if (code == EXIT_DONE &&
-        bat_outputs_add(job->call.files.files, picture->path, &picture->write_to, report_error()) != BAT_OK)
-        code = report_failure(picture->path, report_error());
-    return code;
-}

@@ -3,12 +3,8 @@
 
 #include "verb.h"
 
-#include "batten/curve_scheme.h"
-#include "batten/mesh.h"
-#include "batten/research/curve_data.h"
-#include "batten/research/curve_study.h"
-
-#include <jansson.h>
+#include "batten/batten.h"
+#include "batten/research/research.h"
 
 /// The published results that can be reproduced; `index` from 0 on. False past the last.
 bool reproduce_row(size_t index, const char **name, const char **summary);
@@ -43,27 +39,5 @@ extern reproduce_result reproduce_curve_figures, reproduce_tension_table1, repro
     reproduce_hermite_order, reproduce_mesh_table2, reproduce_mesh_ablations, reproduce_mesh_style,
     reproduce_surface_ablation, reproduce_surface_clouds, reproduce_surface_nefertiti, reproduce_surface_face,
     reproduce_surface_shapes, reproduce_scan_verdict;
-
-// Common functions of the results.
-
-enum
-{
-    REPRODUCE_PATH_SIZE = 4096
-};
-
-/// A picture: where it goes, and where it is written first.
-typedef struct reproduce_picture
-{
-    char path[REPRODUCE_PATH_SIZE];
-    const char *write_to;
-} reproduce_picture;
-
-/// Add a picture of that name in the job's folder. Returns the program's exit code.
-int reproduce_picture_add(const reproduce_job *job, const char *name, reproduce_picture *picture);
-
-/// Read the model that --model names, or take the published one. Returns the program's exit code.
-int reproduce_model(const reproduce_job *job, bat_curve_model **model);
-/// "folder/file" in a buffer. Returns the program's exit code.
-int reproduce_path(const char *folder, const char *file, char path[REPRODUCE_PATH_SIZE]);
 
 #endif

@@ -1,11 +1,5 @@
 #include "reproduce.h"
 
-#include "report.h"
-
-#include "batten/research/curve_shapes.h"
-#include "batten/research/motion_study.h"
-#include "batten/space.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,10 +21,10 @@ static int draw_figure(const reproduce_job *job, const char *name, figure_draw d
     int code = EXIT_DONE;
     for (size_t i = 0; i < sizeof ENDINGS / sizeof *ENDINGS && code == EXIT_DONE; i++)
     {
-        reproduce_picture picture;
+        output_file picture;
         char file[NAME_SIZE + 8];
         (void)snprintf(file, sizeof file, "%s.%s", name, ENDINGS[i]);
-        code = reproduce_picture_add(job, file, &picture);
+        code = output_add(&job->call, job->folder, file, &picture);
         if (code == EXIT_DONE)
             code = report_status(NULL, picture.path, draw(picture.write_to, figure, report_error()));
     }
@@ -96,15 +90,6 @@ static bat_status draw_hermite(const char *path, const void *figure, bat_error *
     return bat_hermite_figure_draw(path, figure, error);
 }
 
-static void report_panel(report_table *table, const bat_hermite_panel *panel, size_t number)
-{
-    char words[NAME_SIZE];
-    (void)snprintf(words, sizeof words, panel->order > 0 ? "%s, order %zu" : "%s", panel->scheme, panel->order);
-    report_row(table, "{figure:-6} {data:-20} {points:6}  {words:-24} {error:10.3g}\n",
-               "figure:z data:s points:z scheme:s error:n -words:s order:z?", number, panel->data, panel->samples,
-               panel->scheme, panel->error, words, panel->order);
-}
-
 /// Make, draw and report figure `index`.
 static int hermite_figure(size_t index, const reproduce_job *job, report_table *table)
 {
@@ -115,7 +100,14 @@ static int hermite_figure(size_t index, const reproduce_job *job, report_table *
     (void)snprintf(name, sizeof name, "hermite-%s", figure.name);
     int code = draw_figure(job, name, draw_hermite, &figure);
     for (size_t p = 0; p < figure.panel_count && code == EXIT_DONE; p++)
-        report_panel(table, &figure.panels[p], index + 1);
+    {
+        const bat_hermite_panel *panel = &figure.panels[p];
+        char words[NAME_SIZE];
+        (void)snprintf(words, sizeof words, panel->order > 0 ? "%s, order %zu" : "%s", panel->scheme, panel->order);
+        report_row(table, "{figure:-6} {data:-20} {points:6}  {words:-24} {error:10.3g}\n",
+                   "figure:z data:s points:z scheme:s error:n -words:s order:z?", index + 1, panel->data, panel->samples,
+                   panel->scheme, panel->error, words, panel->order);
+    }
     bat_hermite_figure_free(&figure);
     return code;
 }

@@ -1,10 +1,5 @@
 #include "reproduce.h"
 
-#include "report.h"
-
-#include "batten/batten.h"
-#include "batten/research/research.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -62,13 +57,13 @@ static const struct
     double published;
 } NETWORKS[2] = {{"boundary-informed", "informed", 6.38e-5}, {"uninformed", "uninformed", 2.93e-3}};
 
-static int train_network(const reproduce_job *job, size_t which, char path[REPRODUCE_PATH_SIZE])
+static int train_network(const reproduce_job *job, size_t which, char path[FOLDER_PATH_SIZE])
 {
-    char folder[REPRODUCE_PATH_SIZE];
+    char folder[FOLDER_PATH_SIZE];
     bat_surface_train_options options = bat_surface_train_defaults(BAT_RECIPE_PUBLISHED);
-    int code = reproduce_path(job->folder, NETWORKS[which].folder, folder);
+    int code = folder_path(job->folder, NETWORKS[which].folder, folder);
     if (code == EXIT_DONE)
-        code = reproduce_path(folder, "model.safetensors", path);
+        code = folder_path(folder, "model.safetensors", path);
     if (code != EXIT_DONE)
         return code;
     options.run.seed = job->seed;
@@ -85,7 +80,7 @@ static int train_network(const reproduce_job *job, size_t which, char path[REPRO
 /// Read the given networks, or train them.
 static int get_network(const reproduce_job *job, size_t which, bat_surface_model **model)
 {
-    char trained[REPRODUCE_PATH_SIZE];
+    char trained[FOLDER_PATH_SIZE];
     const char *path = which == 0 ? job->model : job->uninformed;
     int code = path != NULL ? EXIT_DONE : train_network(job, which, trained);
     if (code != EXIT_DONE)
@@ -258,8 +253,8 @@ static int study_end(scan_study *study, int code)
 
 static int read_cloud(const scan_study *study, const char *file, bat_cloud *cloud)
 {
-    char path[REPRODUCE_PATH_SIZE];
-    int code = reproduce_path(study->job->data, file, path);
+    char path[FOLDER_PATH_SIZE];
+    int code = folder_path(study->job->data, file, path);
     if (code != EXIT_DONE)
         return code;
     bat_status status = bat_cloud_read(path, NULL, cloud, report_error());
@@ -343,19 +338,6 @@ static void report_ratio(scan_study *study, const published_fit *what, const bat
                known ? what->shape_preserving / what->learned : NAN);
 }
 
-static int draw_fits(const scan_study *study, const published_fit *what, const bat_cloud *cloud,
-                     const bat_surface_method *methods, const bat_surface_trial *trials)
-{
-    char file[80];
-    reproduce_picture picture;
-    (void)snprintf(file, sizeof file, "%s-%d-%d.png", what->name, what->degree[0], what->degree[1]);
-    int code = reproduce_picture_add(study->job, file, &picture);
-    if (code != EXIT_DONE)
-        return code;
-    bat_status status = bat_surface_study_draw(picture.write_to, cloud, methods, trials, FITTED, report_error());
-    return report_status(NULL, picture.path, status);
-}
-
 static int study_fit(scan_study *study, const published_fit *what, const bat_cloud *cloud)
 {
     const double published[FITTED] = {what->shape_preserving, what->learned, 0, 0};
@@ -379,8 +361,15 @@ static int study_fit(scan_study *study, const published_fit *what, const bat_clo
         report_fit(study, what, methods[m].name, published[m], &trials[m]);
     if (code == EXIT_DONE)
         report_ratio(study, what, trials);
-    if (code == EXIT_DONE && study->job->folder != NULL)
-        code = draw_fits(study, what, cloud, methods, trials);
+    char file[80];
+    output_file picture;
+    bool drawn = code == EXIT_DONE && study->job->folder != NULL;
+    (void)snprintf(file, sizeof file, "%s-%d-%d.png", what->name, what->degree[0], what->degree[1]);
+    if (drawn)
+        code = output_add(&study->job->call, study->job->folder, file, &picture);
+    if (drawn && code == EXIT_DONE)
+        code = report_status(NULL, picture.path,
+                             bat_surface_study_draw(picture.write_to, cloud, methods, trials, FITTED, report_error()));
     for (size_t m = 0; m < FITTED; m++)
         bat_surface_trial_free(&trials[m]);
     return code;

@@ -1,10 +1,5 @@
 #include "reproduce.h"
 
-#include "report.h"
-
-#include "batten/batten.h"
-#include "batten/research/research.h"
-
 #include <math.h>
 #include <stdio.h>
 
@@ -72,16 +67,10 @@ static int read_networks(const reproduce_job *job, networks *n)
     *n = (networks){0};
     if (job->model != NULL && bat_curve_model_read_published(job->model, &given, report_error()) != BAT_OK)
         return report_failure(job->model, report_error());
-    if (given != NULL && bat_curve_model_has_fairness(given))
-        n->own = given;
-    else
-        n->published = given;
-    if (n->published == NULL && bat_curve_model_read_published(NULL, &n->published, report_error()) != BAT_OK)
-    {
-        networks_free(n);
-        return report_failure(NULL, report_error());
-    }
-    return EXIT_DONE;
+    *(given != NULL && bat_curve_model_has_fairness(given) ? &n->own : &n->published) = given;
+    return n->published != NULL
+               ? EXIT_DONE
+               : report_status(NULL, NULL, bat_curve_model_read_published(NULL, &n->published, report_error()));
 }
 
 static void own_methods(const networks *n, bat_tension_method methods[OWN])
@@ -141,7 +130,10 @@ static int reproduce_methods(const reproduce_job *job, bool track)
     size_t count = track ? BAT_TENSION_METHODS + OWN : sizeof rows / sizeof *rows;
     networks compared;
     if (read_networks(job, &compared) != EXIT_DONE)
+    {
+        networks_free(&compared);
         return EXIT_BAD_INPUT;
+    }
     own_methods(&compared, methods);
     bat_progress progress = report_progress(track ? "refining the ground track" : "refining the curves");
     bat_status status = track ? bat_tension_table5(rows, 0, progress, report_error())
@@ -149,10 +141,10 @@ static int reproduce_methods(const reproduce_job *job, bool track)
     if (status == BAT_OK && track)
         status = bat_tension_table5_methods(methods, OWN, rows + BAT_TENSION_METHODS, 0, progress, report_error());
     networks_free(&compared);
-    reproduce_picture picture;
+    output_file picture;
     int code = report_status(NULL, NULL, status);
     if (code == EXIT_DONE && job->folder != NULL)
-        code = reproduce_picture_add(job, track ? "tension-iss.png" : "tension-frontier.png", &picture);
+        code = output_add(&job->call, job->folder, track ? "tension-iss.png" : "tension-frontier.png", &picture);
     if (code == EXIT_DONE && job->folder != NULL)
     {
         status = track ? bat_tension_iss_draw(picture.write_to, report_error())
@@ -224,8 +216,8 @@ int reproduce_tension_table2(const reproduce_job *job)
 {
     bat_tension_noise_row rows[BAT_TENSION_NOISE_METHODS + 1];
     bat_curve_model *model;
-    if (reproduce_model(job, &model) != EXIT_DONE)
-        return EXIT_BAD_INPUT;
+    if (bat_curve_model_read_published(job->model, &model, report_error()) != BAT_OK)
+        return report_failure(job->model, report_error());
     bat_tension_noise_options options = bat_tension_noise_defaults();
     options.seed = job->seed;
     options.progress = report_progress("refining disturbed curves");
@@ -243,19 +235,6 @@ int reproduce_tension_table2(const reproduce_job *job)
 }
 
 // Tables 3 and 4
-
-static void report_ablation(report_table *table, const bat_tension_ablation_row *row, size_t space)
-{
-    const bat_tension_ablation_score *ours = &row->scores[space], *published = &row->published[space];
-    report_row(table,
-               "{space:-7} {variant:-15} {weights:8} {best_epoch:5} {mean_nn/published_mean_nn:10.5g} "
-               "{g1/published_g1:9.5g} {bending_share/published_bending_share:9.5g}\n",
-               "space:s variant:s weights:z epochs:z best_epoch:z mean_nn:n g1:n bending:n bending_share:n "
-               "published_mean_nn:n? published_g1:n? published_bending_share:n?",
-               SPACES[space], row->variant, row->weights, (size_t)row->report.run.epochs, (size_t)row->report.run.best_epoch,
-               ours->mean_nn, ours->g1, row->report.scores[0][space].bending, ours->bending, published->mean_nn,
-               published->g1, published->bending);
-}
 
 /// Reproduce one of the two tables.
 static int reproduce_ablation(const reproduce_job *job, const char *title, size_t count,
@@ -278,8 +257,19 @@ static int reproduce_ablation(const reproduce_job *job, const char *title, size_
                 title, (unsigned long long)job->seed, job->folder);
     // The text is ordered by spaces, JSON by variants.
     for (size_t k = 0; k < count * BAT_TENSION_SPACE_COUNT; k++)
-        report_ablation(&table, &rows[table.as_json ? k / BAT_TENSION_SPACE_COUNT : k % count],
-                        table.as_json ? k % BAT_TENSION_SPACE_COUNT : k / count);
+    {
+        const bat_tension_ablation_row *row = &rows[table.as_json ? k / BAT_TENSION_SPACE_COUNT : k % count];
+        size_t space = table.as_json ? k % BAT_TENSION_SPACE_COUNT : k / count;
+        const bat_tension_ablation_score *ours = &row->scores[space], *published = &row->published[space];
+        report_row(&table,
+                   "{space:-7} {variant:-15} {weights:8} {best_epoch:5} {mean_nn/published_mean_nn:10.5g} "
+                   "{g1/published_g1:9.5g} {bending_share/published_bending_share:9.5g}\n",
+                   "space:s variant:s weights:z epochs:z best_epoch:z mean_nn:n g1:n bending:n bending_share:n "
+                   "published_mean_nn:n? published_g1:n? published_bending_share:n?",
+                   SPACES[space], row->variant, row->weights, (size_t)row->report.run.epochs,
+                   (size_t)row->report.run.best_epoch, ours->mean_nn, ours->g1, row->report.scores[0][space].bending,
+                   ours->bending, published->mean_nn, published->g1, published->bending);
+    }
     return report_print(job->call.json,
                         "\nThe bending share is the mean bending over that of the four-point scheme as printed.\n",
                         "seed:z folder:s rows:o", (size_t)job->seed, job->folder, table.rows);
@@ -378,13 +368,13 @@ int reproduce_tension_mechanism(const reproduce_job *job)
 {
     bat_tension_mechanism_report report;
     bat_tension_mechanism_options options = bat_tension_mechanism_defaults();
-    reproduce_picture picture;
+    output_file picture;
     options.progress = report_progress("refining validation curves");
     bat_status status = bat_tension_mechanism(job->model, &options, &report, report_error());
     bool is_model = status == BAT_BAD_FILE || status == BAT_FILE_ACCESS;
     int code = report_status(NULL, is_model ? job->model : NULL, status);
     if (code == EXIT_DONE && job->folder != NULL)
-        code = reproduce_picture_add(job, "tension-mechanism.png", &picture);
+        code = output_add(&job->call, job->folder, "tension-mechanism.png", &picture);
     if (code == EXIT_DONE && job->folder != NULL)
         code = report_status(NULL, picture.path, bat_tension_mechanism_draw(picture.write_to, &report, report_error()));
     return code == EXIT_DONE ? print_mechanism(&report, &options, job) : code;
