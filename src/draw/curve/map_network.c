@@ -1,7 +1,7 @@
 #include "draw/curve/map_network.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -136,19 +136,8 @@ static bool add_pair(network_builder *builder, size_t layer, size_t other)
     size_t a = feature_index(builder, layer);
     size_t b = feature_index(builder, other);
     feature_pair pair = {a < b ? a : b, a < b ? b : a};
-    if (a == b || (builder->pair_count > 0 && compare_pairs(&builder->pairs[builder->pair_count - 1], &pair) == 0))
-        return true;
-    if (builder->pair_count == builder->pair_capacity)
-    {
-        size_t capacity = 2 * builder->pair_capacity + 64;
-        feature_pair *grown = realloc(builder->pairs, capacity * sizeof *grown);
-        if (grown == NULL)
-            return false;
-        builder->pairs = grown;
-        builder->pair_capacity = capacity;
-    }
-    builder->pairs[builder->pair_count++] = pair;
-    return true;
+    bool known = builder->pair_count > 0 && compare_pairs(&builder->pairs[builder->pair_count - 1], &pair) == 0;
+    return a == b || known || ARRAY_ADD(builder->pairs, builder->pair_capacity, builder->pair_count, pair);
 }
 
 /// Enter all edges. False when out of memory.

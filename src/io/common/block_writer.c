@@ -61,18 +61,16 @@ bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format
 bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,
                       block_cut *cut, bat_error *error)
 {
-    void *starts = NULL;
-    size_t capacity = 0, blocks = 0, collected = weight;
+    size_t *starts = NULL, capacity = 0, blocks = 0, collected = weight;
     for (size_t job = 0; job <= count; job++)
     {
         if (collected >= weight || job == count)
         {
-            if (!array_grow(&starts, &capacity, blocks + 1, sizeof(size_t)))
+            if (!ARRAY_ADD(starts, capacity, blocks, job))
             {
                 free(starts);
                 return error_memory(error, capacity * sizeof(size_t));
             }
-            ((size_t *)starts)[blocks++] = job;
             collected = 0;
         }
         if (job < count)

@@ -11,26 +11,13 @@ degree_grid degree_grid_of(int decimals)
 
 void globe_lines_add(globe_lines *lines, globe_position position)
 {
-    void *positions = lines->positions;
-    if (lines->failed || !array_grow(&positions, &lines->position_capacity, lines->position_count + 1, sizeof position))
-    {
-        lines->failed = true;
-        return;
-    }
-    lines->positions = positions;
-    lines->positions[lines->position_count++] = position;
+    lines->failed = lines->failed ||
+                    !ARRAY_ADD(lines->positions, lines->position_capacity, lines->position_count, position);
 }
 
 void globe_lines_end(globe_lines *lines)
 {
-    void *ends = lines->ends;
-    if (lines->failed || !array_grow(&ends, &lines->capacity, lines->count + 1, sizeof *lines->ends))
-    {
-        lines->failed = true;
-        return;
-    }
-    lines->ends = ends;
-    lines->ends[lines->count++] = lines->position_count;
+    lines->failed = lines->failed || !ARRAY_ADD(lines->ends, lines->capacity, lines->count, lines->position_count);
 }
 
 void globe_lines_free(globe_lines *lines)

@@ -363,11 +363,8 @@ static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
 /// Combine the outer rings with the holes that do not cross the antimeridian.
 static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
 {
-    void *counts = parts->ring_counts;
     size_t *owners = find_owners(outers, holes, hole_count);
-    bool grown = array_grow(&counts, &parts->capacity, parts->count + outers->count, sizeof *parts->ring_counts);
-    parts->ring_counts = counts;
-    if (!grown || owners == NULL)
+    if (owners == NULL || !ARRAY_GROW(parts->ring_counts, parts->capacity, parts->count + outers->count))
     {
         free(owners);
         return false;

@@ -10,14 +10,6 @@
 /// @file
 /// Points and channels of curves, appended one by one and checked against their space.
 
-static bool doubles_grow(double **values, size_t *capacity, size_t needed)
-{
-    void *array = *values;
-    bool grown = array_grow(&array, capacity, needed, sizeof(double));
-    *values = array;
-    return grown;
-}
-
 double *builder_next(curve_builder *builder, size_t channel_count, double **channels)
 {
     size_t dim = builder->space.point_dim;
@@ -25,8 +17,8 @@ double *builder_next(curve_builder *builder, size_t channel_count, double **chan
     size_t point_values, channel_values;
     if (size_multiply_overflows(count, dim, &point_values) ||
         size_multiply_overflows(count, channel_count, &channel_values) ||
-        !doubles_grow(&builder->points, &builder->point_capacity, point_values) ||
-        !doubles_grow(&builder->channels, &builder->channel_capacity, channel_values))
+        !ARRAY_GROW(builder->points, builder->point_capacity, point_values) ||
+        !ARRAY_GROW(builder->channels, builder->channel_capacity, channel_values))
         return NULL;
     builder->channel_count = channel_count;
     if (channel_count > 0)
@@ -67,22 +59,15 @@ bat_status builder_refuse(const curve_builder *builder, bat_status status, bat_e
 
 bool builder_corner(curve_builder *builder, bool corner)
 {
-    void *corners = builder->corners;
-    bool grown = array_grow(&corners, &builder->corner_capacity, builder->point_count + 1, 1);
-    builder->corners = corners;
-    if (grown)
-        builder->corners[builder->point_count] = corner;
-    return grown;
+    if (!ARRAY_GROW(builder->corners, builder->corner_capacity, builder->point_count + 1))
+        return false;
+    builder->corners[builder->point_count] = corner;
+    return true;
 }
 
 bool builder_line(curve_builder *builder, size_t line)
 {
-    void *lines = builder->lines;
-    bool grown = array_grow(&lines, &builder->line_capacity, builder->line_count + 1, sizeof *builder->lines);
-    builder->lines = lines;
-    if (grown)
-        builder->lines[builder->line_count++] = line;
-    return grown;
+    return ARRAY_ADD(builder->lines, builder->line_capacity, builder->line_count, line);
 }
 
 void builder_continue_signs(curve_builder *builder)
@@ -167,20 +152,12 @@ static double *take_doubles(double **values, size_t *capacity, size_t count)
     return taken;
 }
 
-static bool curves_grow(curve_builder *builder, size_t needed)
-{
-    void *curves = builder->curves;
-    bool grown = array_grow(&curves, &builder->curve_capacity, needed, sizeof *builder->curves);
-    builder->curves = curves;
-    return grown;
-}
-
 bool builder_end_curve(curve_builder *builder, bool closed)
 {
     if (builder->point_count == 0)
         return true;
     bat_curve curve = {.count = builder->point_count, .closed = closed, .channel_count = builder->channel_count};
-    if (!curves_grow(builder, builder->curve_count + 1))
+    if (!ARRAY_GROW(builder->curves, builder->curve_capacity, builder->curve_count + 1))
         return false;
     curve.points = take_doubles(&builder->points, &builder->point_capacity, curve.count * builder->space.point_dim);
     if (curve.points != NULL && curve.channel_count > 0)
@@ -204,7 +181,7 @@ bool builder_end_curve(curve_builder *builder, bool closed)
 
 bool builder_append(curve_builder *builder, curve_builder *other)
 {
-    if (!curves_grow(builder, builder->curve_count + other->curve_count))
+    if (!ARRAY_GROW(builder->curves, builder->curve_capacity, builder->curve_count + other->curve_count))
         return false;
     if (other->curve_count > 0)
         memcpy(builder->curves + builder->curve_count, other->curves, other->curve_count * sizeof *other->curves);

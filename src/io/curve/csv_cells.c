@@ -13,23 +13,16 @@ static const double ROUNDING = 1e-9;
 
 bool cells_add(cell_builder *cells, csv_field cell)
 {
-    void *offsets = cells->offsets;
-    bool grown = array_grow(&offsets, &cells->offset_capacity, cells->offset_count + 1, sizeof *cells->offsets);
-    cells->offsets = offsets;
-    if (!grown)
-        return false;
     size_t size = (size_t)(cell.end - cell.begin);
     if (cells->row_count > 0)
     {
         size_t above = cells->offsets[cells->offset_count - cells->columns];
         const char *text = cells->text.data + above;
         if (strncmp(text, cell.begin, size) == 0 && text[size] == '\0')
-        {
-            cells->offsets[cells->offset_count++] = above;
-            return true;
-        }
+            return ARRAY_ADD(cells->offsets, cells->offset_capacity, cells->offset_count, above);
     }
-    cells->offsets[cells->offset_count++] = cells->text.size;
+    if (!ARRAY_ADD(cells->offsets, cells->offset_capacity, cells->offset_count, cells->text.size))
+        return false;
     text_append(&cells->text, cell.begin, size);
     text_append(&cells->text, "", 1);
     return !cells->text.failed;
@@ -48,12 +41,8 @@ void cells_drop_row(cell_builder *cells)
 
 bool cells_end_curve(cell_builder *cells, bool closed)
 {
-    void *rows = cells->first_rows, *flags = cells->closed;
-    bool grown = array_grow(&rows, &cells->first_capacity, cells->curve_count + 2, sizeof *cells->first_rows);
-    cells->first_rows = rows;
-    grown = array_grow(&flags, &cells->closed_capacity, cells->curve_count + 1, 1) && grown;
-    cells->closed = flags;
-    if (!grown)
+    if (!ARRAY_GROW(cells->first_rows, cells->first_capacity, cells->curve_count + 2) ||
+        !ARRAY_GROW(cells->closed, cells->closed_capacity, cells->curve_count + 1))
         return false;
     if (cells->curve_count == 0)
         cells->first_rows[0] = 0;

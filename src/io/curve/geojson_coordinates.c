@@ -81,10 +81,8 @@ static bat_status read_number(geojson_reader *reader, json_scanner *scan, double
 
 static bool keep_degrees(geojson_reader *reader, const double *numbers)
 {
-    void *positions = reader->positions;
-    if (!array_grow(&positions, &reader->position_capacity, 2 * reader->position_count + 2, sizeof *reader->positions))
+    if (!ARRAY_GROW(reader->positions, reader->position_capacity, 2 * reader->position_count + 2))
         return false;
-    reader->positions = positions;
     memcpy(reader->positions + 2 * reader->position_count++, numbers, 2 * sizeof *numbers);
     return true;
 }

@@ -57,7 +57,6 @@ static bool has_escape(const json_scanner *string)
 static bool extract_array(extractor *job)
 {
     geojson_extraction *extraction = job->extraction;
-    void *arrays = extraction->arrays;
     const char *begin = job->scan.at;
     json_scanner ahead = {begin + 1, job->scan.end};
     if (json_scan_at(&ahead, ']'))
@@ -65,9 +64,7 @@ static bool extract_array(extractor *job)
     ahead.at = begin;
     if (!json_scan_numbers(&ahead, DEEPEST_ARRAY))
         return json_scan_value(&job->scan);
-    bool grown = array_grow(&arrays, &extraction->capacity, extraction->count + 1, sizeof *extraction->arrays);
-    extraction->arrays = arrays;
-    if (!grown)
+    if (!ARRAY_GROW(extraction->arrays, extraction->capacity, extraction->count + 1))
         return false;
     text_append(&extraction->text, job->copied, (size_t)(begin - job->copied));
     size_t newlines = json_scan_newlines(begin, ahead.at);
@@ -232,14 +229,10 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
     if (taken.curve_count == 0)
         return restore_coordinates(reader, geometry);
     taken.polygon_count = document->polygon_count - feature->polygon - taken.polygon;
-    void *geometries = document->geometries;
-    bool grown = array_grow(&geometries, &document->geometry_capacity, document->geometry_count + 1, sizeof taken);
-    document->geometries = geometries;
     json_int_t index = (json_int_t)(document->geometry_count - feature->geometry);
-    if (!grown || json_object_set_new(geometry, "coordinates", json_integer(index)) != 0)
-        return geojson_no_memory(reader);
-    document->geometries[document->geometry_count++] = taken;
-    return BAT_OK;
+    bool replaced = json_object_set_new(geometry, "coordinates", json_integer(index)) == 0 &&
+                    ARRAY_ADD(document->geometries, document->geometry_capacity, document->geometry_count, taken);
+    return replaced ? BAT_OK : geojson_no_memory(reader);
 }
 
 static bat_status read_geometry(geojson_reader *reader, json_t *geometry)
@@ -278,10 +271,7 @@ bool geojson_has_type(const json_t *object, const char *type)
 bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_geometry)
 {
     geojson_document *document = &reader->document;
-    void *features = document->features;
-    bool grown = array_grow(&features, &document->feature_capacity, document->feature_count + 1, sizeof(geojson_feature));
-    document->features = features;
-    if (!grown)
+    if (!ARRAY_GROW(document->features, document->feature_capacity, document->feature_count + 1))
     {
         json_decref(tree);
         return geojson_no_memory(reader);

@@ -45,16 +45,6 @@ static bool find_features(json_scanner *scan)
     return false;
 }
 
-static bool add_feature(feature_split *split, feature_text feature)
-{
-    void *features = split->features;
-    bool grown = array_grow(&features, &split->capacity, split->count + 1, sizeof feature);
-    split->features = features;
-    if (grown)
-        split->features[split->count++] = feature;
-    return grown;
-}
-
 /// Collect the features, from the opening bracket to the closing one.
 static bool collect_features(const file_text *text, json_scanner *scan, feature_split *split)
 {
@@ -71,10 +61,9 @@ static bool collect_features(const file_text *text, json_scanner *scan, feature_
         line += json_scan_newlines(counted, scan->at);
         counted = scan->at;
         feature.line = line;
-        if (!json_scan_value(scan))
-            return false;
+        bool ended = json_scan_value(scan);
         feature.end = scan->at;
-        if (!add_feature(split, feature))
+        if (!ended || !ARRAY_ADD(split->features, split->capacity, split->count, feature))
             return false;
     } while (json_scan_take(scan, ','));
     return json_scan_at(scan, ']');

@@ -78,18 +78,13 @@ bat_status geojson_sequence_read(const file_text *text, const bat_curve_read_opt
     bat_status status = geojson_records_begin(options, &reader, error);
     if (status != BAT_OK)
         return status;
-    void *records = NULL;
+    feature_text *records = NULL, record;
     size_t count = 0, capacity = 0;
-    feature_text record;
     record_scan scan = record_scan_start(text->data, text->size, 1);
     bool separated = scan.separated;
     while (status == BAT_OK && record_scan_next(&scan, true, &record))
-    {
-        if (array_grow(&records, &capacity, count + 1, sizeof record))
-            ((feature_text *)records)[count++] = record;
-        else
+        if (!ARRAY_ADD(records, capacity, count, record))
             status = error_memory(error, capacity * sizeof record);
-    }
     if (status == BAT_OK)
         status = geojson_records_read(&reader, records, count, 0, options);
     if (status == BAT_OK && reader.builder.curve_count == 0)

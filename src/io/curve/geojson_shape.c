@@ -8,16 +8,6 @@
 /// @file
 /// Curves as the coordinates of a GeoJSON geometry, cut at the antimeridian where needed.
 
-static bool shape_reserve(geojson_shape *shape, size_t curves, size_t points)
-{
-    void *curve_array = shape->curves, *shown = shape->shown;
-    bool grown = array_grow(&curve_array, &shape->curve_capacity, curves, sizeof *shape->curves) &&
-                 array_grow(&shown, &shape->shown_capacity, points, sizeof *shape->shown);
-    shape->curves = curve_array;
-    shape->shown = shown;
-    return grown;
-}
-
 static void clear_lines(globe_lines *lines)
 {
     lines->position_count = 0;
@@ -73,7 +63,8 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
     size_t points = 0;
     for (size_t i = 0; i < count; i++)
         points += curves[i].count;
-    if (!shape_reserve(shape, count, style->globe ? points : 0))
+    if (!ARRAY_GROW(shape->curves, shape->curve_capacity, count) ||
+        !ARRAY_GROW(shape->shown, shape->shown_capacity, style->globe ? points : 0))
         return error_memory(error, points * sizeof *shape->shown);
     shape->type = type;
     shape->curve_count = count;
@@ -122,10 +113,8 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
 /// Keep the rings that have an extent at the decimals of the file. A polygon without its outer ring goes as a whole.
 static bool keep_extents(geojson_shape *shape, const size_t *ring_counts, size_t polygon_count, size_t first)
 {
-    void *counts = shape->kept_counts;
-    if (!array_grow(&counts, &shape->kept_capacity, polygon_count, sizeof *shape->kept_counts))
+    if (!ARRAY_GROW(shape->kept_counts, shape->kept_capacity, polygon_count))
         return false;
-    shape->kept_counts = counts;
     shape->polygon_count = 0;
     size_t given = 0, kept = 0;
     for (size_t i = 0; i < polygon_count; i++)
@@ -185,11 +174,8 @@ bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style,
 /// Append a polygon that does not cross the antimeridian to parts of polygons that do.
 static bool add_uncut_polygon(const globe_curve *rings, size_t ring_count, globe_polygons *parts)
 {
-    void *counts = parts->ring_counts;
-    if (!array_grow(&counts, &parts->capacity, parts->count + 1, sizeof *parts->ring_counts))
+    if (!ARRAY_ADD(parts->ring_counts, parts->capacity, parts->count, ring_count))
         return false;
-    parts->ring_counts = counts;
-    parts->ring_counts[parts->count++] = ring_count;
     for (size_t i = 0; i < ring_count; i++)
         add_uncut(&rings[i], false, &parts->rings);
     return !parts->rings.failed;

@@ -73,11 +73,9 @@ static bat_status read_vertex(obj_reader *reader, const text_line *line, const c
     }
     if (count < 2)
         return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "a vertex needs 2 or 3 numbers");
-    void *vertices = reader->vertices;
-    if (!array_grow(&vertices, &reader->vertex_capacity, reader->vertex_count + 1, sizeof *reader->vertices))
+    const obj_vertex vertex = {numbers[0], numbers[1], numbers[2], line->number};
+    if (!ARRAY_ADD(reader->vertices, reader->vertex_capacity, reader->vertex_count, vertex))
         return error_memory(error, reader->vertex_count * sizeof *reader->vertices);
-    reader->vertices = vertices;
-    reader->vertices[reader->vertex_count++] = (obj_vertex){numbers[0], numbers[1], numbers[2], line->number};
     reader->solid = reader->solid || numbers[2] != 0.0;
     return BAT_OK;
 }
@@ -105,16 +103,6 @@ static bool read_index(const obj_reader *reader, const char *at, const char *end
     return true;
 }
 
-static bool add_index(obj_reader *reader, size_t index)
-{
-    void *indices = reader->indices;
-    bool grown = array_grow(&indices, &reader->index_capacity, reader->index_count + 1, sizeof *reader->indices);
-    reader->indices = indices;
-    if (grown)
-        reader->indices[reader->index_count++] = index;
-    return grown;
-}
-
 static bat_status read_element(obj_reader *reader, const text_line *line, const char *at, bat_error *error)
 {
     obj_element element = {reader->index_count, 0, line->number};
@@ -126,18 +114,15 @@ static bat_status read_element(obj_reader *reader, const text_line *line, const 
         if (!read_index(reader, at, end, &index))
             return error_set(error, BAT_BAD_FILE, reader->element_count, line->number, "'%s' is not the index of a vertex",
                              text_excerpt(excerpt, at, end));
-        if (!add_index(reader, index))
+        if (!ARRAY_ADD(reader->indices, reader->index_capacity, reader->index_count, index))
             return error_memory(error, reader->index_count * sizeof index);
     }
     element.end = reader->index_count;
     if (element.end - element.begin < 2)
         return error_set(error, BAT_BAD_FILE, reader->element_count, line->number, "a line needs at least 2 vertices");
-    void *elements = reader->elements;
-    if (!array_grow(&elements, &reader->element_capacity, reader->element_count + 1, sizeof element))
-        return error_memory(error, reader->element_count * sizeof element);
-    reader->elements = elements;
-    reader->elements[reader->element_count++] = element;
-    return BAT_OK;
+    return ARRAY_ADD(reader->elements, reader->element_capacity, reader->element_count, element)
+               ? BAT_OK
+               : error_memory(error, reader->element_count * sizeof element);
 }
 
 static bat_status read_statements(obj_reader *reader, const file_text *text, bat_error *error)

@@ -141,12 +141,8 @@ static bool collect_records(record_stream *stream)
     stream->count = 0;
     while (record_scan_next(&scan, stream->ended, &record))
     {
-        void *records = stream->records;
-        bool grown = array_grow(&records, &stream->capacity, stream->count + 1, sizeof record);
-        stream->records = records;
-        if (!grown)
+        if (!ARRAY_ADD(stream->records, stream->capacity, stream->count, record))
             return false;
-        stream->records[stream->count++] = record;
         if ((size_t)(scan.at - stream->text.data) >= stream->wanted)
             break;
     }

@@ -121,7 +121,6 @@ static const double *ring_degrees(const stitch_ring *ring, size_t k)
 static bool find_nodes(stitch_edges *edges, seam_nodes *nodes)
 {
     size_t capacity = 0;
-    void *latitudes = NULL;
     for (size_t r = 0; r < edges->geometry->count; r++)
     {
         stitch_ring *ring = &edges->rings[r];
@@ -131,12 +130,9 @@ static bool find_nodes(stitch_edges *edges, seam_nodes *nodes)
             if (kind_of(edges, a, b, NULL) != EDGE_SEAM)
                 continue;
             ring->on_seam = true;
-            bool grown = array_grow(&latitudes, &capacity, nodes->count + 2, sizeof *nodes->latitudes);
-            nodes->latitudes = latitudes;
-            if (!grown)
+            if (!ARRAY_ADD(nodes->latitudes, capacity, nodes->count, clamped_latitude(edges, a[1])) ||
+                !ARRAY_ADD(nodes->latitudes, capacity, nodes->count, clamped_latitude(edges, b[1])))
                 return false;
-            nodes->latitudes[nodes->count++] = clamped_latitude(edges, a[1]);
-            nodes->latitudes[nodes->count++] = clamped_latitude(edges, b[1]);
         }
     }
     merge_nodes(nodes);
@@ -157,26 +153,6 @@ typedef struct seam_pieces
     size_t count, capacity;
 } seam_pieces;
 
-static bool add_half_edge(stitch_edges *edges, const stitch_half_edge *half_edge)
-{
-    void *array = edges->edges;
-    bool grown = array_grow(&array, &edges->capacity, edges->count + 1, sizeof *half_edge);
-    edges->edges = array;
-    if (grown)
-        edges->edges[edges->count++] = *half_edge;
-    return grown;
-}
-
-static bool add_piece(seam_pieces *pieces, seam_piece piece)
-{
-    void *array = pieces->pieces;
-    bool grown = array_grow(&array, &pieces->capacity, pieces->count + 1, sizeof piece);
-    pieces->pieces = array;
-    if (grown)
-        pieces->pieces[pieces->count++] = piece;
-    return grown;
-}
-
 /// Add the half-edges of edge `k`, one for each interval between nodes when it lies on the seam.
 static bool add_edge(stitch_edges *edges, const seam_nodes *nodes, size_t r, size_t k, seam_pieces *pieces)
 {
@@ -187,7 +163,7 @@ static bool add_edge(stitch_edges *edges, const seam_nodes *nodes, size_t r, siz
     if (kind == EDGE_VOID)
         return true;
     if (kind == EDGE_ORDINARY)
-        return add_half_edge(edges, &half_edge);
+        return ARRAY_ADD(edges->edges, edges->capacity, edges->count, half_edge);
     double from = clamped_latitude(edges, a[1]), to = clamped_latitude(edges, b[1]);
     size_t low = node_of(nodes, from), high = node_of(nodes, to);
     bool up = low < high;
@@ -208,7 +184,9 @@ static bool add_edge(stitch_edges *edges, const seam_nodes *nodes, size_t r, siz
             }
             half_edge.piece = true;
         }
-        if (!add_piece(pieces, (seam_piece){interval, edges->count, up}) || !add_half_edge(edges, &half_edge))
+        const seam_piece piece = {interval, edges->count, up};
+        if (!ARRAY_ADD(pieces->pieces, pieces->capacity, pieces->count, piece) ||
+            !ARRAY_ADD(edges->edges, edges->capacity, edges->count, half_edge))
             return false;
     }
     return true;

@@ -1,6 +1,6 @@
 #include "io/curve/stitch_seam.h"
 
-#include "base/memory.h"
+#include "base/array_grow.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -105,7 +105,7 @@ static bool add_line(const line_job *job, size_t line, bool continues, stitch_pa
         // The end of the line before is the same point, up to the last digits.
         if (vertex.junction)
             path->count--;
-        if (!stitch_path_add(path, &vertex))
+        if (!ARRAY_ADD(path->vertices, path->capacity, path->count, vertex))
             return false;
     }
     return true;

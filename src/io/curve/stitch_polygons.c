@@ -35,16 +35,6 @@ typedef enum group_fate
     FATE_STITCHED
 } group_fate;
 
-static bool add_ring(polygon_job *job, const traced_ring *ring)
-{
-    void *rings = job->rings;
-    bool grown = array_grow(&rings, &job->ring_capacity, job->ring_count + 1, sizeof *ring);
-    job->rings = rings;
-    if (grown)
-        job->rings[job->ring_count++] = *ring;
-    return grown;
-}
-
 /// Sum up the turn around the axis and the area on the left of a ring, edge by edge. The integral of sin(latitude) over the
 /// longitude is that of globe_polygon_cut(). A pole has the longitude before it.
 typedef struct ring_sums
@@ -137,8 +127,7 @@ static bool trace_all(polygon_job *job)
     {
         if (used[i] || edges->edges[i].gone)
             continue;
-        const traced_ring ring = trace(edges, i, used);
-        done = add_ring(job, &ring);
+        done = ARRAY_ADD(job->rings, job->ring_capacity, job->ring_count, trace(edges, i, used));
     }
     free(used);
     for (size_t r = 0, before = BAT_NO_INDEX; r < edges->geometry->count && done; r++)
@@ -148,7 +137,7 @@ static bool trace_all(polygon_job *job)
         before = polygon;
         const traced_ring ring = {BAT_NO_INDEX, r, stitch_edges_group(edges, polygon), 0, outer ? 1 : -1};
         if (!edges->rings[r].on_seam)
-            done = add_ring(job, &ring);
+            done = ARRAY_ADD(job->rings, job->ring_capacity, job->ring_count, ring);
     }
     return done;
 }
@@ -235,7 +224,7 @@ static bool collect(const stitch_edges *edges, const traced_ring *ring, stitch_p
                                       .longitude = edge->longitude,
                                       .latitude = edge->latitude,
                                       .junction = edge->junction};
-        if (!inner && !stitch_path_add(path, &vertex))
+        if (!inner && !ARRAY_ADD(path->vertices, path->capacity, path->count, vertex))
             return false;
         at = edge->next;
     } while (at != ring->first);

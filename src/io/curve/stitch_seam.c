@@ -1,10 +1,11 @@
 #include "io/curve/stitch_seam.h"
 
-#include "base/array_grow.h"
+#include "base/memory.h"
 #include "io/common/number_text.h"
 #include "space/degrees.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double HALF_TURN = 180.0, TURN = 360.0, QUARTER_TURN = 90.0;
@@ -88,16 +89,6 @@ void stitch_geometry_free(stitch_geometry *geometry)
     free(geometry->ring_counts);
     free(geometry->poles);
     *geometry = (stitch_geometry){0};
-}
-
-bool stitch_path_add(stitch_path *path, const stitch_vertex *vertex)
-{
-    void *vertices = path->vertices;
-    bool grown = array_grow(&vertices, &path->capacity, path->count + 1, sizeof *vertex);
-    path->vertices = vertices;
-    if (grown)
-        path->vertices[path->count++] = *vertex;
-    return grown;
 }
 
 static void point_of(const stitch_vertex *vertex, double point[3])

@@ -35,8 +35,6 @@ typedef struct stitch_path
     size_t count, capacity;
 } stitch_path;
 
-bool stitch_path_add(stitch_path *path, const stitch_vertex *vertex);
-
 /// Make a curve of a path. Neighbours that are one point of the sphere become one vertex. Junctions on the great circle
 /// between their neighbours are removed and counted. The path is changed.
 /// @return false when out of memory

@@ -111,10 +111,7 @@ static OGRGeometryH geometry_of(const json_t *tree, bool measures)
 static bat_status take_geometry(void *context, size_t index, const json_t *feature, bat_error *error)
 {
     layer_writer *writer = context;
-    void *geometries = writer->geometries;
-    bool grown = array_grow(&geometries, &writer->capacity, index + 1, sizeof(OGRGeometryH));
-    writer->geometries = geometries;
-    if (!grown)
+    if (!ARRAY_GROW(writer->geometries, writer->capacity, index + 1))
         return error_memory(error, index * sizeof(OGRGeometryH));
     const char *type = json_string_value(json_object_get(feature, "type"));
     bool bare = type == NULL || strcmp(type, "Feature") != 0;

@@ -64,17 +64,8 @@ static bat_status add_line(time_list *list, const char *begin, const char *end, 
     if (list->count > 0 && !(time > list->times[list->count - 1]))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "the time %s does not come after %s",
                          number_digits(time, digits), number_digits(list->times[list->count - 1], before));
-    if (list->count == list->capacity)
-    {
-        size_t capacity = list->capacity > 0 ? 2 * list->capacity : 64;
-        double *grown = realloc(list->times, capacity * sizeof *grown);
-        if (grown == NULL)
-            return error_memory(error, capacity * sizeof *grown);
-        list->times = grown;
-        list->capacity = capacity;
-    }
-    list->times[list->count++] = time;
-    return BAT_OK;
+    return ARRAY_ADD(list->times, list->capacity, list->count, time) ? BAT_OK
+                                                                     : error_memory(error, list->count * sizeof time);
 }
 
 bat_status bat_motion_times_read(const char *path, int64_t origin, double **times, size_t *count, bat_error *error)
