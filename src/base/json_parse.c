@@ -1,7 +1,6 @@
 #include "base/json_parse.h"
 
 #include "base/error.h"
-#include "base/json_scan.h"
 
 #include <locale.h>
 
@@ -9,15 +8,6 @@ void json_printable(char *text)
 {
     for (char *c = text; *c != '\0'; c++)
         *c = *c >= ' ' && *c <= '~' ? *c : '?';
-}
-
-/// Whether a failure is one of memory. Jansson leaves no message for most failed allocations. Where its scanner lacks memory
-/// it reports a wrong string.
-static bool is_of_memory(const json_error_t *fault, const char *text, size_t size)
-{
-    enum json_error_code code = json_error_code(fault);
-    return fault->text[0] == '\0' || code == json_error_out_of_memory ||
-           (code == json_error_invalid_syntax && json_scan_valid(text, size));
 }
 
 bat_status json_parse(const char *text, size_t size, size_t flags, size_t first_line, json_t **value, bat_error *error)
@@ -28,12 +18,16 @@ bat_status json_parse(const char *text, size_t size, size_t flags, size_t first_
         return error_memory(error, size);
     locale_t before = uselocale(plain);
     json_error_t fault;
-    *value = json_loadb(text, size, JSON_REJECT_DUPLICATES | flags, &fault);
+    // Where Jansson's scanner lacks memory it reports a wrong string: a text with a fault has it the second time, too.
+    *value = NULL;
+    for (int i = 0; i < 2 && *value == NULL; i++)
+        *value = json_loadb(text, size, JSON_REJECT_DUPLICATES | flags, &fault);
     (void)uselocale(before);
     freelocale(plain);
     if (*value != NULL)
         return BAT_OK;
-    if (is_of_memory(&fault, text, size))
+    // Jansson leaves no message for most failed allocations.
+    if (fault.text[0] == '\0' || json_error_code(&fault) == json_error_out_of_memory)
         return error_memory(error, size);
     json_printable(fault.text);
     size_t line = fault.line > 0 ? first_line + (size_t)fault.line - 1 : first_line;

@@ -40,8 +40,4 @@ bool json_scan_numbers(json_scanner *scan, size_t depth);
 /// The number of line breaks between two positions.
 size_t json_scan_newlines(const char *begin, const char *end);
 
-/// Whether a text is an array or an object by the grammar of JSON. Encoding, repeated names and the size of numbers are not
-/// checked.
-bool json_scan_valid(const char *text, size_t size);
-
 #endif
