@@ -48,7 +48,7 @@ static inline bool array_grow_at(void *pointer, size_t *capacity, size_t needed,
 #define ARRAY_GROW(array, capacity, needed) array_grow_at(&(array), &(capacity), needed, sizeof *(array))
 
 /// Append an element to an array of `count` elements. False when out of memory.
-#define ARRAY_ADD(array, capacity, count, ...) \
+#define ARRAY_ADD(array, capacity, count, ...)                                                                              \
     (ARRAY_GROW(array, capacity, (count) + 1) && ((array)[(count)++] = __VA_ARGS__, true))
 
 #endif

@@ -11,8 +11,7 @@ degree_grid degree_grid_of(int decimals)
 
 void globe_lines_add(globe_lines *lines, globe_position position)
 {
-    lines->failed = lines->failed ||
-                    !ARRAY_ADD(lines->positions, lines->position_capacity, lines->position_count, position);
+    lines->failed = lines->failed || !ARRAY_ADD(lines->positions, lines->position_capacity, lines->position_count, position);
 }
 
 void globe_lines_end(globe_lines *lines)

@@ -672,15 +672,23 @@ static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_err
     return status;
 }
 
-static bat_status read_as(bat_curve_format format, const file_text *text, const bat_curve_read_options *options,
-                          bat_curve_set *set, bat_error *error)
+bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
+    bat_curve_read_options chosen = *options;
+    if (options->format == BAT_CURVE_FORMAT_TUM)
+    {
+        if (options->space != NULL && strcmp(options->space, "rigid") != 0)
+            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                             "a TUM trajectory is in the space rigid, not %.60s", options->space);
+        chosen.space = "rigid";
+        chosen.columns = chosen.group = NULL;
+    }
     csv_reader *reader = calloc(1, sizeof *reader);
     if (reader == NULL)
         return error_memory(error, sizeof *reader);
-    reader->options = options;
+    reader->options = &chosen;
     reader->text = text;
-    bat_status status = read_text(reader, format, error);
+    bat_status status = read_text(reader, options->format, error);
     const curve_builder *builder = &reader->builder;
     if (status == BAT_OK && !builder_note_repeats(builder, reader->attributes))
         status = error_memory(error, sizeof *reader);
@@ -698,20 +706,4 @@ static bat_status read_as(bat_curve_format format, const file_text *text, const 
         reader_release(reader);
     free(reader);
     return status;
-}
-
-bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
-{
-    return read_as(BAT_CURVE_FORMAT_CSV, text, options, set, error);
-}
-
-bat_status tum_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
-{
-    bat_curve_read_options rigid = *options;
-    if (options->space != NULL && strcmp(options->space, "rigid") != 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a TUM trajectory is in the space rigid, not %.60s",
-                         options->space);
-    rigid.space = "rigid";
-    rigid.columns = rigid.group = NULL;
-    return read_as(BAT_CURVE_FORMAT_TUM, text, &rigid, set, error);
 }

@@ -16,7 +16,7 @@
 #include <string.h>
 
 /// @file
-/// Writer of CSV and of trajectories in the TUM format.
+/// Writers of CSV and of trajectories.
 
 enum
 {
@@ -34,13 +34,12 @@ typedef struct csv_layout
     csv_columns made;           ///< those of a result that came from no file with columns
     const point_form *form;     ///< the form of the points; null for plain coordinates
     bool degrees;
-    int decimals;             ///< of degrees
-    size_t corner;            ///< the column before which that of the corners stands, or BAT_NO_INDEX
-    double *places;           ///< of all points between the rows of the input file; null where they are not needed
-    const size_t *first_rows; ///< of each curve
-    size_t time_place;        ///< of the times among the numbers; BAT_NO_INDEX without
-    int64_t origin;           ///< of the times
-    const char *date;         ///< the form of the times where they are dates; else null
+    int decimals;      ///< of degrees
+    size_t corner;     ///< the column before which that of the corners stands, or BAT_NO_INDEX
+    double *places;    ///< of all points between the rows of the input file; null where they are not needed
+    size_t time_place; ///< of the times among the numbers; BAT_NO_INDEX without
+    int64_t origin;    ///< of the times
+    const char *date;  ///< the form of the times where they are dates; else null
 } csv_layout;
 
 static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_options *options, csv_layout *layout,
@@ -92,16 +91,18 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
 }
 
 /// The places of all points.
-static bat_status find_places(const bat_curve_set *set, const row_blocks *blocks, csv_layout *layout, bat_error *error)
+static bat_status find_places(const bat_curve_set *set, csv_layout *layout, bat_error *error)
 {
-    layout->first_rows = blocks->first_rows;
+    size_t rows = 0;
     if (layout->columns == NULL || !layout->columns->has_places)
         return BAT_OK;
-    layout->places = memory_array(blocks->first_rows[set->count], sizeof *layout->places);
-    if (layout->places == NULL)
-        return error_memory(error, blocks->first_rows[set->count] * sizeof *layout->places);
     for (size_t i = 0; i < set->count; i++)
-        cells_places(&layout->columns->cells, &set->curves[i], i, layout->places + blocks->first_rows[i]);
+        rows += set->curves[i].count;
+    layout->places = memory_array(rows, sizeof *layout->places);
+    if (layout->places == NULL)
+        return error_memory(error, rows * sizeof *layout->places);
+    for (size_t i = 0, row = 0; i < set->count; row += set->curves[i++].count)
+        cells_places(&layout->columns->cells, &set->curves[i], i, layout->places + row);
     return BAT_OK;
 }
 
@@ -223,7 +224,7 @@ typedef struct csv_row
     const csv_layout *layout;
     const double *point, *numbers, *channels;
     degree_units units;
-    size_t curve, index; ///< of the point
+    size_t curve, index, first; ///< of the point; the row of its curve's first point
 } csv_row;
 
 /// A date with the time of day, in the form of the file.
@@ -259,13 +260,12 @@ static char *write_field(char *out, const csv_row *row, size_t column, size_t ce
     csv_kind kind = columns != NULL && columns->kinds != NULL ? (csv_kind)columns->kinds[column] : CSV_NUMBER;
     if (kind == CSV_NUMBER)
         return write_number(out, row, columns != NULL && columns->places != NULL ? columns->places[column] : column);
-    size_t first = layout->first_rows[row->curve];
     if (kind == CSV_ID)
         return out + snprintf(out, NUMBER_TEXT_SIZE, "%" PRId64,
-                              columns->first_id + (int64_t)(row->index + (columns->ids_begin_anew ? 0 : first)));
+                              columns->first_id + (int64_t)(row->index + (columns->ids_begin_anew ? 0 : row->first)));
     text_advance(text, out);
-    cells_write(&columns->cells, kind, cell, row->curve, layout->places != NULL ? layout->places[first + row->index] : 0,
-                text);
+    cells_write(&columns->cells, kind, cell, row->curve,
+                layout->places != NULL ? layout->places[row->first + row->index] : 0, text);
     return text_reserve(text, (layout->column_count + 1) * (NUMBER_TEXT_SIZE + 1));
 }
 
@@ -329,7 +329,8 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
                        .numbers = layout->form != NULL ? written : point,
                        .channels = channels,
                        .curve = span->curve_index,
-                       .index = i};
+                       .index = i,
+                       .first = span->first_row};
         if (layout->degrees)
             row.units = degrees_of_point(point, units_per_radian);
         format_row(&row, layout->corner != BAT_NO_INDEX && curve->corners[i] != 0 ? '1' : '0', text);
@@ -340,32 +341,27 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
 bat_status csv_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
     csv_layout layout = {0};
-    bat_status status = choose_layout(set, options, &layout, error);
-    row_blocks blocks;
-    if (status == BAT_OK)
-        status = row_blocks_begin(set, &blocks, error);
-    if (status != BAT_OK)
-    {
-        csv_columns_free(&layout.made);
-        return status;
-    }
     text_buffer header = {0};
-    write_header(&layout, set, &header);
-    status = find_places(set, &blocks, &layout, error);
+    bat_status status = choose_layout(set, options, &layout, error);
     if (status == BAT_OK)
+        status = find_places(set, &layout, error);
+    if (status == BAT_OK)
+    {
+        write_header(&layout, set, &header);
         status = sink_write(sink, &header, error);
+    }
     if (status == BAT_OK)
-        status = row_blocks_write(&blocks, sink, options->threads, format_rows, &layout, error);
+        status = rows_write(set, sink, options->threads, format_rows, &layout, error);
     free(layout.places);
     csv_columns_free(&layout.made);
     text_free(&header);
-    row_blocks_end(&blocks);
     return status;
 }
 
 /// How a trajectory format writes a pose.
 typedef struct pose_layout
 {
+    bat_curve_format format;
     const char *name, *header;
     char separator;
     size_t coordinates[7]; ///< those of a rigid motion in the order of a row
@@ -447,9 +443,27 @@ static size_t time_channel(const bat_curve_set *set)
     return attributes->channels.time < set->curves[0].channel_count ? attributes->channels.time : BAT_NO_INDEX;
 }
 
-static bat_status write_poses(const bat_curve_set *set, pose_layout layout, const bat_curve_write_options *options,
-                              text_sink *sink, bat_error *error)
+static const pose_layout POSES[] = {
+    {.format = BAT_CURVE_FORMAT_TUM,
+     .name = "TUM",
+     .header = "# timestamp tx ty tz qx qy qz qw\n",
+     .separator = ' ',
+     .coordinates = {0, 1, 2, 4, 5, 6, 3}},
+    {.format = BAT_CURVE_FORMAT_EUROC,
+     .name = "EuRoC",
+     .header = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n",
+     .separator = ',',
+     .coordinates = {0, 1, 2, 3, 4, 5, 6},
+     .nanoseconds = true},
+    {.format = BAT_CURVE_FORMAT_KITTI, .name = "KITTI", .header = "", .separator = ' ', .matrix = true},
+};
+
+bat_status trajectory_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                            bat_error *error)
 {
+    pose_layout layout = POSES[0];
+    for (size_t i = 1; i < sizeof POSES / sizeof *POSES && layout.format != options->format; i++)
+        layout = POSES[i];
     layout.time = layout.matrix ? BAT_NO_INDEX : time_channel(set);
     layout.origin = bat_curve_set_time_origin(set);
     if (quaternion_place(set->space) != 3)
@@ -460,42 +474,9 @@ static bat_status write_poses(const bat_curve_set *set, pose_layout layout, cons
     if (layout.time == BAT_NO_INDEX && !layout.matrix)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory needs times, which these poses lack",
                          layout.name);
-    row_blocks blocks;
-    bat_status status = row_blocks_begin(set, &blocks, error);
-    if (status != BAT_OK)
-        return status;
     text_buffer header = {0};
     text_append_string(&header, layout.header);
-    status = sink_write(sink, &header, error);
-    if (status == BAT_OK)
-        status = row_blocks_write(&blocks, sink, options->threads, format_poses, &layout, error);
+    bat_status status = sink_write(sink, &header, error);
     text_free(&header);
-    row_blocks_end(&blocks);
-    return status;
-}
-
-bat_status tum_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
-{
-    pose_layout layout = {.name = "TUM",
-                          .header = "# timestamp tx ty tz qx qy qz qw\n",
-                          .separator = ' ',
-                          .coordinates = {0, 1, 2, 4, 5, 6, 3}};
-    return write_poses(set, layout, options, sink, error);
-}
-
-bat_status euroc_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
-{
-    pose_layout layout = {.name = "EuRoC",
-                          .header = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
-                                    "q_RS_y [], q_RS_z []\n",
-                          .separator = ',',
-                          .coordinates = {0, 1, 2, 3, 4, 5, 6},
-                          .nanoseconds = true};
-    return write_poses(set, layout, options, sink, error);
-}
-
-bat_status kitti_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
-{
-    pose_layout layout = {.name = "KITTI", .header = "", .separator = ' ', .matrix = true};
-    return write_poses(set, layout, options, sink, error);
+    return status == BAT_OK ? rows_write(set, sink, options->threads, format_poses, &layout, error) : status;
 }

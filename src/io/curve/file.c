@@ -23,78 +23,13 @@
 typedef struct curve_format
 {
     bat_choice choice;
-    bat_status (*read)(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
-    bat_status (*write)(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+    curve_reader *read;
+    curve_writer *write;
     const char *drivers; ///< without a reader: those of GDAL, as gis_read() takes them; null for all
 } curve_format;
 
-static const curve_format FORMATS[] = {
-    {.choice =
-         {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
-    {.choice = {.name = "csv",
-                .summary = "curves: a row of numbers for each point, with or without names of columns",
-                .endings = ".csv .tsv .txt",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_CSV},
-     .read = csv_read,
-     .write = csv_write},
-    {.choice = {.name = "geojson",
-                .summary = "curves: lines and polygons of longitude and latitude in degrees, with their properties",
-                .endings = ".geojson .json",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_GEOJSON},
-     .read = geojson_read,
-     .write = geojson_write},
-    {.choice = {.name = "geojsonl",
-                .summary = "curves: GeoJSON, a feature on each line",
-                .endings = ".geojsonl .ndjson .jsonl",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_GEOJSON_LINES},
-     .read = geojson_sequence_read,
-     .write = geojson_lines_write},
-    {.choice = {.name = "geojsonseq",
-                .summary = "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
-                .endings = ".geojsons",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_GEOJSON_SEQUENCE},
-     .read = geojson_sequence_read,
-     .write = geojson_sequence_write},
-    {.choice = {.name = "obj",
-                .summary = "curves: line elements",
-                .endings = ".obj",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_OBJ},
-     .read = obj_read,
-     .write = obj_write},
-    {.choice = {.name = "tum",
-                .summary = "motions: poses in time, timestamp tx ty tz qx qy qz qw",
-                .endings = ".tum",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_TUM},
-     .read = tum_read,
-     .write = tum_write},
-    {.choice = {.name = "euroc",
-                .summary = "motions: poses in time, #timestamp [ns], position, quaternion w x y z",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_EUROC},
-     .read = euroc_read,
-     .write = euroc_write},
-    {.choice = {.name = "kitti",
-                .summary = "motions: poses without times, 12 numbers of a 3x4 matrix",
-                .reads = true,
-                .writes = true,
-                .value = BAT_CURVE_FORMAT_KITTI},
-     .read = kitti_read,
-     .write = kitti_write},
-// By GDAL.
-#define GIS_ROW(format_name, format_value, format_endings, drivers_of, format_summary)                                      \
+/// A row of a format that is read and written: its name, value, endings and summary, and how.
+#define FORMAT_ROW(format_name, format_value, format_endings, format_summary, ...)                                          \
     {                                                                                                                       \
         .choice = {.name = (format_name),                                                                                   \
                    .summary = (format_summary),                                                                             \
@@ -102,21 +37,46 @@ static const curve_format FORMATS[] = {
                    .reads = true,                                                                                           \
                    .writes = true,                                                                                          \
                    .value = (format_value)},                                                                                \
-        .drivers = (drivers_of)                                                                                             \
+        __VA_ARGS__                                                                                                         \
     }
-    GIS_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "GPKG", "curves: GeoPackage, by GDAL"),
-    GIS_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "ESRI Shapefile", "curves: Shapefile, by GDAL"),
-    GIS_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "GPX", "curves: tracks or routes of GPX, by GDAL"),
-    GIS_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "LIBKML,KML", "curves: KML, by GDAL"),
-    GIS_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "FlatGeobuf", "curves: FlatGeobuf, by GDAL"),
-    GIS_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "DXF", "curves: drawings in DXF, by GDAL"),
+
+static const curve_format FORMATS[] = {
+    {.choice =
+         {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
+    FORMAT_ROW("csv", BAT_CURVE_FORMAT_CSV, ".csv .tsv .txt",
+               "curves: a row of numbers for each point, with or without names of columns", .read = csv_read,
+               .write = csv_write),
+    FORMAT_ROW("geojson", BAT_CURVE_FORMAT_GEOJSON, ".geojson .json",
+               "curves: lines and polygons of longitude and latitude in degrees, with their properties",
+               .read = geojson_read, .write = geojson_write),
+    FORMAT_ROW("geojsonl", BAT_CURVE_FORMAT_GEOJSON_LINES, ".geojsonl .ndjson .jsonl",
+               "curves: GeoJSON, a feature on each line", .read = geojson_sequence_read, .write = geojson_write),
+    FORMAT_ROW("geojsonseq", BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, ".geojsons",
+               "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
+               .read = geojson_sequence_read, .write = geojson_write),
+    FORMAT_ROW("obj", BAT_CURVE_FORMAT_OBJ, ".obj", "curves: line elements", .read = obj_read, .write = obj_write),
+    FORMAT_ROW("tum", BAT_CURVE_FORMAT_TUM, ".tum", "motions: poses in time, timestamp tx ty tz qx qy qz qw",
+               .read = csv_read, .write = trajectory_write),
+    FORMAT_ROW("euroc", BAT_CURVE_FORMAT_EUROC, NULL,
+               "motions: poses in time, #timestamp [ns], position, quaternion w x y z", .read = trajectory_read,
+               .write = trajectory_write),
+    FORMAT_ROW("kitti", BAT_CURVE_FORMAT_KITTI, NULL, "motions: poses without times, 12 numbers of a 3x4 matrix",
+               .read = trajectory_read, .write = trajectory_write),
+    // By GDAL.
+    FORMAT_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL", .drivers = "GPKG"),
+    FORMAT_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL", .drivers = "ESRI Shapefile"),
+    FORMAT_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "curves: tracks or routes of GPX, by GDAL", .drivers = "GPX"),
+    FORMAT_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL", .drivers = "LIBKML,KML"),
+    FORMAT_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL", .drivers = "FlatGeobuf"),
+    FORMAT_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL", .drivers = "DXF"),
     {.choice = {.name = "topojson",
                 .summary = "curves: TopoJSON, by GDAL",
                 .endings = ".topojson",
                 .reads = true,
                 .value = BAT_CURVE_FORMAT_TOPOJSON},
      .drivers = "TopoJSON"},
-    GIS_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", NULL, "curves: any vector format of GDAL, also remote or packed"),
+    FORMAT_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed",
+               .drivers = NULL),
 };
 
 /// The row of a path that only GDAL opens: of the ending before ".gz", else that of GDAL.
@@ -247,83 +207,64 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is read from files alone",
                          bat_choice_name(&bat_curve_format_family, (int)format));
     bat_status status = check_format_options(format, options, error);
-    return status == BAT_OK ? row_of(format)->read(text, options, set, error) : status;
+    bat_curve_read_options chosen = *options;
+    chosen.format = format;
+    return status == BAT_OK ? row_of(format)->read(text, &chosen, set, error) : status;
 }
 
-/// Apply the options that all formats share to a set, and hand it over.
-static bat_status finish_read(bat_curve_set *made, const bat_curve_read_options *options, bat_curve_set *set,
-                              bat_error *error)
+/// Read a file, or `size` bytes where the path is null.
+static bat_status read_set(const char *path, const char *bytes, size_t size, const bat_curve_read_options *options,
+                           bat_curve_set *set, bat_error *error)
 {
-    bat_status status = options->on_sphere ? gis_to_sphere(made, error) : BAT_OK;
+    bat_curve_read_options defaults = bat_curve_read_defaults();
+    if (options == NULL)
+        options = &defaults;
+    bat_status status = bat_options_check(&bat_curve_read_fields, options, error);
+    bat_curve_format format = options->format;
+    if (status == BAT_OK && path != NULL && format == BAT_CURVE_FORMAT_AUTO)
+        status = format_for_path(path, false, &format, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve_set made;
+    if (path != NULL && format != BAT_CURVE_FORMAT_AUTO && row_of(format)->read == NULL)
+    {
+        status = check_format_options(format, options, error);
+        if (status == BAT_OK)
+            status = gis_read(path, row_of(format)->drivers, options, &made, error);
+    }
+    else
+    {
+        file_text text = {0};
+        status = path == NULL           ? file_text_copy(bytes, size, &text, error)
+                 : gis_is_virtual(path) ? gis_text_read(path, &text, error)
+                                        : file_text_read(path, &text, error);
+        if (status == BAT_OK)
+            status = read_format(&text, format, options, &made, error);
+        file_text_free(&text);
+    }
+    if (status != BAT_OK)
+        return status;
+    status = options->on_sphere ? gis_to_sphere(&made, error) : BAT_OK;
     if (status != BAT_OK)
     {
-        bat_curve_set_free(made);
+        bat_curve_set_free(&made);
         return status;
     }
-    *set = *made;
+    *set = made;
     if (options->translation_weight > 0)
         set->space->weight = options->translation_weight;
     return BAT_OK;
 }
 
-/// Read a file by GDAL.
-static bat_status read_layer(const char *path, bat_curve_format format, const bat_curve_read_options *options,
-                             bat_curve_set *set, bat_error *error)
-{
-    bat_curve_set made;
-    bat_status status = check_format_options(format, options, error);
-    if (status == BAT_OK)
-        status = gis_read(path, row_of(format)->drivers, options, &made, error);
-    return status == BAT_OK ? finish_read(&made, options, set, error) : status;
-}
-
-static bat_status read_text(const file_text *text, bat_curve_format format, const bat_curve_read_options *options,
-                            bat_curve_set *set, bat_error *error)
-{
-    bat_curve_set made;
-    bat_status status = read_format(text, format, options, &made, error);
-    return status == BAT_OK ? finish_read(&made, options, set, error) : status;
-}
-
 bat_status bat_curve_read(const char *path, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
-    bat_curve_read_options defaults = bat_curve_read_defaults();
-    if (options == NULL)
-        options = &defaults;
-    bat_status status = bat_options_check(&bat_curve_read_fields, options, error);
-    if (status != BAT_OK)
-        return status;
-    bat_curve_format format = options->format;
-    if (format == BAT_CURVE_FORMAT_AUTO)
-        status = format_for_path(path, false, &format, error);
-    if (status == BAT_OK && format != BAT_CURVE_FORMAT_AUTO && row_of(format)->read == NULL)
-        return read_layer(path, format, options, set, error);
-    file_text text;
-    if (status == BAT_OK)
-        status = gis_is_virtual(path) ? gis_text_read(path, &text, error) : file_text_read(path, &text, error);
-    if (status != BAT_OK)
-        return status;
-    status = read_text(&text, format, options, set, error);
-    file_text_free(&text);
-    return status;
+    return read_set(path, NULL, 0, options, set, error);
 }
 
 bat_status bat_curve_read_memory(const char *text, size_t size, const bat_curve_read_options *options, bat_curve_set *set,
                                  bat_error *error)
 {
-    bat_curve_read_options defaults = bat_curve_read_defaults();
-    if (options == NULL)
-        options = &defaults;
-    bat_status status = bat_options_check(&bat_curve_read_fields, options, error);
-    if (status != BAT_OK)
-        return status;
-    file_text copy;
-    status = file_text_copy(text, size, &copy, error);
-    if (status != BAT_OK)
-        return status;
-    status = read_text(&copy, options->format, options, set, error);
-    file_text_free(&copy);
-    return status;
+    return read_set(NULL, text, size, options, set, error);
 }
 
 /// Check what is to be written and begin its report.
@@ -381,85 +322,67 @@ static bool goes_back(const bat_curve_set *set)
     return set->attributes != NULL && set->attributes->on_sphere && set->space->point_dim == 3;
 }
 
-static bat_status write_compressed(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
-                                   bat_error *error)
+/// Write a set to a file, or to `memory` where the path is null or one of a compressed file.
+static bat_status write_set(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
+                            text_buffer *memory, bat_error *error)
 {
-    text_buffer text = {0};
-    bat_status status = bat_curve_write_memory(set, options, &text.data, &text.size, error);
-    if (status == BAT_OK)
-        status = gis_text_write(path, &text, error);
-    free(text.data);
-    return status;
-}
-
-bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
-                           bat_error *error)
-{
+    bat_curve_write_options chosen = options != NULL ? *options : bat_curve_write_defaults();
     if (goes_back(set))
     {
         bat_curve_set plane;
         bat_status moved = gis_to_plane(set, &plane, error);
         if (moved != BAT_OK)
             return moved;
-        moved = bat_curve_write(path, &plane, options, error);
+        moved = write_set(path, &plane, options, memory, error);
         bat_curve_set_free(&plane);
         return moved;
     }
-    bat_curve_write_options defaults = bat_curve_write_defaults();
-    if (options == NULL)
-        options = &defaults;
-    bat_curve_format format;
-    bat_status status = check_write(set, options, error);
+    bat_status status = check_write(set, &chosen, error);
     if (status == BAT_OK)
-        status = curve_format_choose(path, set->attributes, options, &format, error);
+        status = curve_format_choose(path, set->attributes, &chosen, &chosen.format, error);
     if (status != BAT_OK)
         return status;
-    bat_curve_write_options chosen = *options;
-    chosen.format = format;
-    if (row_of(format)->write == NULL)
-        return gis_write(path, row_of(format)->drivers, set, options, error);
-    if (gis_is_virtual(path))
-        return write_compressed(path, set, &chosen, error);
+    const curve_format *row = row_of(chosen.format);
+    if (row->write == NULL && path == NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",
+                         row->choice.name);
+    if (row->write == NULL)
+        return gis_write(path, row->drivers, set, &chosen, error);
+    if (path == NULL || gis_is_virtual(path))
+    {
+        text_sink sink = {.buffer = memory};
+        status = row->write(set, &chosen, &sink, error);
+        text_append(memory, "", 1);
+        return status == BAT_OK && memory->failed ? error_memory(error, memory->size) : status;
+    }
     atomic_file file;
     status = atomic_file_begin(path, &file, error);
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = row_of(format)->write(set, options, &sink, error);
+    status = row->write(set, &chosen, &sink, error);
     return atomic_file_end(&file, status, error);
+}
+
+bat_status bat_curve_write(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
+                           bat_error *error)
+{
+    text_buffer text = {0};
+    bat_status status = write_set(path, set, options, &text, error);
+    if (status == BAT_OK && text.size > 0)
+    {
+        text.size--; // without the final zero
+        status = gis_text_write(path, &text, error);
+    }
+    text_free(&text);
+    return status;
 }
 
 bat_status bat_curve_write_memory(const bat_curve_set *set, const bat_curve_write_options *options, char **text,
                                   size_t *size, bat_error *error)
 {
-    if (goes_back(set))
-    {
-        bat_curve_set plane;
-        bat_status moved = gis_to_plane(set, &plane, error);
-        if (moved != BAT_OK)
-            return moved;
-        moved = bat_curve_write_memory(&plane, options, text, size, error);
-        bat_curve_set_free(&plane);
-        return moved;
-    }
-    bat_curve_write_options defaults = bat_curve_write_defaults();
-    if (options == NULL)
-        options = &defaults;
-    bat_curve_format format;
-    bat_status status = check_write(set, options, error);
-    if (status == BAT_OK)
-        status = curve_format_choose(NULL, set->attributes, options, &format, error);
-    if (status == BAT_OK && row_of(format)->write == NULL)
-        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",
-                           bat_choice_name(&bat_curve_format_family, (int)format));
-    if (status != BAT_OK)
-        return status;
     text_buffer buffer = {0};
-    text_sink sink = {.buffer = &buffer};
-    status = row_of(format)->write(set, options, &sink, error);
-    text_append(&buffer, "", 1);
-    if (status == BAT_OK && buffer.failed)
-        status = error_memory(error, buffer.size);
+    bat_status status = write_set(NULL, set, options, &buffer, error);
     if (status != BAT_OK)
     {
         text_free(&buffer);

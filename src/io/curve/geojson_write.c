@@ -413,12 +413,10 @@ static bat_status start_writer(bat_curve_format format, const bat_curve_set *set
     return BAT_OK;
 }
 
-/// Write a set as a collection or as a sequence.
-static bat_status write_as(bat_curve_format format, const bat_curve_set *set, const bat_curve_write_options *options,
-                           text_sink *sink, bat_error *error)
+bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
     geojson_writer writer;
-    bat_status status = start_writer(format, set, options->precision, &writer, error);
+    bat_status status = start_writer(options->format, set, options->precision, &writer, error);
     if (status != BAT_OK)
         return status;
     writer.report = options->report;
@@ -448,23 +446,6 @@ bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format,
         options->report->left_out += report.left_out;
     text_free(&writer.crs);
     return status;
-}
-
-bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
-{
-    return write_as(BAT_CURVE_FORMAT_GEOJSON, set, options, sink, error);
-}
-
-bat_status geojson_lines_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
-                               bat_error *error)
-{
-    return write_as(BAT_CURVE_FORMAT_GEOJSON_LINES, set, options, sink, error);
-}
-
-bat_status geojson_sequence_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
-                                  bat_error *error)
-{
-    return write_as(BAT_CURVE_FORMAT_GEOJSON_SEQUENCE, set, options, sink, error);
 }
 
 bat_status geojson_each(const bat_curve_set *set, int precision, geojson_taker *take, void *context, bat_error *error)

@@ -262,11 +262,10 @@ static char *write_index(char *out, size_t index)
     return number_write_fixed(out, (int64_t)index + 1, 0);
 }
 
-/// `context` holds the row of each curve's first point.
 static bat_status format_elements(const void *context, const row_span *span, text_buffer *text, bat_error *error)
 {
+    (void)context;
     (void)error;
-    size_t first = ((const size_t *)context)[span->curve_index];
     if (span->begin == 0)
         text_append_string(text, "l");
     for (size_t i = span->begin; i < span->end; i++)
@@ -274,7 +273,7 @@ static bat_status format_elements(const void *context, const row_span *span, tex
         char *out = text_reserve(text, NUMBER_TEXT_SIZE);
         if (out == NULL)
             return BAT_OK;
-        text_advance(text, write_index(out, first + i));
+        text_advance(text, write_index(out, span->first_row + i));
     }
     if (span->end < span->curve->count)
         return BAT_OK;
@@ -282,7 +281,7 @@ static bat_status format_elements(const void *context, const row_span *span, tex
     if (out == NULL)
         return BAT_OK;
     if (span->curve->closed)
-        out = write_index(out, first);
+        out = write_index(out, span->first_row);
     *out++ = '\n';
     text_advance(text, out);
     return BAT_OK;
@@ -301,15 +300,8 @@ static bat_status check_curves(const bat_curve_set *set, bat_error *error)
 
 bat_status obj_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
-    row_blocks blocks;
     bat_status status = check_curves(set, error);
     if (status == BAT_OK)
-        status = row_blocks_begin(set, &blocks, error);
-    if (status != BAT_OK)
-        return status;
-    status = row_blocks_write(&blocks, sink, options->threads, format_vertices, NULL, error);
-    if (status == BAT_OK)
-        status = row_blocks_write(&blocks, sink, options->threads, format_elements, blocks.first_rows, error);
-    row_blocks_end(&blocks);
-    return status;
+        status = rows_write(set, sink, options->threads, format_vertices, NULL, error);
+    return status == BAT_OK ? rows_write(set, sink, options->threads, format_elements, NULL, error) : status;
 }

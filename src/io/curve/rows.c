@@ -10,32 +10,23 @@ enum
     ROWS_PER_BLOCK = 1 << 15
 };
 
-bat_status row_blocks_begin(const bat_curve_set *set, row_blocks *blocks, bat_error *error)
+/// The points of all curves of a set, partitioned into blocks of equal size.
+typedef struct row_job
 {
-    size_t *rows = memory_array(set->count + 1, sizeof *rows);
-    if (rows == NULL)
-        return error_memory(error, set->count * sizeof *rows);
-    rows[0] = 0;
-    for (size_t i = 0; i < set->count; i++)
-        rows[i + 1] = rows[i] + set->curves[i].count;
-    *blocks = (row_blocks){set, rows, (rows[set->count] + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK};
-    return BAT_OK;
-}
-
-void row_blocks_end(row_blocks *blocks)
-{
-    free(blocks->first_rows);
-    *blocks = (row_blocks){0};
-}
+    const bat_curve_set *set;
+    size_t *first_rows; ///< for each curve, then the number of all rows
+    row_format *format;
+    const void *context;
+} row_job;
 
 /// The curve of a row, by bisection.
-static size_t curve_of_row(const row_blocks *blocks, size_t row)
+static size_t curve_of_row(const row_job *job, size_t row)
 {
-    size_t low = 0, high = blocks->set->count;
+    size_t low = 0, high = job->set->count;
     while (high - low > 1)
     {
         size_t middle = low + (high - low) / 2;
-        if (blocks->first_rows[middle] <= row)
+        if (job->first_rows[middle] <= row)
             low = middle;
         else
             high = middle;
@@ -43,38 +34,38 @@ static size_t curve_of_row(const row_blocks *blocks, size_t row)
     return low;
 }
 
-typedef struct row_job
-{
-    const row_blocks *blocks;
-    row_format *format;
-    const void *context;
-} row_job;
-
 static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
 {
     const row_job *job = context;
-    const row_blocks *blocks = job->blocks;
-    const size_t *first_rows = blocks->first_rows;
-    size_t row = block * ROWS_PER_BLOCK;
-    size_t last = first_rows[blocks->set->count];
+    const size_t *first_rows = job->first_rows;
+    size_t row = block * ROWS_PER_BLOCK, last = first_rows[job->set->count];
     if (last - row > ROWS_PER_BLOCK)
         last = row + ROWS_PER_BLOCK;
     bat_status status = BAT_OK;
-    for (size_t i = curve_of_row(blocks, row); row < last && status == BAT_OK; i++)
+    for (size_t i = curve_of_row(job, row); row < last && status == BAT_OK; i++)
     {
         size_t end = first_rows[i + 1] < last ? first_rows[i + 1] : last;
-        row_span span = {&blocks->set->curves[i], i, row - first_rows[i], end - first_rows[i]};
+        row_span span = {&job->set->curves[i], i, first_rows[i], row - first_rows[i], end - first_rows[i]};
         status = job->format(job->context, &span, text, error);
         row = end;
     }
     return status;
 }
 
-bat_status row_blocks_write(const row_blocks *blocks, text_sink *sink, int threads, row_format *format, const void *context,
-                            bat_error *error)
+bat_status rows_write(const bat_curve_set *set, text_sink *sink, int threads, row_format *format, const void *context,
+                      bat_error *error)
 {
-    row_job job = {blocks, format, context};
-    return blocks_write(sink, blocks->block_count, threads, format_block, &job, error);
+    size_t *rows = memory_array(set->count + 1, sizeof *rows);
+    if (rows == NULL)
+        return error_memory(error, set->count * sizeof *rows);
+    rows[0] = 0;
+    for (size_t i = 0; i < set->count; i++)
+        rows[i + 1] = rows[i] + set->curves[i].count;
+    const row_job job = {set, rows, format, context};
+    size_t blocks = (rows[set->count] + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK;
+    bat_status status = blocks_write(sink, blocks, threads, format_block, &job, error);
+    free(rows);
+    return status;
 }
 
 bat_status row_not_finite(const row_span *span, size_t point, bat_error *error)

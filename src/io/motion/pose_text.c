@@ -216,10 +216,8 @@ static bat_status read_translated(pose_translation *work, bat_curve_set *set, ba
 {
     file_text made = {.data = work->text.data, .size = work->text.size};
     bat_curve_read_options options = *work->options;
-    options.format = BAT_CURVE_FORMAT_AUTO;
-    const file_text *text = work->as_it_is ? work->source : &made;
-    bat_status status =
-        work->reader == BAT_CURVE_FORMAT_TUM ? tum_read(text, &options, set, error) : csv_read(text, &options, set, error);
+    options.format = work->reader;
+    bat_status status = csv_read(work->as_it_is ? work->source : &made, &options, set, error);
     if (status != BAT_OK)
         return status;
     set->attributes->format = work->format;
@@ -272,14 +270,9 @@ bat_status poses_read(const file_text *text, bat_curve_format format, const bat_
     return status;
 }
 
-bat_status euroc_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
+bat_status trajectory_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set,
+                           bat_error *error)
 {
     bool taken;
-    return poses_read(text, BAT_CURVE_FORMAT_EUROC, options, set, &taken, error);
-}
-
-bat_status kitti_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
-{
-    bool taken;
-    return poses_read(text, BAT_CURVE_FORMAT_KITTI, options, set, &taken, error);
+    return poses_read(text, options->format, options, set, &taken, error);
 }
