@@ -3,9 +3,8 @@
 
 #include "picture_helpers.h"
 
-#include "draw/curve/comb.h"
+#include "draw/curve/scene.h"
 #include "draw/curve/simplify.h"
-#include "draw/curve/stroke.h"
 #include "draw/curve/view.h"
 
 /// The segments of a path.

@@ -3,7 +3,7 @@
 #include "picture_helpers.h"
 
 #include "draw/common/style.h"
-#include "draw/curve/panel.h"
+#include "draw/curve/scene.h"
 
 /// The box of a panel, and the tolerance for lines and letters.
 static const double box[4] = {100.0, 50.0, 300.0, 200.0};

@@ -3,7 +3,6 @@
 #include "picture_helpers.h"
 
 #include "batten/space.h"
-#include "draw/curve/proxy.h"
 #include "draw/curve/scene.h"
 
 enum

@@ -4,8 +4,7 @@
 
 #include "draw/common/style.h"
 #include "draw/curve/grid.h"
-#include "draw/curve/map_network.h"
-#include "draw/curve/panel.h"
+#include "draw/curve/scene.h"
 #include "draw/curve/view.h"
 
 #include "batten/space.h"

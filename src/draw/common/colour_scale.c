@@ -75,8 +75,7 @@ static void draw_steps(cairo_t *cairo, double x, double y)
     cairo_set_source(cairo, pattern);
     cairo_fill_preserve(cairo);
     cairo_pattern_destroy(pattern);
-    style_use_line(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
 }
 
 void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label, const double box[4])
@@ -105,8 +104,7 @@ void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label,
         double at = x + BAR_WIDTH * (ticks.values[i] - low) / (high - low);
         cairo_move_to(cairo, at, y + BAR_HEIGHT);
         cairo_line_to(cairo, at, y + BAR_HEIGHT + 2.0);
-        style_use_line(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
-        cairo_stroke(cairo);
+        style_stroke(cairo, (line_style){.colour = COLOUR_FRAME, .width = LINE_FRAME});
         style_use_colour(cairo, COLOUR_MUTED);
         if (ticks.labelled[i])
             tick_draw(cairo, &ticks, i, at, y + BAR_HEIGHT + 7.5, 0.5);

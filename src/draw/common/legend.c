@@ -20,8 +20,7 @@ void legend_ring(cairo_t *cairo, double x, double y, double radius, draw_colour 
     cairo_arc(cairo, x, y, radius, 0.0, TURN);
     style_use_colour(cairo, COLOUR_BACKGROUND);
     cairo_fill_preserve(cairo);
-    style_use_line(cairo, (line_style){colour, fmin(0.9, 0.6 * radius), 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){colour, fmin(0.9, 0.6 * radius), 0.0, 0.0});
 }
 
 void legend_dot(cairo_t *cairo, double x, double y, double radius, draw_colour colour)
@@ -120,8 +119,7 @@ static void draw_sample(cairo_t *cairo, const legend_item *item, double x, doubl
     {
         cairo_move_to(cairo, x, y);
         cairo_line_to(cairo, x + SAMPLE, y);
-        style_use_line(cairo, item->line);
-        cairo_stroke(cairo);
+        style_stroke(cairo, item->line);
     }
     if (item->mark == LEGEND_RING)
     {

@@ -62,3 +62,9 @@ void style_use_line(cairo_t *cairo, line_style line)
     double dashes[2] = {line.dash, line.gap};
     cairo_set_dash(cairo, dashes, line.dash > 0.0 ? 2 : 0, 0.0);
 }
+
+void style_stroke(cairo_t *cairo, line_style line)
+{
+    style_use_line(cairo, line);
+    cairo_stroke(cairo);
+}

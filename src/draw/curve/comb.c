@@ -1,7 +1,7 @@
-#include "draw/curve/comb.h"
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -107,6 +107,5 @@ void grid_disk(cairo_t *cairo, const draw_view *view, bool lines)
 void grid_disk_circle(cairo_t *cairo, const draw_view *view)
 {
     cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, TURN);
-    style_use_line(cairo, (line_style){COLOUR_FRAME, 1.2 * LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_FRAME, 1.2 * LINE_FRAME, 0.0, 0.0});
 }

@@ -72,8 +72,7 @@ static void plane_lines(cairo_t *cairo, const draw_view *view, const tick_list *
         cairo_move_to(cairo, box[0], view_y(view, upwards->values[i]));
         cairo_rel_line_to(cairo, box[2], 0.0);
     }
-    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
 }
 
 /// Draw the numbers below and to the left, with offset and exponent below the right end and above the top.
@@ -175,13 +174,11 @@ void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
             }
         }
     }
-    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     box_edge(cairo, view, frame, 0, 1);
     box_edge(cairo, view, frame, 1, 3);
     box_edge(cairo, view, frame, 0, 4);
-    style_use_line(cairo, (line_style){COLOUR_STRONG_GRID, LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_STRONG_GRID, LINE_FRAME, 0.0, 0.0});
     text_use(cairo, TEXT_LEGEND, false);
     style_use_colour(cairo, COLOUR_MUTED);
     axis_name(cairo, view, frame, 0, 0, 1);

@@ -82,8 +82,7 @@ void grid_scale_bar(cairo_t *cairo, double x, double y, double width, double ext
     cairo_line_to(cairo, x + page, y);
     cairo_move_to(cairo, x + page, y - 2.0);
     cairo_line_to(cairo, x + page, y + 2.0);
-    style_use_line(cairo, (line_style){COLOUR_MUTED, LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_MUTED, LINE_FRAME, 0.0, 0.0});
     text_use(cairo, TEXT_TICK, false);
     style_use_colour(cairo, COLOUR_MUTED);
     text_draw_middle(cairo, label, x + page + 5.0, y, 0.0);
@@ -287,8 +286,7 @@ static void take_line(cairo_t *cairo, const draw_view *view, const scene_frame *
 void grid_local_lines(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
     visit_lines(cairo, view, frame, take_line);
-    style_use_line(cairo, (line_style){COLOUR_GRATICULE, LINE_GRATICULE, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_GRATICULE, LINE_GRATICULE, 0.0, 0.0});
 }
 
 /// Whether a label at (x, y) leaves the others readable; then it is remembered.

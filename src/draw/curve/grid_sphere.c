@@ -72,12 +72,10 @@ void grid_globe_lines(cairo_t *cairo, const draw_view *view)
     {
         trace_line(cairo, view, 0.0, latitude, true);
     }
-    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     trace_line(cairo, view, 0.0, 0.0, true);
     trace_line(cairo, view, 0.0, 90.0, false);
-    style_use_line(cairo, (line_style){COLOUR_STRONG_GRID, LINE_GRID * 1.3, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_STRONG_GRID, LINE_GRID * 1.3, 0.0, 0.0});
 }
 
 /// Write "30°N", "0°" or "180°" for whole degrees.
@@ -134,8 +132,7 @@ static void middle_label(cairo_t *cairo, const draw_view *view, const scene_fram
 void grid_globe_limb(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels)
 {
     cairo_arc(cairo, view->origin_x, view->origin_y, view->scale, 0.0, TURN);
-    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
     if (labels)
     {
         limb_labels(cairo, view, frame->map.latitude);
@@ -179,8 +176,7 @@ void grid_map_lines(cairo_t *cairo, const draw_view *view)
             graticule_line(cairo, view, 0.0, degrees);
     }
     graticule_line(cairo, view, 0.0, 0.0);
-    style_use_line(cairo, (line_style){COLOUR_GRATICULE, LINE_GRATICULE, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_GRATICULE, LINE_GRATICULE, 0.0, 0.0});
 }
 
 static void map_labels(cairo_t *cairo, const draw_view *view)
@@ -250,6 +246,5 @@ void grid_map_frame(cairo_t *cairo, const draw_view *view, bool labels)
     if (labels)
         map_labels(cairo, view);
     map_frame(cairo, view);
-    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
 }

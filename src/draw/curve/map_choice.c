@@ -1,6 +1,4 @@
-#include "draw/curve/map_choice.h"
-
-#include "draw/curve/view.h"
+#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,6 @@
-#include "draw/curve/map_draw.h"
+#include "draw/curve/scene.h"
 
 #include "draw/curve/grid.h"
-#include "draw/curve/stroke.h"
 
 #include <string.h>
 
@@ -130,8 +129,7 @@ static void flush(line_group *group)
 {
     if (group->points > 0)
     {
-        style_use_line(group->cairo, group->line);
-        cairo_stroke(group->cairo);
+        style_stroke(group->cairo, group->line);
     }
     group->points = 0;
 }

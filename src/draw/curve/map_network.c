@@ -1,4 +1,4 @@
-#include "draw/curve/map_network.h"
+#include "draw/curve/scene.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"

@@ -1,11 +1,7 @@
-#include "draw/curve/panel.h"
+#include "draw/curve/scene.h"
 
 #include "draw/common/text.h"
-#include "draw/curve/comb.h"
 #include "draw/curve/grid.h"
-#include "draw/curve/map_draw.h"
-#include "draw/curve/scene.h"
-#include "draw/curve/stroke.h"
 
 #include <math.h>
 

@@ -1,11 +1,10 @@
 #include "batten/curve_picture.h"
-#include "draw/curve/view.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/common/sheet.h"
 #include "draw/common/text.h"
-#include "draw/curve/panel.h"
+#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -95,8 +95,7 @@ static void draw_grid(cairo_t *cairo, const plot_axis *x, const plot_axis *y, co
         cairo_move_to(cairo, x->start, tick_place(y, upwards, i));
         cairo_line_to(cairo, x->end, tick_place(y, upwards, i));
     }
-    style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
 }
 
 /// Draw the axes with their ticks.
@@ -116,8 +115,7 @@ static void draw_axes(cairo_t *cairo, const plot_axis *x, const plot_axis *y, co
         cairo_move_to(cairo, x->start, tick_place(y, upwards, i));
         cairo_rel_line_to(cairo, upwards->labelled[i] ? -TICK_LENGTH : -0.5 * TICK_LENGTH, 0.0);
     }
-    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0.0, 0.0});
 }
 
 static void draw_tick_labels(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const tick_list *across,
@@ -221,8 +219,7 @@ static void draw_line(cairo_t *cairo, const bat_chart_series *series, const plot
         p[1] = q[1];
     }
     simplifier_flush(&path);
-    style_use_line(cairo, style_curve(colour));
-    cairo_stroke(cairo);
+    style_stroke(cairo, style_curve(colour));
 }
 
 static void draw_dots(cairo_t *cairo, const bat_chart_series *series, const plot_axis *x, const plot_axis *y, int colour)

@@ -218,8 +218,7 @@ static void draw_leader(cairo_t *cairo, double x, double y, const rectangle *lab
     double share = length > 0.0 ? fmin(1.0, 3.2 / length) : 1.0;
     cairo_move_to(cairo, x + share * (to_x - x), y + share * (to_y - y));
     cairo_line_to(cairo, to_x, to_y);
-    style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_GRID, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_GRID, 0.0, 0.0});
 }
 
 /// Whether the line from (x, y) to its label crosses another dot.

@@ -1,10 +1,8 @@
-#include "draw/curve/proxy.h"
+#include "draw/curve/scene.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/space.h"
-#include "draw/curve/scene.h"
-#include "draw/curve/view.h"
 
 #include <math.h>
 #include <stdlib.h>

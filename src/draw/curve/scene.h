@@ -1,16 +1,151 @@
 #ifndef DRAW_CURVE_SCENE_H
 #define DRAW_CURVE_SCENE_H
 
+#include "batten/base.h"
 #include "batten/curve_picture.h"
-#include "draw/curve/comb.h"
-#include "draw/curve/map_choice.h"
-#include "draw/curve/map_network.h"
-#include "draw/curve/proxy.h"
+#include "draw/common/legend.h"
+#include "draw/common/style.h"
+#include "draw/curve/simplify.h"
+#include "draw/curve/view.h"
 
 #include <cairo.h>
 
 /// @file
-/// The content of a picture's panels, before any drawing.
+/// The content of a picture's panels, and the drawing of one.
+
+// Strokes of geodesic polylines with any number of points.
+
+/// The allowed error of lines on the page.
+#define STROKE_TOLERANCE 0.05
+
+/// A geodesic polyline to be drawn.
+typedef struct drawn_line
+{
+    const draw_view *view;
+    const double *points;
+    size_t count;
+    bool closed;
+    view_side side;
+} drawn_line;
+
+/// Stroke a polyline. If too many points remain after simplification, its coverage mask is drawn.
+bat_status stroke_line(cairo_t *cairo, const drawn_line *drawn, line_style line, bat_error *error);
+
+/// A coverage mask marks the cells of a fine grid that a very rough line visits. Strokes of the marked cells look like a
+/// stroke of the line, whatever its number of points.
+
+/// The side of a cell. A point of the line is at most 0.2 points from the centre of a marked cell: half a diagonal plus half
+/// a step along the line, (sqrt(1/2) + 1/8) 0.23.
+#define COVERAGE_CELL 0.23
+
+typedef struct coverage_map
+{
+    double low_x, low_y;
+    size_t columns, rows;
+    size_t stride; ///< words in a row
+    uint64_t *words;
+    double x, y; ///< the current point of the line
+} coverage_map;
+
+/// Make an empty mask for the rectangle from (low_x, low_y) to (high_x, high_y); release it with coverage_free().
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status coverage_begin(double low_x, double low_y, double high_x, double high_y, coverage_map *map, bat_error *error);
+/// A sink that marks the cells of a path within the rectangle.
+path_sink coverage_sink(coverage_map *map);
+/// Append the marked cells to cairo's current path, each run in a row as one line, for strokes with round caps.
+void coverage_free(coverage_map *map);
+
+// Curvature combs: at each vertex a segment whose length is proportional to the curvature, away from the centre of
+// curvature.
+
+/// The most vertices of a comb.
+#define COMB_MAX_POINTS 8192
+
+/// The segments of a comb. The curvature at a vertex is its exterior angle divided by the mean length of its two edges; the
+/// curvature vector is the tangent vector of this length. It is 0 at the ends of an open curve.
+typedef struct comb
+{
+    view_space space;
+    size_t point_dim;
+    size_t count;
+    bool closed;
+    double *points;  ///< count x point_dim: the vertices
+    double *vectors; ///< count x point_dim: negative curvature vectors; in the disk, transported from the origin by a Möbius
+                     ///< translation
+} comb;
+
+/// Compute the comb of a checked curve; release it with comb_free(). Curves with fewer than 3 points have no segments.
+bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error);
+void comb_free(comb *segments);
+
+/// The scale at which the 95th percentile of the segments has the length `usual` and none is longer than `longest`. INFINITY
+/// when all curvatures vanish.
+bat_status comb_natural_scale(const comb *segments, double usual, double longest, double *scale, bat_error *error);
+
+/// The end of a segment: the point reached from vertex `index` along `scale` times its vector.
+void comb_tip(const comb *segments, size_t index, double scale, double *tip);
+
+/// Draw the segments of a comb and the line through their ends. The ends of an open curve, with unknown curvature, have
+/// neither.
+bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *segments, double scale, draw_colour colour,
+                           bat_error *error);
+
+// What a picture shows of the sphere.
+
+/// The projection of panels on the sphere and the part of it that is seen.
+typedef struct map_choice
+{
+    bat_curve_projection projection; ///< never BAT_CURVE_PROJECTION_AUTO
+    double longitude, latitude;      ///< globe, local and both: the centre
+    double meridian;                 ///< map and both: the middle
+    double low[2], high[2];          ///< local: the range of u and v
+} map_choice;
+
+/// Choose for checked curves on the sphere. `polygons` says whether any of them is a ring.
+map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygons, const bat_curve_picture_options *options);
+
+// Which edges of a map are drawn, and the colours of its features.
+
+/// All zero for a panel without polygons.
+typedef struct map_network
+{
+    size_t *starts;       ///< layer_count + 1: the number of a layer's first edge, counted over the panel
+    unsigned char *drawn; ///< for each edge: 1 unless an earlier layer of the same role and kind has the same edge
+    int *colours;         ///< for each layer: the fill, 0 to MAP_COLOURS - 1
+} map_network;
+
+/// The number of fills.
+#define MAP_COLOURS 6
+
+/// Find equal edges of the layers and colour the features: neighbours, which share an edge, differ while there are colours.
+/// Release the network with map_network_free().
+/// @return BAT_OK or BAT_NO_MEMORY; without polygons `network` is all zero
+bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *network, bat_error *error);
+void map_network_free(map_network *network);
+
+// Proxies of spaces that have no drawing of their own: rotations, rigid motions and the hyperboloid.
+//
+// A curve of rotations becomes three curves on the sphere, the columns of the matrices; at control points a triangle joins
+// the columns. A rigid motion becomes the path of the body's origin in R^3, with the body's axes along it. The hyperboloid
+// of dimension 2 becomes the disk.
+
+/// A panel in the proxy's space. `lines[i]` is the style of layer i; with width 0 it follows from the layer's role.
+typedef struct proxy
+{
+    bat_space space;
+    bat_curve *curves;
+    bat_curve_picture_layer *layers;
+    line_style *lines;
+    size_t count;
+    bat_curve_picture_panel panel;
+} proxy;
+
+/// Make the proxy of a checked panel; release it with proxy_free().
+/// @return BAT_OK; BAT_CUT_LOCUS with the index of a point half a turn from the next; BAT_NO_MEMORY
+bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_picture_options *options, proxy *made,
+                      bat_error *error);
+/// Release everything; does nothing to a proxy that is all zero.
+void proxy_free(proxy *made);
 
 /// The visible part of a panel's space. The panels of a row share it unless the options differ.
 typedef struct scene_frame
@@ -91,5 +226,25 @@ static inline void scene_corner(const scene_frame *frame, unsigned corner, doubl
 bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel *panel, bat_error *error);
 /// Draw the rows of a panel. (u, v) are in units of the largest semi-axis.
 bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error);
+
+// Polygons and lines of maps.
+
+/// The style of a layer of a map.
+line_style map_line(const scene_panel *panel, size_t index);
+/// Fill the polygons of the results, or the given ones where there are no results.
+void map_draw_fills(cairo_t *cairo, const draw_view *view, const scene_panel *panel);
+/// Draw the lines of a role, each distinct edge once. The panel has polygons.
+bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_curve_layer_role role,
+                          bat_error *error);
+
+// One panel of a picture.
+
+/// The preferred height of a panel for a width; a flat drawing is at most `tallest` times as high as wide.
+double panel_height(const scene_panel *panel, const bat_curve_picture_options *options, double tallest, double width);
+/// Draw a panel into the box (x, y, width, height), centred and with equal scales of both axes.
+bat_status panel_draw(cairo_t *cairo, const scene_panel *panel, const bat_curve_picture_options *options,
+                      const double box[4], bat_error *error);
+/// The legend item of a layer; the label may be null.
+legend_item panel_legend_item(const scene_panel *panel, size_t index, const bat_curve_picture_options *options);
 
 #endif

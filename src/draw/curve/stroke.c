@@ -1,4 +1,4 @@
-#include "draw/curve/stroke.h"
+#include "draw/curve/scene.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -166,7 +166,6 @@ bat_status stroke_line(cairo_t *cairo, const drawn_line *drawn, line_style line,
         coverage_free(&map);
         line.dash = 0.0;
     }
-    style_use_line(cairo, line);
-    cairo_stroke(cairo);
+    style_stroke(cairo, line);
     return status;
 }

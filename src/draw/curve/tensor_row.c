@@ -1,7 +1,6 @@
 #include "draw/curve/scene.h"
 
 #include "base/error.h"
-#include "draw/common/style.h"
 #include "linalg/decompose.h"
 
 #include <math.h>
@@ -219,11 +218,9 @@ static void draw_ellipsoid(cairo_t *cairo, const ellipsoid *drawn, bool given, d
     draw_colour rim = given ? COLOUR_FOREGROUND : style_mix(colour, COLOUR_FOREGROUND, 0.6);
     outline_of(drawn, root);
     fill_outline(cairo, root, scale, x, y, colour);
-    style_use_line(cairo, (line_style){rim, given ? 1.3 : 0.7, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){rim, given ? 1.3 : 0.7, 0.0, 0.0});
     trace_inside(cairo, drawn, scale, x, y);
-    style_use_line(cairo, (line_style){style_mix(rim, colour, 0.6), given ? 0.6 : 0.4, 0.0, 0.0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){style_mix(rim, colour, 0.6), given ? 0.6 : 0.4, 0.0, 0.0});
 }
 
 static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_panel *panel, size_t layer, bat_error *error)

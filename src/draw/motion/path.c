@@ -298,8 +298,7 @@ static void draw_edge(cairo_t *cairo, const film *shown, const placing *at, cons
         place_point(at, p, &x, &y);
         cairo_move_to(cairo, x, y);
         cairo_line_to(cairo, x + 3 * edge->away_x, y + 3 * edge->away_y);
-        style_use_line(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0, 0});
-        cairo_stroke(cairo);
+        style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_FRAME, 0, 0});
         style_use_colour(cairo, COLOUR_MUTED);
         if (!ticks.labelled[i])
             continue;
@@ -342,8 +341,7 @@ static void draw_floor(cairo_t *cairo, const placing *at, const box_edge *first,
             p[along] = view->high[along];
             place_point(at, p, &x, &y);
             cairo_line_to(cairo, x, y);
-            style_use_line(cairo, (line_style){i < ticks.count ? COLOUR_GRID : COLOUR_STRONG_GRID, LINE_GRID, 0, 0});
-            cairo_stroke(cairo);
+            style_stroke(cairo, (line_style){i < ticks.count ? COLOUR_GRID : COLOUR_STRONG_GRID, LINE_GRID, 0, 0});
         }
     }
 }
@@ -387,8 +385,7 @@ static void draw_upright(cairo_t *cairo, const film *shown, const placing *at, c
     p[edge->axis] = view->high[edge->axis];
     place_point(at, p, &x, &y);
     cairo_line_to(cairo, x, y);
-    style_use_line(cairo, (line_style){COLOUR_STRONG_GRID, LINE_GRID, 0, 0});
-    cairo_stroke(cairo);
+    style_stroke(cairo, (line_style){COLOUR_STRONG_GRID, LINE_GRID, 0, 0});
     draw_edge(cairo, shown, at, edge);
 }
 
@@ -413,8 +410,7 @@ static void draw_line(cairo_t *cairo, const film *shown, const film_track *track
     }
     simplifier_flush(&path);
     cairo_set_line_join(cairo, CAIRO_LINE_JOIN_ROUND);
-    style_use_line(cairo, style);
-    cairo_stroke(cairo);
+    style_stroke(cairo, style);
 }
 
 static void draw_keys(cairo_t *cairo, const film *shown, const film_track *track, const placing *at)
@@ -530,8 +526,7 @@ static void draw_ends(cairo_t *cairo, const film *shown, const film_track *track
         legend_dot(cairo, x[end], y[end], MARKER_RADIUS, track->colour);
         cairo_move_to(cairo, x[end] + beside - (beside < 0 ? text_width(cairo, name) : 0), y[end] + 0.36 * TEXT_TICK);
         cairo_text_path(cairo, name);
-        style_use_line(cairo, (line_style){COLOUR_BACKGROUND, 2.4, 0, 0});
-        cairo_stroke(cairo);
+        style_stroke(cairo, (line_style){COLOUR_BACKGROUND, 2.4, 0, 0});
         style_use_colour(cairo, COLOUR_FOREGROUND);
         text_draw_middle(cairo, name, x[end] + beside, y[end], beside < 0 ? 1 : 0);
     }

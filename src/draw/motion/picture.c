@@ -4,8 +4,8 @@
 #include "base/option.h"
 #include "draw/common/sheet.h"
 #include "draw/common/text.h"
-#include "draw/curve/panel.h"
 #include "draw/curve/plot.h"
+#include "draw/curve/scene.h"
 #include "draw/motion/film.h"
 
 #include <inttypes.h>

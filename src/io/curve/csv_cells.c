@@ -1,8 +1,6 @@
-#include "io/curve/csv_cells.h"
+#include "io/curve/csv.h"
 
 #include "io/common/iso_time.h"
-#include "io/common/number_text.h"
-#include "io/curve/csv_split.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,6 @@
-#include "io/curve/csv_columns.h"
+#include "io/curve/csv.h"
 
 #include "base/memory.h"
-#include "curve/point_form.h"
-#include "io/curve/csv_names.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "io/curve/csv_names.h"
+#include "io/curve/csv.h"
 
 #include <string.h>
 #include <strings.h>

@@ -1,4 +1,4 @@
-#include "io/curve/csv_reader.h"
+#include "io/curve/csv.h"
 
 #include "io/common/exact_time.h"
 #include "io/common/iso_time.h"

@@ -1,6 +1,5 @@
 #include "io/common/iso_time.h"
-#include "io/curve/csv_names.h"
-#include "io/curve/csv_reader.h"
+#include "io/curve/csv.h"
 
 #include <math.h>
 #include <string.h>

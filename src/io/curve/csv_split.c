@@ -1,6 +1,4 @@
-#include "io/curve/csv_split.h"
-
-#include "io/common/number_text.h"
+#include "io/curve/csv.h"
 
 #include <string.h>
 #include <strings.h>

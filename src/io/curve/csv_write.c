@@ -1,12 +1,6 @@
-#include "base/error.h"
 #include "io/common/exact_time.h"
 #include "io/common/iso_time.h"
-#include "io/common/number_text.h"
-#include "io/curve/csv_cells.h"
-#include "io/curve/csv_columns.h"
-#include "io/curve/csv_names.h"
-#include "io/curve/csv_split.h"
-#include "io/curve/formats.h"
+#include "io/curve/csv.h"
 #include "io/curve/rows.h"
 #include "space/degrees.h"
 

@@ -6,7 +6,7 @@
 #include "base/option.h"
 #include "curve/curve_attributes.h"
 #include "io/curve/formats.h"
-#include "io/curve/geojson_sequence.h"
+#include "io/curve/geojson.h"
 #include "io/gis/gis.h"
 #include "io/motion/pose_text.h"
 #include "space/degrees.h"

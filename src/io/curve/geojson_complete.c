@@ -1,4 +1,4 @@
-#include "io/curve/geojson_feature.h"
+#include "io/curve/geojson.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "io/curve/geojson_document.h"
+#include "io/curve/geojson.h"
 
 #include "base/array_grow.h"
 

@@ -1,8 +1,7 @@
-#include "io/curve/geojson_feature.h"
+#include "io/curve/geojson.h"
 
 #include "base/array_grow.h"
 #include "base/json_parse.h"
-#include "io/common/json.h"
 #include "io/common/number_text.h"
 
 #include <string.h>

@@ -1,12 +1,10 @@
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/text_buffer.h"
 #include "base/threads.h"
 #include "io/common/file_text.h"
-#include "io/common/json.h"
 #include "io/curve/crs_name.h"
 #include "io/curve/formats.h"
-#include "io/curve/geojson_feature.h"
+#include "io/curve/geojson.h"
 
 #include <stdio.h>
 #include <string.h>

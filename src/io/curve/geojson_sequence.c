@@ -1,4 +1,4 @@
-#include "io/curve/geojson_sequence.h"
+#include "io/curve/geojson.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"

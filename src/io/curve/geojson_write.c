@@ -1,11 +1,9 @@
 #include "base/error.h"
 #include "base/json_parse.h"
-#include "curve/curve_attributes.h"
-#include "io/common/json.h"
 #include "io/curve/crs_name.h"
-#include "io/curve/csv_columns.h"
+#include "io/curve/csv.h"
 #include "io/curve/formats.h"
-#include "io/curve/geojson_sequence.h"
+#include "io/curve/geojson.h"
 #include "io/curve/geojson_shape.h"
 
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "base/progress.h"
 #include "curve/curve_attributes.h"
 #include "io/curve/formats.h"
-#include "io/curve/geojson_sequence.h"
+#include "io/curve/geojson.h"
 #include "io/gis/gis.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-#include "io/curve/stitch_edges.h"
+#include "io/curve/stitch_seam.h"
 
 #include "base/array_grow.h"
 

@@ -3,7 +3,7 @@
 
 #include "io/gis/gdal.h"
 
-#include "io/curve/geojson_document.h"
+#include "io/curve/geojson.h"
 
 /// @file
 /// What a GeoJSON document keeps of the layer it was read from, so that it can be written again.

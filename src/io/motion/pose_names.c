@@ -1,4 +1,4 @@
-#include "io/motion/pose_names.h"
+#include "io/motion/pose_translation.h"
 
 #include <string.h>
 

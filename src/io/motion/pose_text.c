@@ -2,7 +2,6 @@
 
 #include "curve/curve_attributes.h"
 #include "io/common/number_text.h"
-#include "io/curve/csv_split.h"
 #include "io/curve/formats.h"
 #include "io/motion/pose_translation.h"
 

@@ -1,4 +1,4 @@
-#include "io/motion/pose_times.h"
+#include "io/motion/pose_translation.h"
 
 #include "io/common/exact_time.h"
 #include "io/common/number_text.h"

@@ -5,11 +5,89 @@
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
 #include "io/common/file_text.h"
-#include "io/motion/pose_names.h"
-#include "io/motion/pose_times.h"
+#include "io/common/iso_time.h"
+#include "io/curve/csv.h"
 
 /// @file
 /// The translation of a text of poses, line by line, and its parts: rows without names, matrices, tables with names.
+
+// The names of columns that ROS, EuRoC and flight logs use for poses, and the units in them.
+
+enum
+{
+    POSE_NAME_SIZE = 64
+};
+
+/// What a column of a table holds.
+typedef enum role
+{
+    TIME,
+    SECONDS,
+    NANOSECONDS,
+    X,
+    Y,
+    Z,
+    QW,
+    QX,
+    QY,
+    QZ,
+    ROLL,
+    PITCH,
+    YAW,
+    VX,
+    VY,
+    VZ,
+    WX,
+    WY,
+    WZ,
+    ROLES
+} role;
+
+/// Units that the name of a column has.
+typedef enum column_unit
+{
+    UNIT_NONE,
+    UNIT_SECONDS,
+    UNIT_MILLI,
+    UNIT_MICRO,
+    UNIT_NANO,
+    UNIT_DEGREES,
+    UNIT_RADIANS,
+    UNIT_OTHER
+} column_unit;
+
+/// The decimals that a unit of time has below seconds.
+int pose_unit_decimals(column_unit unit);
+
+/// The name of a column in lower case without quotes, unit and prefixes, with '_' for dots, slashes and blanks.
+void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit *found);
+
+/// The role of a normalized name, or ROLES. `*canonical` tells whether the reader of CSV knows the name itself.
+role pose_name_role(const char *name, bool *canonical);
+
+// The times of poses: seconds, their decimal parts, seconds with nanoseconds, and ISO 8601.
+
+enum
+{
+    POSE_TIME_SIZE = 64
+};
+
+/// What is known of the times of a text.
+typedef struct pose_clock
+{
+    bool begun;
+    int64_t origin;                ///< whole seconds that translated times lack; see exact_time_origin()
+    char first[ISO_TIME_SIZE + 1]; ///< the first time, where times are those of ISO 8601; else empty
+} pose_clock;
+
+/// A whole number within int64_t.
+bool pose_read_whole(csv_field cell, int64_t *value);
+/// The text of a time in seconds since the clock's origin. Returns null, or an error text.
+const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out, size_t size);
+/// The same of seconds and nanoseconds in two columns.
+const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out, size_t size);
+/// The unit of whole times that are too large for seconds since 1970.
+column_unit pose_unit_by_size(csv_field cell);
 
 enum
 {

@@ -4,9 +4,8 @@
 #include "base/file_bytes.h"
 #include "base/number_digits.h"
 #include "io/common/exact_time.h"
-#include "io/common/iso_time.h"
 #include "io/common/number_text.h"
-#include "io/motion/pose_times.h"
+#include "io/motion/pose_translation.h"
 
 #include <stdlib.h>
 #include <string.h>

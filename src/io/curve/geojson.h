@@ -1,14 +1,66 @@
-#ifndef IO_CURVE_GEOJSON_FEATURE_H
-#define IO_CURVE_GEOJSON_FEATURE_H
+#ifndef IO_CURVE_GEOJSON_H
+#define IO_CURVE_GEOJSON_H
 
 #include "base/text_buffer.h"
 #include "curve/curve_attributes.h"
+#include "io/common/block_writer.h"
 #include "io/common/json.h"
 #include "io/curve/builder.h"
-#include "io/curve/geojson_document.h"
+#include "io/curve/stitch.h"
+
+#include <jansson.h>
 
 /// @file
 /// Parts of the GeoJSON reader: positions for messages, coordinates cut out of the text, features, geometries.
+
+/// A GeoJSON geometry that became curves. In the stored tree its "coordinates" are its index among the geometries of its
+/// feature.
+typedef struct geojson_geometry
+{
+    size_t curve;         ///< its first curve, within the feature
+    size_t curve_count;   ///< the number of its lines or rings
+    size_t polygon;       ///< its first polygon, within the feature
+    size_t polygon_count; ///< 0 for lines
+} geojson_geometry;
+
+/// A feature of a collection, or the single feature or geometry of a file.
+typedef struct geojson_feature
+{
+    json_t *tree;
+    size_t line;                     ///< the line where it begins, counted from 1; 0 when unknown
+    size_t curve, curve_count;       ///< its curves in the set
+    size_t geometry, geometry_count; ///< its geometries in geojson_document::geometries
+    size_t polygon, polygon_count;   ///< its polygons in geojson_document::ring_counts
+} geojson_feature;
+
+/// A GeoJSON file without the coordinates of lines and polygons.
+typedef struct geojson_document
+{
+    json_t *collection; ///< the FeatureCollection with an empty "features"; null when the file is one feature or geometry
+    geojson_feature *features;
+    size_t feature_count, feature_capacity;
+    geojson_geometry *geometries;
+    size_t geometry_count, geometry_capacity;
+    size_t *ring_counts; ///< for each polygon
+    signed char *poles;  ///< for each polygon, as in stitch_geometry
+    size_t polygon_count, polygon_capacity, pole_capacity;
+    stitch_origin *origins; ///< for each curve
+    size_t curve_count, curve_capacity;
+    bool measures; ///< the third number of a position is a measure and no altitude; of a layer without altitudes
+    struct geojson_layer *layer; ///< what the room gis keeps of the layer that the features are from; null for none
+    void (*layer_free)(struct geojson_layer *layer);
+} geojson_document;
+
+/// Make room for the polygons and the curves of a document. False when out of memory.
+bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves);
+
+/// Write " (id 'ATA')" or " (id 17)" for a feature with an id, else nothing. Returns `text`.
+const char *geojson_feature_id(const json_t *tree, char *text, size_t size);
+
+void geojson_document_free(geojson_document *document);
+
+/// Give a document to the attributes, which free it; the document is empty then. False when out of memory.
+bool geojson_document_keep(geojson_document *document, bat_curve_attributes *attributes);
 
 /// The position of a reader in the file, for messages; BAT_NO_INDEX where it does not apply.
 typedef struct geojson_place
@@ -126,5 +178,36 @@ void geojson_describe_place(const geojson_reader *reader, char *text, size_t siz
 bat_status geojson_fault(geojson_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 bat_status geojson_no_memory(geojson_reader *reader);
+
+// Sequences of GeoJSON texts: RFC 8142, where a record separator begins each record, and a record a line.
+
+/// The record separator of RFC 8142.
+#define RECORD_SEPARATOR '\x1e'
+
+/// A position in a sequence. Blank lines and empty records are skipped.
+typedef struct record_scan
+{
+    const char *at, *end; ///< the byte at `end` is readable
+    size_t line;          ///< the line of `at`, counted from 1
+    bool separated;       ///< by record separators, else by line breaks
+} record_scan;
+
+/// The start of a sequence, or of its next part: `separated` where the first byte that is not blank is a separator.
+record_scan record_scan_start(const char *text, size_t size, size_t line);
+
+/// Advance behind the next record. `whole`: the text does not go on after its end, where the last record needs no line break
+/// or separator. False, without moving, when there is no complete record.
+bool record_scan_next(record_scan *scan, bool whole, feature_text *record);
+
+/// Write the features of a set as a part of a collection or of a sequence. In a collection a comma stands before each
+/// feature but the first one of the part with `first`.
+bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format, bool first,
+                              const bat_curve_write_options *options, text_sink *sink, bat_error *error);
+
+/// What stands before and after the features of a collection.
+extern const char GEOJSON_COLLECTION_BEGIN[], GEOJSON_COLLECTION_END[];
+
+/// Whether a text that begins with a separator or a brace is a sequence of several records.
+bool geojson_is_sequence(const char *text, size_t size);
 
 #endif
