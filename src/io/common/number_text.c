@@ -27,25 +27,10 @@ enum
 
 int64_t number_power_of_ten(int decimals)
 {
-    static const int64_t powers[MAX_POWER + 1] = {1,
-                                                  10,
-                                                  100,
-                                                  1000,
-                                                  10000,
-                                                  100000,
-                                                  1000000,
-                                                  10000000,
-                                                  100000000,
-                                                  1000000000,
-                                                  10000000000,
-                                                  100000000000,
-                                                  1000000000000,
-                                                  10000000000000,
-                                                  100000000000000,
-                                                  1000000000000000,
-                                                  10000000000000000,
-                                                  100000000000000000,
-                                                  1000000000000000000};
+    static const int64_t powers[MAX_POWER + 1] = {(int64_t)1e0,  (int64_t)1e1,  (int64_t)1e2,  (int64_t)1e3,  (int64_t)1e4,
+                                                  (int64_t)1e5,  (int64_t)1e6,  (int64_t)1e7,  (int64_t)1e8,  (int64_t)1e9,
+                                                  (int64_t)1e10, (int64_t)1e11, (int64_t)1e12, (int64_t)1e13, (int64_t)1e14,
+                                                  (int64_t)1e15, (int64_t)1e16, (int64_t)1e17, (int64_t)1e18};
     return powers[decimals];
 }
 
@@ -293,43 +278,23 @@ static double scale_by_two(uint64_t mantissa, int exponent)
     return (double)mantissa * power;
 }
 
+/// 5^exponent for 0 <= exponent <= 27: the odd part of a power of ten, or of the product of two.
+static uint64_t power_of_five(int exponent)
+{
+    int low = exponent > MAX_POWER ? MAX_POWER : exponent, high = exponent - low;
+    return ((uint64_t)number_power_of_ten(low) >> low) * ((uint64_t)number_power_of_ten(high) >> high);
+}
+
 /// `mantissa` * 10^exponent for -27 <= exponent <= 27. The product or quotient with 5^27 has at least 62 exact bits. Its
 /// last bit is set when there is a remainder, so it rounds like the exact value.
 static double convert_wide(uint64_t mantissa, int exponent)
 {
-    static const uint64_t fives[WIDE_POWER + 1] = {1,
-                                                   5,
-                                                   25,
-                                                   125,
-                                                   625,
-                                                   3125,
-                                                   15625,
-                                                   78125,
-                                                   390625,
-                                                   1953125,
-                                                   9765625,
-                                                   48828125,
-                                                   244140625,
-                                                   1220703125,
-                                                   6103515625,
-                                                   30517578125,
-                                                   152587890625,
-                                                   762939453125,
-                                                   3814697265625,
-                                                   19073486328125,
-                                                   95367431640625,
-                                                   476837158203125,
-                                                   2384185791015625,
-                                                   11920928955078125,
-                                                   59604644775390625,
-                                                   298023223876953125,
-                                                   1490116119384765625,
-                                                   7450580596923828125};
+    uint64_t five = power_of_five(exponent < 0 ? -exponent : exponent);
     int shift = __builtin_clzll(mantissa);
     mantissa <<= shift;
     if (exponent >= 0)
     {
-        wide product = (wide)mantissa * fives[exponent];
+        wide product = (wide)mantissa * five;
         uint64_t high = (uint64_t)(product >> 64), low = (uint64_t)product;
         if (high == 0)
             return scale_by_two(low, exponent - shift);
@@ -337,8 +302,8 @@ static double convert_wide(uint64_t mantissa, int exponent)
         high = up > 0 ? high << up | low >> (64 - up) : high;
         return scale_by_two(high | (low << up != 0), 64 - up + exponent - shift);
     }
-    int divisor_shift = __builtin_clzll(fives[-exponent]);
-    uint64_t divisor = fives[-exponent] << divisor_shift;
+    int divisor_shift = __builtin_clzll(five);
+    uint64_t divisor = five << divisor_shift;
     wide dividend = (wide)mantissa << 63;
     uint64_t quotient = (uint64_t)(dividend / divisor);
     bool rest = (uint64_t)dividend != quotient * divisor;
