@@ -30,7 +30,7 @@ typedef struct geojson_feature
     size_t line;                     ///< the line where it begins, counted from 1; 0 when unknown
     size_t curve, curve_count;       ///< its curves in the set
     size_t geometry, geometry_count; ///< its geometries in geojson_document::geometries
-    size_t polygon, polygon_count;   ///< its polygons in geojson_document::ring_counts
+    size_t polygon, polygon_count;   ///< its polygons in geojson_document::polygons
 } geojson_feature;
 
 /// A GeoJSON file without the coordinates of lines and polygons.
@@ -41,9 +41,8 @@ typedef struct geojson_document
     size_t feature_count, feature_capacity;
     geojson_geometry *geometries;
     size_t geometry_count, geometry_capacity;
-    size_t *ring_counts; ///< for each polygon
-    signed char *poles;  ///< for each polygon, as in stitch_geometry
-    size_t polygon_count, polygon_capacity, pole_capacity;
+    stitch_polygon *polygons;
+    size_t polygon_count, polygon_capacity;
     stitch_origin *origins; ///< for each curve
     size_t curve_count, curve_capacity;
     bool measures; ///< the third number of a position is a measure and no altitude; of a layer without altitudes
@@ -54,8 +53,10 @@ typedef struct geojson_document
 /// Make room for the polygons and the curves of a document. False when out of memory.
 bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves);
 
-/// Write " (id 'ATA')" or " (id 17)" for a feature with an id, else nothing. Returns `text`.
-const char *geojson_feature_id(const json_t *tree, char *text, size_t size);
+/// Append "WHAT INDEX", after a comma where there is a text; nothing for BAT_NO_INDEX.
+void geojson_append_place(char *text, size_t size, const char *what, size_t index);
+/// Append " (id 'ATA')" or " (id 17)" for a feature with an id, else nothing.
+void geojson_append_id(char *text, size_t size, const json_t *feature);
 
 void geojson_document_free(geojson_document *document);
 

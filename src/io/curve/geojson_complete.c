@@ -42,15 +42,6 @@ static void merge_aliases(bat_curve *curve)
     curve->count = count;
 }
 
-static void add_report(stitch_report *sum, const stitch_report *report)
-{
-    sum->joined += report->joined;
-    sum->joins += report->joins;
-    sum->poles += report->poles;
-    sum->removed += report->removed;
-    sum->unrepresented += report->unrepresented;
-}
-
 /// Move the last curves of the builder, and the polygons, into a geometry. Null arrays when out of memory.
 static bool take_geometry(geojson_reader *reader, size_t first_curve, size_t first_polygon, stitch_geometry *geometry)
 {
@@ -58,26 +49,17 @@ static bool take_geometry(geojson_reader *reader, size_t first_curve, size_t fir
     geojson_document *document = &reader->document;
     size_t curves = builder->curve_count - first_curve, polygons = document->polygon_count - first_polygon;
     *geometry = (stitch_geometry){.curves = memory_array(curves, sizeof *geometry->curves),
-                                  .origins = memory_array(curves, sizeof *geometry->origins)};
-    bool rings = reader->rings;
-    if (rings)
-    {
-        geometry->ring_counts = memory_array(polygons, sizeof *geometry->ring_counts);
-        geometry->poles = memory_array(polygons, sizeof *geometry->poles);
-    }
-    if (geometry->curves == NULL || geometry->origins == NULL ||
-        (rings && (geometry->ring_counts == NULL || geometry->poles == NULL)))
+                                  .origins = memory_array(curves, sizeof *geometry->origins),
+                                  .polygons = memory_array(polygons, sizeof *geometry->polygons)};
+    if (geometry->curves == NULL || geometry->origins == NULL || geometry->polygons == NULL)
     {
         stitch_geometry_free(geometry);
         return false;
     }
     memcpy(geometry->curves, builder->curves + first_curve, curves * sizeof *geometry->curves);
     memcpy(geometry->origins, document->origins + first_curve, curves * sizeof *geometry->origins);
-    if (rings)
-    {
-        memcpy(geometry->ring_counts, document->ring_counts + first_polygon, polygons * sizeof *geometry->ring_counts);
-        memcpy(geometry->poles, document->poles + first_polygon, polygons * sizeof *geometry->poles);
-    }
+    if (polygons > 0)
+        memcpy(geometry->polygons, document->polygons + first_polygon, polygons * sizeof *geometry->polygons);
     geometry->count = curves;
     geometry->polygon_count = polygons;
     builder->curve_count = first_curve;
@@ -97,11 +79,7 @@ static bool give_geometry(geojson_reader *reader, stitch_geometry *geometry)
         return false;
     memcpy(document->origins + curves, geometry->origins, geometry->count * sizeof *geometry->origins);
     if (geometry->polygon_count > 0)
-    {
-        memcpy(document->ring_counts + polygons, geometry->ring_counts,
-               geometry->polygon_count * sizeof *geometry->ring_counts);
-        memcpy(document->poles + polygons, geometry->poles, geometry->polygon_count * sizeof *geometry->poles);
-    }
+        memcpy(document->polygons + polygons, geometry->polygons, geometry->polygon_count * sizeof *geometry->polygons);
     document->curve_count += geometry->count;
     document->polygon_count += geometry->polygon_count;
     geometry->count = 0;
@@ -128,7 +106,7 @@ static bat_status join_parts(geojson_reader *reader, size_t first_curve, size_t 
         geojson_describe_place(reader, findings->first_join, sizeof findings->first_join);
     if (report.poles > 0 && findings->polygons.poles == 0)
         geojson_describe_place(reader, findings->first_pole, sizeof findings->first_pole);
-    add_report(sum, &report);
+    stitch_report_add(sum, &report);
     *represented = report.unrepresented == 0;
     return BAT_OK;
 }
@@ -153,7 +131,7 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
     size_t polygon = first_polygon;
     while (ring < end)
     {
-        size_t rings = reader->rings ? document->ring_counts[polygon] : 1, before = kept;
+        size_t rings = reader->rings ? document->polygons[polygon].rings : 1, before = kept;
         bool dropped = is_degenerate(&builder->curves[ring]);
         for (size_t i = 0; i < rings; i++, ring++)
         {
@@ -187,10 +165,7 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
         if (!reader->rings)
             continue;
         if (kept > before)
-        {
-            document->ring_counts[kept_polygons] = kept - before;
-            document->poles[kept_polygons++] = document->poles[polygon];
-        }
+            document->polygons[kept_polygons++] = (stitch_polygon){kept - before, document->polygons[polygon].pole};
         polygon++;
     }
     builder->curve_count = document->curve_count = kept;

@@ -14,30 +14,18 @@
 
 static const size_t NOWHERE = BAT_NO_INDEX;
 
-static void describe(char *text, size_t size, const char *what, size_t index)
-{
-    size_t used = strlen(text);
-    if (index != NOWHERE)
-        (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
-}
-
 void geojson_describe_place(const geojson_reader *reader, char *text, size_t size)
 {
     const geojson_place *place = &reader->place;
     const geojson_document *document = &reader->document;
     text[0] = '\0';
-    describe(text, size, "feature", place->feature);
+    geojson_append_place(text, size, "feature", place->feature);
     if (place->feature != NOWHERE && document->feature_count > 0)
-    {
-        char id[80];
-        size_t used = strlen(text);
-        const json_t *tree = document->features[document->feature_count - 1].tree;
-        (void)snprintf(text + used, size - used, "%s", geojson_feature_id(tree, id, sizeof id));
-    }
-    describe(text, size, "geometry", place->geometry);
-    describe(text, size, "polygon", place->polygon);
-    describe(text, size, reader->rings ? "ring" : "line", place->part);
-    describe(text, size, "position", place->position);
+        geojson_append_id(text, size, document->features[document->feature_count - 1].tree);
+    geojson_append_place(text, size, "geometry", place->geometry);
+    geojson_append_place(text, size, "polygon", place->polygon);
+    geojson_append_place(text, size, reader->rings ? "ring" : "line", place->part);
+    geojson_append_place(text, size, "position", place->position);
 }
 
 bat_status geojson_fault(geojson_reader *reader, const char *format, ...)
@@ -237,8 +225,7 @@ static bat_status read_polygon(geojson_reader *reader, json_scanner *scan)
         return geojson_no_memory(reader);
     size_t count;
     bat_status status = read_parts(reader, scan, &count);
-    document->ring_counts[document->polygon_count] = count;
-    document->poles[document->polygon_count++] = 0;
+    document->polygons[document->polygon_count++] = (stitch_polygon){.rings = count};
     return status;
 }
 

@@ -7,14 +7,8 @@
 
 bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves)
 {
-    void *counts = document->ring_counts, *poles = document->poles, *origins = document->origins;
-    bool grown = array_grow(&counts, &document->polygon_capacity, polygons, sizeof *document->ring_counts) &&
-                 array_grow(&poles, &document->pole_capacity, polygons, sizeof *document->poles) &&
-                 array_grow(&origins, &document->curve_capacity, curves, sizeof *document->origins);
-    document->ring_counts = counts;
-    document->poles = poles;
-    document->origins = origins;
-    return grown;
+    return ARRAY_GROW(document->polygons, document->polygon_capacity, polygons) &&
+           ARRAY_GROW(document->origins, document->curve_capacity, curves);
 }
 
 void geojson_document_free(geojson_document *document)
@@ -24,8 +18,7 @@ void geojson_document_free(geojson_document *document)
     json_decref(document->collection);
     free(document->features);
     free(document->geometries);
-    free(document->ring_counts);
-    free(document->poles);
+    free(document->polygons);
     free(document->origins);
     if (document->layer != NULL)
         document->layer_free(document->layer);
@@ -38,17 +31,23 @@ static void free_content(void *content)
     free(content);
 }
 
-const char *geojson_feature_id(const json_t *tree, char *text, size_t size)
+void geojson_append_place(char *text, size_t size, const char *what, size_t index)
 {
-    const json_t *id = json_object_get(tree, "id");
-    text[0] = '\0';
+    size_t used = strlen(text);
+    if (index != BAT_NO_INDEX)
+        (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
+}
+
+void geojson_append_id(char *text, size_t size, const json_t *feature)
+{
+    const json_t *id = json_object_get(feature, "id");
+    size_t used = strlen(text);
     if (json_is_string(id))
-        (void)snprintf(text, size, " (id '%.60s')", json_string_value(id));
+        (void)snprintf(text + used, size - used, " (id '%.60s')", json_string_value(id));
     else if (json_is_integer(id))
-        (void)snprintf(text, size, " (id %lld)", (long long)json_integer_value(id));
+        (void)snprintf(text + used, size - used, " (id %lld)", (long long)json_integer_value(id));
     else if (json_is_real(id))
-        (void)snprintf(text, size, " (id %.15g)", json_real_value(id));
-    return text;
+        (void)snprintf(text + used, size - used, " (id %.15g)", json_real_value(id));
 }
 
 /// The feature that a curve belongs to. Features are in the order of their curves.
@@ -84,12 +83,6 @@ static size_t geometry_of(const geojson_document *document, const geojson_featur
     return index;
 }
 
-static void append(char *text, size_t size, const char *what, size_t index)
-{
-    size_t used = strlen(text);
-    (void)snprintf(text + used, size - used, "%s%s %zu", used > 0 ? ", " : "", what, index);
-}
-
 /// Write "feature 6 (id 'ATA'), polygon 7, ring 0".
 static void place_of_curve(const void *content, size_t curve, char *text, size_t size)
 {
@@ -103,16 +96,13 @@ static void place_of_curve(const void *content, size_t curve, char *text, size_t
     const stitch_origin *origin = &document->origins[curve];
     if (document->collection != NULL)
     {
-        char id[80];
-        append(text, size, "feature", (size_t)(feature - document->features));
-        size_t used = strlen(text);
-        (void)snprintf(text + used, size - used, "%s", geojson_feature_id(feature->tree, id, sizeof id));
+        geojson_append_place(text, size, "feature", (size_t)(feature - document->features));
+        geojson_append_id(text, size, feature->tree);
     }
-    if (feature->geometry_count > 1)
-        append(text, size, "geometry", index);
-    append(text, size, geometry->polygon_count > 0 ? "polygon" : "line", origin->part);
-    if (geometry->polygon_count > 0)
-        append(text, size, "ring", origin->ring);
+    bool polygons = geometry->polygon_count > 0;
+    geojson_append_place(text, size, "geometry", feature->geometry_count > 1 ? index : BAT_NO_INDEX);
+    geojson_append_place(text, size, polygons ? "polygon" : "line", origin->part);
+    geojson_append_place(text, size, "ring", polygons ? origin->ring : BAT_NO_INDEX);
 }
 
 /// The polygon and the feature of each curve, for bat_curve_set_polygon(). False when out of memory.
@@ -136,7 +126,7 @@ static bool keep_rings(const geojson_document *document, bat_curve_attributes *a
             for (size_t p = 0; p < geometry->polygon_count; p++)
             {
                 size_t polygon = feature->polygon + geometry->polygon + p;
-                for (size_t r = 0; r < document->ring_counts[polygon]; r++)
+                for (size_t r = 0; r < document->polygons[polygon].rings; r++)
                     rings[curve++] = (curve_ring){polygon, i};
             }
         }

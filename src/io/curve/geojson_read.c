@@ -131,26 +131,6 @@ static void read_batch(feature_batch *batch, const feature_split *split)
     }
 }
 
-/// Reserve memory of a document.
-static bool document_reserve(geojson_document *document, size_t features, size_t geometries, size_t polygons, size_t curves)
-{
-    void *feature_array = document->features, *geometry_array = document->geometries;
-    bool grown = array_grow(&feature_array, &document->feature_capacity, features, sizeof *document->features) &&
-                 array_grow(&geometry_array, &document->geometry_capacity, geometries, sizeof *document->geometries);
-    document->features = feature_array;
-    document->geometries = geometry_array;
-    return grown && geojson_document_reserve(document, polygons, curves);
-}
-
-static void add_stitch_report(stitch_report *sum, const stitch_report *part)
-{
-    sum->joined += part->joined;
-    sum->joins += part->joins;
-    sum->poles += part->poles;
-    sum->removed += part->removed;
-    sum->unrepresented += part->unrepresented;
-}
-
 static void add_count(size_t *count, size_t part, char *first, const char *part_first, size_t size)
 {
     if (*count == 0 && part > 0)
@@ -167,8 +147,8 @@ static void add_findings(geojson_findings *sum, const geojson_findings *part)
     add_count(&sum->unchanged, part->unchanged, sum->first_unchanged, part->first_unchanged, size);
     add_count(&joins, part->lines.joins + part->polygons.joins, sum->first_join, part->first_join, size);
     add_count(&poles, part->polygons.poles, sum->first_pole, part->first_pole, size);
-    add_stitch_report(&sum->lines, &part->lines);
-    add_stitch_report(&sum->polygons, &part->polygons);
+    stitch_report_add(&sum->lines, &part->lines);
+    stitch_report_add(&sum->polygons, &part->polygons);
 }
 
 /// Append the curves and features of a batch to a reader.
@@ -176,9 +156,10 @@ static bool append_batch(geojson_reader *reader, geojson_reader *batch)
 {
     geojson_document *document = &reader->document;
     geojson_document *part = &batch->document;
-    if (!document_reserve(document, document->feature_count + part->feature_count,
-                          document->geometry_count + part->geometry_count, document->polygon_count + part->polygon_count,
-                          document->curve_count + part->curve_count))
+    if (!ARRAY_GROW(document->features, document->feature_capacity, document->feature_count + part->feature_count) ||
+        !ARRAY_GROW(document->geometries, document->geometry_capacity, document->geometry_count + part->geometry_count) ||
+        !geojson_document_reserve(document, document->polygon_count + part->polygon_count,
+                                  document->curve_count + part->curve_count))
         return false;
     for (size_t i = 0; i < part->feature_count; i++)
     {
@@ -192,11 +173,7 @@ static bool append_batch(geojson_reader *reader, geojson_reader *batch)
         memcpy(document->geometries + document->geometry_count, part->geometries,
                part->geometry_count * sizeof *part->geometries);
     if (part->polygon_count > 0)
-    {
-        memcpy(document->ring_counts + document->polygon_count, part->ring_counts,
-               part->polygon_count * sizeof *part->ring_counts);
-        memcpy(document->poles + document->polygon_count, part->poles, part->polygon_count * sizeof *part->poles);
-    }
+        memcpy(document->polygons + document->polygon_count, part->polygons, part->polygon_count * sizeof *part->polygons);
     if (part->curve_count > 0)
         memcpy(document->origins + document->curve_count, part->origins, part->curve_count * sizeof *part->origins);
     document->curve_count += part->curve_count;

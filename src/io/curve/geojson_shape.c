@@ -54,13 +54,12 @@ static bat_status no_extent(const geojson_style *style, size_t curve, bat_error 
     return error_remedy(error, BAT_UNSUPPORTED, "precision", "can keep more decimals");
 }
 
-/// `ring_counts` and `poles` are null for lines.
+/// `polygons` is null for lines.
 static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
-                              size_t count, const size_t *ring_counts, const signed char *poles, size_t first,
-                              bat_error *error)
+                              size_t count, const stitch_polygon *polygons, size_t first, bat_error *error)
 {
-    size_t polygon = 0, ring = 0;
-    size_t points = 0;
+    bool lines = polygons == NULL;
+    size_t ring = 0, points = 0;
     for (size_t i = 0; i < count; i++)
         points += curves[i].count;
     if (!ARRAY_GROW(shape->curves, shape->curve_capacity, count) ||
@@ -92,17 +91,17 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
                                          .shown = shown,
                                          .count = curve->count,
                                          .closed = curve->closed};
-        if (ring_counts != NULL)
+        if (polygons != NULL)
         {
             shape->curves[i].role = ring == 0 ? GLOBE_OUTER : GLOBE_HOLE;
-            shape->curves[i].pole = ring == 0 ? poles[polygon] : 0;
-            ring = ring + 1 < ring_counts[polygon] ? ring + 1 : 0;
-            polygon += ring == 0;
+            shape->curves[i].pole = ring == 0 ? polygons->pole : 0;
+            ring = ring + 1 < polygons->rings ? ring + 1 : 0;
+            polygons += ring == 0;
         }
         bool finite = style->globe ? globe_curve_show(&style->grid, &shape->curves[i]) : plane_finite(&shape->curves[i]);
         if (!finite || !values_finite(&shape->curves[i], shape->value_count))
             return error_set(error, BAT_INVALID_POINT, first + i, 0, "a point of curve %zu is not finite", first + i);
-        if (style->globe && ring_counts == NULL && !shows_extent(&shape->curves[i], false))
+        if (style->globe && lines && !shows_extent(&shape->curves[i], false))
             return no_extent(style, first + i, error);
         shape->cut = shape->cut || shape->curves[i].cut_count > 0;
         shown = style->globe ? shown + curve->count : shown;
@@ -111,15 +110,15 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
 }
 
 /// Keep the rings that have an extent at the decimals of the file. A polygon without its outer ring goes as a whole.
-static bool keep_extents(geojson_shape *shape, const size_t *ring_counts, size_t polygon_count, size_t first)
+static bool keep_extents(geojson_shape *shape, const stitch_polygon *polygons, size_t polygon_count, size_t first)
 {
-    if (!ARRAY_GROW(shape->kept_counts, shape->kept_capacity, polygon_count))
+    if (!ARRAY_GROW(shape->kept, shape->kept_capacity, polygon_count))
         return false;
     shape->polygon_count = 0;
     size_t given = 0, kept = 0;
     for (size_t i = 0; i < polygon_count; i++)
     {
-        size_t before = kept, end = given + ring_counts[i];
+        size_t before = kept, end = given + polygons[i].rings;
         bool outer = true;
         for (size_t k = given; k < end; k++)
         {
@@ -132,10 +131,10 @@ static bool keep_extents(geojson_shape *shape, const size_t *ring_counts, size_t
         }
         given = end;
         if (kept > before)
-            shape->kept_counts[shape->polygon_count++] = kept - before;
+            shape->kept[shape->polygon_count++] = (stitch_polygon){.rings = kept - before};
     }
     shape->curve_count = kept;
-    shape->ring_counts = shape->kept_counts;
+    shape->polygons = shape->kept;
     return true;
 }
 
@@ -152,8 +151,8 @@ static void add_uncut(const globe_curve *curve, bool repeat_first, globe_lines *
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error)
 {
-    bat_status status = shape_begin(shape, style, type, curves, count, NULL, NULL, first, error);
-    shape->ring_counts = NULL;
+    bat_status status = shape_begin(shape, style, type, curves, count, NULL, first, error);
+    shape->polygons = NULL;
     if (status != BAT_OK || !shape->cut)
         return status;
     for (size_t i = 0; i < count; i++)
@@ -182,17 +181,17 @@ static bool add_uncut_polygon(const globe_curve *rings, size_t ring_count, globe
 }
 
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
-                                  const bat_curve *curves, const size_t *ring_counts, const signed char *poles,
-                                  size_t polygon_count, size_t first, bat_error *error)
+                                  const bat_curve *curves, const stitch_polygon *polygons, size_t polygon_count,
+                                  size_t first, bat_error *error)
 {
     size_t count = 0;
     for (size_t i = 0; i < polygon_count; i++)
-        count += ring_counts[i];
-    bat_status status = shape_begin(shape, style, type, curves, count, ring_counts, poles, first, error);
-    shape->ring_counts = ring_counts;
+        count += polygons[i].rings;
+    bat_status status = shape_begin(shape, style, type, curves, count, polygons, first, error);
+    shape->polygons = polygons;
     shape->polygon_count = polygon_count;
-    if (status == BAT_OK && style->globe && !keep_extents(shape, ring_counts, polygon_count, first))
-        return error_memory(error, polygon_count * sizeof *ring_counts);
+    if (status == BAT_OK && style->globe && !keep_extents(shape, polygons, polygon_count, first))
+        return error_memory(error, polygon_count * sizeof *polygons);
     if (status == BAT_OK && shape->polygon_count == 0)
         return no_extent(style, first, error);
     if (status != BAT_OK || !shape->cut)
@@ -200,7 +199,7 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
     const globe_curve *rings = shape->curves;
     for (size_t i = 0; i < shape->polygon_count; i++)
     {
-        size_t ring_count = shape->ring_counts[i];
+        size_t ring_count = shape->polygons[i].rings;
         bool cut = false;
         for (size_t k = 0; k < ring_count; k++)
             cut = cut || rings[k].cut_count > 0;
@@ -321,7 +320,7 @@ static void write_part(const geojson_shape *shape, const geojson_style *style, s
 {
     if (!shape->cut)
         write_curve(shape, style, &shape->curves[index], text);
-    else if (shape->ring_counts == NULL)
+    else if (shape->polygons == NULL)
         write_piece(shape, style, &shape->pieces, index, false, text);
     else
         write_piece(shape, style, &shape->parts.rings, index, true, text);
@@ -343,7 +342,7 @@ static void write_parts(const geojson_shape *shape, const geojson_style *style, 
 void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text)
 {
     bool multiple = strncmp(shape->type, "Multi", 5) == 0;
-    if (shape->ring_counts == NULL)
+    if (shape->polygons == NULL)
     {
         size_t count = shape->cut ? shape->pieces.count : shape->curve_count;
         if (multiple)
@@ -352,7 +351,6 @@ void geojson_shape_write(const geojson_shape *shape, const geojson_style *style,
             write_part(shape, style, 0, text);
         return;
     }
-    const size_t *ring_counts = shape->cut ? shape->parts.ring_counts : shape->ring_counts;
     size_t polygons = shape->cut ? shape->parts.count : shape->polygon_count;
     size_t first = 0;
     if (multiple)
@@ -361,8 +359,9 @@ void geojson_shape_write(const geojson_shape *shape, const geojson_style *style,
     {
         if (i > 0)
             text_append_string(text, ",");
-        write_parts(shape, style, first, ring_counts[i], text);
-        first += ring_counts[i];
+        size_t rings = shape->cut ? shape->parts.ring_counts[i] : shape->polygons[i].rings;
+        write_parts(shape, style, first, rings, text);
+        first += rings;
     }
     if (multiple)
         text_append_string(text, "]");
@@ -372,7 +371,7 @@ void geojson_shape_free(geojson_shape *shape)
 {
     free(shape->curves);
     free(shape->shown);
-    free(shape->kept_counts);
+    free(shape->kept);
     globe_lines_free(&shape->pieces);
     globe_polygons_free(&shape->parts);
     *shape = (geojson_shape){0};

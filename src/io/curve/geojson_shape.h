@@ -4,6 +4,7 @@
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
 #include "io/curve/antimeridian.h"
+#include "io/curve/stitch.h"
 
 /// @file
 /// GeoJSON geometries during writing.
@@ -28,9 +29,9 @@ typedef struct geojson_shape
     size_t curve_count, curve_capacity;
     degree_units *shown; ///< for all curves, as in globe_curve
     size_t shown_capacity;
-    const size_t *ring_counts; ///< for each polygon; null for lines
+    const stitch_polygon *polygons; ///< null for lines
     size_t polygon_count;
-    size_t *kept_counts; ///< the rings of each polygon without those that were left out; `ring_counts` points to it
+    stitch_polygon *kept; ///< the polygons without the rings that were left out; `polygons` points to it
     size_t kept_capacity;
     size_t left_out;       ///< rings without an extent at the decimals of the file, of all geometries
     size_t first_left_out; ///< the least of their curves
@@ -47,12 +48,12 @@ typedef struct geojson_shape
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error);
 
-/// Prepare polygons. `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other. `poles`
+/// Prepare polygons. `type` is "Polygon" or "MultiPolygon". The curves are the rings of one polygon after the other. Poles
 /// are as in globe_polygon_cut(). Rings that have no extent at the decimals of the file are left out and counted; a geometry
 /// needs one with an extent.
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
-                                  const bat_curve *curves, const size_t *ring_counts, const signed char *poles,
-                                  size_t polygon_count, size_t first, bat_error *error);
+                                  const bat_curve *curves, const stitch_polygon *polygons, size_t polygon_count,
+                                  size_t first, bat_error *error);
 
 /// Write the value of "coordinates".
 void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text);

@@ -82,8 +82,8 @@ static bat_status make_shape(geojson_output *out, const char *type, const geojso
     if (geometry->polygon_count == 0)
         return geojson_shape_lines(&out->shape, &writer->style, type, curves, geometry->curve_count, first, out->error);
     size_t polygon = out->feature->polygon + geometry->polygon;
-    return geojson_shape_polygons(&out->shape, &writer->style, type, curves, writer->document->ring_counts + polygon,
-                                  writer->document->poles + polygon, geometry->polygon_count, first, out->error);
+    return geojson_shape_polygons(&out->shape, &writer->style, type, curves, writer->document->polygons + polygon,
+                                  geometry->polygon_count, first, out->error);
 }
 
 static bool write_shape_member(geojson_output *out, const char *key, json_t *value, bat_status *status)

@@ -216,17 +216,12 @@ static bat_status fail_in_feature(const bat_curve_set *set, size_t curve, size_t
     if (error == NULL || i == document->feature_count)
         return error != NULL ? error->status : BAT_INVALID_ARGUMENT;
     const geojson_feature *feature = &document->features[i];
-    const json_t *id = json_object_get(feature->tree, "id");
-    char name[80] = "";
-    if (json_is_string(id))
-        (void)snprintf(name, sizeof name, " (id '%.60s')", json_string_value(id));
-    else if (json_is_integer(id))
-        (void)snprintf(name, sizeof name, " (id %lld)", (long long)json_integer_value(id));
+    char name[160] = "";
+    geojson_append_place(name, sizeof name, "feature", before + i);
+    geojson_append_id(name, sizeof name, feature->tree);
+    geojson_append_place(name, sizeof name, "curve", feature->curve_count > 1 ? curve - feature->curve : BAT_NO_INDEX);
     bat_error whole = *error;
-    char part[40] = "";
-    if (feature->curve_count > 1)
-        (void)snprintf(part, sizeof part, ", curve %zu", curve - feature->curve);
-    (void)snprintf(whole.text, sizeof whole.text, "feature %zu%s%s: %.100s", before + i, name, part, error->text);
+    (void)snprintf(whole.text, sizeof whole.text, "%s: %.100s", name, error->text);
     whole.line = feature->line;
     *error = whole;
     return error->status;

@@ -19,16 +19,20 @@ typedef struct stitch_origin
     size_t ring; ///< of the polygon; 0 for a line
 } stitch_origin;
 
+/// A polygon of a geometry.
+typedef struct stitch_polygon
+{
+    size_t rings; ///< their number; the outer one comes first
+    int pole;     ///< in its interior when its outer ring goes around the axis: 1 north, -1 south. 0: the file does not tell
+} stitch_polygon;
+
 /// The lines or polygons of one geometry of a file.
 typedef struct stitch_geometry
 {
     bat_curve *curves;      ///< count, on the sphere S^2; rings are closed and do not repeat their first point
     stitch_origin *origins; ///< for each curve; of a joined one, that of the curve at its start
     size_t count;
-    size_t *ring_counts; ///< for each polygon, its rings, the outer one first; null for lines
-    /// For each polygon, the pole in its interior when its outer ring goes around the axis: 1 north, -1 south. 0 when the
-    /// file does not tell. Null for lines.
-    signed char *poles;
+    stitch_polygon *polygons; ///< null for lines
     size_t polygon_count;
 } stitch_geometry;
 
@@ -41,6 +45,8 @@ typedef struct stitch_report
     size_t removed;       ///< points that the cut had added on great circles between their neighbours
     size_t unrepresented; ///< polygons whose interior contains both poles; they have no outline on the sphere and stay
 } stitch_report;
+
+void stitch_report_add(stitch_report *sum, const stitch_report *part);
 
 /// The precision of a file, from the decimals that it writes: what a cut may be off.
 typedef struct stitch_tolerance
@@ -69,7 +75,7 @@ bool stitch_polygons(stitch_geometry *geometry, const double *degrees, const sti
 /// Join lines of a geometry whose ends meet on the seam: one ends there, and another one begins there with a longitude that
 /// differs by 360 degrees. The line that follows in the file is preferred.
 ///
-/// @param geometry open curves, without ring_counts and poles
+/// @param geometry open curves, without polygons
 /// @param close    whether a line whose ends meet in this way becomes a closed curve
 bool stitch_lines(stitch_geometry *geometry, const double *degrees, const stitch_tolerance *tolerance, bool close,
                   stitch_report *report);

@@ -362,7 +362,7 @@ bool stitch_edges_make(const stitch_geometry *geometry, const double *degrees, c
     for (size_t i = 0; i < geometry->polygon_count; i++)
     {
         edges->groups[i] = i;
-        for (size_t k = 0; k < geometry->ring_counts[i]; k++, ring++)
+        for (size_t k = 0; k < geometry->polygons[i].rings; k++, ring++)
         {
             edges->rings[ring] =
                 (stitch_ring){.curve = &geometry->curves[ring], .degrees = degrees + 2 * point, .polygon = i};
@@ -375,7 +375,7 @@ bool stitch_edges_make(const stitch_geometry *geometry, const double *degrees, c
         return false;
     ring = 0;
     for (size_t i = 0; i < geometry->polygon_count; i++)
-        for (size_t k = 0; k < geometry->ring_counts[i]; k++, ring++)
+        for (size_t k = 0; k < geometry->polygons[i].rings; k++, ring++)
         {
             snap_closure(&edges->seam, &edges->rings[ring], edges->snapped + (edges->rings[ring].degrees - degrees));
             orient(edges, &edges->rings[ring], k > 0);

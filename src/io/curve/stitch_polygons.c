@@ -185,7 +185,7 @@ static group_fate decide(const traced_ring *rings, size_t count)
 }
 
 /// The pole in the interior of a polygon with one ring around the axis.
-static signed char pole_of(const stitch_edges *edges, const traced_ring *rings, size_t count)
+static int pole_of(const stitch_edges *edges, const traced_ring *rings, size_t count)
 {
     double winding = 0;
     bool oriented = true, north = false, south = false;
@@ -205,7 +205,7 @@ static signed char pole_of(const stitch_edges *edges, const traced_ring *rings, 
     }
     if (oriented)
         return winding > 0 ? 1 : -1;
-    return (signed char)((int)north - (int)south);
+    return (int)north - (int)south;
 }
 
 /// Collect the vertices of a ring, in the direction of the given ring at its start.
@@ -264,10 +264,8 @@ static bool make_group(polygon_job *job, size_t begin, size_t count, stitch_path
     for (size_t i = 0; i < count; i++)
         if (!make_ring(job, &rings[i], path, made, report))
             return false;
-    made->ring_counts[made->polygon_count] = count;
-    made->poles[made->polygon_count] = pole_of(&job->edges, rings, count);
+    made->polygons[made->polygon_count++] = (stitch_polygon){count, pole_of(&job->edges, rings, count)};
     report->poles += rings[0].winding != 0;
-    made->polygon_count++;
     return true;
 }
 
@@ -275,11 +273,9 @@ static bool make_group(polygon_job *job, size_t begin, size_t count, stitch_path
 static void keep_polygon(const polygon_job *job, size_t polygon, size_t first_ring, stitch_geometry *made)
 {
     const stitch_geometry *geometry = job->edges.geometry;
-    for (size_t i = 0; i < geometry->ring_counts[polygon]; i++)
+    for (size_t i = 0; i < geometry->polygons[polygon].rings; i++)
         made->origins[made->count++] = (stitch_origin){.part = first_ring + i};
-    made->ring_counts[made->polygon_count] = geometry->ring_counts[polygon];
-    made->poles[made->polygon_count] = geometry->poles[polygon];
-    made->polygon_count++;
+    made->polygons[made->polygon_count++] = geometry->polygons[polygon];
 }
 
 /// Make all polygons, in the order of their first parts.
@@ -295,7 +291,7 @@ static bool make_polygons(polygon_job *job, stitch_geometry *made, stitch_report
         group_fate fate = (group_fate)job->fates[group];
         if (fate != FATE_STITCHED)
             keep_polygon(job, i, first_ring, made);
-        first_ring += geometry->ring_counts[i];
+        first_ring += geometry->polygons[i].rings;
         if (fate == FATE_STITCHED && group != i)
         {
             report->joined++;
@@ -367,10 +363,8 @@ static bool stitch(polygon_job *job, stitch_geometry *geometry, stitch_report *r
     size_t curves = geometry->count + job->ring_count, polygons = geometry->polygon_count;
     stitch_geometry made = {.curves = calloc(curves, sizeof *made.curves),
                             .origins = memory_array(curves, sizeof *made.origins),
-                            .ring_counts = memory_array(polygons, sizeof *made.ring_counts),
-                            .poles = calloc(polygons, sizeof *made.poles)};
-    bool done = made.curves != NULL && made.origins != NULL && made.ring_counts != NULL && made.poles != NULL &&
-                make_polygons(job, &made, report);
+                            .polygons = memory_array(polygons, sizeof *made.polygons)};
+    bool done = made.curves != NULL && made.origins != NULL && made.polygons != NULL && make_polygons(job, &made, report);
     if (done)
         replace(geometry, &made);
     else

@@ -80,14 +80,22 @@ bool stitch_concerns(const double *degrees, size_t count)
     return false;
 }
 
+void stitch_report_add(stitch_report *sum, const stitch_report *part)
+{
+    sum->joined += part->joined;
+    sum->joins += part->joins;
+    sum->poles += part->poles;
+    sum->removed += part->removed;
+    sum->unrepresented += part->unrepresented;
+}
+
 void stitch_geometry_free(stitch_geometry *geometry)
 {
     for (size_t i = 0; i < geometry->count; i++)
         bat_curve_free(&geometry->curves[i]);
     free(geometry->curves);
     free(geometry->origins);
-    free(geometry->ring_counts);
-    free(geometry->poles);
+    free(geometry->polygons);
     *geometry = (stitch_geometry){0};
 }
 
