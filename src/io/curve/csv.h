@@ -184,6 +184,10 @@ const char *csv_split(const file_text *text, const text_line *line, char separat
 csv_field csv_trimmed(const char *begin, const char *end);
 /// The field without quotes around it.
 csv_field csv_unquoted(csv_field field);
+/// The same of a whole text.
+csv_field csv_text(const char *text);
+/// Null for a field that can stand in a file that is written again, else an error text.
+const char *csv_field_fault(csv_field field);
 
 /// Read a number, with or without quotes. Where the separator is no comma, a comma may be the decimal point; `*comma` is
 /// then set. Returns null or an error text.

@@ -173,15 +173,10 @@ void cells_write_text(const char *cell, text_buffer *text)
     text_append(text, "\"", 1);
 }
 
-static csv_field field_of(const char *cell)
-{
-    return csv_unquoted((csv_field){cell, cell + strlen(cell)});
-}
-
 static void write_time(const char *from, const char *to, double share, text_buffer *text)
 {
     iso_time a, b;
-    csv_field first = field_of(from), second = field_of(to);
+    csv_field first = csv_text(from), second = csv_text(to);
     if (!iso_time_read(first.begin, first.end, &a) || !iso_time_read(second.begin, second.end, &b))
         return;
     bool quoted = *from == '"';
@@ -201,7 +196,7 @@ static void write_between(const char *from, const char *to, double share, text_b
 {
     double a, b;
     bool comma;
-    if (csv_read_number(field_of(from), ',', &a, &comma) != NULL || csv_read_number(field_of(to), ',', &b, &comma) != NULL)
+    if (csv_read_number(csv_text(from), ',', &a, &comma) != NULL || csv_read_number(csv_text(to), ',', &b, &comma) != NULL)
         return;
     char *out = text_reserve(text, NUMBER_TEXT_SIZE);
     double value = (1 - share) * a + share * b;

@@ -39,18 +39,6 @@ static bool is_empty_row(const csv_reader *reader, size_t count)
     return true;
 }
 
-/// Null for a valid name of a column, else an error text.
-static const char *name_fault(const csv_field *field)
-{
-    static const char mark[] = "\xEF\xBB\xBF";
-    size_t length = (size_t)(field->end - field->begin);
-    if (memchr(field->begin, '\0', length) != NULL)
-        return "has a zero byte";
-    if (length >= sizeof mark - 1 && memcmp(field->begin, mark, sizeof mark - 1) == 0)
-        return "has a byte order mark";
-    return NULL;
-}
-
 /// Find the column of corners in a header, and take it out of the fields. Returns the number of those that are left.
 static size_t take_corner_column(csv_reader *reader, size_t count)
 {
@@ -74,7 +62,7 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
 {
     for (size_t i = 0; i < count; i++)
     {
-        const char *fault = name_fault(&reader->fields[i]);
+        const char *fault = csv_field_fault(reader->fields[i]);
         if (fault != NULL)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "column %zu of the header %s", i + 1, fault);
     }
@@ -472,108 +460,58 @@ static bat_status read_lines(csv_reader *reader, bat_error *error)
     return status;
 }
 
-/// The rows of a file in the order of their groups.
+/// A row with its value in the column that groups rows.
 typedef struct grouped_row
 {
     text_line line;
-    size_t group, next; ///< the next row of the group, or BAT_NO_INDEX
-} grouped_row;
-
-/// The value of a group, and its rows.
-typedef struct row_group
-{
     csv_field value;
-    uint64_t hash;
-    size_t first, last;
-    bool closed;
-} row_group;
+    size_t index, first; ///< of the row; of the first row with its value
+    bool closed;         ///< a directive before the row closes its curve
+} grouped_row;
 
 typedef struct row_groups
 {
     grouped_row *rows;
-    row_group *groups;
-    size_t *slots; ///< the groups by their hash, or BAT_NO_INDEX; slot_count is a power of two
-    size_t row_count, row_capacity, group_count, group_capacity, slot_count;
+    size_t count, capacity;
 } row_groups;
 
-static void groups_free(row_groups *all)
+static int compare_values(const csv_field *p, const csv_field *q)
 {
-    free(all->rows);
-    free(all->groups);
-    free(all->slots);
+    size_t p_size = (size_t)(p->end - p->begin), q_size = (size_t)(q->end - q->begin);
+    int order = memcmp(p->begin, q->begin, p_size < q_size ? p_size : q_size);
+    return order != 0 ? order : (p_size > q_size) - (p_size < q_size);
 }
 
-/// FNV-1a.
-static uint64_t hash_of(csv_field value)
+/// By value, then in the order of the file.
+static int compare_rows(const void *a, const void *b)
 {
-    uint64_t hash = 14695981039346656037U;
-    for (const char *at = value.begin; at < value.end; at++)
-        hash = (hash ^ (unsigned char)*at) * 1099511628211U;
-    return hash;
+    const grouped_row *p = a, *q = b;
+    int order = compare_values(&p->value, &q->value);
+    return order != 0 ? order : (p->index > q->index) - (p->index < q->index);
 }
 
-/// The slot of a value, or the empty one where it belongs.
-static size_t slot_of(const row_groups *all, csv_field value, uint64_t hash)
+/// By the first rows of their groups, then in the order of the file.
+static int compare_groups(const void *a, const void *b)
 {
-    size_t slot = (size_t)hash & (all->slot_count - 1), size = (size_t)(value.end - value.begin);
-    while (all->slots[slot] != BAT_NO_INDEX)
+    const grouped_row *p = a, *q = b;
+    if (p->first != q->first)
+        return p->first < q->first ? -1 : 1;
+    return (p->index > q->index) - (p->index < q->index);
+}
+
+/// Order rows by groups, and these by their first rows.
+static void order_groups(row_groups *all)
+{
+    qsort(all->rows, all->count, sizeof *all->rows, compare_rows);
+    for (size_t i = 0; i < all->count; i++)
     {
-        const row_group *group = &all->groups[all->slots[slot]];
-        if (group->hash == hash && (size_t)(group->value.end - group->value.begin) == size &&
-            memcmp(group->value.begin, value.begin, size) == 0)
-            break;
-        slot = (slot + 1) & (all->slot_count - 1);
+        bool begins = i == 0 || compare_values(&all->rows[i - 1].value, &all->rows[i].value) != 0;
+        all->rows[i].first = begins ? all->rows[i].index : all->rows[i - 1].first;
     }
-    return slot;
+    qsort(all->rows, all->count, sizeof *all->rows, compare_groups);
 }
 
-/// Keep at least half of the slots empty.
-static bool slots_grow(row_groups *all)
-{
-    if (2 * all->group_count < all->slot_count)
-        return true;
-    size_t count = all->slot_count == 0 ? 64 : 2 * all->slot_count;
-    size_t *slots = memory_array(count, sizeof *slots);
-    if (slots == NULL)
-        return false;
-    for (size_t i = 0; i < count; i++)
-        slots[i] = BAT_NO_INDEX;
-    free(all->slots);
-    all->slots = slots;
-    all->slot_count = count;
-    for (size_t i = 0; i < all->group_count; i++)
-        slots[slot_of(all, all->groups[i].value, all->groups[i].hash)] = i;
-    return true;
-}
-
-/// Add a row to the group of a value.
-static bool groups_add(row_groups *all, csv_field value, const text_line *line, bool closed)
-{
-    void *rows = all->rows, *groups = all->groups;
-    bool grown = array_grow(&rows, &all->row_capacity, all->row_count + 1, sizeof *all->rows);
-    all->rows = rows;
-    grown = array_grow(&groups, &all->group_capacity, all->group_count + 1, sizeof *all->groups) && grown;
-    all->groups = groups;
-    if (!grown || !slots_grow(all))
-        return false;
-    uint64_t hash = hash_of(value);
-    size_t slot = slot_of(all, value, hash), row = all->row_count++;
-    bool is_new = all->slots[slot] == BAT_NO_INDEX;
-    if (is_new)
-    {
-        all->slots[slot] = all->group_count;
-        all->groups[all->group_count++] = (row_group){value, hash, row, row, false};
-    }
-    row_group *group = &all->groups[all->slots[slot]];
-    if (!is_new)
-        all->rows[group->last].next = row;
-    group->last = row;
-    group->closed = group->closed || closed;
-    all->rows[row] = (grouped_row){*line, all->slots[slot], BAT_NO_INDEX};
-    return true;
-}
-
-/// Collect the rows by the values of a column. Blank lines have no meaning.
+/// Collect the rows with their values of a column. Blank lines have no meaning.
 static bat_status collect_groups(csv_reader *reader, row_groups *all, bat_error *error)
 {
     text_line line = text_line_start(reader->text);
@@ -599,11 +537,12 @@ static bat_status collect_groups(csv_reader *reader, row_groups *all, bat_error 
         if (status != BAT_OK)
             break;
         csv_field value = csv_unquoted(reader->fields[csv_column_number(reader, column) - 1]);
-        if (!groups_add(all, value, &line, reader->closed))
-            status = error_memory(error, all->row_count * sizeof *all->rows);
+        const grouped_row row = {line, value, all->count, 0, reader->closed};
+        if (!ARRAY_ADD(all->rows, all->capacity, all->count, row))
+            status = error_memory(error, all->count * sizeof row);
         reader->closed = false;
     }
-    if (status == BAT_OK && all->row_count == 0)
+    if (status == BAT_OK && all->count == 0)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no points");
     return status;
 }
@@ -613,21 +552,25 @@ static bat_status read_groups(csv_reader *reader, bat_error *error)
 {
     row_groups all = {.rows = NULL};
     bat_status status = collect_groups(reader, &all, error);
-    for (size_t i = 0; i < all.group_count && status == BAT_OK && !reader->again; i++)
+    if (status == BAT_OK)
+        order_groups(&all);
+    bool closed = false;
+    for (size_t i = 0; i < all.count && status == BAT_OK && !reader->again; i++)
     {
-        reader->closed = all.groups[i].closed;
-        for (size_t row = all.groups[i].first; row != BAT_NO_INDEX && status == BAT_OK && !reader->again;
-             row = all.rows[row].next)
-        {
-            size_t count;
-            status = split(reader, &all.rows[row].line, &count, error);
-            if (status == BAT_OK)
-                status = read_row(reader, &all.rows[row].line, count, error);
-        }
-        if (status == BAT_OK && !reader->again)
-            status = end_curve(reader, error);
+        const grouped_row *row = &all.rows[i];
+        bool ends = i + 1 == all.count || row[1].first != row->first;
+        closed = closed || row->closed;
+        size_t count;
+        status = split(reader, &row->line, &count, error);
+        if (status == BAT_OK)
+            status = read_row(reader, &row->line, count, error);
+        if (status != BAT_OK || reader->again || !ends)
+            continue;
+        reader->closed = closed;
+        closed = false;
+        status = end_curve(reader, error);
     }
-    groups_free(&all);
+    free(all.rows);
     return status;
 }
 

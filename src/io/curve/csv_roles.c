@@ -17,8 +17,7 @@ size_t csv_column_number(const csv_reader *reader, size_t column)
 static const char *csv_column_label(const csv_reader *reader, size_t column, char label[EXCERPT_SIZE + 16])
 {
     const csv_columns *columns = reader->attributes->csv;
-    const char *name = columns->names != NULL ? columns->names[column] : "";
-    csv_field inner = csv_unquoted((csv_field){name, name + strlen(name)});
+    csv_field inner = csv_text(columns->names != NULL ? columns->names[column] : "");
     if (inner.begin == inner.end)
         (void)snprintf(label, EXCERPT_SIZE + 16, "%zu", csv_column_number(reader, column));
     else
@@ -52,8 +51,7 @@ static size_t find_by_name(const csv_reader *reader, const char *name, size_t le
     wanted[length] = '\0';
     for (size_t i = 0; i < columns->count; i++)
     {
-        const char *text = columns->names[i];
-        csv_field inner = csv_unquoted((csv_field){text, text + strlen(text)});
+        csv_field inner = csv_text(columns->names[i]);
         if ((size_t)(inner.end - inner.begin) == length && strncasecmp(inner.begin, name, length) == 0)
             return i;
     }
@@ -86,24 +84,18 @@ static bat_status find_chosen(csv_reader *reader, const char *list, size_t *chos
     for (const char *at = list; at != NULL;)
     {
         const char *comma = strchr(at, ',');
-        size_t length = comma != NULL ? (size_t)(comma - at) : strlen(at);
-        while (length > 0 && *at == ' ')
-        {
-            at++;
-            length--;
-        }
-        while (length > 0 && at[length - 1] == ' ')
-            length--;
+        csv_field name = csv_trimmed(at, comma != NULL ? comma : at + strlen(at));
+        size_t length = (size_t)(name.end - name.begin);
         if (*count == BAT_SPACE_MAX_DIM)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "columns: more than %d columns",
                              BAT_SPACE_MAX_DIM);
-        bat_status status = csv_find_column(reader, "columns", at, length, &chosen[*count], error);
+        bat_status status = csv_find_column(reader, "columns", name.begin, length, &chosen[*count], error);
         if (status != BAT_OK)
             return status;
         for (size_t i = 0; i < *count; i++)
             if (chosen[i] == chosen[*count])
                 return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "columns: '%.*s' is there twice", (int)length,
-                                 at);
+                                 name.begin);
         ++*count;
         at = comma != NULL ? comma + 1 : NULL;
     }
@@ -112,18 +104,8 @@ static bat_status find_chosen(csv_reader *reader, const char *list, size_t *chos
 
 static bool is_nameless(const csv_reader *reader, size_t column)
 {
-    const char *name = reader->attributes->csv->names[column];
-    csv_field inner = csv_unquoted((csv_field){name, name + strlen(name)});
+    csv_field inner = csv_text(reader->attributes->csv->names[column]);
     return inner.begin == inner.end;
-}
-
-/// Whether a cell can stand in a text file that is written again: it has no zero byte and no byte order mark at its start.
-static bool is_storable(csv_field field)
-{
-    static const char mark[] = "\xEF\xBB\xBF";
-    size_t size = (size_t)(field.end - field.begin);
-    bool marked = size >= sizeof mark - 1 && memcmp(field.begin, mark, sizeof mark - 1) == 0;
-    return !marked && (size == 0 || memchr(field.begin, '\0', size) == NULL);
 }
 
 bool csv_takes_dates(const csv_reader *reader, size_t column)
@@ -140,19 +122,19 @@ static csv_kind first_kind(const csv_reader *reader, size_t column)
     bool named = reader->attributes->csv->names != NULL;
     if (named && column > 0 && is_nameless(reader, column))
         return CSV_EMPTY;
-    if (reads_as_number(reader, field))
+    double value;
+    bool comma;
+    if (csv_read_number(field, reader->separator, &value, &comma) == NULL)
     {
-        double value = 0.5;
-        bool comma;
-        (void)csv_read_number(field, reader->separator, &value, &comma);
         bool code = named && name_is_code(reader->attributes->csv->names[column]) && value == floor(value);
         return code ? CSV_TEXT : CSV_NUMBER;
     }
     if (is_iso_time(field))
         return csv_takes_dates(reader, column) ? CSV_NUMBER : CSV_TIME;
     if (!named)
-        return number_resembles(field.begin, field.end) || field.begin == field.end || !is_storable(field) ? CSV_NUMBER
-                                                                                                           : CSV_TEXT;
+        return number_resembles(field.begin, field.end) || field.begin == field.end || csv_field_fault(field) != NULL
+                   ? CSV_NUMBER
+                   : CSV_TEXT;
     return csv_is_missing(field) ? CSV_GAPS : CSV_TEXT;
 }
 
@@ -181,7 +163,7 @@ bool csv_change_kind(csv_reader *reader, size_t column)
     column_state *state = &reader->columns[column];
     csv_field field = reader->fields[column];
     csv_kind kind = state->kind;
-    if (reader->strict || state->is_coordinate || kind == CSV_EMPTY || !is_storable(field))
+    if (reader->strict || state->is_coordinate || kind == CSV_EMPTY || csv_field_fault(field) != NULL)
         return false;
     bool time = is_iso_time(field) && !state->has_number;
     if (csv_is_missing(field))
@@ -227,7 +209,7 @@ static bool cell_fits(csv_reader *reader, size_t column)
     case CSV_EMPTY:
         return csv_is_missing(field);
     default:
-        return is_storable(field);
+        return csv_field_fault(field) == NULL;
     }
 }
 
@@ -643,7 +625,7 @@ static bool note_group(csv_reader *reader)
         if (!kind || !name_is_group(columns->names[i]) || state->changes == 0 ||
             2 * (state->changes + 1) > reader->row_count)
             continue;
-        csv_field name = csv_unquoted((csv_field){columns->names[i], columns->names[i] + strlen(columns->names[i])});
+        csv_field name = csv_text(columns->names[i]);
         return attributes_note(reader->attributes, "column %s could group the rows into curves: --group %.*s",
                                csv_column_label(reader, i, label), (int)(name.end - name.begin), name.begin);
     }

@@ -109,6 +109,21 @@ csv_field csv_unquoted(csv_field field)
     return field;
 }
 
+csv_field csv_text(const char *text)
+{
+    return csv_unquoted((csv_field){text, text + strlen(text)});
+}
+
+const char *csv_field_fault(csv_field field)
+{
+    static const char mark[] = "\xEF\xBB\xBF";
+    size_t size = (size_t)(field.end - field.begin);
+    if (size > 0 && memchr(field.begin, '\0', size) != NULL)
+        return "has a zero byte";
+    bool marked = size >= sizeof mark - 1 && memcmp(field.begin, mark, sizeof mark - 1) == 0;
+    return marked ? "has a byte order mark" : NULL;
+}
+
 const char *csv_read_number(csv_field field, char separator, double *value, bool *comma)
 {
     enum

@@ -112,8 +112,7 @@ static bool is_open(const csv_columns *columns)
         csv_kind kind = (csv_kind)columns->kinds[i];
         if (kind == CSV_NUMBER || kind == CSV_ID)
             continue;
-        const char *text = columns->cells.text + columns->cells.offsets[cell++];
-        csv_field field = {text, text + strlen(text)};
+        csv_field field = csv_text(columns->cells.text + columns->cells.offsets[cell++]);
         double value;
         bool comma;
         if ((kind == CSV_TEXT || kind == CSV_GAPS) &&
