@@ -29,7 +29,6 @@ enum
 /// it.
 static const char *const MARKS[] = {"<g id=\"surface", "\"image", "\"#image", "\"source-", "\"#source-"};
 
-/// A number in the file.
 typedef struct numbered_name
 {
     size_t digits, end; ///< its first digit, and the end of its digits
@@ -159,7 +158,6 @@ static bat_status drawing_failed(cairo_status_t status, bat_error *error)
     return error_set(error, mine, BAT_NO_INDEX, 0, "the picture cannot be drawn: %s", cairo_status_to_string(status));
 }
 
-/// Use the same text layout in all formats.
 static void use_exact_text(cairo_t *cairo)
 {
     cairo_font_options_t *options = cairo_font_options_create();

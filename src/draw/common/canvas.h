@@ -20,7 +20,6 @@ typedef enum canvas_format
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *error);
 
-/// A growing buffer of bytes.
 typedef struct canvas_bytes
 {
     unsigned char *data;

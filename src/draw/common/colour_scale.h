@@ -14,7 +14,6 @@ double colour_encode(double linear);
 /// Convert sRGB to linear light.
 double colour_decode(double encoded);
 
-/// The height of a colour bar with its numbers and label.
 double colour_bar_height(void);
 /// Draw the scale from `low` to `high`, centred in the box (x, y, width, height): a bar with round numbers below it and the
 /// label beside it.

@@ -84,7 +84,6 @@ static void measure(cairo_t *cairo, const legend_item *items, size_t count, doub
     }
 }
 
-/// The number of items in a row.
 static size_t columns_of(double sum, double widest, size_t count, double width)
 {
     size_t fitting = (size_t)((width + ITEM_GAP) / (widest + ITEM_GAP));

@@ -24,7 +24,6 @@ typedef struct legend_item
 
 /// Append an item unless an equal one exists. `items` must have space for it.
 void legend_add(legend_item *items, size_t *count, legend_item item);
-/// The height of the legend in a picture of this width; 0 without items.
 double legend_height(cairo_t *cairo, const legend_item *items, size_t count, double width);
 /// Draw the items from (x, y) downwards, centred, in one row or, where that is too long, in columns.
 void legend_draw(cairo_t *cairo, const legend_item *items, size_t count, double x, double y, double width);

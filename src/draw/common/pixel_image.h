@@ -8,7 +8,6 @@
 /// @file
 /// Images with computed pixels within drawings.
 
-/// A box in whole pixels.
 typedef struct pixel_box
 {
     double x, y; ///< on the page

@@ -8,7 +8,6 @@
 /// @file
 /// The page of pictures and charts: a title, a grid of boxes with captions, and a legend.
 
-/// The content of a page.
 typedef struct sheet_content
 {
     size_t count;   ///< the number of boxes
@@ -29,7 +28,6 @@ typedef struct sheet_content
     void (*draw_footer)(const void *context, cairo_t *cairo, const double box[4]);
 } sheet_content;
 
-/// The width of a page with boxes of this width.
 double sheet_width(double box_width, size_t columns);
 
 /// Lay out the page, draw it and write the file.

@@ -69,7 +69,6 @@ draw_colour style_mix(draw_colour a, draw_colour b, double share);
 void style_use_colour(cairo_t *cairo, draw_colour colour);
 /// Set the colour, width and dashes of the next stroke.
 void style_use_line(cairo_t *cairo, line_style line);
-/// Stroke the current path.
 void style_stroke(cairo_t *cairo, line_style line);
 
 #endif

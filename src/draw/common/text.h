@@ -13,7 +13,6 @@
 
 /// Whether a text is null or well-formed UTF-8 without control characters.
 bool text_is_valid(const char *text);
-/// Whether a text is neither null nor empty.
 bool text_given(const char *text);
 
 void text_use(cairo_t *cairo, double size, bool bold);
@@ -27,7 +26,6 @@ void text_draw_fitted(cairo_t *cairo, const char *text, double size, bool bold, 
 /// Copy `text` into `buffer` of `capacity` bytes, truncated with an ellipsis to `width` in the current font.
 void text_cut(cairo_t *cairo, const char *text, double width, char *buffer, size_t capacity);
 
-/// The height of digits in a font of this size.
 static inline double text_digit_height(double size)
 {
     return 0.72 * size;

@@ -19,7 +19,6 @@ typedef struct tick_scale
     int exponent;
 } tick_scale;
 
-/// The ticks of an axis in increasing order.
 typedef struct tick_list
 {
     double values[TICKS_MAX];
@@ -46,7 +45,6 @@ tick_list ticks_logarithmic(double low, double high, double wanted);
 
 /// The label of a tick, without the exponent of powers: "10" or "2×10". It uses a minus sign and no negative zero.
 void tick_label(const tick_list *ticks, size_t index, char *label);
-/// The width of a label in the current font.
 double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index);
 /// Draw a label with y in the middle of its height and x at the fraction `align` of its width.
 void tick_draw(cairo_t *cairo, const tick_list *ticks, size_t index, double x, double y, double align);

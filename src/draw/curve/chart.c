@@ -21,7 +21,6 @@ bat_chart bat_chart_defaults(void)
     return (bat_chart){.x_low = NAN, .x_high = NAN, .y_low = NAN, .y_high = NAN};
 }
 
-/// The charts of a page with the ranges of their axes.
 typedef struct chart_set
 {
     const bat_chart *charts;

@@ -199,7 +199,6 @@ typedef struct segment_row
     size_t first, end;
 } segment_row;
 
-/// A segment on the page.
 typedef struct comb_segment
 {
     double foot_x, foot_y;

@@ -32,11 +32,9 @@ void grid_map_clip(cairo_t *cairo, const draw_view *view);
 
 /// Fill the window of a local map; `sea` is a background for polygons.
 void grid_local_ground(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool sea);
-/// Draw the graticule of a local map.
 void grid_local_lines(cairo_t *cairo, const draw_view *view, const scene_frame *frame);
 /// Draw the frame of a local map, its scale bar and, with `labels`, the latitudes and longitudes beside it.
 void grid_local_frame(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels);
-/// Clip the following drawing to the window.
 void grid_local_clip(cairo_t *cairo, const draw_view *view, const scene_frame *frame);
 /// The margins for labels and the scale bar to the left, above, to the right and below.
 void grid_local_room(const scene_frame *frame, bool labels, double room[4]);

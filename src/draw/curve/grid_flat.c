@@ -13,7 +13,6 @@
 /// The height of the text for the labels' common offset and exponent.
 #define SCALE_SPACE 10.0
 
-/// The width of the widest label.
 static double widest(cairo_t *cairo, const tick_list *ticks)
 {
     double width = 0.0;
@@ -120,7 +119,6 @@ void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame,
     plane_labels(cairo, view, &across, &upwards, box);
 }
 
-/// Draw an edge between two corners of the box.
 static void box_edge(cairo_t *cairo, const draw_view *view, const scene_frame *frame, unsigned from, unsigned to)
 {
     double p[3];

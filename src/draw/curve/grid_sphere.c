@@ -210,7 +210,6 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
     }
 }
 
-/// Append the frame of the map to the path.
 static void map_frame(cairo_t *cairo, const draw_view *view)
 {
     enum

@@ -156,7 +156,6 @@ static window window_about(const bat_curve *const *curves, size_t count, double 
     return seen;
 }
 
-/// Move the centre to the middle of the window.
 static void recentre(const window *seen, double *longitude, double *latitude)
 {
     double u = 0.5 * (seen->low[0] + seen->high[0]);

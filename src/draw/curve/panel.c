@@ -26,7 +26,6 @@ typedef struct insets
     double left, top, right, bottom;
 } insets;
 
-/// Whether a flat panel has a scale bar.
 static bool panel_has_scale_bar(const scene_panel *panel, const bat_curve_picture_options *options)
 {
     return panel->space == VIEW_PLANE && panel->polygons && !options->axes && text_given(options->unit);
@@ -255,7 +254,6 @@ static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *c
     }
 }
 
-/// Draw all lines of a role.
 static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_curve_layer_role role,
                             view_side side, bat_error *error)
 {
@@ -271,7 +269,6 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_p
     return status;
 }
 
-/// Draw the points of all control polygons.
 static void draw_all_rings(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
                            const bat_curve_picture_options *options, view_side side)
 {
@@ -285,7 +282,6 @@ static void draw_all_rings(cairo_t *cairo, const draw_view *view, const scene_pa
     }
 }
 
-/// Draw all combs.
 static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -300,7 +296,6 @@ static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_
     return status;
 }
 
-/// Draw all lines and combs.
 static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel,
                              const bat_curve_picture_options *options, view_side side, bat_error *error)
 {

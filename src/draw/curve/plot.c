@@ -21,7 +21,6 @@ static const double TURN = 6.28318530717958647693;
 #define DOT_RADIUS 2.3
 #define AXIS_TEXT_SIZE 512
 
-/// The palette index of a series.
 static int plot_colour(const bat_chart *chart, size_t index)
 {
     return chart->series[index].colour > 0 ? chart->series[index].colour : (int)(index % 1000) + 1;
@@ -98,7 +97,6 @@ static void draw_grid(cairo_t *cairo, const plot_axis *x, const plot_axis *y, co
     style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
 }
 
-/// Draw the axes with their ticks.
 static void draw_axes(cairo_t *cairo, const plot_axis *x, const plot_axis *y, const tick_list *across,
                       const tick_list *upwards)
 {

@@ -28,10 +28,8 @@ static inline double plot_place(const plot_axis *axis, double number)
 bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot_axis *y, bat_error *error);
 /// The room to the left of a chart's y axis in the box (x, y, width, height), to align charts.
 double plot_margin(cairo_t *cairo, const bat_chart *chart, plot_axis x, plot_axis y, const double box[4]);
-/// Draw a chart into the box (x, y, width, height).
 bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
                      plot_axis y, const double box[4], bat_error *error);
-/// The legend item of a series; the label may be null.
 legend_item plot_legend_item(const bat_chart *chart, size_t index);
 
 /// A value on an axis: its decimal logarithm if the axis is logarithmic.

@@ -185,7 +185,6 @@ static rectangle candidate(double x, double y, double width, double height, int 
                        height};
 }
 
-/// A text for the point at (x, y) on the page.
 typedef struct point_label
 {
     const char *text;
@@ -201,7 +200,6 @@ typedef struct obstacles
     size_t count;
 } obstacles;
 
-/// The end of the line from a dot to its label.
 static void leader_end(const rectangle *label, double x, double y, double *to_x, double *to_y)
 {
     *to_x = fmin(fmax(x, label->x - 1.5), label->x + label->width + 1.5);

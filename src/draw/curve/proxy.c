@@ -69,7 +69,6 @@ static size_t edge_end(const bat_curve *curve, size_t i)
     return i + 1 < curve->count ? i + 1 : 0;
 }
 
-/// The number of steps along edge `i`.
 static size_t edge_steps(const bat_curve *curve, size_t i)
 {
     const double *q = curve->points + 4 * edge_end(curve, i);

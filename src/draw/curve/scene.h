@@ -18,7 +18,6 @@
 /// The allowed error of lines on the page.
 #define STROKE_TOLERANCE 0.05
 
-/// A geodesic polyline to be drawn.
 typedef struct drawn_line
 {
     const draw_view *view;
@@ -194,13 +193,10 @@ void scene_free(scene *made);
 /// at least `min_width` of a prescribed width.
 size_t scene_columns(const bat_curve_picture_options *options, size_t count, double min_width);
 
-/// Whether any part of a layer is drawn.
 bool scene_layer_shown(const bat_curve_picture_layer *layer, const bat_curve_picture_options *options);
-/// Whether a panel is drawn in the style of maps.
 bool scene_is_map(const scene_panel *panel);
 /// Whether the given points of a panel are drawn: not where a map has many.
 bool scene_points_shown(const scene_panel *panel, const bat_curve_picture_options *options);
-/// The palette index of layer `index` of a panel.
 int scene_colour(const bat_curve_picture_panel *panel, size_t index);
 
 /// The aspect ratio of a flat panel, height over width.
@@ -229,7 +225,6 @@ bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_pa
 
 // Polygons and lines of maps.
 
-/// The style of a layer of a map.
 line_style map_line(const scene_panel *panel, size_t index);
 /// Fill the polygons of the results, or the given ones where there are no results.
 void map_draw_fills(cairo_t *cairo, const draw_view *view, const scene_panel *panel);

@@ -32,7 +32,6 @@ typedef enum view_kind
     VIEW_POINCARE
 } view_kind;
 
-/// The two halves of a globe.
 typedef enum view_side
 {
     VIEW_FRONT,
@@ -53,7 +52,6 @@ typedef struct draw_view
     double tolerance; ///< the allowed error of curved edges on the page
 } draw_view;
 
-/// The way a space is drawn.
 view_space view_space_of(const bat_space *space);
 
 /// Rotate a globe or a local view so that its centre is at `longitude` and `latitude`.

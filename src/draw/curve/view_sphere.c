@@ -18,7 +18,6 @@ static void normalize(double *vector)
     }
 }
 
-/// The squared chord between two points.
 static double chord_square(const double *p, const double *q)
 {
     double dx = q[0] - p[0];

@@ -18,7 +18,6 @@ typedef enum film_kind
     FILM_COORDINATES ///< other spaces
 } film_kind;
 
-/// One motion.
 typedef struct film_track
 {
     bat_motion_spline *spline;
@@ -71,14 +70,12 @@ typedef struct path_view
     double left, right, bottom, top; ///< of the box on the page
 } path_view;
 
-/// Find the view of a path.
 void path_view_make(const film *shown, path_view *view);
 /// Height over width.
 double path_aspect(const path_view *view);
 /// Draw the paths with their axes, keyframes and frames in the box (x, y, width, height).
 bat_status path_draw(const film *shown, const path_view *view, cairo_t *cairo, const double box[4], bat_error *error);
 
-/// The height of the strips of all motions.
 double strip_height(const film *shown, double width);
 bat_status strip_draw(const film *shown, cairo_t *cairo, const double box[4], bat_error *error);
 

@@ -41,7 +41,6 @@ enum
 static const double RADIANS = 0.017453292519943295;
 static const double TURNED = 25, DEFAULT_AZIMUTH = -62, ELEVATION = 28, LEVEL_ELEVATION = 55;
 
-/// The place of a path on the page.
 typedef struct placing
 {
     const path_view *view;
@@ -67,7 +66,6 @@ static void place_point(const placing *at, const double *point, double *x, doubl
     *y = at->y - at->scale * row_of(at->view, 1, point);
 }
 
-/// Extend the box by a point.
 static void include_point(const film *shown, const double *point, path_view *view)
 {
     double taken[3];
@@ -432,7 +430,6 @@ static void draw_keys(cairo_t *cairo, const film *shown, const film_track *track
         }
 }
 
-/// One frame of the body.
 typedef struct body_frame
 {
     double x, y, depth;
@@ -507,7 +504,6 @@ static bat_status draw_frames(cairo_t *cairo, const film *shown, const film_trac
     return BAT_OK;
 }
 
-/// Mark the beginning and the end of an open motion.
 static void draw_ends(cairo_t *cairo, const film *shown, const film_track *track, const placing *at)
 {
     size_t dim = shown->space->point_dim;

@@ -34,7 +34,6 @@ enum
 #define CHART_ASPECT 0.27
 #define SHAPE_TALLEST 0.9
 
-/// The page of a film.
 typedef struct film_page
 {
     film film;
@@ -131,7 +130,6 @@ static void add_speeds(film_page *page, bool turns, const char *label)
     chart->y_high = highest > 0 ? 1.06 * highest : 1;
 }
 
-/// The coordinates of a motion over time.
 static bat_status add_coordinates(film_page *page, size_t index, bat_error *error)
 {
     const film_track *track = &page->film.tracks[index];

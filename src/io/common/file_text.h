@@ -6,7 +6,6 @@
 /// @file
 /// The text of a file and its lines.
 
-/// The content of a file.
 typedef struct file_text
 {
     char *data; ///< `size` bytes without a byte order mark, then a zero byte
@@ -24,7 +23,6 @@ bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_e
 
 void file_text_free(file_text *text);
 
-/// A line of a text.
 typedef struct text_line
 {
     const char *begin, *end; ///< without blanks at both ends

@@ -17,7 +17,6 @@ enum
 
 static const int64_t SECOND = 1000000000, MINUTE = 60000000000, DAY = 86400000000000;
 
-/// Read `count` digits.
 static bool read_digits(const char **at, const char *end, int count, int *value)
 {
     *value = 0;

@@ -28,7 +28,6 @@ static inline void scan_skip_blanks(word_scan *scan)
         scan->at++;
 }
 
-/// Whether a word ends at a position.
 static inline bool scan_word_ends(const word_scan *scan, const char *at)
 {
     return at == scan->end || *at == ' ' || *at == '\n' || *at == '\t' || *at == '\r' || *at == '#';
@@ -103,7 +102,6 @@ static inline const char *scan_word_end(const word_scan *scan)
     return at;
 }
 
-/// Skip the next word of the line if it is `word`.
 static inline bool scan_word(word_scan *scan, const char *word)
 {
     scan_skip_blanks(scan);

@@ -47,7 +47,6 @@ static size_t u16_at(const unsigned char *bytes)
     return (size_t)number_at(bytes, 2);
 }
 
-/// Reading of a directory.
 typedef struct zip_reader
 {
     const unsigned char *bytes;
@@ -273,7 +272,6 @@ static unsigned char *put_common(unsigned char *out, const char *name, uint64_t 
     return put(put(out, strlen(name), 2), 0, 2);
 }
 
-/// Deflate a text.
 static bat_status deflate_text(const text_buffer *content, text_buffer *deflated, bat_error *error)
 {
     z_stream stream = {0};

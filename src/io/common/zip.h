@@ -8,7 +8,6 @@
 /// ZIP archives, strictly: PKWARE, "APPNOTE.TXT - .ZIP File Format Specification" 6.3, of which the parts are stored or
 /// deflated, neither encrypted nor in several volumes. ZIP64 is read.
 
-/// A part of an archive.
 typedef struct zip_part
 {
     const char *name; ///< `name_size` bytes of the archive

@@ -120,7 +120,6 @@ bool globe_ring_encloses_south(const degree_grid *grid, const globe_curve *ring)
     return north < 0.0 || (north == 0.0 && turn < 0.0);
 }
 
-/// Whether the interior of the polygon is on the left of a ring.
 static bool interior_is_left(const degree_grid *grid, const globe_curve *ring)
 {
     double turn, integral;

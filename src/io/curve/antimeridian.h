@@ -29,7 +29,6 @@ typedef enum globe_role
     GLOBE_HOLE
 } globe_role;
 
-/// A curve to be written.
 typedef struct globe_curve
 {
     const double *points; ///< count x 3

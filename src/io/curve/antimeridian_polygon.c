@@ -299,7 +299,6 @@ static bool ring_holds(const globe_lines *rings, size_t ring, degree_units place
     return inside;
 }
 
-/// The bounding box of a ring.
 typedef struct ring_box
 {
     degree_units low, high;

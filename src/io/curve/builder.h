@@ -76,7 +76,6 @@ bool builder_note_repeats(const curve_builder *builder, bat_curve_attributes *at
 /// Complete the current curve, if it has points. False when out of memory.
 bool builder_end_curve(curve_builder *builder, bool closed);
 
-/// Append the curves of `other`. False when out of memory.
 bool builder_append(curve_builder *builder, curve_builder *other);
 
 /// Make a curve set. It takes one ownership of the attributes, also on failure. The builder is empty afterwards.

@@ -15,7 +15,6 @@
 
 // Columns of CSV files.
 
-/// What a CSV column holds.
 typedef enum csv_kind
 {
     CSV_NUMBER, ///< a coordinate or a channel
@@ -66,7 +65,6 @@ typedef struct csv_columns
     char *chosen;           ///< the columns of coordinates, by their numbers from 1, where they were chosen; else null
 } csv_columns;
 
-/// A field of a row.
 typedef struct csv_field
 {
     const char *begin, *end; ///< without blanks at both ends
@@ -75,7 +73,6 @@ typedef struct csv_field
 /// Store the names of a header row, which contain no zero bytes. False when out of memory.
 bool csv_columns_name(csv_columns *columns, const csv_field *fields, size_t count);
 
-/// Which columns of a file hold coordinates.
 typedef struct csv_choice
 {
     const char *space;                 ///< never null
@@ -214,9 +211,7 @@ typedef struct cell_builder
 /// Append the next cell of a row; a row has `columns` of them. A cell equal to the one above shares its text. False when out
 /// of memory.
 bool cells_add(cell_builder *cells, csv_field cell);
-/// End a row.
 void cells_end_row(cell_builder *cells);
-/// Drop the last row.
 void cells_drop_row(cell_builder *cells);
 /// End a curve, whose rows begin where the last one ended. False when out of memory.
 bool cells_end_curve(cell_builder *cells, bool closed);
@@ -292,7 +287,6 @@ typedef struct csv_reader
 /// The number of a column, from 1, in the file: the column of corners is not among the fields.
 size_t csv_column_number(const csv_reader *reader, size_t column);
 
-/// Find a column by its name or number.
 bat_status csv_find_column(const csv_reader *reader, const char *option, const char *name, size_t length, size_t *column,
                            bat_error *error);
 
@@ -313,7 +307,6 @@ bool csv_takes_dates(const csv_reader *reader, size_t column);
 /// Count what the notes tell about a cell.
 void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column);
 
-/// Notes about the columns, after the file.
 bool csv_note_columns(csv_reader *reader);
 
 #endif

@@ -148,7 +148,6 @@ void cells_places(const csv_cells *cells, const bat_curve *curve, size_t curve_i
         places[j] = (double)row_before + (double)(j - before) / (double)(curve->count - before);
 }
 
-/// Whether a text is one quoted field.
 static bool is_quoted(const char *cell)
 {
     size_t last = strlen(cell);

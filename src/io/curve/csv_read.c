@@ -76,7 +76,6 @@ static bat_status read_header(csv_reader *reader, const text_line *line, size_t 
     return BAT_OK;
 }
 
-/// Find the times among the channels.
 static void find_times(csv_reader *reader)
 {
     motion_channels channels;

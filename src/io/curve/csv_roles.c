@@ -236,7 +236,6 @@ void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column)
     state->end = field.end;
 }
 
-/// Store a cell. Numbers get a decimal point.
 static bool store_cell(csv_reader *reader, size_t column)
 {
     enum
@@ -417,7 +416,6 @@ static bat_status check_counts(const csv_reader *reader, const text_line *line, 
     return BAT_OK;
 }
 
-/// Use the chosen columns as coordinates.
 static bat_status use_choice(csv_reader *reader, const text_line *line, bool named_space, bat_error *error)
 {
     csv_columns *columns = reader->attributes->csv;

@@ -18,7 +18,6 @@ enum
     RADIAN_DECIMALS = 2
 };
 
-/// The columns of the rows.
 typedef struct csv_layout
 {
     size_t column_count;
@@ -84,7 +83,6 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
     return BAT_OK;
 }
 
-/// The places of all points.
 static bat_status find_places(const bat_curve_set *set, csv_layout *layout, bat_error *error)
 {
     size_t rows = 0;
@@ -201,7 +199,6 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
     text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
 }
 
-/// Write the longitude or latitude of a point.
 static char *write_angle(char *out, const csv_layout *layout, const double *point, degree_units units, size_t place)
 {
     if (layout->columns == NULL || !layout->columns->radians)
@@ -211,7 +208,6 @@ static char *write_angle(char *out, const csv_layout *layout, const double *poin
     return number_write_fixed(out, llrint(angle * (double)number_power_of_ten(decimals)), decimals);
 }
 
-/// A row that is written.
 typedef struct csv_row
 {
     const csv_layout *layout;

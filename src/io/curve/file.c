@@ -19,7 +19,6 @@
 /// @file
 /// Reading and writing of curve sets in any format, from files and from memory.
 
-/// A format: its reader and its writer.
 typedef struct curve_format
 {
     bat_choice choice;

@@ -131,7 +131,6 @@ bool geojson_has_type(const json_t *object, const char *type);
 
 void geojson_reader_free(geojson_reader *reader);
 
-/// The text of one feature.
 typedef struct feature_text
 {
     const char *begin, *end;

@@ -100,7 +100,6 @@ static bat_status drop_repeat(geojson_reader *reader)
     return BAT_OK;
 }
 
-/// Append a position to the current curve.
 static bat_status add_point(geojson_reader *reader, const double *numbers, double *point)
 {
     const char *fault = reader->degrees ? degrees_fault(numbers[0], numbers[1]) : NULL;

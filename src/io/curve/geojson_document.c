@@ -66,7 +66,6 @@ static const geojson_feature *feature_of(const geojson_document *document, size_
     return low < document->feature_count ? &document->features[low] : NULL;
 }
 
-/// The line where the feature of a curve begins.
 static size_t line_of_feature(const void *content, size_t curve)
 {
     const geojson_feature *feature = feature_of(content, curve);

@@ -365,7 +365,6 @@ bat_status geojson_records_end(geojson_reader *reader, bat_curve_format format, 
     return status;
 }
 
-/// Read the tree of a whole file.
 static bat_status read_whole(geojson_reader *reader, json_t *root)
 {
     bool feature = geojson_has_type(root, "Feature");

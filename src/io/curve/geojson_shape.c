@@ -220,7 +220,6 @@ enum
     POSITION_TEXT_SIZE = 2 * (NUMBER_TEXT_SIZE + 1) + 2
 };
 
-/// The most characters of a position.
 static size_t position_size(const geojson_shape *shape)
 {
     return POSITION_TEXT_SIZE + shape->value_count * (NUMBER_TEXT_SIZE + 1);

@@ -55,7 +55,6 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
                                   const bat_curve *curves, const stitch_polygon *polygons, size_t polygon_count,
                                   size_t first, bat_error *error);
 
-/// Write the value of "coordinates".
 void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text);
 
 void geojson_shape_free(geojson_shape *shape);

@@ -26,7 +26,6 @@ typedef struct geojson_writer
     bat_curve_write_report *report; ///< null, or the sum over all threads
 } geojson_writer;
 
-/// The state of one thread.
 typedef struct geojson_output
 {
     const geojson_writer *writer;
@@ -180,7 +179,6 @@ static bat_status write_wrapped(geojson_output *out, const geojson_feature *feat
     return status;
 }
 
-/// Write a feature for a curve that did not come from GeoJSON.
 static bat_status write_new_feature(geojson_output *out, size_t curve)
 {
     bat_status status = geojson_shape_lines(&out->shape, &out->writer->style, "LineString", &out->writer->set->curves[curve],
@@ -345,7 +343,6 @@ enum
     CRS_NAME_SIZE = 128 ///< names are shorter; a system without a name has longer text
 };
 
-/// Append the member "crs" of a name.
 static void write_crs(const char *short_name, text_buffer *text)
 {
     char urn[CRS_NAME_SIZE + 32];

@@ -37,7 +37,6 @@ typedef struct record_stream
     size_t used; ///< bytes of the current part
 } record_stream;
 
-/// The whole work.
 typedef struct file_job
 {
     const bat_curve_refine_file_options *options;
@@ -108,7 +107,6 @@ static bat_status stream_fill(record_stream *stream, size_t wanted, bat_error *e
     return BAT_OK;
 }
 
-/// Drop the bytes of the last part.
 static void stream_drop(record_stream *stream)
 {
     text_buffer *text = &stream->text;

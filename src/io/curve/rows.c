@@ -19,7 +19,6 @@ typedef struct row_job
     const void *context;
 } row_job;
 
-/// The curve of a row, by bisection.
 static size_t curve_of_row(const row_job *job, size_t row)
 {
     size_t low = 0, high = job->set->count;

@@ -12,14 +12,12 @@
 /// other edges form rings again. An edge that none cancels is a real border and stays. A closure over a pole that ends up to
 /// 1e-2 degrees short of the seam lies on it.
 
-/// The place of a curve in its geometry, as the file counts.
 typedef struct stitch_origin
 {
     size_t part; ///< the polygon, or the line
     size_t ring; ///< of the polygon; 0 for a line
 } stitch_origin;
 
-/// A polygon of a geometry.
 typedef struct stitch_polygon
 {
     size_t rings; ///< their number; the outer one comes first
@@ -36,7 +34,6 @@ typedef struct stitch_geometry
     size_t polygon_count;
 } stitch_geometry;
 
-/// What was done.
 typedef struct stitch_report
 {
     size_t joined;        ///< given polygons or lines that are now part of another one
@@ -80,7 +77,6 @@ bool stitch_polygons(stitch_geometry *geometry, const double *degrees, const sti
 bool stitch_lines(stitch_geometry *geometry, const double *degrees, const stitch_tolerance *tolerance, bool close,
                   stitch_report *report);
 
-/// Free the arrays of a geometry, and its curves.
 void stitch_geometry_free(stitch_geometry *geometry);
 
 #endif

@@ -85,7 +85,6 @@ static bool is_better_start(const stitch_edges *edges, size_t a, size_t b)
     return a < b;
 }
 
-/// Trace the ring of a half-edge.
 static traced_ring trace(const stitch_edges *edges, size_t edge, bool *used)
 {
     traced_ring ring = {.first = edge};

@@ -42,7 +42,6 @@ bool stitch_make_curve(stitch_path *path, bool closed, const stitch_tolerance *t
 
 // Edges of rings on the seam: division at each other's ends, and cancellation.
 
-/// A ring of the geometry.
 typedef struct stitch_ring
 {
     const bat_curve *curve;

@@ -55,7 +55,6 @@ typedef struct gdal_functions
 /// Valid from the first successful gdal_begin() on.
 extern gdal_functions gdal;
 
-/// The messages of GDAL during a call.
 typedef struct gdal_messages
 {
     char text[BAT_ERROR_TEXT_SIZE / 2]; ///< the first failure

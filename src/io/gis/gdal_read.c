@@ -15,7 +15,6 @@
 /// @file
 /// Reader of layers by GDAL. A layer becomes the text of a GeoJSON collection, which the reader of GeoJSON takes.
 
-/// The state of a reader.
 typedef struct layer_reader
 {
     OGRLayerH layer;
@@ -216,7 +215,6 @@ static bool write_feature_geometry(layer_reader *reader, OGRGeometryH geometry)
     return written;
 }
 
-/// Write a date as ISO 8601 does.
 static void write_time(layer_reader *reader, OGRFeatureH feature, int field, OGRFieldType type)
 {
     enum
@@ -362,7 +360,6 @@ static bool write_feature(layer_reader *reader, OGRFeatureH feature)
     return written;
 }
 
-/// Write all features as a collection.
 static bat_status write_features(layer_reader *reader, bat_error *error)
 {
     size_t count = 0;
@@ -521,7 +518,6 @@ static bool keep_layer(const layer_reader *reader, geojson_document *document)
     return kept->name != NULL && kept->ids != NULL;
 }
 
-/// Note what was chosen and changed.
 static bool note_all(const layer_reader *reader, GDALDatasetH dataset, const bat_curve_read_options *options,
                      const layer_system *system, bat_curve_attributes *attributes)
 {
@@ -549,7 +545,6 @@ static bool note_all(const layer_reader *reader, GDALDatasetH dataset, const bat
     return noted;
 }
 
-/// Read the chosen layer.
 static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const bat_curve_read_options *options,
                              bat_curve_set *set, bat_error *error)
 {

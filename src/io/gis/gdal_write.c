@@ -14,7 +14,6 @@
 /// @file
 /// Writer of layers by GDAL, from the features that the writer of GeoJSON makes.
 
-/// The state of a writer.
 typedef struct layer_writer
 {
     const bat_curve_set *set;
@@ -107,7 +106,6 @@ static OGRGeometryH geometry_of(const json_t *tree, bool measures)
     return collection;
 }
 
-/// Keep the geometry of a feature.
 static bat_status take_geometry(void *context, size_t index, const json_t *feature, bat_error *error)
 {
     layer_writer *writer = context;
@@ -269,7 +267,6 @@ static bat_status create_fields(layer_writer *writer, bat_error *error)
     return added ? BAT_OK : gdal_fault(&writer->messages, BAT_UNSUPPORTED, error, "GDAL cannot make a field");
 }
 
-/// Set a list of numbers or strings.
 static bool set_list(OGRFeatureH feature, int index, OGRFieldType type, const json_t *list)
 {
     size_t count = json_array_size(list);
@@ -399,7 +396,6 @@ static bool has_field(const layer_writer *writer, const char *name)
     return false;
 }
 
-/// The options of a driver for its layer.
 static char **layer_options(const layer_writer *writer)
 {
     char **options = NULL, decimals[16];

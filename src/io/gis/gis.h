@@ -28,7 +28,6 @@ bat_status gis_write(const char *path, const char *drivers, const bat_curve_set 
 /// Whether only GDAL opens a path: "/vsi...", as GDAL names what is remote or inside of an archive, or "....gz".
 bool gis_is_virtual(const char *path);
 
-/// Read the text behind such a path.
 bat_status gis_text_read(const char *path, file_text *text, bat_error *error);
 
 /// Write a text, compressed, to a path that ends in ".gz".

@@ -18,7 +18,6 @@ enum
     POSE_NAME_SIZE = 64
 };
 
-/// What a column of a table holds.
 typedef enum role
 {
     TIME,
@@ -43,7 +42,6 @@ typedef enum role
     ROLES
 } role;
 
-/// Units that the name of a column has.
 typedef enum column_unit
 {
     UNIT_NONE,
@@ -101,7 +99,6 @@ enum
 /// Matrices in files: the largest distance of an entry from the nearest rotation.
 #define POSE_MATRIX_TOLERANCE 1e-3
 
-/// The work on a text.
 typedef struct pose_translation
 {
     const file_text *source;
@@ -121,19 +118,16 @@ typedef struct pose_translation
     char order[4];
 } pose_translation;
 
-/// Keep a sentence for the report.
 void pose_note(pose_translation *work, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /// BAT_BAD_FILE with a line.
 bat_status pose_fail(bat_error *error, size_t line, const char *text);
 /// Read a row of exactly `count` numbers. False where it is none.
 bool pose_read_numbers(const file_text *source, const text_line *line, size_t count, double *numbers, char *separator);
-/// Write a row of the TUM format.
 void pose_write_tum(pose_translation *work, const char *time, const double *place, const double *quaternion);
 
 /// The nearest rotation of the 3x4 matrix of a row, and the largest distance of an entry from it. Infinite where there is
 /// none.
 double pose_matrix_deviation(const double *row, double *quaternion);
-/// Rows of matrices.
 bat_status pose_translate_kitti(pose_translation *work, bat_error *error);
 
 /// What the names of a header tell.

@@ -15,7 +15,6 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
-/// The times of the lines of a text.
 typedef struct time_list
 {
     double *times;
