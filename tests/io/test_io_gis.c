@@ -8,7 +8,7 @@
 #include "io/gis/gis.h"
 
 #if BATTEN_HAS_GDAL
-#include "io/gis/gdal_system.h"
+#include "io/gis/gdal.h"
 #endif
 
 #include <jansson.h>

@@ -1,6 +1,6 @@
 #include "test_io_helpers.h"
 
-#include "io/common/iso_time.h"
+#include "io/common/time_text.h"
 
 #include <stdio.h>
 

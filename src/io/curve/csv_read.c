@@ -1,7 +1,6 @@
 #include "io/curve/csv.h"
 
-#include "io/common/exact_time.h"
-#include "io/common/iso_time.h"
+#include "io/common/time_text.h"
 #include "space/degrees.h"
 
 #include <math.h>

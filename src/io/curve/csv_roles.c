@@ -1,4 +1,4 @@
-#include "io/common/iso_time.h"
+#include "io/common/time_text.h"
 #include "io/curve/csv.h"
 
 #include <math.h>

@@ -1,5 +1,4 @@
-#include "io/common/exact_time.h"
-#include "io/common/iso_time.h"
+#include "io/common/time_text.h"
 #include "io/curve/csv.h"
 #include "io/curve/rows.h"
 #include "space/degrees.h"

@@ -2,6 +2,8 @@
 #define IO_GIS_GDAL_H
 
 #include "batten/base.h"
+#include "curve/curve_attributes.h"
+#include "io/curve/geojson.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
@@ -71,5 +73,30 @@ bat_status gdal_fault(const gdal_messages *messages, bat_status status, bat_erro
 
 /// The path by which GDAL opens a file: with /vsigzip/ for ".gz" and /vsizip/ for ".zip". Null when out of memory.
 char *gdal_path(const char *path);
+
+/// @file
+/// What a GeoJSON document keeps of the layer it was read from, so that it can be written again.
+typedef struct geojson_layer
+{
+    char *name;             ///< null for none
+    char *ids;              ///< the column of the features' numbers; "" for none
+    OGRFeatureDefnH fields; ///< shared with GDAL
+    bool any_geometry;      ///< the layer takes geometries of all types
+} geojson_layer;
+
+// Coordinate systems.
+
+/// The system of a name, in the order of longitude before latitude and east before north: "EPSG:25833", a URN, or WKT. Null,
+/// with a message of GDAL, for none.
+OGRSpatialReferenceH system_by_name(const char *name);
+
+/// The name of a system: its code, as in "EPSG:25833", else WKT. Null when out of memory.
+char *system_name(OGRSpatialReferenceH system);
+
+/// Whether the coordinates are longitude and latitude in degrees from Greenwich.
+bool system_is_degrees(OGRSpatialReferenceH system);
+
+/// Whether a layer stores the two coordinates in the reverse of the order above.
+bool system_is_swapped(OGRSpatialReferenceH system);
 
 #endif

@@ -3,8 +3,7 @@
 #include "io/common/json.h"
 #include "io/common/number_text.h"
 #include "io/curve/formats.h"
-#include "io/gis/gdal_layer.h"
-#include "io/gis/gdal_system.h"
+#include "io/gis/gdal.h"
 #include "io/gis/gis.h"
 
 #include <errno.h>

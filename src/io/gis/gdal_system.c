@@ -1,4 +1,4 @@
-#include "io/gis/gdal_system.h"
+#include "io/gis/gdal.h"
 
 #include "base/error.h"
 #include "base/memory.h"

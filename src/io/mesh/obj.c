@@ -1,5 +1,5 @@
+#include "io/common/file_text.h"
 #include "io/common/number_text.h"
-#include "io/common/word_scan.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/obj_labels.h"

@@ -2,7 +2,7 @@
 #define IO_MESH_OBJ_LABELS_H
 
 #include "base/text_buffer.h"
-#include "io/common/word_scan.h"
+#include "io/common/file_text.h"
 #include "io/mesh/builder.h"
 
 /// @file

@@ -2,7 +2,7 @@
 #define IO_MESH_PLY_H
 
 #include "base/array_grow.h"
-#include "io/common/word_scan.h"
+#include "io/common/file_text.h"
 
 /// @file
 /// The structure of PLY files (Turk, "The PLY polygon file format", 1994).

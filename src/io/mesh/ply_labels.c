@@ -2,8 +2,8 @@
 
 #include "base/error.h"
 #include "base/json_parse.h"
+#include "io/common/file_text.h"
 #include "io/common/json.h"
-#include "io/common/word_scan.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 #include "base/error.h"
+#include "io/common/file_text.h"
 #include "io/common/number_text.h"
-#include "io/common/word_scan.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 #include "mesh/point_table.h"

@@ -1,5 +1,5 @@
-#include "io/common/iso_time.h"
 #include "io/common/number_text.h"
+#include "io/common/time_text.h"
 #include "io/motion/pose_translation.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
 #include "io/common/file_text.h"
-#include "io/common/iso_time.h"
+#include "io/common/time_text.h"
 #include "io/curve/csv.h"
 
 /// @file

@@ -3,8 +3,8 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 #include "base/number_digits.h"
-#include "io/common/exact_time.h"
 #include "io/common/number_text.h"
+#include "io/common/time_text.h"
 #include "io/motion/pose_translation.h"
 
 #include <stdlib.h>

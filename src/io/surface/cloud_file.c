@@ -1,7 +1,7 @@
 #include "base/choice.h"
 #include "base/option.h"
 #include "batten/mesh.h"
-#include "io/common/word_scan.h"
+#include "io/common/file_text.h"
 #include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
 #include "mesh/point_table.h"

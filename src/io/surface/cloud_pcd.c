@@ -1,5 +1,5 @@
 #include "base/memory.h"
-#include "io/common/word_scan.h"
+#include "io/common/file_text.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>

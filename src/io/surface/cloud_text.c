@@ -1,4 +1,4 @@
-#include "io/common/word_scan.h"
+#include "io/common/file_text.h"
 #include "io/surface/cloud_formats.h"
 
 #include <ctype.h>

@@ -4,8 +4,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/common/block_writer.h"
+#include "io/common/file_text.h"
 #include "io/common/number_text.h"
-#include "io/common/word_scan.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>

@@ -1,5 +1,9 @@
-#include "io/common/iso_time.h"
+#include "io/common/time_text.h"
 
+#include "io/common/number_text.h"
+
+#include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -8,7 +12,6 @@
 
 enum
 {
-    NANO_DECIMALS = 9,
     /// Decimals of interpolated times.
     NEW_DECIMALS = 6,
     FIRST_YEAR = 1678, ///< 64 bits of nanoseconds reach from 1677 to 2262
@@ -86,7 +89,7 @@ static bool read_seconds(const char **at, const char *end, iso_time *time, int64
     if (*at == end || (**at != '.' && **at != ','))
         return true;
     int64_t unit = SECOND;
-    for (++*at; *at < end && **at >= '0' && **at <= '9' && time->decimals < NANO_DECIMALS; ++*at, time->decimals++)
+    for (++*at; *at < end && **at >= '0' && **at <= '9' && time->decimals < EXACT_TIME_DECIMALS; ++*at, time->decimals++)
     {
         unit /= 10;
         *nanoseconds += (**at - '0') * unit;
@@ -165,4 +168,79 @@ char *iso_time_write(char *out, const iso_time *form, int64_t nanoseconds)
     if (decimals > 0)
         out += snprintf(out, (size_t)(end - out), ".%0*d", decimals, (int)fraction);
     return out + snprintf(out, (size_t)(end - out), "%s", form->zone);
+}
+
+/// Nanoseconds that doubles of seconds hold exactly, and the largest seconds of a double beside an origin.
+static const int64_t EXACT = 1000000000000000;
+static const double LONGEST = 9e9;
+
+bool exact_time_read(const char *begin, const char *end, int64_t *nanoseconds)
+{
+    bool negative = begin < end && *begin == '-', point = false;
+    uint64_t made = 0;
+    int decimals = 0, digits = 0;
+    for (const char *at = begin + negative; at < end; at++)
+    {
+        if (*at == '.' && !point)
+        {
+            point = true;
+            continue;
+        }
+        if (*at < '0' || *at > '9' || (point && decimals == EXACT_TIME_DECIMALS))
+            return false;
+        if (__builtin_mul_overflow(made, (uint64_t)10, &made) || __builtin_add_overflow(made, (uint64_t)(*at - '0'), &made))
+            return false;
+        decimals += point ? 1 : 0;
+        digits++;
+    }
+    for (; decimals < EXACT_TIME_DECIMALS; decimals++)
+        if (__builtin_mul_overflow(made, (uint64_t)10, &made))
+            return false;
+    if (digits == 0 || made > INT64_MAX)
+        return false;
+    *nanoseconds = negative ? -(int64_t)made : (int64_t)made;
+    return true;
+}
+
+/// The largest whole number of seconds up to a time.
+static int64_t whole_seconds(int64_t nanoseconds)
+{
+    return nanoseconds / SECOND - (nanoseconds % SECOND < 0 ? 1 : 0);
+}
+
+int64_t exact_time_origin(int64_t nanoseconds)
+{
+    return nanoseconds > -EXACT && nanoseconds < EXACT ? 0 : whole_seconds(nanoseconds);
+}
+
+double exact_time_since(int64_t nanoseconds, int64_t origin)
+{
+    int64_t seconds = whole_seconds(nanoseconds), part = nanoseconds - seconds * SECOND, apart = seconds - origin;
+    // One rounding where the nanoseconds fit a double.
+    if (apart > -EXACT / SECOND && apart < EXACT / SECOND)
+        return (double)(apart * SECOND + part) / (double)SECOND;
+    return (double)apart + (double)part / (double)SECOND;
+}
+
+bool exact_time_nanoseconds(int64_t origin, double seconds, int64_t *nanoseconds)
+{
+    double whole = floor(seconds);
+    if (!(fabs(seconds) < LONGEST) || origin > (int64_t)LONGEST || origin < -(int64_t)LONGEST)
+        return false;
+    int64_t sum = origin + (int64_t)whole;
+    return !__builtin_mul_overflow(sum, SECOND, nanoseconds) &&
+           !__builtin_add_overflow(*nanoseconds, (int64_t)llround((seconds - whole) * (double)SECOND), nanoseconds);
+}
+
+char *exact_time_write(char *out, int64_t origin, double seconds)
+{
+    int64_t nanoseconds;
+    if (origin == 0)
+        return number_write(out, seconds);
+    if (!exact_time_nanoseconds(origin, seconds, &nanoseconds))
+        return number_write(out, (double)origin + seconds);
+    uint64_t positive = nanoseconds < 0 ? 0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
+    // With all nine decimals, so that a reader finds that they matter.
+    return out + snprintf(out, EXACT_TIME_SIZE, "%s%" PRIu64 ".%09" PRIu64, nanoseconds < 0 ? "-" : "",
+                          positive / (uint64_t)SECOND, positive % (uint64_t)SECOND);
 }
