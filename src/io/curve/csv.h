@@ -193,8 +193,13 @@ const char *csv_read_number(csv_field field, char separator, double *value, bool
 /// Whether a field holds nothing: it is empty, NA, N/A, NaN, null or none, in either case.
 bool csv_is_missing(csv_field field);
 
-/// Whether a field is a whole number of at most 15 digits.
-bool csv_read_whole(csv_field field, int64_t *value);
+enum
+{
+    EXACT_DIGITS = 15, ///< of any double
+    INT64_DIGITS = 19
+};
+/// Whether a field is a whole number of at most so many digits, and within int64_t.
+bool csv_read_whole(csv_field field, int max_digits, int64_t *value);
 
 // Cells of CSV columns that are carried along: texts, times, and numbers with gaps.
 

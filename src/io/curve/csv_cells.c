@@ -382,24 +382,21 @@ bool csv_is_missing(csv_field field)
     return size == 0;
 }
 
-bool csv_read_whole(csv_field field, int64_t *value)
+bool csv_read_whole(csv_field field, int max_digits, int64_t *value)
 {
-    enum
-    {
-        MAX_DIGITS = 15
-    };
-    field = csv_unquoted(field);
     bool negative = field.begin < field.end && *field.begin == '-';
+    uint64_t made = 0;
     field.begin += negative;
-    *value = 0;
-    if (field.begin == field.end || field.end - field.begin > MAX_DIGITS)
+    if (field.begin == field.end || field.end - field.begin > max_digits)
         return false;
     for (const char *at = field.begin; at < field.end; at++)
     {
         if (*at < '0' || *at > '9')
             return false;
-        *value = 10 * *value + (*at - '0');
+        made = 10 * made + (uint64_t)(*at - '0');
     }
-    *value = negative ? -*value : *value;
+    if (made > INT64_MAX)
+        return false;
+    *value = negative ? -(int64_t)made : (int64_t)made;
     return true;
 }

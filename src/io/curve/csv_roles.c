@@ -68,8 +68,9 @@ bat_status csv_find_column(const csv_reader *reader, const char *option, const c
     size_t corner = reader->attributes->csv->corner;
     *column = find_by_name(reader, name, length);
     int64_t number;
-    if (*column == BAT_NO_INDEX && csv_read_whole((csv_field){name, name + length}, &number) && number >= 1 &&
-        (uint64_t)number <= reader->column_count + (corner != BAT_NO_INDEX ? 1 : 0) && (size_t)number - 1 != corner)
+    if (*column == BAT_NO_INDEX && csv_read_whole(csv_unquoted((csv_field){name, name + length}), EXACT_DIGITS, &number) &&
+        number >= 1 && (uint64_t)number <= reader->column_count + (corner != BAT_NO_INDEX ? 1 : 0) &&
+        (size_t)number - 1 != corner)
         *column = (size_t)number - 1 - ((size_t)number > corner ? 1 : 0);
     if (*column != BAT_NO_INDEX)
         return BAT_OK;
@@ -147,7 +148,7 @@ static bool begins_as_index(const csv_reader *reader)
     for (size_t i = 1; i < reader->column_count; i++)
         numbers += reader->columns[i].kind == CSV_NUMBER ? 1 : 0;
     return columns->names != NULL && name_is_index(columns->names[0]) && numbers >= 2 &&
-           csv_read_whole(reader->fields[0], &value);
+           csv_read_whole(csv_unquoted(reader->fields[0]), EXACT_DIGITS, &value);
 }
 
 static void choose_first_kinds(csv_reader *reader)
@@ -182,7 +183,7 @@ static bool is_next_id(csv_reader *reader, csv_field field)
 {
     csv_columns *columns = reader->attributes->csv;
     int64_t value;
-    if (!csv_read_whole(field, &value))
+    if (!csv_read_whole(csv_unquoted(field), EXACT_DIGITS, &value))
         return false;
     if (reader->row_count == 0)
         columns->first_id = reader->next_id = value;

@@ -13,6 +13,24 @@
 /// @file
 /// Parts of the GeoJSON reader: positions for messages, coordinates cut out of the text, features, geometries.
 
+/// The types of geometries, with the codes of "Simple feature access" (OGC 06-103r4), which GDAL has, too.
+typedef enum geometry_kind
+{
+    GEOMETRY_UNKNOWN,
+    GEOMETRY_POINT,
+    GEOMETRY_LINE,
+    GEOMETRY_POLYGON,
+    GEOMETRY_POINTS,
+    GEOMETRY_LINES,
+    GEOMETRY_POLYGONS,
+    GEOMETRY_COLLECTION,
+    GEOMETRY_KINDS
+} geometry_kind;
+
+/// Their names in GeoJSON; null for GEOMETRY_UNKNOWN.
+extern const char *const GEOMETRY_NAMES[GEOMETRY_KINDS];
+geometry_kind geojson_kind(const json_t *geometry);
+
 /// A GeoJSON geometry that became curves. In the stored tree its "coordinates" are its index among the geometries of its
 /// feature.
 typedef struct geojson_geometry
@@ -151,25 +169,11 @@ bat_status geojson_records_end(geojson_reader *reader, bat_curve_format format, 
 
 void geojson_extraction_free(geojson_extraction *extraction);
 
-/// The types of geometries that are curves.
-typedef enum curve_kind
-{
-    CURVE_LINE,
-    CURVE_LINES,
-    CURVE_POLYGON,
-    CURVE_POLYGONS
-} curve_kind;
-
 /// Read coordinates at the scanner's position, which are valid JSON, into curves, and join what the file cuts at the
 /// antimeridian. A geometry without a line or ring of enough different points, or one that is not an outline on the sphere,
 /// gives no curves.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
-bat_status geojson_read_coordinates(geojson_reader *reader, curve_kind kind, json_scanner *scan);
-
-/// Complete a geometry whose coordinates are the curves and polygons from these on. If none of them can be converted, none
-/// is left.
-/// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
-bat_status geojson_complete_geometry(geojson_reader *reader, size_t first_curve, size_t first_polygon);
+bat_status geojson_read_coordinates(geojson_reader *reader, geometry_kind kind, json_scanner *scan);
 
 /// The current place: "feature 6 (id 'ATA'), polygon 7, ring 0, position 381".
 void geojson_describe_place(const geojson_reader *reader, char *text, size_t size);

@@ -243,32 +243,6 @@ static bat_status read_polygons(geojson_reader *reader, json_scanner *scan)
     return BAT_OK;
 }
 
-bat_status geojson_read_coordinates(geojson_reader *reader, curve_kind kind, json_scanner *scan)
-{
-    size_t unused, first_curve = reader->builder.curve_count, first_polygon = reader->document.polygon_count;
-    reader->rings = kind == CURVE_POLYGON || kind == CURVE_POLYGONS;
-    reader->multiple = kind == CURVE_LINES || kind == CURVE_POLYGONS;
-    reader->number_count = 0;
-    reader->position_count = 0;
-    reader->aliases = false;
-    bat_status status;
-    switch (kind)
-    {
-    case CURVE_LINE:
-        status = read_part(reader, scan);
-        break;
-    case CURVE_LINES:
-        status = read_parts(reader, scan, &unused);
-        break;
-    case CURVE_POLYGON:
-        status = read_polygon(reader, scan);
-        break;
-    default:
-        status = read_polygons(reader, scan);
-    }
-    return status == BAT_OK ? geojson_complete_geometry(reader, first_curve, first_polygon) : status;
-}
-
 // Completion of GeoJSON geometries whose coordinates have been read: parts that the file cuts at the antimeridian are
 // joined, lines are closed, lines and rings with too few different points are dropped.
 
@@ -452,7 +426,7 @@ static void forget(geojson_reader *reader, size_t first_curve, size_t first_poly
 }
 
 /// Join, close and clean the curves of a geometry that has been read.
-bat_status geojson_complete_geometry(geojson_reader *reader, size_t first_curve, size_t first_polygon)
+static bat_status complete_geometry(geojson_reader *reader, size_t first_curve, size_t first_polygon)
 {
     curve_builder *builder = &reader->builder;
     bool represented = true, degenerate = false;
@@ -477,4 +451,30 @@ bat_status geojson_complete_geometry(geojson_reader *reader, size_t first_curve,
     if (status == BAT_OK && (!represented || builder->curve_count == first_curve))
         forget(reader, first_curve, first_polygon);
     return status;
+}
+
+bat_status geojson_read_coordinates(geojson_reader *reader, geometry_kind kind, json_scanner *scan)
+{
+    size_t unused, first_curve = reader->builder.curve_count, first_polygon = reader->document.polygon_count;
+    reader->rings = kind == GEOMETRY_POLYGON || kind == GEOMETRY_POLYGONS;
+    reader->multiple = kind == GEOMETRY_LINES || kind == GEOMETRY_POLYGONS;
+    reader->number_count = 0;
+    reader->position_count = 0;
+    reader->aliases = false;
+    bat_status status;
+    switch (kind)
+    {
+    case GEOMETRY_LINE:
+        status = read_part(reader, scan);
+        break;
+    case GEOMETRY_LINES:
+        status = read_parts(reader, scan, &unused);
+        break;
+    case GEOMETRY_POLYGON:
+        status = read_polygon(reader, scan);
+        break;
+    default:
+        status = read_polygons(reader, scan);
+    }
+    return status == BAT_OK ? complete_geometry(reader, first_curve, first_polygon) : status;
 }

@@ -11,6 +11,23 @@ bool geojson_document_reserve(geojson_document *document, size_t polygons, size_
            ARRAY_GROW(document->origins, document->curve_capacity, curves);
 }
 
+const char *const GEOMETRY_NAMES[GEOMETRY_KINDS] = {[GEOMETRY_POINT] = "Point",
+                                                    [GEOMETRY_LINE] = "LineString",
+                                                    [GEOMETRY_POLYGON] = "Polygon",
+                                                    [GEOMETRY_POINTS] = "MultiPoint",
+                                                    [GEOMETRY_LINES] = "MultiLineString",
+                                                    [GEOMETRY_POLYGONS] = "MultiPolygon",
+                                                    [GEOMETRY_COLLECTION] = "GeometryCollection"};
+
+geometry_kind geojson_kind(const json_t *geometry)
+{
+    const char *type = json_string_value(json_object_get(geometry, "type"));
+    int kind = GEOMETRY_POINT;
+    while (type != NULL && kind < GEOMETRY_KINDS && strcmp(type, GEOMETRY_NAMES[kind]) != 0)
+        kind++;
+    return type != NULL && kind < GEOMETRY_KINDS ? (geometry_kind)kind : GEOMETRY_UNKNOWN;
+}
+
 void geojson_document_free(geojson_document *document)
 {
     for (size_t i = 0; i < document->feature_count; i++)

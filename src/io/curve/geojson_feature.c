@@ -23,7 +23,7 @@ typedef struct extractor
     geojson_extraction *extraction;
 } extractor;
 
-/// The type of the object at the position, with its quotes; empty when there is none.
+/// The type of the object at the position, without its quotes; empty when there is none.
 static json_scanner find_type(json_scanner scan)
 {
     json_scanner key, type = {scan.at, scan.at};
@@ -34,8 +34,8 @@ static json_scanner find_type(json_scanner scan)
             break;
         if (!json_scan_is(&key, "type") || !json_scan_at(&scan, '"'))
             continue;
-        type.at = scan.at;
-        type.end = json_scan_string(&scan) ? scan.at : type.at;
+        type.at = scan.at + 1;
+        type.end = json_scan_string(&scan) ? scan.at - 1 : type.at;
         break;
     } while (json_scan_value(&scan) && json_scan_take(&scan, ','));
     return type;
@@ -43,8 +43,8 @@ static json_scanner find_type(json_scanner scan)
 
 static bool is_curves(const json_scanner *type)
 {
-    return json_scan_is(type, "\"LineString\"") || json_scan_is(type, "\"MultiLineString\"") ||
-           json_scan_is(type, "\"Polygon\"") || json_scan_is(type, "\"MultiPolygon\"");
+    return json_scan_is(type, GEOMETRY_NAMES[GEOMETRY_LINE]) || json_scan_is(type, GEOMETRY_NAMES[GEOMETRY_LINES]) ||
+           json_scan_is(type, GEOMETRY_NAMES[GEOMETRY_POLYGON]) || json_scan_is(type, GEOMETRY_NAMES[GEOMETRY_POLYGONS]);
 }
 
 static bool has_escape(const json_scanner *string)
@@ -104,10 +104,9 @@ static bool extract_object(extractor *job, size_t depth)
         if (!json_scan_key(scan, &key) || has_escape(&key))
             return false;
         bool extracted;
-        if (json_scan_is(&key, "geometry") && json_scan_is(&type, "\"Feature\"") && json_scan_at(scan, '{'))
+        if (json_scan_is(&key, "geometry") && json_scan_is(&type, "Feature") && json_scan_at(scan, '{'))
             extracted = extract_object(job, depth + 1);
-        else if (json_scan_is(&key, "geometries") && json_scan_is(&type, "\"GeometryCollection\"") &&
-                 json_scan_at(scan, '['))
+        else if (json_scan_is(&key, "geometries") && json_scan_is(&type, "GeometryCollection") && json_scan_at(scan, '['))
             extracted = extract_objects(job, depth + 1);
         else if (json_scan_is(&key, "coordinates") && is_curves(&type) && json_scan_at(scan, '['))
             extracted = extract_array(job);
@@ -140,33 +139,6 @@ void geojson_extraction_free(geojson_extraction *extraction)
     *extraction = (geojson_extraction){0};
 }
 
-typedef enum geometry_kind
-{
-    KIND_LINE = CURVE_LINE,
-    KIND_LINES = CURVE_LINES,
-    KIND_POLYGON = CURVE_POLYGON,
-    KIND_POLYGONS = CURVE_POLYGONS,
-    KIND_COLLECTION,
-    KIND_OTHER, ///< points, which remain unchanged
-    KIND_UNKNOWN
-} geometry_kind;
-
-static geometry_kind kind_of(const json_t *geometry)
-{
-    static const struct
-    {
-        const char *name;
-        geometry_kind kind;
-    } kinds[] = {{"LineString", KIND_LINE},       {"MultiLineString", KIND_LINES},         {"Polygon", KIND_POLYGON},
-                 {"MultiPolygon", KIND_POLYGONS}, {"GeometryCollection", KIND_COLLECTION}, {"Point", KIND_OTHER},
-                 {"MultiPoint", KIND_OTHER}};
-    const char *type = json_string_value(json_object_get(geometry, "type"));
-    for (size_t i = 0; type != NULL && i < sizeof kinds / sizeof *kinds; i++)
-        if (strcmp(type, kinds[i].name) == 0)
-            return kinds[i].kind;
-    return KIND_UNKNOWN;
-}
-
 /// The text that coordinates were extracted from; null when they are in the tree.
 static const char *extracted_text(const geojson_reader *reader, const json_t *coordinates)
 {
@@ -192,7 +164,7 @@ static bat_status restore_coordinates(geojson_reader *reader, json_t *geometry)
 }
 
 /// Read coordinates from the text they were extracted from, or from text that is made of the tree.
-static bat_status read_coordinates(geojson_reader *reader, curve_kind kind, const json_t *coordinates)
+static bat_status read_coordinates(geojson_reader *reader, geometry_kind kind, const json_t *coordinates)
 {
     const char *begin = extracted_text(reader, coordinates);
     if (begin != NULL)
@@ -221,7 +193,7 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
         return BAT_OK;
     geojson_geometry taken = {.curve = reader->builder.curve_count - feature->curve,
                               .polygon = document->polygon_count - feature->polygon};
-    bat_status status = read_coordinates(reader, (curve_kind)kind, coordinates);
+    bat_status status = read_coordinates(reader, kind, coordinates);
     if (status != BAT_OK)
         return status;
     taken.curve_count = reader->builder.curve_count - feature->curve - taken.curve;
@@ -236,15 +208,15 @@ static bat_status take_geometry(geojson_reader *reader, geometry_kind kind, json
 
 static bat_status read_geometry(geojson_reader *reader, json_t *geometry)
 {
-    geometry_kind kind = kind_of(geometry);
+    geometry_kind kind = geojson_kind(geometry);
     if (geojson_has_type(geometry, "FeatureCollection"))
         return geojson_fault(reader, "a record of a sequence must be a Feature or a geometry, not a FeatureCollection");
-    if (kind == KIND_UNKNOWN)
+    if (kind == GEOMETRY_UNKNOWN)
         return geojson_fault(reader, json_is_object(geometry) ? "the geometry has an unknown type"
                                                               : "the geometry must be an object");
-    if (kind == KIND_OTHER)
+    if (kind == GEOMETRY_POINT || kind == GEOMETRY_POINTS) // they remain unchanged
         return BAT_OK;
-    if (kind != KIND_COLLECTION)
+    if (kind != GEOMETRY_COLLECTION)
         return take_geometry(reader, kind, geometry);
     const json_t *members = json_object_get(geometry, "geometries");
     if (!json_is_array(members))

@@ -117,18 +117,17 @@ static bool write_collection_member(geojson_output *out, const char *key, json_t
 
 static bat_status write_geometry(geojson_output *out, json_t *geometry)
 {
-    const char *type = json_string_value(json_object_get(geometry, "type"));
+    geometry_kind kind = geojson_kind(geometry);
     const json_t *coordinates = json_object_get(geometry, "coordinates");
-    if (type != NULL && strcmp(type, "GeometryCollection") == 0)
+    if (kind == GEOMETRY_COLLECTION)
         return write_members(out, geometry, write_collection_member);
-    bool points = type != NULL && (strcmp(type, "Point") == 0 || strcmp(type, "MultiPoint") == 0);
-    if (type == NULL || points || !json_is_integer(coordinates))
+    if (kind == GEOMETRY_UNKNOWN || !json_is_integer(coordinates))
     {
         json_text(out->text, geometry);
         return BAT_OK;
     }
     size_t index = out->feature->geometry + (size_t)json_integer_value(coordinates);
-    bat_status status = make_shape(out, type, &out->writer->document->geometries[index]);
+    bat_status status = make_shape(out, GEOMETRY_NAMES[kind], &out->writer->document->geometries[index]);
     return status == BAT_OK ? write_members(out, geometry, write_shape_member) : status;
 }
 
@@ -159,8 +158,7 @@ static bat_status write_feature(geojson_output *out, const geojson_feature *feat
         json_text(out->text, feature->tree);
         return BAT_OK;
     }
-    const char *type = json_string_value(json_object_get(feature->tree, "type"));
-    if (type != NULL && strcmp(type, "Feature") == 0)
+    if (geojson_has_type(feature->tree, "Feature"))
         return write_members(out, feature->tree, write_feature_member);
     return write_geometry(out, feature->tree);
 }
@@ -168,8 +166,7 @@ static bat_status write_feature(geojson_output *out, const geojson_feature *feat
 /// Write a feature or, where the features are in a collection, a geometry as one.
 static bat_status write_wrapped(geojson_output *out, const geojson_feature *feature)
 {
-    const char *type = json_string_value(json_object_get(feature->tree, "type"));
-    bool wrap = out->writer->wraps && (type == NULL || strcmp(type, "Feature") != 0);
+    bool wrap = out->writer->wraps && !geojson_has_type(feature->tree, "Feature");
     out->feature = feature;
     if (wrap)
         text_append_string(out->text, "{\"type\":\"Feature\",\"properties\":null,\"geometry\":");

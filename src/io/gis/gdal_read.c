@@ -103,29 +103,15 @@ static void write_coordinates(layer_reader *reader, OGRGeometryH geometry)
     text_append_string(&reader->text, "]");
 }
 
-/// The name of a type in GeoJSON; null for others.
-static const char *type_name(OGRGeometryH geometry)
-{
-    static const char *const names[] = {[wkbPoint] = "Point",
-                                        [wkbLineString] = "LineString",
-                                        [wkbPolygon] = "Polygon",
-                                        [wkbMultiPoint] = "MultiPoint",
-                                        [wkbMultiLineString] = "MultiLineString",
-                                        [wkbMultiPolygon] = "MultiPolygon",
-                                        [wkbGeometryCollection] = "GeometryCollection"};
-    size_t type = (size_t)gdal.OGR_GT_Flatten(gdal.OGR_G_GetGeometryType(geometry));
-    return type < sizeof names / sizeof *names ? names[type] : NULL;
-}
-
 /// Write a geometry; false for a type that GeoJSON does not have.
 static bool write_geometry(layer_reader *reader, OGRGeometryH geometry)
 {
-    const char *name = type_name(geometry);
-    if (name == NULL)
+    OGRwkbGeometryType type = gdal.OGR_GT_Flatten(gdal.OGR_G_GetGeometryType(geometry));
+    bool collection = type == wkbGeometryCollection;
+    if (type == wkbUnknown || (int)type >= GEOMETRY_KINDS)
         return false;
-    bool collection = strcmp(name, "GeometryCollection") == 0;
     text_append_string(&reader->text, "{\"type\":\"");
-    text_append_string(&reader->text, name);
+    text_append_string(&reader->text, GEOMETRY_NAMES[type]);
     text_append_string(&reader->text, collection ? "\",\"geometries\":[" : "\",\"coordinates\":");
     if (!collection)
         write_coordinates(reader, geometry);

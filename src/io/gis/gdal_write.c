@@ -84,18 +84,11 @@ static OGRGeometryH make_geometry(OGRwkbGeometryType type, const json_t *coordin
 /// Make a geometry of a geometry of GeoJSON; null for null.
 static OGRGeometryH geometry_of(const json_t *tree, bool measures)
 {
-    static const struct
-    {
-        const char *name;
-        OGRwkbGeometryType type;
-    } types[] = {{"Point", wkbPoint},           {"LineString", wkbLineString},           {"Polygon", wkbPolygon},
-                 {"MultiPoint", wkbMultiPoint}, {"MultiLineString", wkbMultiLineString}, {"MultiPolygon", wkbMultiPolygon}};
-    const char *name = json_string_value(json_object_get(tree, "type"));
-    for (size_t i = 0; name != NULL && i < sizeof types / sizeof *types; i++)
-        if (strcmp(name, types[i].name) == 0)
-            return make_geometry(types[i].type, json_object_get(tree, "coordinates"), measures);
+    geometry_kind kind = geojson_kind(tree);
+    if (kind != GEOMETRY_UNKNOWN && kind != GEOMETRY_COLLECTION)
+        return make_geometry((OGRwkbGeometryType)kind, json_object_get(tree, "coordinates"), measures);
     const json_t *members = json_object_get(tree, "geometries");
-    OGRGeometryH collection = name != NULL ? gdal.OGR_G_CreateGeometry(wkbGeometryCollection) : NULL;
+    OGRGeometryH collection = kind == GEOMETRY_COLLECTION ? gdal.OGR_G_CreateGeometry(wkbGeometryCollection) : NULL;
     for (size_t i = 0; i < json_array_size(members); i++)
     {
         OGRGeometryH member = geometry_of(json_array_get(members, i), measures);
@@ -110,8 +103,7 @@ static bat_status take_geometry(void *context, size_t index, const json_t *featu
     layer_writer *writer = context;
     if (!ARRAY_GROW(writer->geometries, writer->capacity, index + 1))
         return error_memory(error, index * sizeof(OGRGeometryH));
-    const char *type = json_string_value(json_object_get(feature, "type"));
-    bool bare = type == NULL || strcmp(type, "Feature") != 0;
+    bool bare = !geojson_has_type(feature, "Feature");
     bool measures = writer->document != NULL && writer->document->measures;
     OGRGeometryH geometry = geometry_of(bare ? feature : json_object_get(feature, "geometry"), measures);
     writer->geometries[writer->count++] = geometry;

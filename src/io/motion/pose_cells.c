@@ -8,25 +8,6 @@
 
 static const int64_t BILLION = 1000000000;
 
-bool pose_read_whole(csv_field cell, int64_t *value)
-{
-    bool negative = cell.begin < cell.end && *cell.begin == '-';
-    const char *at = cell.begin + negative;
-    uint64_t made = 0;
-    if (at == cell.end || cell.end - at > 19)
-        return false;
-    for (; at < cell.end; at++)
-    {
-        if (*at < '0' || *at > '9')
-            return false;
-        made = 10 * made + (uint64_t)(*at - '0');
-    }
-    if (made > INT64_MAX)
-        return false;
-    *value = negative ? -(int64_t)made : (int64_t)made;
-    return true;
-}
-
 /// Write nanoseconds as seconds since the origin, exactly. The first time sets the origin.
 static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out, size_t size)
 {
@@ -71,7 +52,7 @@ const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, c
     }
     int decimals = pose_unit_decimals(unit);
     int64_t power = number_power_of_ten(EXACT_TIME_DECIMALS - decimals);
-    if (decimals > 0 && pose_read_whole(cell, &whole) && !__builtin_mul_overflow(whole, power, &nanoseconds))
+    if (decimals > 0 && csv_read_whole(cell, INT64_DIGITS, &whole) && !__builtin_mul_overflow(whole, power, &nanoseconds))
         return write_since(clock, nanoseconds, out, size);
     if (decimals == 0 && pose_time_is_long(cell) && exact_time_read(cell.begin, cell.end, &nanoseconds))
         return write_since(clock, nanoseconds, out, size);
@@ -85,7 +66,8 @@ const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, c
 const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out, size_t size)
 {
     int64_t whole, part;
-    if (!pose_read_whole(csv_unquoted(seconds), &whole) || !pose_read_whole(csv_unquoted(nanoseconds), &part))
+    if (!csv_read_whole(csv_unquoted(seconds), INT64_DIGITS, &whole) ||
+        !csv_read_whole(csv_unquoted(nanoseconds), INT64_DIGITS, &part))
         return "not a whole number";
     if (part < 0 || part >= BILLION || whole > INT64_MAX / BILLION - 1 || whole < 0)
         return "out of range";
@@ -95,7 +77,7 @@ const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_fiel
 column_unit pose_unit_by_size(csv_field cell)
 {
     int64_t whole;
-    if (!pose_read_whole(csv_unquoted(cell), &whole) || whole < 100000000000)
+    if (!csv_read_whole(csv_unquoted(cell), INT64_DIGITS, &whole) || whole < 100000000000)
         return UNIT_NONE;
     return whole >= 100000000000000000 ? UNIT_NANO : whole >= 100000000000000 ? UNIT_MICRO : UNIT_MILLI;
 }

@@ -78,8 +78,6 @@ typedef struct pose_clock
     char first[ISO_TIME_SIZE + 1]; ///< the first time, where times are those of ISO 8601; else empty
 } pose_clock;
 
-/// A whole number within int64_t.
-bool pose_read_whole(csv_field cell, int64_t *value);
 /// The text of a time in seconds since the clock's origin. Returns null, or an error text.
 const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out, size_t size);
 /// The same of seconds and nanoseconds in two columns.

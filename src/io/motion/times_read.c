@@ -32,7 +32,7 @@ static const char *read_time(const char *begin, const char *end, int64_t origin,
     if (counts)
         whole = date.nanoseconds;
     else
-        counts = (pose_read_whole((csv_field){begin, end}, &whole) && whole >= LEAST) ||
+        counts = (csv_read_whole((csv_field){begin, end}, INT64_DIGITS, &whole) && whole >= LEAST) ||
                  (origin != 0 && exact_time_read(begin, end, &whole));
     if (counts)
     {
