@@ -80,17 +80,17 @@ typedef struct bat_curve_picture_options
     bool own_frames;                 ///< every panel has its own scale and view, else a row shares them; default false
     bat_curve_projection projection; ///< default BAT_CURVE_PROJECTION_AUTO
     double longitude;                ///< of the middle of the globe or map, radians; NaN: automatic; default NaN
-    double latitude;      ///< the same, -pi/2 to pi/2; automatic when either is NaN: see curve_picture_view(); default NaN
-    bool control_polygon; ///< draw the edges of BAT_CURVE_LAYER_ROLE_CONTROL; default true
-    bool control_points;  ///< draw the points of BAT_CURVE_LAYER_ROLE_CONTROL, if there are at most 5000; default true
-    bool comb;            ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_ROLE_CURVE; default false
-    double comb_scale;    ///< length of a comb's line per curvature, in the space's unit squared; 0: automatic; default 0
-    bool grid;         ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
-    bool axes;         ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
-    const char *unit;  ///< the unit of R^2, UTF-8, for the scale bar of panels with polygons and without axes; "m" counts
-                       ///< kilometres, too; null: none; default null
-    bool legend;       ///< explain the labels below the panels; default true
-    const char *title; ///< UTF-8, above the panels; null or "" for none; default null
+    double latitude;                 ///< the same, -pi/2 to pi/2; automatic when either is NaN; default NaN
+    bool control_polygon;            ///< draw the edges of BAT_CURVE_LAYER_ROLE_CONTROL; default true
+    bool control_points; ///< draw the points of BAT_CURVE_LAYER_ROLE_CONTROL, if there are at most 5000; default true
+    bool comb;           ///< R^n, sphere, disk: draw the curvature combs of BAT_CURVE_LAYER_ROLE_CURVE; default false
+    double comb_scale;   ///< length of a comb's line per curvature, in the space's unit squared; 0: automatic; default 0
+    bool grid;           ///< curved spaces: graticule, or the tiling by right-angled pentagons; charts: a grid; default true
+    bool axes;           ///< flat panels: a light grid with numbers (R^2), a box (R^3); default false
+    const char *unit;    ///< the unit of R^2, UTF-8, for the scale bar of panels with polygons and without axes; "m" counts
+                         ///< kilometres, too; null: none; default null
+    bool legend;         ///< explain the labels below the panels; default true
+    const char *title;   ///< UTF-8, above the panels; null or "" for none; default null
 } bat_curve_picture_options;
 
 /// Whether a picture can be written to a path: its ending must be .svg, .png or .pdf, in either case.

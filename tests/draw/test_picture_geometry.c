@@ -405,16 +405,11 @@ static void automatic_view_finds_the_middle(void **state)
         const bat_curve *curves[] = {&circle};
         double longitude;
         double latitude;
-        assert_int_equal(curve_picture_view(curves, 1, &longitude, &latitude, NULL), BAT_OK);
+        view_automatic(curves, 1, &longitude, &latitude);
         assert_true(fabs(remainder(longitude - longitudes[i], 2.0 * PI)) < 1e-9);
         assert_true(fabs(latitude - latitudes[i]) < 1e-9);
         free(circle.points);
     }
-    bat_curve flat = make_sample(&plane, 5);
-    const bat_curve *curves[] = {&flat};
-    double angle;
-    assert_int_equal(curve_picture_view(curves, 1, &angle, &angle, NULL), BAT_UNSUPPORTED);
-    free(flat.points);
 }
 
 /// A great circle has no mean direction. It is seen from 25 degrees above its plane, from the north.
@@ -434,7 +429,7 @@ static void automatic_view_of_a_great_circle_is_oblique(void **state)
     const bat_curve *curves[] = {&circle};
     double longitude;
     double latitude;
-    assert_int_equal(curve_picture_view(curves, 1, &longitude, &latitude, NULL), BAT_OK);
+    view_automatic(curves, 1, &longitude, &latitude);
     double eye[3];
     set_direction(eye, longitude, latitude);
     double height = -sin(inclination) * eye[1] + cos(inclination) * eye[2];

@@ -2,7 +2,6 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "batten/curve_picture.h"
 #include "draw/common/style.h"
 
@@ -35,7 +34,7 @@ typedef struct numbered_name
 } numbered_name;
 
 /// The surface name at a position. False when there is none.
-static bool name_at(const unsigned char *data, size_t size, size_t place, numbered_name *name)
+static bool name_at(const char *data, size_t size, size_t place, numbered_name *name)
 {
     if (data[place] != '"' && data[place] != '<')
         return false;
@@ -52,60 +51,44 @@ static bool name_at(const unsigned char *data, size_t size, size_t place, number
     return false;
 }
 
-/// The number of a name in order of first occurrence; new names are added.
-static size_t number_of(const unsigned char *data, numbered_name name, numbered_name *seen, size_t *count)
+/// The place of a name among `count` others; `count` for a new one.
+static size_t place_of(const char *data, numbered_name name, const numbered_name *seen, size_t count)
 {
-    size_t length = name.end - name.digits;
-    for (size_t i = 0; i < *count; i++)
-        if (seen[i].end - seen[i].digits == length && memcmp(data + seen[i].digits, data + name.digits, length) == 0)
-            return i;
-    seen[*count] = name;
-    return (*count)++;
-}
-
-static size_t copy_renumbered(const unsigned char *data, size_t size, numbered_name *seen, unsigned char *copy)
-{
-    size_t written = 0, count = 0;
-    for (size_t i = 0; i < size;)
-    {
-        numbered_name name;
-        if (!name_at(data, size, i, &name))
-        {
-            copy[written++] = data[i++];
-            continue;
-        }
-        memcpy(copy + written, data + i, name.digits - i);
-        written += name.digits - i;
-        written += (size_t)snprintf((char *)copy + written, NUMBER_SIZE, "%zu", number_of(data, name, seen, &count) + 1);
-        i = name.end;
-    }
-    return written;
+    size_t length = name.end - name.digits, i = 0;
+    while (i < count &&
+           (seen[i].end - seen[i].digits != length || memcmp(data + seen[i].digits, data + name.digits, length) != 0))
+        i++;
+    return i;
 }
 
 /// Renumber the surfaces in an SVG file from 1 in their order. Cairo numbers all surfaces of a process and writes these
 /// numbers as names.
-/// @param data from malloc(); may move
 /// @return false when out of memory; the file is unchanged then
-static bool svg_renumber(unsigned char **data, size_t *size)
+static bool svg_renumber(text_buffer *file)
 {
-    size_t names = 0;
-    numbered_name name;
-    for (size_t i = 0; i < *size; i++)
-        names += name_at(*data, *size, i, &name);
-    if (names == 0)
-        return true;
-    numbered_name *seen = memory_array(names, sizeof *seen);
-    unsigned char *copy = malloc(*size + names * NUMBER_SIZE);
-    bool done = seen != NULL && copy != NULL;
-    if (done)
+    text_buffer copy = {0};
+    numbered_name name, *seen = NULL;
+    size_t count = 0, capacity = 0, copied = 0;
+    bool done = true;
+    for (size_t i = 0; i < file->size && done; i++)
     {
-        *size = copy_renumbered(*data, *size, seen, copy);
-        free(*data);
-        *data = copy;
-        copy = NULL;
+        char number[NUMBER_SIZE];
+        if (!name_at(file->data, file->size, i, &name))
+            continue;
+        size_t place = place_of(file->data, name, seen, count);
+        (void)snprintf(number, sizeof number, "%zu", place + 1);
+        text_append(&copy, file->data + copied, name.digits - copied);
+        text_append_string(&copy, number);
+        copied = name.end;
+        i = name.end - 1;
+        done = place < count || ARRAY_ADD(seen, capacity, count, name);
     }
-    free(copy);
+    text_append(&copy, file->data + copied, file->size - copied);
     free(seen);
+    done = done && !copy.failed;
+    text_free(done ? file : &copy);
+    if (done)
+        *file = copy;
     return done;
 }
 
@@ -134,21 +117,9 @@ bat_status bat_picture_check(const char *path, bat_error *error)
 
 static cairo_status_t append_bytes(void *context, const unsigned char *data, unsigned int length)
 {
-    canvas_bytes *bytes = context;
-    if (length > bytes->capacity - bytes->size)
-    {
-        size_t capacity = 2 * bytes->capacity + length + 65536;
-        unsigned char *grown = capacity > bytes->capacity ? realloc(bytes->data, capacity) : NULL;
-        if (grown == NULL)
-        {
-            return CAIRO_STATUS_NO_MEMORY;
-        }
-        bytes->data = grown;
-        bytes->capacity = capacity;
-    }
-    memcpy(bytes->data + bytes->size, data, length);
-    bytes->size += length;
-    return CAIRO_STATUS_SUCCESS;
+    text_buffer *bytes = context;
+    text_append(bytes, (const char *)data, length);
+    return bytes->failed ? CAIRO_STATUS_NO_MEMORY : CAIRO_STATUS_SUCCESS;
 }
 
 /// The status for a failure of cairo, which writes to memory only.
@@ -201,7 +172,7 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
     return BAT_OK;
 }
 
-static bat_status write_file(const char *path, const canvas_bytes *bytes, bat_error *error)
+static bat_status write_file(const char *path, const text_buffer *bytes, bat_error *error)
 {
     atomic_file file;
     bat_status status = atomic_file_begin(path, &file, error);
@@ -232,7 +203,7 @@ bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
     {
         return drawing_failed(status, error);
     }
-    if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes.data, &canvas->bytes.size))
+    if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes))
     {
         return error_memory(error, canvas->bytes.size);
     }
@@ -243,7 +214,7 @@ void canvas_close(draw_canvas *canvas)
 {
     cairo_destroy(canvas->cairo);
     cairo_surface_destroy(canvas->surface);
-    free(canvas->bytes.data);
+    text_free(&canvas->bytes);
     *canvas = (draw_canvas){0};
 }
 

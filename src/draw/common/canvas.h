@@ -1,7 +1,7 @@
 #ifndef DRAW_COMMON_CANVAS_H
 #define DRAW_COMMON_CANVAS_H
 
-#include "batten/base.h"
+#include "base/text_buffer.h"
 #include "draw/curve/simplify.h"
 
 #include <cairo.h>
@@ -20,19 +20,12 @@ typedef enum canvas_format
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *error);
 
-typedef struct canvas_bytes
-{
-    unsigned char *data;
-    size_t size;
-    size_t capacity;
-} canvas_bytes;
-
 typedef struct draw_canvas
 {
     cairo_t *cairo; ///< the unit is a point, with the origin at the top left
     cairo_surface_t *surface;
     canvas_format format;
-    canvas_bytes bytes;
+    text_buffer bytes;       ///< of the file
     double pixels_per_point; ///< 1 for SVG and PDF
 } draw_canvas;
 

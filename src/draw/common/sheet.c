@@ -46,12 +46,17 @@ static double row_height(const sheet_content *content, size_t row, double width)
     return height;
 }
 
+static const char *caption_of(const sheet_content *content, size_t index)
+{
+    return content->caption != NULL ? content->caption(content->context, index) : NULL;
+}
+
 static double row_caption(const sheet_content *content, size_t row)
 {
     bool any = false;
     for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
     {
-        any = any || text_given(content->caption(content->context, i));
+        any = any || text_given(caption_of(content, i));
     }
     return any ? CAPTION_SPACE : 0.0;
 }
@@ -140,7 +145,7 @@ static bat_status draw_row(const sheet_content *content, cairo_t *cairo, const l
         {
             return status;
         }
-        const char *caption = content->caption(content->context, i);
+        const char *caption = caption_of(content, i);
         if (text_given(caption))
         {
             style_use_colour(cairo, COLOUR_FOREGROUND);

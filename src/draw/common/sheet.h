@@ -19,7 +19,7 @@ typedef struct sheet_content
     const void *context;
     /// The preferred height of box `index` for a width.
     double (*height)(const void *context, size_t index, double width);
-    /// The text below box `index`; may be null.
+    /// The text below box `index`; may be null, as its result may be.
     const char *(*caption)(const void *context, size_t index);
     /// Draw box `index` at (x, y, width, height).
     bat_status (*draw)(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error);

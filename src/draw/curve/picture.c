@@ -179,26 +179,3 @@ bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, s
     scene_free(&made);
     return BAT_OK;
 }
-
-bat_status curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
-                              bat_error *error)
-{
-    if (curves == NULL || count == 0 || longitude == NULL || latitude == NULL)
-    {
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a view needs at least one curve");
-    }
-    for (size_t i = 0; i < count; i++)
-    {
-        bat_status status = view_check(curves[i], error);
-        if (status != BAT_OK)
-        {
-            return status;
-        }
-        if (view_space_of(curves[i]->space) != VIEW_SPHERE)
-        {
-            return error_set(error, BAT_UNSUPPORTED, i, 0, "curve %zu does not lie on the sphere S^2", i);
-        }
-    }
-    view_automatic(curves, count, longitude, latitude);
-    return BAT_OK;
-}

@@ -120,19 +120,13 @@ typedef struct view_region
 /// frame.
 view_region view_trace_polygon(const draw_view *view, const bat_curve *const *rings, size_t count, cairo_t *cairo);
 
-/// The centre of the globe for checked curves: see curve_picture_view().
+/// The automatic centre of the globe for checked curves on S^2, in radians: the direction of the mean of all points,
+/// weighted by length. Where curves surround the sphere and the mean says little, a view that shows the best plane through
+/// them obliquely, from the north.
 void view_automatic(const bat_curve *const *curves, size_t count, double *longitude, double *latitude);
 
 /// Check that a curve can be drawn. Messages name points by their index.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS or BAT_UNSUPPORTED
 bat_status view_check(const bat_curve *curve, bat_error *error);
-
-/// The automatic middle of the globe for curves on S^2: the direction of the mean of all points, weighted by length. Where
-/// curves surround the sphere and the mean says little, a view that shows the best plane through them obliquely, from
-/// the north.
-/// @param longitude,latitude receive radians
-/// @return BAT_OK, or as bat_curve_picture_write()
-bat_status curve_picture_view(const bat_curve *const *curves, size_t count, double *longitude, double *latitude,
-                              bat_error *error);
 
 #endif

@@ -304,13 +304,6 @@ static double content_height(const void *context, size_t index, double width)
     return fmin(panel_height(&page->scene.panels[0], &page->shape, SHAPE_TALLEST, width), SHAPE_TALLEST * width);
 }
 
-static const char *content_caption(const void *context, size_t index)
-{
-    (void)context;
-    (void)index;
-    return NULL;
-}
-
 static bat_status content_draw(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
 {
     const film_page *page = context;
@@ -359,7 +352,6 @@ static bat_status write_page(const char *path, film_page *page, const bat_motion
                              .natural_width = WIDTH,
                              .context = page,
                              .height = content_height,
-                             .caption = content_caption,
                              .draw = content_draw};
     return sheet_write(path, &content, error);
 }
