@@ -9,6 +9,12 @@
 /// @file
 /// Backgrounds and frames of panels: graticules, tilings and axes.
 
+/// Margins of a drawing.
+typedef struct insets
+{
+    double left, top, right, bottom;
+} insets;
+
 /// Draw the sphere of a globe with soft shading; `sea` is a background for polygons.
 void grid_globe_sphere(cairo_t *cairo, const draw_view *view, bool sea);
 /// Draw the meridians and parallels of the front, every 15 or 30 degrees, with a stronger equator and zero meridian.
@@ -37,7 +43,7 @@ void grid_local_lines(cairo_t *cairo, const draw_view *view, const scene_frame *
 void grid_local_frame(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels);
 void grid_local_clip(cairo_t *cairo, const draw_view *view, const scene_frame *frame);
 /// The margins for labels and the scale bar to the left, above, to the right and below.
-void grid_local_room(const scene_frame *frame, bool labels, double room[4]);
+insets grid_local_room(const scene_frame *frame, bool labels);
 
 /// The largest step of a graticule, in seconds of arc, that a range of so many seconds holds three times: 30, 20, 10, 5, 2
 /// or 1 degrees, minutes or seconds, or a decimal fraction of a second.
@@ -60,7 +66,7 @@ void grid_disk_circle(cairo_t *cairo, const draw_view *view);
 /// Draw light lines at round numbers, with labels to the left and below, within the box (x, y, width, height).
 void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const double box[4]);
 /// The margins for labels to the left, above, to the right and below.
-void grid_plane_room(const scene_frame *frame, double room[4]);
+insets grid_plane_room(const scene_frame *frame);
 
 /// Draw the bounding box of curves in R^3, with its axes labelled at the lowest corner.
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame);

@@ -34,7 +34,7 @@ static void plane_scales(const scene_frame *frame, tick_scale scales[2])
     scales[0].exponent = scales[1].exponent = exponent;
 }
 
-void grid_plane_room(const scene_frame *frame, double room[4])
+insets grid_plane_room(const scene_frame *frame)
 {
     const double digit_width = 0.64 * TEXT_TICK;
     tick_scale scales[2];
@@ -49,13 +49,13 @@ void grid_plane_room(const scene_frame *frame, double room[4])
         size_t length = strlen(label);
         longest = length > longest ? length : longest;
     }
-    char text[TICK_SCALE_SIZE];
-    room[0] = 8.0 + digit_width * (double)longest;
-    tick_scale_text(scales[1], text);
-    room[1] = *text != '\0' ? 5.0 + SCALE_SPACE : 5.0;
-    room[2] = 8.0;
-    tick_scale_text(scales[0], text);
-    room[3] = *text != '\0' ? 18.0 + SCALE_SPACE : 18.0;
+    char across[TICK_SCALE_SIZE], upwards[TICK_SCALE_SIZE];
+    tick_scale_text(scales[0], across);
+    tick_scale_text(scales[1], upwards);
+    return (insets){.left = 8.0 + digit_width * (double)longest,
+                    .top = *upwards != '\0' ? 5.0 + SCALE_SPACE : 5.0,
+                    .right = 8.0,
+                    .bottom = *across != '\0' ? 18.0 + SCALE_SPACE : 18.0};
 }
 
 static void plane_lines(cairo_t *cairo, const draw_view *view, const tick_list *across, const tick_list *upwards,

@@ -104,12 +104,6 @@ typedef struct window_range
     size_t label_count;
 } window_range;
 
-static void rotate_back(const draw_view *view, const double *rotated, double *point)
-{
-    for (int k = 0; k < 3; k++)
-        point[k] = view->rotation[0][k] * rotated[0] + view->rotation[1][k] * rotated[1] + view->rotation[2][k] * rotated[2];
-}
-
 static bool in_window(const scene_frame *frame, double u, double v)
 {
     return u >= frame->map.low[0] && u <= frame->map.high[0] && v >= frame->map.low[1] && v <= frame->map.high[1];
@@ -132,11 +126,8 @@ static bool is_polar(const scene_frame *frame)
 
 static void include_border(window_range *range, const draw_view *view, const scene_frame *frame, double u, double v)
 {
-    double away = fmin(hypot(u, v), 2.0);
-    double angle = 2.0 * asin(0.5 * away);
-    double factor = away > 0.0 ? sin(angle) / hypot(u, v) : 0.0;
     double point[3];
-    rotate_back(view, (double[3]){factor * u, factor * v, cos(angle)}, point);
+    view_local_point(view, u, v, point);
     double latitude = atan2(point[2], hypot(point[0], point[1])) / SECOND;
     double longitude = remainder(atan2(point[1], point[0]) - frame->map.longitude, TURN) / SECOND;
     range->south = fmin(range->south, latitude);
@@ -384,7 +375,7 @@ void grid_local_ground(cairo_t *cairo, const draw_view *view, const scene_frame 
     cairo_restore(cairo);
 }
 
-void grid_local_room(const scene_frame *frame, bool labels, double room[4])
+insets grid_local_room(const scene_frame *frame, bool labels)
 {
     const double digit_width = 0.6 * TEXT_TICK;
     draw_view view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3};
@@ -396,10 +387,13 @@ void grid_local_room(const scene_frame *frame, bool labels, double room[4])
     size_t letters = 0;
     for (const char *c = label; *c != '\0'; c++)
         letters += ((unsigned char)*c & 0xc0u) != 0x80u ? 1 : 0;
-    room[0] = !labels ? 4.0 : LABEL_GAP + 3.0 + (polar ? 26.0 : digit_width * (double)letters);
-    room[1] = labels && polar ? 4.0 + TEXT_TICK : 4.0;
-    room[2] = !labels ? 4.0 : polar ? room[0] : 16.0;
-    room[3] = 4.0 + GRID_SCALE_HEIGHT + (labels ? TEXT_TICK + LABEL_GAP : 0.0);
+    double left = !labels ? 4.0 : LABEL_GAP + 3.0 + (polar ? 26.0 : digit_width * (double)letters);
+    return (insets){.left = left,
+                    .top = labels && polar ? 4.0 + TEXT_TICK : 4.0,
+                    .right = !labels ? 4.0
+                             : polar ? left
+                                     : 16.0,
+                    .bottom = 4.0 + GRID_SCALE_HEIGHT + (labels ? TEXT_TICK + LABEL_GAP : 0.0)};
 }
 
 void grid_local_frame(cairo_t *cairo, const draw_view *view, const scene_frame *frame, bool labels)

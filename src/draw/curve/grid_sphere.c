@@ -81,10 +81,8 @@ void grid_globe_lines(cairo_t *cairo, const draw_view *view)
 /// Write "30°N", "0°" or "180°" for whole degrees.
 static void degree_label(double degrees, const char *positive, const char *negative, char *label, size_t size)
 {
-    int whole = (int)lround(degrees);
-    bool plain = whole == 0 || abs(whole) == 180;
-    const char *side = plain ? "" : whole > 0 ? positive : negative;
-    (void)snprintf(label, size, "%d\xc2\xb0%s", abs(whole), side);
+    const double seconds = 3600.0;
+    grid_angle_label(seconds * round(degrees), seconds, positive, negative, label, size);
 }
 
 /// Label the parallels where they meet the outline, at v = sin(latitude) / cos(latitude of the centre). Labels remain within

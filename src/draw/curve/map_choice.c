@@ -34,9 +34,7 @@ static void normalize(double *p)
 /// The angle between two points, accurate when they are near.
 static double angle_between(const double *p, const double *q)
 {
-    double apart = sqrt(pow(p[0] - q[0], 2.0) + pow(p[1] - q[1], 2.0) + pow(p[2] - q[2], 2.0));
-    double together = sqrt(pow(p[0] + q[0], 2.0) + pow(p[1] + q[1], 2.0) + pow(p[2] + q[2], 2.0));
-    return 2.0 * atan2(apart, together);
+    return 2.0 * atan2(sqrt(chord_square(p, q)), sqrt(chord_square(p, (double[3]){-q[0], -q[1], -q[2]})));
 }
 
 /// The centre of nearly the smallest ball around the points: Badoiu and Clarkson, "Smaller core-sets for balls" (2003). It
@@ -59,7 +57,7 @@ static void ball_centre(const bat_curve *const *curves, size_t count, double *ce
             for (size_t i = 0; i < curves[k]->count; i += stride)
             {
                 const double *p = curves[k]->points + 3 * i;
-                double square = pow(p[0] - centre[0], 2.0) + pow(p[1] - centre[1], 2.0) + pow(p[2] - centre[2], 2.0);
+                double square = chord_square(p, centre);
                 if (square > distance)
                 {
                     distance = square;
@@ -92,9 +90,7 @@ static void map_cap(const bat_curve *const *curves, size_t count, double *centre
     {
         for (size_t i = 0; i < curves[k]->count; i++)
         {
-            const double *p = curves[k]->points + 3 * i;
-            double d[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
-            farthest = fmax(farthest, dot(d, d));
+            farthest = fmax(farthest, chord_square(curves[k]->points + 3 * i, centre));
         }
     }
     *radius = 2.0 * asin(fmin(1.0, 0.5 * sqrt(farthest)));
@@ -158,15 +154,8 @@ static window window_about(const bat_curve *const *curves, size_t count, double 
 
 static void recentre(const window *seen, double *longitude, double *latitude)
 {
-    double u = 0.5 * (seen->low[0] + seen->high[0]);
-    double v = 0.5 * (seen->low[1] + seen->high[1]);
-    double angle = 2.0 * asin(fmin(1.0, 0.5 * hypot(u, v)));
-    double away = hypot(u, v) > 0.0 ? sin(angle) / hypot(u, v) : 0.0;
-    double rotated[3] = {away * u, away * v, cos(angle)};
     double point[3];
-    for (int k = 0; k < 3; k++)
-        point[k] = seen->view.rotation[0][k] * rotated[0] + seen->view.rotation[1][k] * rotated[1] +
-                   seen->view.rotation[2][k] * rotated[2];
+    view_local_point(&seen->view, 0.5 * (seen->low[0] + seen->high[0]), 0.5 * (seen->low[1] + seen->high[1]), point);
     *longitude = atan2(point[1], point[0]);
     *latitude = atan2(point[2], hypot(point[0], point[1]));
 }

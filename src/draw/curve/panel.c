@@ -20,12 +20,6 @@ static const double TURN = 6.28318530717958647693;
 /// The gap between a globe and a map.
 #define BETWEEN 10.0
 
-/// Margins to the left, above, to the right and below.
-typedef struct insets
-{
-    double left, top, right, bottom;
-} insets;
-
 static bool panel_has_scale_bar(const scene_panel *panel, const bat_curve_picture_options *options)
 {
     return panel->space == VIEW_PLANE && panel->polygons && !options->axes && text_given(options->unit);
@@ -40,19 +34,10 @@ static insets flat_insets(const scene_panel *panel, const bat_curve_picture_opti
     }
     if (options->axes && panel->space == VIEW_PLANE)
     {
-        double room[4];
-        grid_plane_room(&panel->frame, room);
-        return (insets){room[0], room[1], room[2], room[3]};
+        return grid_plane_room(&panel->frame);
     }
     double below = margin + (panel_has_scale_bar(panel, options) ? GRID_SCALE_HEIGHT : 0.0);
     return (insets){margin, margin, margin, below};
-}
-
-static insets local_insets(const scene_panel *panel, const bat_curve_picture_options *options)
-{
-    double room[4];
-    grid_local_room(&panel->frame, options->grid, room);
-    return (insets){room[0], room[1], room[2], room[3]};
 }
 
 static insets globe_insets(const bat_curve_picture_options *options)
@@ -99,7 +84,7 @@ double panel_height(const scene_panel *panel, const bat_curve_picture_options *o
     switch (shown->projection)
     {
     case BAT_CURVE_PROJECTION_LOCAL:
-        return height_around(local_insets(panel, options), width,
+        return height_around(grid_local_room(&panel->frame, options->grid), width,
                              (shown->high[1] - shown->low[1]) / (shown->high[0] - shown->low[0]));
     case BAT_CURVE_PROJECTION_MAP:
         return height_around(map, width, 1.0 / earth);
@@ -407,7 +392,7 @@ static bat_status draw_local(cairo_t *cairo, const scene_panel *panel, const bat
                              const double box[4], bat_error *error)
 {
     draw_view view = make_view(panel, VIEW_LOCAL);
-    fit(&view, box, local_insets(panel, options), panel->frame.map.low, panel->frame.map.high);
+    fit(&view, box, grid_local_room(&panel->frame, options->grid), panel->frame.map.low, panel->frame.map.high);
     grid_local_ground(cairo, &view, &panel->frame, panel->polygons);
     map_draw_fills(cairo, &view, panel);
     cairo_save(cairo);

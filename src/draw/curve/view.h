@@ -76,6 +76,13 @@ static inline void view_rotate(const draw_view *view, const double *point, doubl
     }
 }
 
+/// The squared chord between two points.
+static inline double chord_square(const double *p, const double *q)
+{
+    double dx = q[0] - p[0], dy = q[1] - p[1], dz = q[2] - p[2];
+    return dx * dx + dy * dy + dz * dz;
+}
+
 static inline double view_x(const draw_view *view, double u)
 {
     return view->origin_x + view->scale * u;
@@ -88,6 +95,8 @@ static inline double view_y(const draw_view *view, double v)
 /// Lambert's azimuthal equal-area projection of a point with the centre at (0, 0, 1): (u, v) has the length
 /// 2 sin(angle / 2). The antipode of the centre becomes (2, 0).
 void view_equal_area(const double *rotated, double *u, double *v);
+/// The point of a local view at (u, v); those beyond the antipode's circle become it.
+void view_local_point(const draw_view *view, double u, double v, double *point);
 /// The Equal Earth projection; the longitude may be outside of -pi … pi.
 void view_equal_earth(double longitude, double latitude, double *u, double *v);
 /// Half the width and half the height of the Equal Earth projection.

@@ -33,14 +33,6 @@ typedef struct ring_tracer
     bool front, back;      ///< globe: whether a point was on that half
 } ring_tracer;
 
-static double chord_square(const double *p, const double *q)
-{
-    double dx = q[0] - p[0];
-    double dy = q[1] - p[1];
-    double dz = q[2] - p[2];
-    return dx * dx + dy * dy + dz * dz;
-}
-
 /// The longitude next to that of the tracer; at a pole, the same.
 static double continued_longitude(const ring_tracer *tracer, const double *point)
 {

@@ -18,14 +18,6 @@ static void normalize(double *vector)
     }
 }
 
-static double chord_square(const double *p, const double *q)
-{
-    double dx = q[0] - p[0];
-    double dy = q[1] - p[1];
-    double dz = q[2] - p[2];
-    return dx * dx + dy * dy + dz * dz;
-}
-
 /// The path on one half of a globe. Points are rotated: the third coordinate points to the eye.
 typedef struct globe_tracer
 {
@@ -147,6 +139,15 @@ void view_equal_area(const double *rotated, double *u, double *v)
     double factor = sqrt(rotated[2] < 0.0 ? 2.0 * (1.0 - rotated[2]) / across : 2.0 / (1.0 + rotated[2]));
     *u = factor * rotated[0];
     *v = factor * rotated[1];
+}
+
+void view_local_point(const draw_view *view, double u, double v, double *point)
+{
+    double away = hypot(u, v), angle = 2.0 * asin(fmin(1.0, 0.5 * away));
+    double factor = away > 0.0 ? sin(angle) / away : 0.0;
+    for (int k = 0; k < 3; k++)
+        point[k] =
+            view->rotation[0][k] * (factor * u) + view->rotation[1][k] * (factor * v) + view->rotation[2][k] * cos(angle);
 }
 
 /// The path in a local view or on a map. Points are rotated.
