@@ -1,11 +1,14 @@
 #ifndef BASE_JSON_SCAN_H
 #define BASE_JSON_SCAN_H
 
+#include "batten/base.h"
+
+#include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 
 /// @file
-/// Scanning of JSON text (RFC 8259).
+/// Scanning and parsing of JSON text (RFC 8259).
 
 /// A position in JSON text. The functions skip values without parsing them: they only examine brackets, quotes and commas,
 /// except for json_scan_numbers(). A parser must check the syntax. Every function skips blanks first.
@@ -39,5 +42,13 @@ bool json_scan_numbers(json_scanner *scan, size_t depth);
 
 /// The number of line breaks between two positions.
 size_t json_scan_newlines(const char *begin, const char *end);
+
+/// Parse JSON that begins on a line of a file, with a point as the decimal separator whatever the program's locale.
+/// @param flags of json_loadb(), like JSON_ALLOW_NUL; a name twice in one object is always an error
+/// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
+bat_status json_parse(const char *text, size_t size, size_t flags, size_t first_line, json_t **value, bat_error *error);
+
+/// Make text fit for an error message: bytes that do not print are replaced.
+void json_printable(char *text);
 
 #endif

@@ -1,6 +1,6 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "base/memory.h"
 #include "learn/safetensors_type.h"
 

@@ -3,7 +3,6 @@
 #include "picture_helpers.h"
 
 #include "draw/common/style.h"
-#include "draw/curve/grid.h"
 #include "draw/curve/scene.h"
 #include "draw/curve/view.h"
 

@@ -1,4 +1,4 @@
-#include "draw/curve/grid.h"
+#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <string.h>

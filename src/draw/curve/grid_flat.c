@@ -1,6 +1,6 @@
 #include "draw/common/text.h"
 #include "draw/common/ticks.h"
-#include "draw/curve/grid.h"
+#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <string.h>

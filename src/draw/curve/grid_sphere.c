@@ -1,6 +1,6 @@
 #include "draw/common/canvas.h"
 #include "draw/common/text.h"
-#include "draw/curve/grid.h"
+#include "draw/curve/scene.h"
 
 #include <math.h>
 #include <stdio.h>

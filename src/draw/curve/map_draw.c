@@ -1,7 +1,5 @@
 #include "draw/curve/scene.h"
 
-#include "draw/curve/grid.h"
-
 #include <string.h>
 
 /// @file

@@ -3,12 +3,280 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 /// @file
-/// A hash table of the edges of a panel, and greedy colouring of the features that share edges.
+/// Choice of the projection by the smallest cap around the curves, and of the window of a local map.
+
+static const double PI = 3.14159265358979323846;
+static const double DEGREE = 3.14159265358979323846 / 180.0;
+
+/// The largest radii of caps that are drawn as a local map.
+#define POLYGON_CAP 80.0
+#define LINE_CAP 30.0
+/// The margin around the curves, relative to the larger side, and the range of a window's aspect ratio, height over width.
+#define MARGIN 0.04
+#define FLATTEST 0.5
+#define TALLEST 1.7
+/// The smallest side of a window, in radians: 6 cm on the Earth.
+#define MIN_SIDE 1e-8
+
+static double dot(const double *p, const double *q)
+{
+    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+}
+
+static void normalize(double *p)
+{
+    double length = sqrt(dot(p, p));
+    for (int k = 0; k < 3 && length > 0.0; k++)
+        p[k] /= length;
+}
+
+/// The angle between two points, accurate when they are near.
+static double angle_between(const double *p, const double *q)
+{
+    return 2.0 * atan2(sqrt(chord_square(p, q)), sqrt(chord_square(p, (double[3]){-q[0], -q[1], -q[2]})));
+}
+
+/// The centre of nearly the smallest ball around the points: Badoiu and Clarkson, "Smaller core-sets for balls" (2003). It
+/// takes at most about 20000 points.
+static void ball_centre(const bat_curve *const *curves, size_t count, double *centre)
+{
+    const size_t enough = 20000;
+    const int rounds = 300;
+    size_t total = 0;
+    for (size_t k = 0; k < count; k++)
+        total += curves[k]->count;
+    size_t stride = 1 + total / enough;
+    memcpy(centre, curves[0]->points, 3 * sizeof(double));
+    for (int round = 1; round <= rounds; round++)
+    {
+        const double *farthest = centre;
+        double distance = 0.0;
+        for (size_t k = 0; k < count; k++)
+        {
+            for (size_t i = 0; i < curves[k]->count; i += stride)
+            {
+                const double *p = curves[k]->points + 3 * i;
+                double square = chord_square(p, centre);
+                if (square > distance)
+                {
+                    distance = square;
+                    farthest = p;
+                }
+            }
+        }
+        double target[3];
+        memcpy(target, farthest, sizeof target);
+        for (int k = 0; k < 3; k++)
+            centre[k] += (target[k] - centre[k]) / (round + 1.0);
+    }
+}
+
+/// A cap that contains all curves: nearly the smallest one, if that is less than a hemisphere.
+/// @param centre receives a point of unit length
+/// @param radius receives an angle
+static void map_cap(const bat_curve *const *curves, size_t count, double *centre, double *radius)
+{
+    ball_centre(curves, count, centre);
+    if (dot(centre, centre) < 1e-6) // the curves are all around the sphere
+    {
+        *radius = PI;
+        memcpy(centre, curves[0]->points, 3 * sizeof(double));
+        return;
+    }
+    normalize(centre);
+    double farthest = 0.0;
+    for (size_t k = 0; k < count; k++)
+    {
+        for (size_t i = 0; i < curves[k]->count; i++)
+        {
+            farthest = fmax(farthest, chord_square(curves[k]->points + 3 * i, centre));
+        }
+    }
+    *radius = 2.0 * asin(fmin(1.0, 0.5 * sqrt(farthest)));
+}
+
+/// Calls `take` with the points of all edges, in steps of at most 0.02 radians.
+static void visit_edges(const bat_curve *const *curves, size_t count, void (*take)(void *context, const double *point),
+                        void *context)
+{
+    const double step = 0.02;
+    for (size_t k = 0; k < count; k++)
+    {
+        const bat_curve *curve = curves[k];
+        take(context, curve->points);
+        for (size_t i = 1; i < curve->count + (curve->closed ? 1 : 0); i++)
+        {
+            const double *p = curve->points + 3 * (i - 1);
+            const double *q = curve->points + 3 * (i < curve->count ? i : 0);
+            double angle = dot(p, q) < 1.0 - 0.5 * step * step ? angle_between(p, q) : 0.0;
+            double steps = ceil(angle / step);
+            for (double s = 1.0; s < steps; s += 1.0)
+            {
+                double point[3];
+                double share = s / steps;
+                for (int c = 0; c < 3; c++)
+                    point[c] = (sin((1.0 - share) * angle) * p[c] + sin(share * angle) * q[c]) / sin(angle);
+                take(context, point);
+            }
+            take(context, q);
+        }
+    }
+}
+
+typedef struct window
+{
+    draw_view view;
+    double low[2], high[2];
+} window;
+
+static void include_point(void *context, const double *point)
+{
+    window *seen = context;
+    double place[2];
+    view_project(&seen->view, point, &place[0], &place[1]);
+    for (int k = 0; k < 2; k++)
+    {
+        seen->low[k] = fmin(seen->low[k], place[k]);
+        seen->high[k] = fmax(seen->high[k], place[k]);
+    }
+}
+
+static window window_about(const bat_curve *const *curves, size_t count, double longitude, double latitude)
+{
+    window seen = {.view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3},
+                   .low = {INFINITY, INFINITY},
+                   .high = {-INFINITY, -INFINITY}};
+    view_set_globe(&seen.view, longitude, latitude);
+    visit_edges(curves, count, include_point, &seen);
+    return seen;
+}
+
+static void recentre(const window *seen, double *longitude, double *latitude)
+{
+    double point[3];
+    view_local_point(&seen->view, 0.5 * (seen->low[0] + seen->high[0]), 0.5 * (seen->low[1] + seen->high[1]), point);
+    *longitude = atan2(point[1], point[0]);
+    *latitude = atan2(point[2], hypot(point[0], point[1]));
+}
+
+/// Add margins, and widen the window to an aspect ratio within the limits.
+static void finish_window(map_choice *choice, const window *seen)
+{
+    double side[2];
+    for (int k = 0; k < 2; k++)
+        side[k] = seen->high[k] - seen->low[k];
+    double room = fmax(2.0 * MARGIN * fmax(side[0], side[1]), MIN_SIDE);
+    double width = side[0] + room;
+    double height = side[1] + room;
+    width = fmax(width, height / TALLEST);
+    height = fmax(height, width * FLATTEST);
+    double half[2] = {0.5 * width, 0.5 * height};
+    for (int k = 0; k < 2; k++)
+    {
+        choice->low[k] = 0.5 * (seen->low[k] + seen->high[k]) - half[k];
+        choice->high[k] = 0.5 * (seen->low[k] + seen->high[k]) + half[k];
+    }
+}
+
+/// Choose the centre and the window of a local map. Where a pole is well within the curves, it is the centre.
+static void choose_window(map_choice *choice, const bat_curve *const *curves, size_t count, const double *centre,
+                          double radius, bool prescribed)
+{
+    if (!prescribed)
+    {
+        choice->longitude = atan2(centre[1], centre[0]);
+        choice->latitude = atan2(centre[2], hypot(centre[0], centre[1]));
+        double to_pole = 0.5 * PI - fabs(choice->latitude);
+        bool polar = radius > 8.0 * DEGREE && to_pole < 0.35 * radius;
+        if (polar)
+        {
+            choice->longitude = 0.0;
+            choice->latitude = copysign(0.5 * PI, choice->latitude);
+        }
+        for (int round = 0; round < 3 && !polar; round++)
+        {
+            window seen = window_about(curves, count, choice->longitude, choice->latitude);
+            recentre(&seen, &choice->longitude, &choice->latitude);
+        }
+    }
+    window seen = window_about(curves, count, choice->longitude, choice->latitude);
+    finish_window(choice, &seen);
+}
+
+enum
+{
+    SECTORS = 180 ///< wider than the steps of visit_edges() where these are not near a pole
+};
+
+static void include_sector(void *context, const double *point)
+{
+    bool *covered = context;
+    double sector = floor((atan2(point[1], point[0]) + PI) * SECTORS / (2.0 * PI));
+    covered[(int)fmin(fmax(sector, 0.0), SECTORS - 1.0)] = true;
+}
+
+/// The middle meridian of a map: Greenwich, unless that would cut the curves and another cut of 30 degrees would not.
+static double choose_meridian(const bat_curve *const *curves, size_t count)
+{
+    const double wide = 30.0 * DEGREE;
+    const double sector = 2.0 * PI / SECTORS;
+    bool covered[SECTORS] = {false};
+    visit_edges(curves, count, include_sector, covered);
+    if (!covered[0] || !covered[SECTORS - 1])
+        return 0.0;
+    int longest = 0;
+    int end = 0;
+    int run = 0;
+    for (int i = 0; i < SECTORS; i++)
+    {
+        run = covered[i] ? 0 : run + 1;
+        if (run > longest)
+        {
+            longest = run;
+            end = i + 1;
+        }
+    }
+    // The middle of the gap is at -pi + (end - longest / 2) sectors; the map's middle is half a turn from it.
+    return longest * sector >= wide ? remainder((end - 0.5 * longest) * sector, 2.0 * PI) : 0.0;
+}
+
+map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygons, const bat_curve_picture_options *options)
+{
+    map_choice choice = {.projection = options->projection,
+                         .longitude = options->longitude,
+                         .latitude = options->latitude,
+                         .meridian = options->longitude};
+    bool prescribed = !isnan(options->longitude) && !isnan(options->latitude);
+    double centre[3] = {1.0, 0.0, 0.0};
+    double radius = 0.0;
+    if (choice.projection == BAT_CURVE_PROJECTION_AUTO || choice.projection == BAT_CURVE_PROJECTION_LOCAL)
+        map_cap(curves, count, centre, &radius);
+    if (choice.projection == BAT_CURVE_PROJECTION_AUTO)
+    {
+        bool local = radius < (polygons ? POLYGON_CAP : LINE_CAP) * DEGREE;
+        choice.projection = local      ? BAT_CURVE_PROJECTION_LOCAL
+                            : polygons ? BAT_CURVE_PROJECTION_MAP
+                                       : BAT_CURVE_PROJECTION_GLOBE;
+    }
+    if (choice.projection == BAT_CURVE_PROJECTION_LOCAL)
+    {
+        choose_window(&choice, curves, count, centre, radius, prescribed);
+        return choice;
+    }
+    if (!prescribed && choice.projection != BAT_CURVE_PROJECTION_MAP)
+        view_automatic(curves, count, &choice.longitude, &choice.latitude);
+    if (isnan(choice.meridian))
+        choice.meridian = choose_meridian(curves, count);
+    return choice;
+}
+
+// A hash table of the edges of a panel, and greedy colouring of the features that share edges.
 
 /// An edge in the table; `layer` is BAT_NO_INDEX in an empty place.
 typedef struct edge_place

@@ -1,7 +1,6 @@
 #include "draw/curve/scene.h"
 
 #include "draw/common/text.h"
-#include "draw/curve/grid.h"
 
 #include <math.h>
 

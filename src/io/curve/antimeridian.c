@@ -1,4 +1,4 @@
-#include "io/curve/antimeridian.h"
+#include "io/curve/geojson_shape.h"
 
 /// @file
 /// Crossings of the antimeridian by geodesic edges, in exact units of the file's decimals.

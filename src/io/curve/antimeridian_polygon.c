@@ -1,4 +1,4 @@
-#include "io/curve/antimeridian.h"
+#include "io/curve/geojson_shape.h"
 
 #include <string.h>
 

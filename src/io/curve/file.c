@@ -8,7 +8,6 @@
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 #include "io/gis/gis.h"
-#include "io/motion/pose_text.h"
 #include "space/degrees.h"
 
 #include <math.h>

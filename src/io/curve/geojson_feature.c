@@ -1,7 +1,7 @@
 #include "io/curve/geojson.h"
 
 #include "base/array_grow.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "io/common/number_text.h"
 
 #include <string.h>

@@ -2,7 +2,6 @@
 #include "base/error.h"
 #include "base/threads.h"
 #include "io/common/file_text.h"
-#include "io/curve/crs_name.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 

@@ -1,6 +1,5 @@
 #include "base/error.h"
-#include "base/json_parse.h"
-#include "io/curve/crs_name.h"
+#include "base/json_scan.h"
 #include "io/curve/csv.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"

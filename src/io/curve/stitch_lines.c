@@ -1,13 +1,215 @@
 #include "io/curve/stitch_seam.h"
 
 #include "base/array_grow.h"
+#include "base/memory.h"
+#include "io/common/number_text.h"
+#include "space/degrees.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// @file
-/// Lines that were cut at the antimeridian, joined again.
+static const double HALF_TURN = 180.0, TURN = 360.0, QUARTER_TURN = 90.0;
+
+/// Degrees from the seam or a pole that count as on it: 0.1 mm on the Earth.
+static const double NEAR_SEAM = 1e-9;
+
+/// The decimals of a number in the shortest text that identifies it; 0 for a multiple of ten.
+static int decimals_of(double number)
+{
+    char text[NUMBER_TEXT_SIZE + 1];
+    *number_write(text, number) = '\0';
+    const char *point = strchr(text, '.'), *exponent = strpbrk(text, "eE");
+    size_t digits = point == NULL ? 0 : exponent != NULL ? (size_t)(exponent - point) - 1 : strlen(point) - 1;
+    long shift = exponent != NULL ? strtol(exponent + 1, NULL, 10) : 0;
+    long decimals = (long)digits - shift;
+    return decimals > 0 ? (int)decimals : 0;
+}
+
+/// 1.5 units of the last decimal, at most 1e-7 degrees. At least 1e-9 degrees between latitudes (0.1 mm on the Earth), as
+/// the two sides of a cut often differ in the last digits of a double; at least 1e-11 degrees from a great circle.
+static stitch_tolerance stitch_tolerance_of_decimals(int decimals)
+{
+    static const double UNITS = 1.5, MOST = 1e-7, MIN_OFFSET = 1e-11;
+    double rounding = UNITS * pow(10.0, -decimals);
+    rounding = rounding < MOST ? rounding : MOST;
+    return (stitch_tolerance){.latitude = rounding > NEAR_SEAM ? rounding : NEAR_SEAM,
+                              .offset = rounding > MIN_OFFSET ? rounding : MIN_OFFSET};
+}
+
+stitch_tolerance stitch_tolerance_of(const double *degrees, size_t count)
+{
+    int decimals = 0;
+    for (size_t i = 0; i < 2 * count; i++)
+    {
+        int each = decimals_of(degrees[i]);
+        decimals = each > decimals ? each : decimals;
+    }
+    return stitch_tolerance_of_decimals(decimals);
+}
+
+/// Whether longitudes exceed 180 degrees: the map is then cut at 0 degrees.
+static bool exceeds_half_turn(const double *degrees, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (fabs(degrees[2 * i]) > HALF_TURN + NEAR_SEAM)
+            return true;
+    return false;
+}
+
+stitch_seam stitch_seam_of(const double *degrees, size_t count)
+{
+    return (stitch_seam){exceeds_half_turn(degrees, count) ? 0.0 : HALF_TURN, NEAR_SEAM};
+}
+
+bool stitch_on_seam(const stitch_seam *seam, double longitude)
+{
+    return fabs(remainder(longitude - seam->longitude, TURN)) <= seam->near;
+}
+
+int stitch_pole(const stitch_seam *seam, double latitude)
+{
+    return latitude >= QUARTER_TURN - seam->near ? 1 : latitude <= seam->near - QUARTER_TURN ? -1 : 0;
+}
+
+bool stitch_concerns(const double *degrees, size_t count)
+{
+    const stitch_seam seam = stitch_seam_of(degrees, count);
+    for (size_t i = 0; i < count; i++)
+        if (stitch_on_seam(&seam, degrees[2 * i]) || stitch_pole(&seam, degrees[2 * i + 1]) != 0)
+            return true;
+    return false;
+}
+
+void stitch_report_add(stitch_report *sum, const stitch_report *part)
+{
+    sum->joined += part->joined;
+    sum->joins += part->joins;
+    sum->poles += part->poles;
+    sum->removed += part->removed;
+    sum->unrepresented += part->unrepresented;
+}
+
+void stitch_geometry_free(stitch_geometry *geometry)
+{
+    for (size_t i = 0; i < geometry->count; i++)
+        bat_curve_free(&geometry->curves[i]);
+    free(geometry->curves);
+    free(geometry->origins);
+    free(geometry->polygons);
+    *geometry = (stitch_geometry){0};
+}
+
+static void point_of(const stitch_vertex *vertex, double point[3])
+{
+    if (vertex->share > 0)
+        degrees_to_point(vertex->longitude, vertex->latitude, point);
+    else
+        memcpy(point, vertex->curve->points + 3 * vertex->point, 3 * sizeof *point);
+}
+
+static bool same_point(const stitch_vertex *a, const stitch_vertex *b)
+{
+    double p[3], q[3];
+    point_of(a, p);
+    point_of(b, q);
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+/// Make one vertex of neighbours at the same point. It is a junction only if both are.
+static void merge_repeated(stitch_path *path, bool closed)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < path->count; i++)
+    {
+        stitch_vertex *last = count > 0 ? &path->vertices[count - 1] : NULL;
+        if (last != NULL && same_point(last, &path->vertices[i]))
+            last->junction = last->junction && path->vertices[i].junction;
+        else
+            path->vertices[count++] = path->vertices[i];
+    }
+    for (; closed && count > 1 && same_point(&path->vertices[0], &path->vertices[count - 1]); count--)
+        path->vertices[0].junction = path->vertices[0].junction && path->vertices[count - 1].junction;
+    path->count = count;
+}
+
+static double dot(const double *a, const double *b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// Whether a junction lies on the great circle between its neighbours, which are on different sides of the seam. The writer
+/// never cuts an edge of almost 180 degrees, whose great circle rounding decides.
+static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex, const stitch_vertex *after, double offset)
+{
+    static const double RADIAN = 57.295779513082320876798154814105, COSINE_OF_179_DEGREES = -0.99984769515639124;
+    double p[3], c[3], q[3];
+    point_of(before, p);
+    point_of(vertex, c);
+    point_of(after, q);
+    if (!(p[1] * q[1] < 0) || dot(p, q) < COSINE_OF_179_DEGREES || dot(p, c) + dot(c, q) < 0)
+        return false;
+    const double normal[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
+    const double from_p[3] = {c[0] - p[0], c[1] - p[1], c[2] - p[2]};
+    return fabs(dot(normal, from_p)) <= offset / RADIAN * sqrt(dot(normal, normal));
+}
+
+static size_t remove_junctions(stitch_path *path, bool closed, const stitch_tolerance *tolerance)
+{
+    size_t given = path->count, count = 0, least = closed ? 3 : 2;
+    stitch_vertex *vertices = path->vertices;
+    for (size_t i = 0; i < given; i++)
+    {
+        bool inner = closed || (i > 0 && i + 1 < given);
+        if (vertices[i].junction && inner && count + given - i > least)
+        {
+            // Vertex 0 has not moved yet, or is the next one of the last.
+            const stitch_vertex *before = count > 0 ? &vertices[count - 1] : &vertices[given - 1];
+            const stitch_vertex *after = &vertices[i + 1 < given ? i + 1 : 0];
+            if (is_between(before, &vertices[i], after, tolerance->offset))
+                continue;
+        }
+        vertices[count++] = vertices[i];
+    }
+    path->count = count;
+    return given - count;
+}
+
+static void channels_of(const stitch_vertex *vertex, double *channels)
+{
+    const bat_curve *curve = vertex->curve;
+    size_t next = vertex->point + 1 < curve->count ? vertex->point + 1 : 0;
+    const double *here = curve->channels + vertex->point * curve->channel_count;
+    const double *there = curve->channels + next * curve->channel_count;
+    for (size_t k = 0; k < curve->channel_count; k++)
+        channels[k] = vertex->share > 0 ? here[k] + vertex->share * (there[k] - here[k]) : here[k];
+}
+
+bool stitch_make_curve(stitch_path *path, bool closed, const stitch_tolerance *tolerance, size_t *removed, bat_curve *curve)
+{
+    merge_repeated(path, closed);
+    *removed += remove_junctions(path, closed, tolerance);
+    const bat_curve *first = path->vertices[0].curve;
+    size_t channels = first->channel_count;
+    bat_curve made = {.space = first->space, .count = path->count, .closed = closed, .channel_count = channels};
+    made.points = memory_array(path->count, 3 * sizeof *made.points);
+    made.channels = channels > 0 ? memory_array(path->count, channels * sizeof *made.channels) : NULL;
+    if (made.points == NULL || (channels > 0 && made.channels == NULL))
+    {
+        bat_curve_free(&made);
+        return false;
+    }
+    for (size_t i = 0; i < path->count; i++)
+    {
+        point_of(&path->vertices[i], made.points + 3 * i);
+        if (channels > 0)
+            channels_of(&path->vertices[i], made.channels + i * channels);
+    }
+    *curve = made;
+    return true;
+}
+
+// Lines that were cut at the antimeridian, joined again.
 
 /// The lines of a geometry during joining.
 typedef struct line_job
@@ -24,7 +226,6 @@ typedef struct line_job
 /// Whether two positions are one point of the seam, on different sides of the map.
 static bool meets(const line_job *job, size_t end, size_t begin)
 {
-    static const double TURN = 360.0;
     const double *a = job->degrees + 2 * end, *b = job->degrees + 2 * begin;
     return stitch_on_seam(&job->seam, a[0]) && fabs(fabs(a[0] - b[0]) - TURN) <= 2 * job->seam.near &&
            fabs(a[1] - b[1]) <= job->tolerance->latitude;

@@ -1,5 +1,5 @@
 #include "base/error.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "io/common/number_text.h"
 #include "io/common/zip.h"
 #include "io/mesh/formats.h"

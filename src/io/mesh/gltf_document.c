@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/file_bytes.h"
-#include "base/json_parse.h"
 #include "base/json_scan.h"
 #include "io/common/base64.h"
 #include "io/common/number_text.h"

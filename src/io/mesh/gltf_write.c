@@ -1,5 +1,5 @@
 #include "base/error.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "io/common/base64.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"

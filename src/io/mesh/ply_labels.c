@@ -1,7 +1,7 @@
 #include "io/mesh/ply_labels.h"
 
 #include "base/error.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "io/common/file_text.h"
 #include "io/common/json.h"
 

@@ -1,8 +1,7 @@
-#include "io/motion/pose_text.h"
+#include "io/curve/formats.h"
 
 #include "curve/curve_attributes.h"
 #include "io/common/number_text.h"
-#include "io/curve/formats.h"
 #include "io/motion/pose_translation.h"
 
 #include <math.h>

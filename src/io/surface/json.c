@@ -1,6 +1,6 @@
 #include "io/common/json.h"
 #include "base/error.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "base/memory.h"
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
