@@ -17,7 +17,7 @@ typedef enum view_space
     VIEW_SPHERE,
     VIEW_DISK,
     VIEW_TENSOR,     ///< symmetric positive-definite matrices, 2 x 2 and 3 x 3, as ellipses and ellipsoids
-    VIEW_ROTATION,   ///< drawn by a proxy in VIEW_SPHERE (see proxy.h)
+    VIEW_ROTATION,   ///< drawn by a proxy in VIEW_SPHERE (see scene.h)
     VIEW_RIGID,      ///< drawn by a proxy in VIEW_SOLID
     VIEW_HYPERBOLIC, ///< the hyperboloid in R^3, drawn by a proxy in VIEW_DISK
     VIEW_NOTHING     ///< no picture

@@ -32,6 +32,7 @@ typedef struct geojson_output
     const json_t *top; ///< the object whose opening brace and member "crs" are written already
     geojson_shape shape;
     text_buffer *text;
+    text_buffer *after; ///< of a collection: the text that follows its features
     bat_error *error;
 } geojson_output;
 
@@ -138,11 +139,11 @@ static bool write_feature_member(geojson_output *out, const char *key, json_t *v
     return true;
 }
 
-/// Write the tree of a file that is one feature or one geometry, with a member "crs" first.
+/// Begin the tree of a whole file, with a member "crs" first.
 static void begin_top(geojson_output *out, json_t *tree)
 {
     const geojson_writer *writer = out->writer;
-    if (writer->document->collection != NULL || writer->crs.size == 0)
+    if (writer->crs.size == 0)
         return;
     text_append(out->text, "{", 1);
     text_append(out->text, writer->crs.data, writer->crs.size);
@@ -151,7 +152,8 @@ static void begin_top(geojson_output *out, json_t *tree)
 
 static bat_status write_feature(geojson_output *out, const geojson_feature *feature)
 {
-    begin_top(out, feature->tree);
+    if (out->writer->document->collection == NULL)
+        begin_top(out, feature->tree);
     if (feature->curve_count == 0)
     {
         json_text(out->text, feature->tree);
@@ -243,36 +245,26 @@ static size_t job_weight(const void *context, size_t job)
     return weight;
 }
 
+/// The content of "features" stands between the two texts.
+static bool write_features_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
+{
+    (void)value;
+    (void)status;
+    if (strcmp(key, "features") != 0)
+        return false;
+    text_append_string(out->text, "[\n");
+    out->text = out->after;
+    text_append_string(out->text, "\n]");
+    return true;
+}
+
 /// Write the members of a collection before and after the content of "features".
 static void write_frame(const geojson_writer *writer, json_t *collection, text_buffer *before, text_buffer *after)
 {
-    text_buffer *text = before;
-    const char *separator = "{";
-    if (writer->crs.size > 0)
-    {
-        text_append(text, "{", 1);
-        text_append(text, writer->crs.data, writer->crs.size);
-        separator = ",";
-    }
-    for (void *at = json_object_iter(collection); at != NULL; at = json_object_iter_next(collection, at))
-    {
-        const char *key = json_object_iter_key(at);
-        if (strcmp(key, "bbox") == 0 || replaces_crs(writer, key))
-            continue;
-        text_append_string(text, separator);
-        separator = ",";
-        json_text_string(text, key, strlen(key));
-        text_append_string(text, ":");
-        if (strcmp(key, "features") != 0)
-        {
-            json_text(text, json_object_iter_value(at));
-            continue;
-        }
-        text_append_string(text, "[\n");
-        text = after;
-        text_append_string(text, "\n]");
-    }
-    text_append_string(text, "}\n");
+    geojson_output out = {.writer = writer, .text = before, .after = after};
+    begin_top(&out, collection);
+    (void)write_members(&out, collection, write_features_member);
+    text_append_string(out.text, "\n");
 }
 
 static bat_status write_blocks(geojson_writer *writer, size_t job_count, const bat_curve_write_options *options,

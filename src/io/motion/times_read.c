@@ -1,7 +1,6 @@
 #include "batten/motion.h"
 
 #include "base/error.h"
-#include "base/file_bytes.h"
 #include "base/number_digits.h"
 #include "io/common/number_text.h"
 #include "io/common/time_text.h"
@@ -9,11 +8,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
-}
 
 typedef struct time_list
 {
@@ -44,23 +38,20 @@ static const char *read_time(const char *begin, const char *end, int64_t origin,
     return fault;
 }
 
-static bat_status add_line(time_list *list, const char *begin, const char *end, size_t line, bat_error *error)
+static bat_status add_line(time_list *list, const text_line *line, bat_error *error)
 {
+    const char *begin = line->begin, *end = line->end;
     char excerpt[EXCERPT_SIZE], before[NUMBER_DIGITS_SIZE], digits[NUMBER_DIGITS_SIZE];
     double time;
-    while (begin < end && is_blank(*begin))
-        begin++;
-    while (end > begin && is_blank(end[-1]))
-        end--;
     bool title = list->count == 0 && end - begin == 4 && strncmp(begin, "time", 4) == 0;
     if (begin == end || *begin == '#' || title)
         return BAT_OK;
     const char *fault = read_time(begin, end, list->origin, &time);
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a time (%s): a line has one number",
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' is not a time (%s): a line has one number",
                          text_excerpt(excerpt, begin, end), fault);
     if (list->count > 0 && !(time > list->times[list->count - 1]))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "the time %s does not come after %s",
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "the time %s does not come after %s",
                          number_digits(time, digits), number_digits(list->times[list->count - 1], before));
     return ARRAY_ADD(list->times, list->capacity, list->count, time) ? BAT_OK
                                                                      : error_memory(error, list->count * sizeof time);
@@ -68,20 +59,15 @@ static bat_status add_line(time_list *list, const char *begin, const char *end, 
 
 bat_status bat_motion_times_read(const char *path, int64_t origin, double **times, size_t *count, bat_error *error)
 {
-    text_buffer text = {0};
+    file_text text = {0};
     time_list list = {.origin = origin};
-    bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &text, error);
-    size_t line = 1;
-    for (const char *at = text.data, *end = text.data + text.size; status == BAT_OK && at < end; line++)
-    {
-        const char *stop = memchr(at, '\n', (size_t)(end - at));
-        stop = stop != NULL ? stop : end;
-        status = add_line(&list, at, stop, line, error);
-        at = stop < end ? stop + 1 : end;
-    }
+    bat_status status = file_text_read(path, &text, error);
+    text_line line = text_line_start(&text);
+    while (status == BAT_OK && text_line_next(&text, &line))
+        status = add_line(&list, &line, error);
     if (status == BAT_OK && list.count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has no times");
-    text_free(&text);
+    file_text_free(&text);
     if (status == BAT_OK)
     {
         *times = list.times;
