@@ -36,44 +36,24 @@ typedef struct obj_reader
     bool solid; ///< some vertex has a z other than 0
 } obj_reader;
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t';
-}
-
-/// Advance to the next word of a line; false when there is none.
-static bool next_word(const char **at, const char *line_end, const char **word_end)
-{
-    while (*at < line_end && is_blank(**at))
-        (*at)++;
-    *word_end = *at;
-    while (*word_end < line_end && !is_blank(**word_end))
-        (*word_end)++;
-    return *word_end > *at;
-}
-
-static bat_status read_vertex(obj_reader *reader, const text_line *line, const char *at, bat_error *error)
+static bat_status read_vertex(obj_reader *reader, word_scan *scan, bat_error *error)
 {
     enum
     {
         MAX_NUMBERS = 7 ///< x y z w, or x y z and a colour
     };
     double numbers[MAX_NUMBERS] = {0};
-    const char *end;
-    size_t count = 0;
-    for (; next_word(&at, line->end, &end); at = end)
+    size_t count = 0, line = scan->line;
+    for (; !scan_line_done(scan); count++)
     {
-        char excerpt[EXCERPT_SIZE];
         if (count == MAX_NUMBERS)
-            return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "a vertex has at most 7 numbers");
-        const char *fault = number_read(at, end, &numbers[count++]);
-        if (fault != NULL)
-            return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "'%s' %s",
-                             text_excerpt(excerpt, at, end), fault);
+            return error_set(error, BAT_BAD_FILE, reader->vertex_count, line, "a vertex has at most 7 numbers");
+        if (!scan_number(scan, &numbers[count]))
+            return scan_number_fault(scan, reader->vertex_count, "a vertex needs 2 or 3 numbers", error);
     }
     if (count < 2)
-        return error_set(error, BAT_BAD_FILE, reader->vertex_count, line->number, "a vertex needs 2 or 3 numbers");
-    const obj_vertex vertex = {numbers[0], numbers[1], numbers[2], line->number};
+        return error_set(error, BAT_BAD_FILE, reader->vertex_count, line, "a vertex needs 2 or 3 numbers");
+    const obj_vertex vertex = {numbers[0], numbers[1], numbers[2], line};
     if (!ARRAY_ADD(reader->vertices, reader->vertex_capacity, reader->vertex_count, vertex))
         return error_memory(error, reader->vertex_count * sizeof *reader->vertices);
     reader->solid = reader->solid || numbers[2] != 0.0;
@@ -103,23 +83,22 @@ static bool read_index(const obj_reader *reader, const char *at, const char *end
     return true;
 }
 
-static bat_status read_element(obj_reader *reader, const text_line *line, const char *at, bat_error *error)
+static bat_status read_element(obj_reader *reader, word_scan *scan, bat_error *error)
 {
-    obj_element element = {reader->index_count, 0, line->number};
-    const char *end;
-    for (; next_word(&at, line->end, &end); at = end)
+    obj_element element = {reader->index_count, 0, scan->line};
+    while (!scan_line_done(scan))
     {
-        char excerpt[EXCERPT_SIZE];
         size_t index;
-        if (!read_index(reader, at, end, &index))
-            return error_set(error, BAT_BAD_FILE, reader->element_count, line->number, "'%s' is not the index of a vertex",
-                             text_excerpt(excerpt, at, end));
+        const char *end = scan_word_end(scan);
+        if (!read_index(reader, scan->at, end, &index))
+            return scan_word_fault(scan, reader->element_count, "is not the index of a vertex", error);
         if (!ARRAY_ADD(reader->indices, reader->index_capacity, reader->index_count, index))
             return error_memory(error, reader->index_count * sizeof index);
+        scan->at = end;
     }
     element.end = reader->index_count;
     if (element.end - element.begin < 2)
-        return error_set(error, BAT_BAD_FILE, reader->element_count, line->number, "a line needs at least 2 vertices");
+        return error_set(error, BAT_BAD_FILE, reader->element_count, element.line, "a line needs at least 2 vertices");
     return ARRAY_ADD(reader->elements, reader->element_capacity, reader->element_count, element)
                ? BAT_OK
                : error_memory(error, reader->element_count * sizeof element);
@@ -127,24 +106,21 @@ static bat_status read_element(obj_reader *reader, const text_line *line, const 
 
 static bat_status read_statements(obj_reader *reader, const file_text *text, bat_error *error)
 {
-    text_line line = text_line_start(text);
-    while (text_line_next(text, &line))
+    word_scan scan = word_scan_start(text->data, text->size);
+    bat_status status = BAT_OK;
+    while (status == BAT_OK && scan_next_content(&scan))
     {
-        bat_status status = BAT_OK;
-        const char *comment = memchr(line.begin, '#', (size_t)(line.end - line.begin));
-        if (comment != NULL)
-            line.end = comment;
-        bool keyword = line.end - line.begin >= 1 && (line.end - line.begin == 1 || is_blank(line.begin[1]));
-        if (keyword && *line.begin == 'v')
-            status = read_vertex(reader, &line, line.begin + 1, error);
-        else if (keyword && *line.begin == 'l')
-            status = read_element(reader, &line, line.begin + 1, error);
-        if (status != BAT_OK)
-            return status;
+        if (scan_word(&scan, "v"))
+            status = read_vertex(reader, &scan, error);
+        else if (scan_word(&scan, "l"))
+            status = read_element(reader, &scan, error);
+        if (status == BAT_OK)
+            (void)scan_next_line(&scan);
     }
-    if (reader->element_count == 0)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "there are no line elements");
-    return BAT_OK;
+    bool ended = text->size == 0 || text->data[text->size - 1] == '\n';
+    if (status == BAT_OK && reader->element_count == 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan.line - ended, "there are no line elements");
+    return status;
 }
 
 static bat_status choose_space(const obj_reader *reader, const bat_curve_read_options *options, bat_space *space,
