@@ -232,6 +232,13 @@ bool exact_time_nanoseconds(int64_t origin, double seconds, int64_t *nanoseconds
            !__builtin_add_overflow(*nanoseconds, (int64_t)llround((seconds - whole) * (double)SECOND), nanoseconds);
 }
 
+char *nanoseconds_write(char *out, int64_t nanoseconds)
+{
+    uint64_t positive = nanoseconds < 0 ? 0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
+    return out + snprintf(out, EXACT_TIME_SIZE, "%s%" PRIu64 ".%09" PRIu64, nanoseconds < 0 ? "-" : "",
+                          positive / (uint64_t)SECOND, positive % (uint64_t)SECOND);
+}
+
 char *exact_time_write(char *out, int64_t origin, double seconds)
 {
     int64_t nanoseconds;
@@ -239,8 +246,6 @@ char *exact_time_write(char *out, int64_t origin, double seconds)
         return number_write(out, seconds);
     if (!exact_time_nanoseconds(origin, seconds, &nanoseconds))
         return number_write(out, (double)origin + seconds);
-    uint64_t positive = nanoseconds < 0 ? 0 - (uint64_t)nanoseconds : (uint64_t)nanoseconds;
     // With all nine decimals, so that a reader finds that they matter.
-    return out + snprintf(out, EXACT_TIME_SIZE, "%s%" PRIu64 ".%09" PRIu64, nanoseconds < 0 ? "-" : "",
-                          positive / (uint64_t)SECOND, positive % (uint64_t)SECOND);
+    return nanoseconds_write(out, nanoseconds);
 }

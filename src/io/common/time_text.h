@@ -53,6 +53,9 @@ double exact_time_since(int64_t nanoseconds, int64_t origin);
 /// The nanoseconds of seconds since an origin. False outside of the range of int64_t.
 bool exact_time_nanoseconds(int64_t origin, double seconds, int64_t *nanoseconds);
 
+/// Write nanoseconds as seconds with nine decimals, in at most EXACT_TIME_SIZE bytes. Returns the end.
+char *nanoseconds_write(char *out, int64_t nanoseconds);
+
 /// Write the sum of an origin and seconds, with the digits of the double where the origin is 0, else with nine decimals.
 /// Takes at most EXACT_TIME_SIZE bytes. Returns the end.
 char *exact_time_write(char *out, int64_t origin, double seconds);

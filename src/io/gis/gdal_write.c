@@ -424,8 +424,9 @@ static void choose_name(const layer_writer *writer, const char *path, char *name
         *inner = '\0';
 }
 
-static bat_status create_layer(layer_writer *writer, const char *path, bat_error *error)
+static bat_status create_layer(void *context, const char *path, bat_error *error)
 {
+    layer_writer *writer = context;
     char name[256];
     choose_name(writer, path, name, sizeof name);
     bat_status status = check_types(writer, error);
@@ -525,15 +526,11 @@ static bat_status choose_driver(layer_writer *writer, const char *drivers, const
     return BAT_OK;
 }
 
-/// A layer or a compressed text on its way into a file.
-typedef struct output_job
-{
-    bat_status (*write)(void *context, const char *path, bat_error *error);
-    void *context;
-} output_job;
+/// Write a layer or a compressed text into a file.
+typedef bat_status file_writer(void *context, const char *path, bat_error *error);
 
 /// Write a file under a hidden name, and put it and its companions into their places.
-static bat_status write_whole(const output_job *job, const char *path, bat_error *error)
+static bat_status write_whole(file_writer *write, void *context, const char *path, bat_error *error)
 {
     if (strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "formats of GDAL go to files, not to %s",
@@ -541,7 +538,7 @@ static bat_status write_whole(const output_job *job, const char *path, bat_error
     if (strncmp(path, "/vsi", 4) == 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "paths that begin with /vsi are read, not written");
     if (atomic_is_hidden(path))
-        return job->write(job->context, path, error);
+        return write(context, path, error);
     bat_outputs *outputs;
     const char *hidden;
     bat_status status = bat_outputs_make(&outputs, error);
@@ -549,18 +546,13 @@ static bat_status write_whole(const output_job *job, const char *path, bat_error
         return status;
     status = bat_outputs_add(outputs, path, &hidden, error);
     if (status == BAT_OK)
-        status = job->write(job->context, hidden, error);
+        status = write(context, hidden, error);
     if (status == BAT_OK)
         status = bat_outputs_commit(outputs, error);
     bat_outputs_free(outputs);
     if (status != BAT_OK && error != NULL)
         error->index = BAT_NO_INDEX; // of the outputs
     return status;
-}
-
-static bat_status write_layer(void *context, const char *path, bat_error *error)
-{
-    return create_layer(context, path, error);
 }
 
 bat_status gis_write(const char *path, const char *drivers, const bat_curve_set *set, const bat_curve_write_options *options,
@@ -582,7 +574,7 @@ bat_status gis_write(const char *path, const char *drivers, const bat_curve_set 
     if (status == BAT_OK)
         status = geojson_each(set, options->precision, take_geometry, &writer, error);
     if (status == BAT_OK)
-        status = write_whole(&(output_job){write_layer, &writer}, path, error);
+        status = write_whole(create_layer, &writer, path, error);
     for (size_t i = 0; i < writer.count; i++)
         gdal.OGR_G_DestroyGeometry(writer.geometries[i]);
     free(writer.geometries);
@@ -620,5 +612,5 @@ static bat_status write_compressed(void *context, const char *path, bat_error *e
 bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *error)
 {
     text_buffer bytes = *text;
-    return write_whole(&(output_job){write_compressed, &bytes}, path, error);
+    return write_whole(write_compressed, &bytes, path, error);
 }

@@ -5,6 +5,9 @@
 #include "batten/curve_file.h"
 #include "io/common/file_text.h"
 
+#include <string.h>
+#include <strings.h>
+
 /// @file
 /// Formats and coordinate systems of geographic information systems, by GDAL and PROJ (https://gdal.org). GDAL is loaded at
 /// the first use. Without it every function fails with BAT_UNSUPPORTED and a text that says what to install.
@@ -26,7 +29,12 @@ bat_status gis_write(const char *path, const char *drivers, const bat_curve_set 
                      bat_error *error);
 
 /// Whether only GDAL opens a path: "/vsi...", as GDAL names what is remote or inside of an archive, or "....gz".
-bool gis_is_virtual(const char *path);
+static inline bool gis_is_virtual(const char *path)
+{
+    static const char ENDING[] = ".gz";
+    size_t length = strlen(path), size = sizeof ENDING - 1;
+    return strncmp(path, "/vsi", 4) == 0 || (length > size && strcasecmp(path + length - size, ENDING) == 0);
+}
 
 bat_status gis_text_read(const char *path, file_text *text, bat_error *error);
 

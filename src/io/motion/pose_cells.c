@@ -9,7 +9,7 @@
 static const int64_t BILLION = 1000000000;
 
 /// Write nanoseconds as seconds since the origin, exactly. The first time sets the origin.
-static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out, size_t size)
+static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out)
 {
     if (!clock->begun)
         clock->origin = exact_time_origin(nanoseconds);
@@ -17,9 +17,7 @@ static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out
     int64_t since;
     if (__builtin_sub_overflow(nanoseconds, clock->origin * BILLION, &since))
         return "out of range";
-    uint64_t positive = since < 0 ? 0 - (uint64_t)since : (uint64_t)since, power = (uint64_t)BILLION;
-    (void)snprintf(out, size, "%s%llu.%09llu", since < 0 ? "-" : "", (unsigned long long)(positive / power),
-                   (unsigned long long)(positive % power));
+    (void)nanoseconds_write(out, since);
     return NULL;
 }
 
@@ -37,7 +35,7 @@ static bool pose_time_is_long(csv_field cell)
     return digits > DOUBLE_DIGITS;
 }
 
-const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out, size_t size)
+const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out)
 {
     int64_t whole, nanoseconds;
     iso_time iso;
@@ -48,14 +46,14 @@ const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, c
     {
         if (!clock->begun && cell.end - cell.begin < (ptrdiff_t)sizeof clock->first)
             (void)snprintf(clock->first, sizeof clock->first, "%.*s", (int)(cell.end - cell.begin), cell.begin);
-        return write_since(clock, iso.nanoseconds, out, size);
+        return write_since(clock, iso.nanoseconds, out);
     }
     int decimals = pose_unit_decimals(unit);
     int64_t power = number_power_of_ten(EXACT_TIME_DECIMALS - decimals);
     if (decimals > 0 && csv_read_whole(cell, INT64_DIGITS, &whole) && !__builtin_mul_overflow(whole, power, &nanoseconds))
-        return write_since(clock, nanoseconds, out, size);
+        return write_since(clock, nanoseconds, out);
     if (decimals == 0 && pose_time_is_long(cell) && exact_time_read(cell.begin, cell.end, &nanoseconds))
-        return write_since(clock, nanoseconds, out, size);
+        return write_since(clock, nanoseconds, out);
     const char *fault = csv_read_number(cell, separator, &value, &comma);
     clock->begun = true;
     if (fault == NULL)
@@ -63,7 +61,7 @@ const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, c
     return fault;
 }
 
-const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out, size_t size)
+const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out)
 {
     int64_t whole, part;
     if (!csv_read_whole(csv_unquoted(seconds), INT64_DIGITS, &whole) ||
@@ -71,7 +69,7 @@ const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_fiel
         return "not a whole number";
     if (part < 0 || part >= BILLION || whole > INT64_MAX / BILLION - 1 || whole < 0)
         return "out of range";
-    return write_since(clock, whole * BILLION + part, out, size);
+    return write_since(clock, whole * BILLION + part, out);
 }
 
 column_unit pose_unit_by_size(csv_field cell)

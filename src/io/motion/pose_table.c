@@ -156,9 +156,9 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
                          work->width);
     size_t timed = work->columns[SECONDS] != BAT_NO_INDEX ? work->columns[SECONDS] : work->columns[TIME];
     if (work->columns[SECONDS] != BAT_NO_INDEX)
-        fault = pose_time_write_split(&work->clock, fields[timed], fields[work->columns[NANOSECONDS]], time, sizeof time);
+        fault = pose_time_write_split(&work->clock, fields[timed], fields[work->columns[NANOSECONDS]], time);
     else if (timed != BAT_NO_INDEX)
-        fault = pose_time_write(&work->clock, fields[timed], work->separator, work->time_unit, time, sizeof time);
+        fault = pose_time_write(&work->clock, fields[timed], work->separator, work->time_unit, time);
     if (fault != NULL)
         return cell_fault(fields, timed, line->number, fault, error);
     for (size_t i = X; i < ROLES; i++)

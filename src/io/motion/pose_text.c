@@ -135,7 +135,7 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
     if (fault == NULL && count < TUM_NUMBERS)
         fault = "a row of EuRoC poses has 8 numbers or more";
     if (fault == NULL)
-        fault = pose_time_write(&work->clock, fields[0], separator, UNIT_NANO, time, sizeof time);
+        fault = pose_time_write(&work->clock, fields[0], separator, UNIT_NANO, time);
     for (size_t i = 0; i < 7 && fault == NULL; i++)
         fault = csv_read_number(fields[1 + i], separator, &numbers[i], &comma);
     if (fault != NULL)

@@ -78,10 +78,11 @@ typedef struct pose_clock
     char first[ISO_TIME_SIZE + 1]; ///< the first time, where times are those of ISO 8601; else empty
 } pose_clock;
 
-/// The text of a time in seconds since the clock's origin. Returns null, or an error text.
-const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out, size_t size);
+/// The text of a time in seconds since the clock's origin, in at most NUMBER_TEXT_SIZE + 1 bytes. Returns null, or an error
+/// text.
+const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out);
 /// The same of seconds and nanoseconds in two columns.
-const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out, size_t size);
+const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out);
 /// The unit of whole times that are too large for seconds since 1970.
 column_unit pose_unit_by_size(csv_field cell);
 
