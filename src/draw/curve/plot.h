@@ -32,10 +32,4 @@ bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_pic
                      plot_axis y, const double box[4], bat_error *error);
 legend_item plot_legend_item(const bat_chart *chart, size_t index);
 
-/// A value on an axis: its decimal logarithm if the axis is logarithmic.
-double plot_number(const plot_axis *axis, double value);
-/// Draw the labels of points beside them, where they cover least.
-bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
-                            bat_error *error);
-
 #endif

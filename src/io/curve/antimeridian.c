@@ -1,5 +1,7 @@
 #include "io/curve/geojson_shape.h"
 
+#include <string.h>
+
 /// @file
 /// Crossings of the antimeridian by geodesic edges, in exact units of the file's decimals.
 
@@ -9,12 +11,12 @@ degree_grid degree_grid_of(int decimals)
     return (degree_grid){180 * degree, 90 * degree, degree_units_per_radian(decimals)};
 }
 
-void globe_lines_add(globe_lines *lines, globe_position position)
+static void globe_lines_add(globe_lines *lines, globe_position position)
 {
     lines->failed = lines->failed || !ARRAY_ADD(lines->positions, lines->position_capacity, lines->position_count, position);
 }
 
-void globe_lines_end(globe_lines *lines)
+static void globe_lines_end(globe_lines *lines)
 {
     lines->failed = lines->failed || !ARRAY_ADD(lines->ends, lines->capacity, lines->count, lines->position_count);
 }
@@ -26,10 +28,19 @@ void globe_lines_free(globe_lines *lines)
     *lines = (globe_lines){0};
 }
 
-globe_position globe_curve_position(const globe_curve *curve, size_t index)
+static globe_position globe_curve_position(const globe_curve *curve, size_t index)
 {
     return (globe_position){.shown = curve->shown[index],
                             .values = curve->values != NULL ? curve->values + index * curve->value_stride : NULL};
+}
+
+void globe_curve_add(const globe_curve *curve, bool repeat_first, globe_lines *lines)
+{
+    for (size_t i = 0; i < curve->count; i++)
+        globe_lines_add(lines, globe_curve_position(curve, i));
+    if (repeat_first)
+        globe_lines_add(lines, globe_curve_position(curve, 0));
+    globe_lines_end(lines);
 }
 
 double globe_position_value(const globe_position *position, size_t index)
@@ -109,8 +120,9 @@ static void ring_integral(const degree_grid *grid, const globe_curve *ring, doub
     }
 }
 
-/// The integral over a ring around the axis is positive when the area north of it is less than 2 pi.
-bool globe_ring_encloses_south(const degree_grid *grid, const globe_curve *ring)
+/// Whether the smaller side of a ring around the axis contains the south pole, after globe_curve_show(). The integral over
+/// the ring is positive when the area north of it is less than 2 pi.
+static bool globe_ring_encloses_south(const degree_grid *grid, const globe_curve *ring)
 {
     if (ring->pole != 0)
         return ring->pole < 0;
@@ -278,4 +290,401 @@ void globe_curve_cut(const degree_grid *grid, const globe_curve *curve, size_t s
         cut_closed(grid, curve, start, pieces);
     else
         cut_open(grid, curve, pieces);
+}
+
+// Polygons cut at the antimeridian: rings are cut into chains, whose ends are joined along the antimeridian in pairs.
+
+/// A crossing of the antimeridian: one chain ends there, and a chain on the other side begins there.
+typedef struct border_crossing
+{
+    int64_t latitude;
+    size_t ending, beginning; ///< the indices of these chains
+} border_crossing;
+
+/// The chains of all rings that cross the antimeridian, and their order along it. The interior meets the antimeridian on
+/// both sides between the same latitudes. So crossings sorted by latitude bound it in pairs. A single remaining crossing
+/// bounds it together with a pole.
+typedef struct border
+{
+    globe_lines chains;
+    border_crossing *crossings; ///< sorted by latitude
+    size_t count;
+    size_t *ending, *beginning; ///< for each chain: the crossings at its end and its start
+    bool *used;                 ///< for each chain
+    bool south;                 ///< the interior contains the south pole
+    bool odd;                   ///< the number of crossings is odd
+} border;
+
+static int compare_crossings(const void *a, const void *b)
+{
+    const border_crossing *p = a, *q = b;
+    if (p->latitude != q->latitude)
+        return p->latitude < q->latitude ? -1 : 1;
+    return (p->ending > q->ending) - (p->ending < q->ending);
+}
+
+static bool border_allocate(border *edge)
+{
+    size_t chains = edge->chains.count;
+    edge->count = chains;
+    edge->crossings = memory_array(chains, sizeof *edge->crossings);
+    edge->ending = memory_array(chains, sizeof *edge->ending);
+    edge->beginning = memory_array(chains, sizeof *edge->beginning);
+    edge->used = calloc(chains, sizeof *edge->used);
+    return !edge->chains.failed && edge->crossings != NULL && edge->ending != NULL && edge->beginning != NULL &&
+           edge->used != NULL;
+}
+
+static void border_free(border *edge)
+{
+    globe_lines_free(&edge->chains);
+    free(edge->crossings);
+    free(edge->ending);
+    free(edge->beginning);
+    free(edge->used);
+}
+
+/// Cut the rings into chains and sort the crossings.
+static bool border_begin(const degree_grid *grid, const globe_curve *rings, size_t ring_count, border *edge)
+{
+    for (size_t i = 0; i < ring_count; i++)
+        if (rings[i].cut_count > 0)
+            globe_curve_cut(grid, &rings[i], i + 1, &edge->chains);
+    if (!border_allocate(edge))
+        return false;
+    size_t first = 0;
+    bool south = false;
+    for (size_t i = 0; i < ring_count; i++)
+    {
+        size_t chains = rings[i].cut_count;
+        for (size_t k = 0; k < chains; k++)
+        {
+            int64_t latitude = edge->chains.positions[edge->chains.ends[first + k] - 1].shown.latitude;
+            edge->crossings[first + k] = (border_crossing){latitude, first + k, first + (k + 1) % chains};
+        }
+        if (chains % 2 == 1)
+        {
+            edge->odd = !edge->odd;
+            south = south || globe_ring_encloses_south(grid, &rings[i]);
+        }
+        first += chains;
+    }
+    edge->south = edge->odd && south;
+    qsort(edge->crossings, edge->count, sizeof *edge->crossings, compare_crossings);
+    for (size_t i = 0; i < edge->count; i++)
+    {
+        edge->ending[edge->crossings[i].ending] = i;
+        edge->beginning[edge->crossings[i].beginning] = i;
+    }
+    return true;
+}
+
+/// The crossing that bounds the interior together with this one; itself when the other bound is a pole.
+static size_t partner(const border *edge, size_t crossing)
+{
+    size_t first = edge->south ? 1 : 0;
+    if (crossing < first)
+        return crossing;
+    size_t other = ((crossing - first) ^ 1) + first;
+    return other < edge->count ? other : crossing;
+}
+
+static globe_position chain_position(const border *edge, size_t chain, bool at_end)
+{
+    return edge->chains.positions[at_end ? edge->chains.ends[chain] - 1 : globe_line_begin(&edge->chains, chain)];
+}
+
+static bool same_place(globe_position a, globe_position b)
+{
+    return a.shown.longitude == b.shown.longitude && a.shown.latitude == b.shown.latitude;
+}
+
+/// Append a position to the ring that begins at `begin`, unless it equals the last one.
+static void add_to_ring(globe_lines *rings, size_t begin, globe_position position)
+{
+    globe_position *last = rings->position_count > begin ? &rings->positions[rings->position_count - 1] : NULL;
+    if (last == NULL || !same_place(*last, position))
+        globe_lines_add(rings, position);
+    else if (last->start == 0)
+        last->start = position.start;
+}
+
+static void add_chain(const border *edge, size_t chain, bool backward, size_t begin, globe_lines *rings)
+{
+    size_t chain_begin = globe_line_begin(&edge->chains, chain), chain_end = edge->chains.ends[chain];
+    for (size_t i = chain_begin; i < chain_end; i++)
+        add_to_ring(rings, begin, edge->chains.positions[backward ? chain_begin + chain_end - 1 - i : i]);
+}
+
+/// Follow the antimeridian from the end of a chain to the start of the next.
+static void follow_border(const degree_grid *grid, const border *edge, size_t *chain, bool *backward, size_t begin,
+                          globe_lines *rings)
+{
+    globe_position exit = chain_position(edge, *chain, !*backward);
+    size_t crossing = *backward ? edge->beginning[*chain] : edge->ending[*chain];
+    size_t other = partner(edge, crossing);
+    int64_t side = exit.shown.longitude;
+    if (other == crossing)
+    {
+        int64_t pole = edge->south ? -grid->quarter_turn : grid->quarter_turn;
+        exit.start = 0;
+        exit.shown = (degree_units){side, pole};
+        add_to_ring(rings, begin, exit);
+        exit.shown.longitude = side = -side;
+        add_to_ring(rings, begin, exit);
+    }
+    const border_crossing *enter = &edge->crossings[other];
+    bool at_end = chain_position(edge, enter->ending, true).shown.longitude == side;
+    *chain = at_end ? enter->ending : enter->beginning;
+    *backward = at_end;
+}
+
+static void reverse(globe_position *positions, size_t count)
+{
+    for (size_t i = 0, j = count; i + 1 < j; i++)
+    {
+        const globe_position other = positions[i];
+        positions[i] = positions[--j];
+        positions[j] = other;
+    }
+}
+
+/// Rotate a ring so that it begins at its vertex `start`.
+static void rotate(globe_position *positions, size_t count, size_t start)
+{
+    if (start == 0)
+        return;
+    reverse(positions, start);
+    reverse(positions + start, count - start);
+    reverse(positions, count);
+}
+
+/// Rotate a ring so that it begins where the first of its given rings begins, if it contains such a vertex.
+static void rotate_to_start(globe_position *positions, size_t count)
+{
+    size_t start = 0;
+    for (size_t i = 0; i < count; i++)
+        if (positions[i].start != 0 && (positions[start].start == 0 || positions[i].start < positions[start].start))
+            start = i;
+    rotate(positions, count, start);
+}
+
+static int64_t lesser(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+
+static bool on_border(const degree_grid *grid, globe_position position)
+{
+    return position.shown.longitude == grid->half_turn || position.shown.longitude == -grid->half_turn;
+}
+
+/// Find an edge along the antimeridian that contains a vertex. Rotates the ring so that it begins at this vertex, and
+/// returns the index of the edge; `count` when there is none.
+static size_t find_touch(const degree_grid *grid, globe_position *positions, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        const globe_position at = positions[i], before = positions[i > 0 ? i - 1 : count - 1];
+        const globe_position after = positions[i + 1 < count ? i + 1 : 0];
+        int64_t side = at.shown.longitude;
+        // A vertex between two edges that leave the antimeridian.
+        if (!on_border(grid, at) || before.shown.longitude == side || after.shown.longitude == side)
+            continue;
+        for (size_t k = 0; k < count; k++)
+        {
+            const degree_units p = positions[k].shown, q = positions[k + 1 < count ? k + 1 : 0].shown;
+            int64_t low = lesser(p.latitude, q.latitude), high = -lesser(-p.latitude, -q.latitude);
+            if (p.longitude != side || q.longitude != side || low >= at.shown.latitude || high <= at.shown.latitude)
+                continue;
+            rotate(positions, count, i);
+            return (k + count - i) % count;
+        }
+    }
+    return count;
+}
+
+/// End a ring. Where it touches the antimeridian inside one of its own edges there, it is two rings.
+static void end_ring(const degree_grid *grid, size_t begin, size_t splits, globe_lines *rings)
+{
+    size_t count = rings->position_count - begin;
+    size_t edge = splits > 0 ? find_touch(grid, rings->positions + begin, count) : count;
+    if (edge < count)
+    {
+        size_t rest = count - edge - 1;
+        globe_position touch = rings->positions[begin], *others = memory_array(rest, sizeof *others);
+        if (others == NULL)
+        {
+            rings->failed = true;
+            return;
+        }
+        memcpy(others, rings->positions + begin + edge + 1, rest * sizeof *others);
+        rings->position_count = begin + edge + 1;
+        end_ring(grid, begin, splits - 1, rings);
+        size_t second = rings->position_count;
+        touch.start = 0;
+        globe_lines_add(rings, touch);
+        for (size_t i = 0; i < rest; i++)
+            globe_lines_add(rings, others[i]);
+        free(others);
+        if (!rings->failed)
+            end_ring(grid, second, splits - 1, rings);
+        return;
+    }
+    rotate_to_start(rings->positions + begin, count);
+    // Rings must have three positions, also around a part without area.
+    while (!rings->failed && rings->position_count - begin < 3)
+        globe_lines_add(rings, rings->positions[begin]);
+    globe_lines_end(rings);
+}
+
+/// Trace the boundary of one part of the interior.
+static void trace_ring(const degree_grid *grid, border *edge, size_t chain, globe_lines *rings)
+{
+    enum
+    {
+        MAX_SPLITS = 1000 ///< a bound for the stack
+    };
+    size_t begin = rings->position_count;
+    bool backward = false;
+    while (!edge->used[chain] && !rings->failed)
+    {
+        edge->used[chain] = true;
+        add_chain(edge, chain, backward, begin, rings);
+        follow_border(grid, edge, &chain, &backward, begin, rings);
+    }
+    if (rings->failed || rings->positions == NULL)
+        return;
+    size_t last = rings->position_count - 1;
+    if (last > begin && same_place(rings->positions[begin], rings->positions[last]))
+    {
+        if (rings->positions[begin].start == 0)
+            rings->positions[begin].start = rings->positions[last].start;
+        rings->position_count--;
+    }
+    end_ring(grid, begin, MAX_SPLITS, rings);
+}
+
+/// Whether a point lies inside a ring in the plane of longitude and latitude.
+static bool ring_holds(const globe_lines *rings, size_t ring, degree_units place)
+{
+    bool inside = false;
+    size_t begin = globe_line_begin(rings, ring), end = rings->ends[ring];
+    double x = (double)place.longitude, y = (double)place.latitude;
+    for (size_t i = begin, j = end - 1; i < end; j = i++)
+    {
+        double xi = (double)rings->positions[i].shown.longitude, yi = (double)rings->positions[i].shown.latitude;
+        double xj = (double)rings->positions[j].shown.longitude, yj = (double)rings->positions[j].shown.latitude;
+        if ((yi > y) != (yj > y) && x < xi + (y - yi) / (yj - yi) * (xj - xi))
+            inside = !inside;
+    }
+    return inside;
+}
+
+typedef struct ring_box
+{
+    degree_units low, high;
+} ring_box;
+
+static ring_box box_of(const globe_lines *rings, size_t ring)
+{
+    size_t begin = globe_line_begin(rings, ring);
+    ring_box box = {rings->positions[begin].shown, rings->positions[begin].shown};
+    for (size_t i = begin; i < rings->ends[ring]; i++)
+    {
+        degree_units shown = rings->positions[i].shown;
+        box.low = (degree_units){lesser(box.low.longitude, shown.longitude), lesser(box.low.latitude, shown.latitude)};
+        box.high =
+            (degree_units){-lesser(-box.high.longitude, -shown.longitude), -lesser(-box.high.latitude, -shown.latitude)};
+    }
+    return box;
+}
+
+static bool box_holds(const ring_box *box, degree_units place)
+{
+    return box->low.longitude <= place.longitude && place.longitude <= box->high.longitude &&
+           box->low.latitude <= place.latitude && place.latitude <= box->high.latitude;
+}
+
+/// The outer ring of a hole: the first one that contains a vertex of the hole.
+static size_t owner_of(const globe_curve *hole, const globe_lines *outers, const ring_box *boxes)
+{
+    for (size_t i = 0; i < hole->count; i++)
+        for (size_t k = 0; k < outers->count; k++)
+            if (box_holds(&boxes[k], hole->shown[i]) && ring_holds(outers, k, hole->shown[i]))
+                return k;
+    return 0;
+}
+
+/// Find the outer ring of each hole; `outers->count` for a hole that became part of an outer ring. Null when out of memory.
+static size_t *find_owners(const globe_lines *outers, const globe_curve *holes, size_t hole_count)
+{
+    size_t *owners = memory_array(hole_count, sizeof *owners);
+    ring_box *boxes = memory_array(outers->count, sizeof *boxes);
+    for (size_t k = 0; boxes != NULL && k < outers->count; k++)
+        boxes[k] = box_of(outers, k);
+    for (size_t i = 0; owners != NULL && boxes != NULL && i < hole_count; i++)
+        owners[i] = holes[i].cut_count > 0 ? outers->count : owner_of(&holes[i], outers, boxes);
+    if (boxes == NULL)
+    {
+        free(owners);
+        return NULL;
+    }
+    free(boxes);
+    return owners;
+}
+
+static void copy_ring(const globe_lines *from, size_t ring, globe_lines *to)
+{
+    for (size_t i = globe_line_begin(from, ring); i < from->ends[ring]; i++)
+        globe_lines_add(to, from->positions[i]);
+    globe_lines_end(to);
+}
+
+/// Combine the outer rings with the holes that do not cross the antimeridian.
+static bool assemble(const globe_lines *outers, const globe_curve *holes, size_t hole_count, globe_polygons *parts)
+{
+    size_t *owners = find_owners(outers, holes, hole_count);
+    if (owners == NULL || !ARRAY_GROW(parts->ring_counts, parts->capacity, parts->count + outers->count))
+    {
+        free(owners);
+        return false;
+    }
+    for (size_t k = 0; k < outers->count; k++)
+    {
+        size_t rings_before = parts->rings.count;
+        copy_ring(outers, k, &parts->rings);
+        for (size_t i = 0; i < hole_count; i++)
+            if (owners[i] == k)
+                globe_curve_add(&holes[i], false, &parts->rings);
+        parts->ring_counts[parts->count++] = parts->rings.count - rings_before;
+    }
+    free(owners);
+    return !parts->rings.failed;
+}
+
+bool globe_polygon_cut(const degree_grid *grid, const globe_curve *rings, size_t ring_count, globe_polygons *parts)
+{
+    border edge = {0};
+    globe_lines outers = {0};
+    bool done = border_begin(grid, rings, ring_count, &edge);
+    if (done)
+    {
+        if (rings[0].cut_count == 0)
+            globe_curve_add(&rings[0], false, &outers);
+        for (size_t chain = 0; chain < edge.count; chain++)
+            if (!edge.used[chain])
+                trace_ring(grid, &edge, chain, &outers);
+        done = !outers.failed && assemble(&outers, rings + 1, ring_count - 1, parts);
+    }
+    globe_lines_free(&outers);
+    border_free(&edge);
+    return done;
+}
+
+void globe_polygons_free(globe_polygons *polygons)
+{
+    globe_lines_free(&polygons->rings);
+    free(polygons->ring_counts);
+    *polygons = (globe_polygons){0};
 }

@@ -138,16 +138,6 @@ static bool keep_extents(geojson_shape *shape, const stitch_polygon *polygons, s
     return true;
 }
 
-/// Append a curve that does not cross the antimeridian to pieces of curves that do.
-static void add_uncut(const globe_curve *curve, bool repeat_first, globe_lines *lines)
-{
-    for (size_t i = 0; i < curve->count; i++)
-        globe_lines_add(lines, globe_curve_position(curve, i));
-    if (repeat_first)
-        globe_lines_add(lines, globe_curve_position(curve, 0));
-    globe_lines_end(lines);
-}
-
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error)
 {
@@ -161,7 +151,7 @@ bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style,
         if (curve->cut_count > 0)
             globe_curve_cut(&style->grid, curve, 0, &shape->pieces);
         else
-            add_uncut(curve, curve->closed, &shape->pieces);
+            globe_curve_add(curve, curve->closed, &shape->pieces);
     }
     if (shape->pieces.failed)
         return error_memory(error, shape->pieces.position_count * sizeof(globe_position));
@@ -176,7 +166,7 @@ static bool add_uncut_polygon(const globe_curve *rings, size_t ring_count, globe
     if (!ARRAY_ADD(parts->ring_counts, parts->capacity, parts->count, ring_count))
         return false;
     for (size_t i = 0; i < ring_count; i++)
-        add_uncut(&rings[i], false, &parts->rings);
+        globe_curve_add(&rings[i], false, &parts->rings);
     return !parts->rings.failed;
 }
 

@@ -50,9 +50,6 @@ typedef struct globe_curve
 /// Round the coordinates of a curve and count its crossings of the antimeridian. False when a point is not finite.
 bool globe_curve_show(const degree_grid *grid, globe_curve *curve);
 
-/// Whether the smaller side of a ring around the axis contains the south pole, after globe_curve_show().
-bool globe_ring_encloses_south(const degree_grid *grid, const globe_curve *ring);
-
 typedef struct globe_position
 {
     degree_units shown;
@@ -76,15 +73,14 @@ typedef struct globe_lines
     bool failed;
 } globe_lines;
 
-void globe_lines_add(globe_lines *lines, globe_position position);
-void globe_lines_end(globe_lines *lines);
 void globe_lines_free(globe_lines *lines);
 static inline size_t globe_line_begin(const globe_lines *lines, size_t line)
 {
     return line == 0 ? 0 : lines->ends[line - 1];
 }
 
-globe_position globe_curve_position(const globe_curve *curve, size_t index);
+/// Append a curve that does not cross the antimeridian.
+void globe_curve_add(const globe_curve *curve, bool repeat_first, globe_lines *lines);
 
 /// Append the pieces of a curve that crosses the antimeridian. Each piece begins and ends at a crossing, except at the ends
 /// of an open curve. `start` is the `start` of the first vertex of a closed curve.
