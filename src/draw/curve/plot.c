@@ -371,7 +371,7 @@ static int plot_colour(const bat_chart *chart, size_t index)
     return chart->series[index].colour > 0 ? chart->series[index].colour : (int)(index % 1000) + 1;
 }
 
-legend_item plot_legend_item(const bat_chart *chart, size_t index)
+static legend_item plot_legend_item(const bat_chart *chart, size_t index)
 {
     const bat_chart_series *series = &chart->series[index];
     legend_item item = {series->label, style_curve(plot_colour(chart, index)), LEGEND_NO_MARK};

@@ -30,6 +30,5 @@ bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot
 double plot_margin(cairo_t *cairo, const bat_chart *chart, plot_axis x, plot_axis y, const double box[4]);
 bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
                      plot_axis y, const double box[4], bat_error *error);
-legend_item plot_legend_item(const bat_chart *chart, size_t index);
 
 #endif

@@ -107,9 +107,6 @@ void csv_attributes_describe(bat_curve_attributes *attributes, const bat_space *
 /// @param columns need csv_columns_free(), also after a failure
 bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *columns);
 
-/// Use these two columns as coordinates, and all others as channels. False when out of memory.
-bool csv_columns_use_degrees(csv_columns *columns, size_t longitude, size_t latitude);
-
 /// Use the columns of a form as coordinates, and all other numbers as channels. False when out of memory.
 bool csv_columns_use_form(csv_columns *columns, const point_form *form);
 
@@ -216,7 +213,6 @@ typedef struct cell_builder
 /// Append the next cell of a row; a row has `columns` of them. A cell equal to the one above shares its text. False when out
 /// of memory.
 bool cells_add(cell_builder *cells, csv_field cell);
-void cells_end_row(cell_builder *cells);
 void cells_drop_row(cell_builder *cells);
 /// End a curve, whose rows begin where the last one ended. False when out of memory.
 bool cells_end_curve(cell_builder *cells, bool closed);

@@ -27,11 +27,6 @@ bool cells_add(cell_builder *cells, csv_field cell)
     return !cells->text.failed;
 }
 
-void cells_end_row(cell_builder *cells)
-{
-    cells->row_count++;
-}
-
 void cells_drop_row(cell_builder *cells)
 {
     cells->row_count--;

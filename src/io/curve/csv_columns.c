@@ -117,7 +117,8 @@ void csv_columns_free(csv_columns *columns)
     *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
 }
 
-bool csv_columns_use_degrees(csv_columns *columns, size_t longitude, size_t latitude)
+/// Use these two columns as coordinates, and all others as channels. False when out of memory.
+static bool use_degrees(csv_columns *columns, size_t longitude, size_t latitude)
 {
     size_t pair[2] = {longitude, latitude};
     columns->degrees = true;
@@ -231,7 +232,7 @@ bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *
     for (size_t i = 0; i < count; i++)
         fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
     return csv_columns_name(columns, fields, count) &&
-           (attributes->degrees ? csv_columns_use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form));
+           (attributes->degrees ? use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form));
 }
 
 // Tables of spellings.

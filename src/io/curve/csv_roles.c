@@ -282,7 +282,7 @@ bat_status csv_take_cells(csv_reader *reader, const text_line *line, bat_error *
         if (kind != CSV_ID && !store_cell(reader, i))
             return error_memory(error, reader->cells.text.size);
     }
-    cells_end_row(&reader->cells);
+    reader->cells.row_count++;
     return BAT_OK;
 }
 

@@ -176,9 +176,6 @@ void geojson_extraction_free(geojson_extraction *extraction);
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status geojson_read_coordinates(geojson_reader *reader, geometry_kind kind, json_scanner *scan);
 
-/// The current place: "feature 6 (id 'ATA'), polygon 7, ring 0, position 381".
-void geojson_describe_place(const geojson_reader *reader, char *text, size_t size);
-
 /// BAT_BAD_FILE, with a message that begins with the reader's position.
 bat_status geojson_fault(geojson_reader *reader, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

@@ -15,7 +15,8 @@
 
 static const size_t NOWHERE = BAT_NO_INDEX;
 
-void geojson_describe_place(const geojson_reader *reader, char *text, size_t size)
+/// The current place: "feature 6 (id 'ATA'), polygon 7, ring 0, position 381".
+static void describe_place(const geojson_reader *reader, char *text, size_t size)
 {
     const geojson_place *place = &reader->place;
     const geojson_document *document = &reader->document;
@@ -36,7 +37,7 @@ bat_status geojson_fault(geojson_reader *reader, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
-    geojson_describe_place(reader, where, sizeof where);
+    describe_place(reader, where, sizeof where);
     return error_set(reader->error, BAT_BAD_FILE, reader->place.position, reader->place.line, "%s%s%s", where,
                      where[0] != '\0' ? ": " : "", what);
 }
@@ -97,7 +98,7 @@ static bat_status drop_repeat(geojson_reader *reader)
     if (reader->strict)
         return geojson_fault(reader, "the position repeats the one before it");
     if (reader->findings.repeats++ == 0)
-        geojson_describe_place(reader, reader->findings.first_repeat, sizeof reader->findings.first_repeat);
+        describe_place(reader, reader->findings.first_repeat, sizeof reader->findings.first_repeat);
     return BAT_OK;
 }
 
@@ -342,9 +343,9 @@ static bat_status join_parts(geojson_reader *reader, size_t first_curve, size_t 
         return geojson_no_memory(reader);
     stitch_report *sum = reader->rings ? &findings->polygons : &findings->lines;
     if (report.joins > 0 && findings->lines.joins + findings->polygons.joins == 0)
-        geojson_describe_place(reader, findings->first_join, sizeof findings->first_join);
+        describe_place(reader, findings->first_join, sizeof findings->first_join);
     if (report.poles > 0 && findings->polygons.poles == 0)
-        geojson_describe_place(reader, findings->first_pole, sizeof findings->first_pole);
+        describe_place(reader, findings->first_pole, sizeof findings->first_pole);
     stitch_report_add(sum, &report);
     *represented = report.unrepresented == 0;
     return BAT_OK;
@@ -388,7 +389,7 @@ static bat_status drop_degenerate(geojson_reader *reader, size_t first_curve, si
                 if (reader->strict)
                     return geojson_fault(reader, "the %s has too few different positions", reader->rings ? "ring" : "line");
                 if (findings->degenerate++ == 0)
-                    geojson_describe_place(reader, findings->first_degenerate, sizeof findings->first_degenerate);
+                    describe_place(reader, findings->first_degenerate, sizeof findings->first_degenerate);
                 *place = outer;
             }
             if (degenerate || dropped)
@@ -422,7 +423,7 @@ static void forget(geojson_reader *reader, size_t first_curve, size_t first_poly
     reader->document.polygon_count = first_polygon;
     geojson_findings *findings = &reader->findings;
     if (findings->unchanged++ == 0)
-        geojson_describe_place(reader, findings->first_unchanged, sizeof findings->first_unchanged);
+        describe_place(reader, findings->first_unchanged, sizeof findings->first_unchanged);
 }
 
 /// Join, close and clean the curves of a geometry that has been read.
