@@ -64,7 +64,9 @@ bat_status film_at(const film *shown, const film_track *track, double time, doub
 typedef struct path_view
 {
     double rows[3][3];               ///< directions to the right, upwards and to the eye
-    int up;                          ///< the axis across the floor; -1 in the plane
+    bool flat;                       ///< in the plane
+    int up;                          ///< the axis across the floor
+    int floor[2];                    ///< the other two, in a right-handed order
     double centre[3];                ///< subtracted before the rotation
     double low[3], high[3];          ///< the box of the coordinates, less the centre
     double left, right, bottom, top; ///< of the box on the page

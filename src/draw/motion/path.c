@@ -102,7 +102,7 @@ static void find_box(const film *shown, path_view *view)
 
 /// The axis that is upwards, and the two that make a right-handed floor with it. A path that is flat across y is one of a
 /// camera, whose y is downwards.
-static void choose_up(const film *shown, path_view *view, int floor[2], double *sign)
+static void choose_up(const film *shown, path_view *view, double *sign)
 {
     double extent[3];
     *sign = 1;
@@ -114,15 +114,16 @@ static void choose_up(const film *shown, path_view *view, int floor[2], double *
         if (shown->space->point_dim > 2 && extent[c] < FLAT * others && extent[c] < extent[2] * FLAT &&
             extent[c] < extent[1 - c] * FLAT)
             view->up = c;
-    floor[0] = view->up == 0 ? 1 : 0;
-    floor[1] = view->up == 2 ? 1 : 2;
+    view->floor[0] = view->up == 0 ? 1 : 0;
+    view->floor[1] = view->up == 2 ? 1 : 2;
     if (view->up == 1)
         *sign = -1;
 }
 
 /// The main direction of the path on the floor, in radians from its first axis, or NAN.
-static double main_direction(const film *shown, const path_view *view, const int floor[2])
+static double main_direction(const film *shown, const path_view *view)
 {
+    const int *floor = view->floor;
     double size = fmax(view->high[floor[0]] - view->low[floor[0]], view->high[floor[1]] - view->low[floor[1]]);
     double xx = 0, xy = 0, yy = 0, x = 0, y = 0, all = 0;
     for (size_t k = 0; k < shown->count && size > 0; k++)
@@ -148,8 +149,9 @@ static double main_direction(const film *shown, const path_view *view, const int
 }
 
 /// Set the directions of the page for an azimuth and an elevation of the eye above the floor.
-static void look_from(path_view *view, const int floor[2], double sign, double azimuth, double elevation)
+static void look_from(path_view *view, double sign, double azimuth, double elevation)
 {
+    const int *floor = view->floor;
     double up[3] = {0}, away[3] = {0}, right[3] = {0};
     up[view->up] = sign;
     away[floor[0]] = cos(azimuth);
@@ -165,7 +167,7 @@ static void look_from(path_view *view, const int floor[2], double sign, double a
 }
 
 /// Widen the box, so that it has an extent in all directions.
-static void pad_box(path_view *view, bool flat)
+static void pad_box(path_view *view)
 {
     double largest = 0, size = 1;
     for (int c = 0; c < 3; c++)
@@ -174,7 +176,7 @@ static void pad_box(path_view *view, bool flat)
         size = fmax(size, 1e-9 * fabs(view->centre[c]));
     }
     double pad = largest > 0 ? fmax(PADDING * largest, 1e-14 * size) : 0.5 * size;
-    for (int c = 0; c < (flat ? 2 : 3); c++)
+    for (int c = 0; c < (view->flat ? 2 : 3); c++)
     {
         view->low[c] -= pad;
         view->high[c] += pad;
@@ -200,18 +202,16 @@ static void include_on_page(const film *shown, const double *point, path_view *v
 /// The height of the floor: the end of the box that is lower on the page.
 static double floor_of(const path_view *view)
 {
-    int up = view->up >= 0 ? view->up : 2;
-    return view->rows[1][up] >= 0 ? view->low[up] : view->high[up];
+    return view->rows[1][view->up] >= 0 ? view->low[view->up] : view->high[view->up];
 }
 
 /// Extend the page by the floor and the upright axis at its left.
 static void include_floor(path_view *view)
 {
-    int up = view->up >= 0 ? view->up : 2, leftmost = 0;
+    int up = view->up, first = view->floor[0], second = view->floor[1], leftmost = 0;
     double corners[4][3];
     for (int k = 0; k < 4; k++)
     {
-        int first = up == 0 ? 1 : 0, second = up == 2 ? 1 : 2;
         corners[k][up] = floor_of(view);
         corners[k][first] = k & 1 ? view->high[first] : view->low[first];
         corners[k][second] = k & 2 ? view->high[second] : view->low[second];
@@ -224,22 +224,19 @@ static void include_floor(path_view *view)
 
 void path_view_make(const film *shown, path_view *view)
 {
-    int floor[2];
     double sign;
-    bool flat = shown->space->point_dim == 2;
-    *view = (path_view){.up = 2, .rows = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    *view = (path_view){.flat = shown->space->point_dim == 2, .rows = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     find_box(shown, view);
-    choose_up(shown, view, floor, &sign);
-    if (!flat)
+    choose_up(shown, view, &sign);
+    if (!view->flat)
     {
-        double along = main_direction(shown, view, floor), height = view->high[view->up] - view->low[view->up];
+        const int *floor = view->floor;
+        double along = main_direction(shown, view), height = view->high[view->up] - view->low[view->up];
         double wide = fmax(view->high[floor[0]] - view->low[floor[0]], view->high[floor[1]] - view->low[floor[1]]);
         double azimuth = isnan(along) ? DEFAULT_AZIMUTH * RADIANS : along - (90 - TURNED) * RADIANS;
-        look_from(view, floor, sign, azimuth, (height < LEVEL * wide ? LEVEL_ELEVATION : ELEVATION) * RADIANS);
+        look_from(view, sign, azimuth, (height < LEVEL * wide ? LEVEL_ELEVATION : ELEVATION) * RADIANS);
     }
-    else
-        view->up = -1;
-    pad_box(view, flat);
+    pad_box(view);
     view->left = view->bottom = INFINITY;
     view->right = view->top = -INFINITY;
     include_floor(view);
@@ -347,7 +344,8 @@ static void draw_floor(cairo_t *cairo, const placing *at, const box_edge *first,
 /// Two edges of the floor that are near to the eye, and the upright one at the left.
 static void choose_edges(const path_view *view, box_edge edges[3])
 {
-    int up = view->up >= 0 ? view->up : 2, floor[2] = {up == 0 ? 1 : 0, up == 2 ? 1 : 2};
+    int up = view->up;
+    const int *floor = view->floor;
     double low_floor = floor_of(view);
     for (int k = 0; k < 2; k++)
     {
@@ -548,10 +546,10 @@ bat_status path_draw(const film *shown, const path_view *view, cairo_t *cairo, c
     draw_floor(cairo, &at, &edges[0], &edges[1]);
     draw_edge(cairo, shown, &at, &edges[0]);
     draw_edge(cairo, shown, &at, &edges[1]);
-    if (view->up >= 0)
+    if (!view->flat)
         draw_upright(cairo, shown, &at, &edges[2]);
-    double floor = edges[0].at[view->up >= 0 ? view->up : 2];
-    for (size_t k = 0; k < shown->count && view->up >= 0; k++)
+    double floor = edges[0].at[view->up];
+    for (size_t k = 0; k < shown->count && !view->flat; k++)
         draw_line(cairo, shown, &shown->tracks[k], &at, &floor, (line_style){COLOUR_TRUTH, LINE_CONTROL, 0, 0});
     for (size_t k = 0; k < shown->count; k++)
         draw_line(cairo, shown, &shown->tracks[k], &at, NULL, (line_style){shown->tracks[k].colour, 1.1, 0, 0});
