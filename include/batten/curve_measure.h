@@ -2,7 +2,6 @@
 #define BATTEN_CURVE_MEASURE_H
 
 #include "batten/curve.h"
-#include "batten/curve_analysis.h"
 
 BAT_C_BEGIN
 
@@ -118,28 +117,6 @@ BAT_API bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat
 /// @return as bat_curve_is_simple(), and BAT_CANCELLED
 BAT_API bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
                                          bool *simple, size_t *failed_curve, bat_error *error);
-
-/// @name Convergence of refinement
-/// The chordal distance of a refined polygon from its limit, in O(n).
-/// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few
-/// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance
-/// that a double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
-/// @{
-
-/// The greatest distance of a vertex of `fine` from the polygon `coarse` that it was refined from. A vertex is compared with
-/// the five edges around its own parameter, so that other parts of the polygon do not count.
-/// @param coarse at least 2 points
-/// @param fine   at least 1 point
-BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine,
-                                            const bat_curve_measure_options *options, double *distance, bat_error *error);
-
-/// The greatest distance of a vertex from the limit that a linear scheme takes it to. Vertices of an open curve whose
-/// stencil reaches its ends are left out; 0 when none is left.
-/// @param curve   at least 1 point, in a Euclidean space (else BAT_UNSUPPORTED)
-/// @param stencil the scheme's limit stencil, as bat_mask_limit_stencil() gives it; its weights add up to 1
-BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
-                                            const bat_curve_measure_options *options, double *distance, bat_error *error);
-/// @}
 
 /// Statistics of a set of numbers.
 typedef struct bat_curve_summary

@@ -2,9 +2,9 @@
 /// Figures of Alam (2025) made anew with our own polygons: curves at five levels, and their distances (bat_curve_figure).
 
 #include "batten/research/curve_shapes.h"
+#include "batten/research/curve_study.h"
 
 #include "batten/curve_analysis.h"
-#include "batten/curve_measure.h"
 #include "batten/curve_picture.h"
 #include "batten/space.h"
 

@@ -1,6 +1,7 @@
 #ifndef BATTEN_RESEARCH_CURVE_STUDY_H
 #define BATTEN_RESEARCH_CURVE_STUDY_H
 
+#include "batten/curve_analysis.h"
 #include "batten/curve_measure.h"
 #include "batten/curve_scheme.h"
 #include "batten/research/curve_data.h"
@@ -349,6 +350,28 @@ BAT_API bat_status bat_tension_mechanism_draw(const char *path, const bat_tensio
 /// @param path .png, .svg or .pdf
 /// @return BAT_OK or the status of bat_curve_picture_write()
 BAT_API bat_status bat_tension_iss_draw(const char *path, bat_error *error);
+
+/// @name Convergence of refinement
+/// The chordal distance of a refined polygon from its limit, in O(n).
+/// Of the options (null for the defaults) threads and progress count. Both return BAT_OK; BAT_INVALID_ARGUMENT (too few
+/// points, numbers of coordinates that differ); BAT_INVALID_POINT (a coordinate as in bat_curve_compare(), or a distance
+/// that a double cannot hold) or BAT_CANCELLED; `distance` is untouched on failure.
+/// @{
+
+/// The greatest distance of a vertex of `fine` from the polygon `coarse` that it was refined from. A vertex is compared with
+/// the five edges around its own parameter, so that other parts of the polygon do not count.
+/// @param coarse at least 2 points
+/// @param fine   at least 1 point
+BAT_API bat_status bat_curve_chord_distance(const bat_curve *coarse, const bat_curve *fine,
+                                            const bat_curve_measure_options *options, double *distance, bat_error *error);
+
+/// The greatest distance of a vertex from the limit that a linear scheme takes it to. Vertices of an open curve whose
+/// stencil reaches its ends are left out; 0 when none is left.
+/// @param curve   at least 1 point, in a Euclidean space (else BAT_UNSUPPORTED)
+/// @param stencil the scheme's limit stencil, as bat_mask_limit_stencil() gives it; its weights add up to 1
+BAT_API bat_status bat_curve_limit_distance(const bat_curve *curve, const bat_mask_stencil *stencil,
+                                            const bat_curve_measure_options *options, double *distance, bat_error *error);
+/// @}
 
 BAT_C_END
 

@@ -1,5 +1,7 @@
 #include "measure_helpers.h"
 
+#include "batten/research/curve_study.h"
+
 /// A vertex of a refined circle lies nowhere farther from the coarse one's chords than in the middle of an arc.
 static void chords_of_a_circle(void **state)
 {

@@ -1,4 +1,4 @@
-#include "batten/curve_measure.h"
+#include "batten/research/curve_study.h"
 
 #include "base/error.h"
 #include "base/shared_work.h"
