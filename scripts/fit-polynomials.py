@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints the polynomial coefficients of src/base/lanes.h and src/base/lanes_single.h.
+"""Prints the polynomial coefficients of src/base/lanes.h and src/learn/real.h.
 
 Most functions are even or odd, so that they are polynomials in z = x^2 after their known leading factor is divided out. The
 polynomial interpolates at Chebyshev nodes (within a small factor of the best one), in 60 digits, and is then rounded to

@@ -1,4 +1,5 @@
 #include "research/learn/dropout.h"
+#include "research/learn/functions.h"
 #include "research/learn/operations.h"
 
 #include <assert.h>

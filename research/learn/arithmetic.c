@@ -1,3 +1,4 @@
+#include "research/learn/functions.h"
 #include "research/learn/operations.h"
 
 #include <assert.h>

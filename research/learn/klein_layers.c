@@ -1,6 +1,7 @@
 #include "research/learn/klein_layers.h"
 
 #include "learn/blas.h"
+#include "research/learn/functions.h"
 
 #include <assert.h>
 

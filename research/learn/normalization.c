@@ -1,5 +1,5 @@
-#include "learn/row_statistics.h"
 #include "research/learn/dropout.h"
+#include "research/learn/functions.h"
 #include "research/learn/operations.h"
 
 #include <assert.h>

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "research/learn/functions.h"
 
 #include <stdlib.h>
 

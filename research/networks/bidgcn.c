@@ -14,8 +14,8 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "batten/research/networks.h"
-#include "learn/row_statistics.h"
 #include "learn/weights.h"
+#include "research/learn/functions.h"
 #include "surface/cloud/neighbours.h"
 #include "surface/network/chart_network.h"
 

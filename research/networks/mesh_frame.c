@@ -1,4 +1,5 @@
 #include "research/networks/mesh_frame.h"
+#include "research/learn/functions.h"
 
 /// @file
 /// The derivative of a unit vector u = v / |v| is (I - u u^T) / |v|. All loops run over half-flaps and are vectorized.

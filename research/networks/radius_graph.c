@@ -7,6 +7,7 @@
 #include "research/networks/radius_graph.h"
 
 #include "base/lanes.h"
+#include "research/learn/functions.h"
 
 #include <assert.h>
 #include <float.h>

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "research/learn/packed_norm.h"
 
 #include <assert.h>
 #include <stdlib.h>

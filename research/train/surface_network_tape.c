@@ -1,6 +1,6 @@
 #include "research/train/surface_network_tape.h"
 
-#include "learn/row_statistics.h"
+#include "research/learn/functions.h"
 #include "research/learn/parameters.h"
 
 #include <assert.h>

@@ -67,13 +67,6 @@ learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_
 /// @param y    rows x layer->columns
 void learn_packed_linear(const learn_packed *layer, size_t rows, const real *x, size_t stride, real *y);
 
-/// y = gelu(skip + layer_norm(y)) in place, as learn_layer_norm_gelu().
-/// @param skip rows x columns, or null for 0
-void learn_packed_norm_gelu(size_t rows, size_t columns, const real *gain, const real *shift, const real *skip, real *y);
-
-/// y = gelu(y) in place.
-void learn_packed_gelu(size_t count, real *y);
-
 /// learn_klein_gelu() of numbers whose four blocks lie one behind the other, `count` numbers each.
 void learn_packed_klein_gelu(size_t count, const real *restrict x, real *restrict y);
 

@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include "learn/klein.h"
+#include "research/learn/functions.h"
 #include "research/learn/klein_layers.h"
 #include "research/learn/operations.h"
 #include "research/learn/parameters.h"

@@ -3,6 +3,7 @@
 #include "research/learn/operations.h"
 // The source itself, to call the product of each register width and not just the widest that this machine has.
 #include "learn/packed.c"
+#include "research/learn/packed_norm.h"
 
 // Packed layers against the same layers on a tape, which are tested by themselves.
 
