@@ -63,27 +63,4 @@ static inline bool threads_is_calling(void)
     return threads_current() == 0;
 }
 
-/// Run parallel regions that this thread meets from here on alone, whatever number of threads they ask for, until
-/// threads_alone_end(): for libraries that have such regions and no way to be told of threads.
-/// @return what threads_alone_end() wants
-static inline int threads_alone_begin(void)
-{
-#if defined(_OPENMP)
-    int levels = omp_get_max_active_levels();
-    omp_set_max_active_levels(0);
-    return levels;
-#else
-    return 0;
-#endif
-}
-
-static inline void threads_alone_end(int levels)
-{
-#if defined(_OPENMP)
-    omp_set_max_active_levels(levels);
-#else
-    (void)levels;
-#endif
-}
-
 #endif

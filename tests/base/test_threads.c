@@ -34,27 +34,6 @@ static void who_wants_threads_gets_them(void **state)
         assert_int_equal(threads_worth(wanted, 1000, 0), threads_for(wanted, 1000));
 }
 
-/// The threads of a region that asks for two.
-static int threads_of_region(void)
-{
-    int met = 0;
-#pragma omp parallel num_threads(2) reduction(+ : met)
-    met++;
-    return met;
-}
-
-static void regions_run_alone_until_the_end(void **state)
-{
-    (void)state;
-    int before = threads_of_region(), outer = threads_alone_begin();
-    assert_int_equal(threads_of_region(), 1);
-    int inner = threads_alone_begin();
-    threads_alone_end(inner);
-    assert_int_equal(threads_of_region(), 1);
-    threads_alone_end(outer);
-    assert_int_equal(threads_of_region(), before);
-}
-
 /// However uses nest or overlap: one thread during, and afterwards the number of before.
 static void blas_has_its_threads_back(void **state)
 {
@@ -84,8 +63,9 @@ static void blas_has_its_threads_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_are_no_more_than_pieces), cmocka_unit_test(short_work_is_not_shared),
-        cmocka_unit_test(who_wants_threads_gets_them),     cmocka_unit_test(regions_run_alone_until_the_end),
+        cmocka_unit_test(threads_are_no_more_than_pieces),
+        cmocka_unit_test(short_work_is_not_shared),
+        cmocka_unit_test(who_wants_threads_gets_them),
         cmocka_unit_test(blas_has_its_threads_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
