@@ -5,7 +5,7 @@
 #include "batten/research/motion_study.h"
 
 #include "base/error.h"
-#include "space/complete.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <string.h>

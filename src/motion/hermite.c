@@ -4,7 +4,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "motion/hermite_average.h"
-#include "space/complete.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,6 @@
 #include "motion/hermite_average.h"
 
 #include "space/builtin.h"
-#include "space/complete.h"
 
 #include <math.h>
 #include <string.h>

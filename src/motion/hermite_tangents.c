@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "motion/hermite_average.h"
-#include "space/complete.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -13,7 +13,6 @@
 #include "motion/spline_smooth.h"
 #include "motion/spline_system.h"
 #include "space/builtin.h"
-#include "space/complete.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,5 @@
 #include "space/builtin.h"
 
-#include "batten/space.h"
-
 static bool is_same(const bat_space *a, const bat_space *b)
 {
     return a->dimension == b->dimension && a->point_dim == b->point_dim && a->tangent_dim == b->tangent_dim &&

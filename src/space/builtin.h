@@ -22,4 +22,12 @@ bool space_is_curved(const bat_space *space, double *curvature);
 /// @param curvature receives 0, 1 or -1 where it is
 bool space_is_surface(const bat_space *space, int *curvature);
 
+/// What a space lacks that every space has, in a few words ("function log"); null for nothing.
+const char *space_lack(const bat_space *space);
+
+/// Whether a space has all functions that are not optional, dimensions within bounds and an injectivity radius. Null is no
+/// space.
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names what is missing
+bat_status space_check_complete(const bat_space *space, bat_error *error);
+
 #endif

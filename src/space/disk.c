@@ -1,7 +1,6 @@
 #include "space/disk.h"
-#include "batten/space.h"
-#include <math.h>
-#include <stdbool.h>
+
+#include "space/shared.h"
 
 // Points are complex numbers z = x + i y. Tangent vectors at p are given in the frame that z -> (z + p) / (1 + conj(p) z)
 // brings from the origin.
@@ -16,15 +15,6 @@ static const char *fault(const bat_space *space, const double *point)
     if (!isfinite(point[0]) || !isfinite(point[1]))
         return "not finite";
     return fabs(point[0]) < 1 && fabs(point[1]) < 1 && disk_complement(point) > 0 ? NULL : "not inside the unit disk";
-}
-
-static bat_status project(const bat_space *space, const double *coordinates, double *point)
-{
-    if (fault(space, coordinates) != NULL)
-        return BAT_INVALID_POINT;
-    point[0] = coordinates[0];
-    point[1] = coordinates[1];
-    return BAT_OK;
 }
 
 /// sinh(d/2) = |q - p| / sqrt((1 - |p|^2) (1 - |q|^2))
@@ -105,13 +95,6 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     return BAT_OK;
 }
 
-static double inner(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    (void)space;
-    (void)p;
-    return u[0] * v[0] + u[1] * v[1];
-}
-
 static void random_point(const bat_space *space, bat_random *random, double *point)
 {
     (void)space;
@@ -160,12 +143,12 @@ bat_space bat_disk(void)
         .tangent_dim = 2,
         .injectivity = INFINITY,
         .fault = fault,
-        .project = project,
+        .project = space_project_valid,
         .distance = distance,
         .log = logarithm,
         .exp = exponential,
         .transport = transport,
-        .inner = inner,
+        .inner = space_inner,
         .random_point = random_point,
         .geodesic = geodesic,
         .exterior_angle = exterior_angle,

@@ -1,23 +1,7 @@
-#include "batten/space.h"
+#include "space/shared.h"
 
 #include <math.h>
 #include <string.h>
-
-static const char *fault(const bat_space *space, const double *point)
-{
-    for (size_t i = 0; i < space->point_dim; i++)
-        if (!isfinite(point[i]))
-            return "not finite";
-    return NULL;
-}
-
-static bat_status project(const bat_space *space, const double *coordinates, double *point)
-{
-    if (fault(space, coordinates) != NULL)
-        return BAT_INVALID_POINT;
-    memcpy(point, coordinates, space->point_dim * sizeof *point);
-    return BAT_OK;
-}
 
 static double distance(const bat_space *space, const double *p, const double *q)
 {
@@ -49,7 +33,7 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
 {
     for (size_t i = 0; i < space->point_dim; i++)
         q[i] = p[i] + tangent[i];
-    return fault(space, q) == NULL ? BAT_OK : BAT_INVALID_POINT;
+    return space_not_finite(space, q) == NULL ? BAT_OK : BAT_INVALID_POINT;
 }
 
 static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
@@ -59,15 +43,6 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     (void)q;
     memcpy(transported, tangent, space->tangent_dim * sizeof *tangent);
     return BAT_OK;
-}
-
-static double inner(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    (void)p;
-    double sum = 0;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        sum += u[i] * v[i];
-    return sum;
 }
 
 static void random_point(const bat_space *space, bat_random *random, double *point)
@@ -80,7 +55,7 @@ static bat_status geodesic(const bat_space *space, const double *p, const double
 {
     for (size_t i = 0; i < space->point_dim; i++)
         point[i] = (1 - t) * p[i] + t * q[i];
-    return fault(space, point) == NULL ? BAT_OK : BAT_INVALID_POINT;
+    return space_not_finite(space, point) == NULL ? BAT_OK : BAT_INVALID_POINT;
 }
 
 static double plane_exterior_angle(const bat_space *space, const double *before, const double *p, const double *after)
@@ -111,13 +86,13 @@ bat_space bat_euclidean(size_t n)
         .point_dim = n,
         .tangent_dim = n,
         .injectivity = INFINITY,
-        .fault = fault,
-        .project = project,
+        .fault = space_not_finite,
+        .project = space_project_valid,
         .distance = distance,
         .log = logarithm,
         .exp = exponential,
         .transport = transport,
-        .inner = inner,
+        .inner = space_inner,
         .random_point = random_point,
         .geodesic = geodesic,
         .exterior_angle = plane ? plane_exterior_angle : NULL,

@@ -1,4 +1,4 @@
-#include "batten/space.h"
+#include "space/shared.h"
 
 #include <float.h>
 #include <math.h>
@@ -29,9 +29,8 @@ static double height(double norm)
 static const char *fault(const bat_space *space, const double *point)
 {
     double norm = sqrt(dot(space->dimension, point + 1, point + 1)), expected = height(norm);
-    for (size_t i = 0; i < space->point_dim; i++)
-        if (!isfinite(point[i]))
-            return "not finite";
+    if (space_not_finite(space, point) != NULL)
+        return space_not_finite(space, point);
     if (!(expected <= FARTHEST))
         return "too far from the apex";
     return fabs(point[0] - expected) <= TOLERANCE * expected ? NULL : "not on the hyperboloid";
@@ -193,12 +192,6 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     return BAT_OK;
 }
 
-static double inner(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    (void)p;
-    return dot(space->tangent_dim, u, v);
-}
-
 static void random_point(const bat_space *space, bat_random *random, double *point)
 {
     double apex[BAT_SPACE_MAX_DIM] = {1}, tangent[BAT_SPACE_MAX_DIM];
@@ -254,7 +247,7 @@ bat_space bat_hyperbolic(size_t n)
         .log = logarithm,
         .exp = exponential,
         .transport = transport,
-        .inner = inner,
+        .inner = space_inner,
         .random_point = random_point,
         .geodesic = geodesic,
     };

@@ -1,22 +1,302 @@
-#include "batten/space.h"
-
 #include "linalg/symmetric.h"
-#include "space/small_tensor.h"
-#include "space/triangular.h"
+#include "space/shared.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-// At A = L L^T a tangent vector V is stored as S = L^-1 V L^-T, and another point B is seen as M = L^-1 B L^-T:
-//   exp_A(S) = L e^S L^T,   log_A(B) = log M,   d(A, B) = |log M|.
-// Points near to A are seen as N = L^-1 (B - A) L^-T = M - I, in which nothing cancels.
 
 enum
 {
     SIDE = BAT_POSITIVE_DEFINITE_MAX_SIDE,
     AREA = SIDE * SIDE
 };
+
+// Symmetric matrices by their upper triangle, and what the metric of tensors does with a Cholesky factor. Whole matrices are
+// square of side n, row-major.
+
+/// Functions that are worth having once for each constant n.
+#define FOR_EVERY_SIDE static inline __attribute__((always_inline))
+
+/// The whole matrix of an upper triangle stored row by row, its entries off the diagonal times `scale`.
+FOR_EVERY_SIDE void triangle_unpack(size_t n, const double *packed, double scale, double *a)
+{
+    for (size_t i = 0; i < n; i++)
+    {
+        a[i * n + i] = *packed++;
+        for (size_t j = i + 1; j < n; j++)
+            a[i * n + j] = a[j * n + i] = scale * *packed++;
+    }
+}
+
+FOR_EVERY_SIDE void triangle_pack(size_t n, const double *a, double scale, double *packed)
+{
+    for (size_t i = 0; i < n; i++)
+    {
+        *packed++ = a[i * n + i];
+        for (size_t j = i + 1; j < n; j++)
+            *packed++ = scale * a[i * n + j];
+    }
+}
+
+/// Whether a symmetric matrix is positive definite: no pivot is zero or below to rounding, none is infinite. Overwrites it.
+FOR_EVERY_SIDE bool triangle_is_positive(size_t n, double *a)
+{
+    double diagonal[SIDE];
+    for (size_t j = 0; j < n; j++)
+        diagonal[j] = a[j * n + j];
+    for (size_t j = 0; j < n; j++)
+    {
+        double pivot = a[j * n + j];
+        if (!(pivot > (double)n * DBL_EPSILON * diagonal[j]) || pivot > DBL_MAX)
+            return false;
+        double inverse = 1 / pivot;
+        for (size_t i = j + 1; i < n; i++)
+        {
+            double share = a[j * n + i] * inverse;
+            for (size_t k = i; k < n; k++)
+                a[i * n + k] -= share * a[j * n + k];
+        }
+    }
+    return true;
+}
+
+/// a = l l^T with l lower triangular; its upper part is set to zero, and `inverse` receives 1 / l_ii.
+/// False where a pivot is zero or below to rounding.
+FOR_EVERY_SIDE bool triangle_cholesky(size_t n, const double *a, double *l, double *inverse)
+{
+    for (size_t j = 0; j < n; j++)
+    {
+        double pivot = a[j * n + j];
+        for (size_t k = 0; k < j; k++)
+            pivot -= l[j * n + k] * l[j * n + k];
+        if (!(pivot > (double)n * DBL_EPSILON * a[j * n + j]) || pivot > DBL_MAX)
+            return false;
+        l[j * n + j] = sqrt(pivot);
+        inverse[j] = 1 / l[j * n + j];
+        for (size_t i = j + 1; i < n; i++)
+        {
+            double sum = a[i * n + j];
+            for (size_t k = 0; k < j; k++)
+                sum -= l[i * n + k] * l[j * n + k];
+            l[i * n + j] = sum * inverse[j];
+            l[j * n + i] = 0;
+        }
+    }
+    return true;
+}
+
+/// l^-1 b, in place.
+FOR_EVERY_SIDE void triangle_solve(size_t n, const double *l, const double *inverse, double *b)
+{
+    for (size_t i = 0; i < n; i++)
+    {
+        for (size_t k = 0; k < i; k++)
+            for (size_t j = 0; j < n; j++)
+                b[i * n + j] -= l[i * n + k] * b[k * n + j];
+        for (size_t j = 0; j < n; j++)
+            b[i * n + j] *= inverse[i];
+    }
+}
+
+/// l^-1 s l^-T of a symmetric matrix, in place and exactly symmetric.
+FOR_EVERY_SIDE void triangle_whiten(size_t n, const double *l, const double *inverse, double *s)
+{
+    triangle_solve(n, l, inverse, s);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j <= i; j++)
+        {
+            double sum = s[i * n + j];
+            for (size_t k = 0; k < j; k++)
+                sum -= s[i * n + k] * l[j * n + k];
+            s[i * n + j] = sum * inverse[j];
+        }
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = i + 1; j < n; j++)
+            s[i * n + j] = s[j * n + i];
+}
+
+/// base + sum over k of values_k r_k r_k^T for the rows r_k of `rows`: the upper triangle packed, what is added off the
+/// diagonal times `scale`. `base` is packed; null stands for zero.
+FOR_EVERY_SIDE void triangle_compose(size_t n, const double *rows, const double *values, const double *base, double scale,
+                                     double *packed)
+{
+    for (size_t i = 0, at = 0; i < n; i++)
+        for (size_t j = i; j < n; j++, at++)
+        {
+            double sum = 0;
+            for (size_t k = 0; k < n; k++)
+                sum += values[k] * rows[k * n + i] * rows[k * n + j];
+            packed[at] = (base == NULL ? 0 : base[at]) + (i == j ? 1 : scale) * sum;
+        }
+}
+
+/// Row k of `images` is l times row k of `rows`.
+FOR_EVERY_SIDE void triangle_apply(size_t n, const double *l, const double *rows, double *images)
+{
+    for (size_t k = 0; k < n; k++)
+        for (size_t i = 0; i < n; i++)
+        {
+            double sum = 0;
+            for (size_t j = 0; j <= i; j++)
+                sum += l[i * n + j] * rows[k * n + j];
+            images[k * n + i] = sum;
+        }
+}
+
+/// base + l s l^T for a symmetric s, the upper triangles packed; a null base stands for zero.
+FOR_EVERY_SIDE void triangle_congruence(size_t n, const double *l, const double *s, const double *base, double *packed)
+{
+    double half[AREA];
+    triangle_apply(n, l, s, half); // (l s)^T
+    for (size_t i = 0, at = 0; i < n; i++)
+        for (size_t j = i; j < n; j++, at++)
+        {
+            double sum = 0;
+            for (size_t k = 0; k <= i; k++)
+                sum += l[i * n + k] * half[k * n + j];
+            packed[at] = (base == NULL ? 0 : base[at]) + sum;
+        }
+}
+
+// Power series of 3 x 3 matrices with small eigenvalues, and the polar factor, without eigenvectors. Matrices are 9 numbers,
+// row-major.
+
+/// The largest Frobenius norm of a matrix that small_tensor_expm1() and small_tensor_log1p() take.
+#define SMALL_TENSOR_NORM 0.5
+
+enum
+{
+    /// Newton's iteration ends after ten steps or so, however far it starts.
+    SMALL_TENSOR_MAX_STEPS = 40
+};
+
+/// Up to this norm shorter series do.
+static const double TINY_TENSOR_NORM = 0.125;
+
+/// The square of a symmetric matrix.
+static inline void small_tensor_square(const double *s, double *square)
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++)
+            square[3 * i + j] = square[3 * j + i] =
+                s[3 * i] * s[3 * j] + s[3 * i + 1] * s[3 * j + 1] + s[3 * i + 2] * s[3 * j + 2];
+}
+
+/// Row i, column j: the cofactor, so that s (cofactors)^T = det(s) I.
+static inline void small_tensor_cofactors(const double *s, double *c)
+{
+    c[0] = s[4] * s[8] - s[5] * s[7];
+    c[1] = s[5] * s[6] - s[3] * s[8];
+    c[2] = s[3] * s[7] - s[4] * s[6];
+    c[3] = s[2] * s[7] - s[1] * s[8];
+    c[4] = s[0] * s[8] - s[2] * s[6];
+    c[5] = s[1] * s[6] - s[0] * s[7];
+    c[6] = s[1] * s[5] - s[2] * s[4];
+    c[7] = s[2] * s[3] - s[0] * s[5];
+    c[8] = s[0] * s[4] - s[1] * s[3];
+}
+
+/// The sum over k < count of coefficients_k s^k, for a symmetric s, by Horner's rule in the three numbers a, b, c of a I + b
+/// s + c s^2: the product with s is reduced by s^3 = trace s^2 - (sum of principal minors) s + determinant (Cayley and
+/// Hamilton).
+static inline void small_tensor_series(const double *s, const double *coefficients, size_t count, double *sum)
+{
+    double square[9];
+    small_tensor_square(s, square);
+    double minor = s[4] * s[8] - s[5] * s[5];
+    double trace = s[0] + s[4] + s[8];
+    double minors = minor + (s[0] * s[8] - s[2] * s[2]) + (s[0] * s[4] - s[1] * s[1]);
+    double determinant = s[0] * minor - s[1] * (s[1] * s[8] - s[5] * s[2]) + s[2] * (s[1] * s[5] - s[4] * s[2]);
+    double a = 0, b = 0, c = 0;
+    for (size_t k = count; k-- > 0;)
+    {
+        double next = a - minors * c;
+        a = coefficients[k] + determinant * c;
+        c = b + trace * c;
+        b = next;
+    }
+    for (int i = 0; i < 9; i++)
+        sum[i] = b * s[i] + c * square[i] + (i % 4 == 0 ? a : 0);
+}
+
+/// e^s - I.
+static inline void small_tensor_expm1(const double *s, double norm, double *result)
+{
+    static const double COEFFICIENTS[] = {0,
+                                          1,
+                                          1.0 / 2,
+                                          1.0 / 6,
+                                          1.0 / 24,
+                                          1.0 / 120,
+                                          1.0 / 720,
+                                          1.0 / 5040,
+                                          1.0 / 40320,
+                                          1.0 / 362880,
+                                          1.0 / 3628800,
+                                          1.0 / 39916800,
+                                          1.0 / 479001600,
+                                          1.0 / 6227020800,
+                                          1.0 / 87178291200};
+    small_tensor_series(s, COEFFICIENTS, norm <= TINY_TENSOR_NORM ? 12 : 15, result);
+}
+
+/// log(I + s) = 2 artanh(z), z = s (2 I + s)^-1.
+static inline void small_tensor_log1p(const double *s, double norm, double *result)
+{
+    static const double COEFFICIENTS[] = {2.0,      2.0 / 3,  2.0 / 5,  2.0 / 7,  2.0 / 9,  2.0 / 11,
+                                          2.0 / 13, 2.0 / 15, 2.0 / 17, 2.0 / 19, 2.0 / 21, 2.0 / 23,
+                                          2.0 / 25, 2.0 / 27, 2.0 / 29, 2.0 / 31, 2.0 / 33};
+    double shifted[9], inverse[9], z[9], square[9], ratio[9];
+    for (int i = 0; i < 9; i++)
+        shifted[i] = s[i] + (i % 4 == 0 ? 2 : 0);
+    small_tensor_cofactors(shifted, inverse);
+    double scale = 1 / (shifted[0] * inverse[0] + shifted[1] * inverse[1] + shifted[2] * inverse[2]);
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++)
+            z[3 * i + j] = z[3 * j + i] =
+                scale * (s[3 * i] * inverse[j] + s[3 * i + 1] * inverse[3 + j] + s[3 * i + 2] * inverse[6 + j]);
+    small_tensor_square(z, square);
+    small_tensor_series(square, COEFFICIENTS, norm <= TINY_TENSOR_NORM ? 7 : 17, ratio);
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++)
+            result[3 * i + j] = result[3 * j + i] =
+                z[3 * i] * ratio[j] + z[3 * i + 1] * ratio[3 + j] + z[3 * i + 2] * ratio[6 + j];
+}
+
+/// The orthogonal factor u of k = p u, p positive definite, for a k of positive determinant: Newton's iteration x -> (x +
+/// x^-T) / 2, scaled while x is far from orthogonal (Higham 1986). It squares the distance, so what a step of 1e-9 leads to
+/// is exact.
+static inline void small_tensor_polar(const double *k, double *u)
+{
+    double change = 1;
+    for (int i = 0; i < 9; i++)
+        u[i] = k[i];
+    for (int step = 0; step < SMALL_TENSOR_MAX_STEPS && change > 1e-9; step++)
+    {
+        double inverse[9], own = 0, other = 0, scale = 1; // x^-T; squared norms of x and x^-T, both 3 when orthogonal
+        small_tensor_cofactors(u, inverse);
+        double reciprocal = 1 / (u[0] * inverse[0] + u[1] * inverse[1] + u[2] * inverse[2]);
+        for (int i = 0; i < 9; i++)
+        {
+            inverse[i] *= reciprocal;
+            own += u[i] * u[i];
+            other += inverse[i] * inverse[i];
+        }
+        if (own + other > 8)
+            scale = sqrt(sqrt(other / own));
+        change = 0;
+        for (int i = 0; i < 9; i++)
+        {
+            double next = 0.5 * (scale * u[i] + inverse[i] / scale);
+            change = fmax(change, fabs(next - u[i]));
+            u[i] = next;
+        }
+    }
+}
+
+// At A = L L^T a tangent vector V is stored as S = L^-1 V L^-T, and another point B is seen as M = L^-1 B L^-T:
+//   exp_A(S) = L e^S L^T,   log_A(B) = log M,   d(A, B) = |log M|.
+// Points near to A are seen as N = L^-1 (B - A) L^-T = M - I, in which nothing cancels.
 
 static const double SQRT2 = 1.4142135623730950488;
 static const double SQRT_HALF = 0.70710678118654752440;
@@ -280,80 +560,45 @@ static size_t side_of(const bat_space *space)
     return (size_t)(sqrt(2 * (double)space->point_dim));
 }
 
-// The sides that users have most are compiled for themselves.
+/// A function of a side for `space`. The sides that users have most are compiled for themselves.
+#define BY_SIDE(function, ...)                                                                                              \
+    (space->point_dim == 6   ? function(3, __VA_ARGS__)                                                                     \
+     : space->point_dim == 3 ? function(2, __VA_ARGS__)                                                                     \
+                             : function(side_of(space), __VA_ARGS__))
 
 static double distance(const bat_space *space, const double *p, const double *q)
 {
     double d = NAN;
-    if (space->point_dim == 6)
-        (void)distance_of(3, p, q, &d);
-    else if (space->point_dim == 3)
-        (void)distance_of(2, p, q, &d);
-    else
-        (void)distance_of(side_of(space), p, q, &d);
+    (void)BY_SIDE(distance_of, p, q, &d);
     return d;
 }
 
 static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
 {
-    if (space->point_dim == 6)
-        return log_of(3, p, q, tangent);
-    if (space->point_dim == 3)
-        return log_of(2, p, q, tangent);
-    return log_of(side_of(space), p, q, tangent);
+    return BY_SIDE(log_of, p, q, tangent);
 }
 
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
-    if (space->point_dim == 6)
-        return exp_of(3, p, tangent, q);
-    if (space->point_dim == 3)
-        return exp_of(2, p, tangent, q);
-    return exp_of(side_of(space), p, tangent, q);
+    return BY_SIDE(exp_of, p, tangent, q);
 }
 
 static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
 {
-    if (space->point_dim == 6)
-        return geodesic_of(3, p, q, t, point);
-    if (space->point_dim == 3)
-        return geodesic_of(2, p, q, t, point);
-    return geodesic_of(side_of(space), p, q, t, point);
+    return BY_SIDE(geodesic_of, p, q, t, point);
 }
 
 static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
                             double *transported)
 {
-    if (space->point_dim == 6)
-        return transport_of(3, p, q, tangent, transported);
-    if (space->point_dim == 3)
-        return transport_of(2, p, q, tangent, transported);
-    return transport_of(side_of(space), p, q, tangent, transported);
+    return BY_SIDE(transport_of, p, q, tangent, transported);
 }
 
 static const char *fault(const bat_space *space, const double *point)
 {
-    for (size_t i = 0; i < space->point_dim; i++)
-        if (!isfinite(point[i]))
-            return "not finite";
+    if (space_not_finite(space, point) != NULL)
+        return space_not_finite(space, point);
     return is_positive(side_of(space), point) ? NULL : "not positive definite";
-}
-
-static bat_status project(const bat_space *space, const double *coordinates, double *point)
-{
-    if (fault(space, coordinates) != NULL)
-        return BAT_INVALID_POINT;
-    memmove(point, coordinates, space->point_dim * sizeof *point);
-    return BAT_OK;
-}
-
-static double inner(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    (void)p;
-    double sum = 0;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        sum += u[i] * v[i];
-    return sum;
 }
 
 static void set_identity(size_t n, double *point)
@@ -386,12 +631,12 @@ bat_space bat_positive_definite(size_t n)
         .tangent_dim = numbers,
         .injectivity = INFINITY,
         .fault = fault,
-        .project = project,
+        .project = space_project_valid,
         .distance = distance,
         .log = logarithm,
         .exp = exponential,
         .transport = transport,
-        .inner = inner,
+        .inner = space_inner,
         .random_point = random_point,
         .geodesic = geodesic,
     };

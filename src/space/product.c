@@ -3,7 +3,6 @@
 #include "base/error.h"
 
 #include <math.h>
-#include <string.h>
 
 static const bat_product_factors *factors_of(const bat_space *space)
 {
@@ -15,134 +14,103 @@ static double weight_of(const bat_product_factors *factors, size_t i)
     return factors->weights == NULL ? 1 : factors->weights[i];
 }
 
+/// A factor, and where its numbers begin in a point and in a tangent vector.
+typedef struct part
+{
+    const bat_space *space;
+    size_t index, point, tangent;
+} part;
+
+static part first_part(const bat_space *space)
+{
+    return (part){.space = factors_of(space)->spaces};
+}
+
+/// Whether there is such a part; none is wanted after a failure.
+static bool is_part(const bat_space *space, const part *at, bat_status status)
+{
+    return at->index < factors_of(space)->count && status == BAT_OK;
+}
+
+static void go_on(part *at)
+{
+    at->index++;
+    at->point += at->space->point_dim;
+    at->tangent += at->space->tangent_dim;
+    at->space++;
+}
+
 static const char *fault(const bat_space *space, const double *point)
 {
-    const bat_product_factors *factors = factors_of(space);
-    for (size_t i = 0; i < factors->count; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        const char *what = factor->fault(factor, point);
-        if (what != NULL)
-            return what;
-        point += factor->point_dim;
-    }
-    return NULL;
+    const char *what = NULL;
+    for (part at = first_part(space); is_part(space, &at, BAT_OK) && what == NULL; go_on(&at))
+        what = at.space->fault(at.space, point + at.point);
+    return what;
 }
 
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
-    const bat_product_factors *factors = factors_of(space);
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < factors->count && status == BAT_OK; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        status = factor->project(factor, coordinates, point);
-        coordinates += factor->point_dim;
-        point += factor->point_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, status); go_on(&at))
+        status = at.space->project(at.space, coordinates + at.point, point + at.point);
     return status;
 }
 
 static double distance(const bat_space *space, const double *p, const double *q)
 {
-    const bat_product_factors *factors = factors_of(space);
     double sum = 0;
-    for (size_t i = 0; i < factors->count; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        sum = hypot(sum, weight_of(factors, i) * factor->distance(factor, p, q));
-        p += factor->point_dim;
-        q += factor->point_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, BAT_OK); go_on(&at))
+        sum = hypot(sum, weight_of(factors_of(space), at.index) * at.space->distance(at.space, p + at.point, q + at.point));
     return sum;
 }
 
 static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
 {
-    const bat_product_factors *factors = factors_of(space);
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < factors->count && status == BAT_OK; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        status = factor->log(factor, p, q, tangent);
-        p += factor->point_dim;
-        q += factor->point_dim;
-        tangent += factor->tangent_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, status); go_on(&at))
+        status = at.space->log(at.space, p + at.point, q + at.point, tangent + at.tangent);
     return status;
 }
 
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
-    const bat_product_factors *factors = factors_of(space);
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < factors->count && status == BAT_OK; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        status = factor->exp(factor, p, tangent, q);
-        p += factor->point_dim;
-        q += factor->point_dim;
-        tangent += factor->tangent_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, status); go_on(&at))
+        status = at.space->exp(at.space, p + at.point, tangent + at.tangent, q + at.point);
     return status;
 }
 
 static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
                             double *transported)
 {
-    const bat_product_factors *factors = factors_of(space);
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < factors->count && status == BAT_OK; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        status = factor->transport(factor, p, q, tangent, transported);
-        p += factor->point_dim;
-        q += factor->point_dim;
-        tangent += factor->tangent_dim;
-        transported += factor->tangent_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, status); go_on(&at))
+        status = at.space->transport(at.space, p + at.point, q + at.point, tangent + at.tangent, transported + at.tangent);
     return status;
 }
 
 static double inner(const bat_space *space, const double *p, const double *u, const double *v)
 {
-    const bat_product_factors *factors = factors_of(space);
     double sum = 0;
-    for (size_t i = 0; i < factors->count; i++)
+    for (part at = first_part(space); is_part(space, &at, BAT_OK); go_on(&at))
     {
-        const bat_space *factor = &factors->spaces[i];
-        double weight = weight_of(factors, i);
-        sum += weight * weight * factor->inner(factor, p, u, v);
-        p += factor->point_dim;
-        u += factor->tangent_dim;
-        v += factor->tangent_dim;
+        double weight = weight_of(factors_of(space), at.index);
+        sum += weight * weight * at.space->inner(at.space, p + at.point, u + at.tangent, v + at.tangent);
     }
     return sum;
 }
 
 static void random_point(const bat_space *space, bat_random *random, double *point)
 {
-    const bat_product_factors *factors = factors_of(space);
-    for (size_t i = 0; i < factors->count; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        factor->random_point(factor, random, point);
-        point += factor->point_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, BAT_OK); go_on(&at))
+        at.space->random_point(at.space, random, point + at.point);
 }
 
 static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
 {
-    const bat_product_factors *factors = factors_of(space);
     bat_status status = BAT_OK;
-    for (size_t i = 0; i < factors->count && status == BAT_OK; i++)
-    {
-        const bat_space *factor = &factors->spaces[i];
-        status = bat_space_geodesic(factor, p, q, t, point);
-        p += factor->point_dim;
-        q += factor->point_dim;
-        point += factor->point_dim;
-    }
+    for (part at = first_part(space); is_part(space, &at, status); go_on(&at))
+        status = bat_space_geodesic(at.space, p + at.point, q + at.point, t, point + at.point);
     return status;
 }
 

@@ -20,49 +20,44 @@ static bool is_finite(const double *v)
 
 static const char *fault(const bat_space *space, const double *point)
 {
-    (void)space;
-    return is_finite(point) ? rotation_fault(point + TRANSLATION) : "not finite";
+    return is_finite(point) ? rotation_fault(space, point + TRANSLATION) : "not finite";
 }
 
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
-    (void)space;
     if (!is_finite(coordinates))
         return BAT_INVALID_POINT;
     for (int i = 0; i < TRANSLATION; i++)
         point[i] = coordinates[i];
-    return rotation_project(coordinates + TRANSLATION, point + TRANSLATION);
+    return rotation_project(space, coordinates + TRANSLATION, point + TRANSLATION);
 }
 
 static double distance(const bat_space *space, const double *p, const double *q)
 {
     double moved = hypot(hypot(q[0] - p[0], q[1] - p[1]), q[2] - p[2]);
-    return hypot(space->weight * moved, rotation_distance(p + TRANSLATION, q + TRANSLATION));
+    return hypot(space->weight * moved, rotation_distance(space, p + TRANSLATION, q + TRANSLATION));
 }
 
 static bat_status logarithm(const bat_space *space, const double *p, const double *q, double *tangent)
 {
-    (void)space;
     for (int i = 0; i < TRANSLATION; i++)
         tangent[i] = q[i] - p[i];
-    return rotation_log(p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION);
+    return rotation_log(space, p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION);
 }
 
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
-    (void)space;
     for (int i = 0; i < TRANSLATION; i++)
         q[i] = p[i] + tangent[i];
-    return is_finite(q) ? rotation_exp(p + TRANSLATION, tangent + TRANSLATION, q + TRANSLATION) : BAT_INVALID_POINT;
+    return is_finite(q) ? rotation_exp(space, p + TRANSLATION, tangent + TRANSLATION, q + TRANSLATION) : BAT_INVALID_POINT;
 }
 
 static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
                             double *transported)
 {
-    (void)space;
     for (int i = 0; i < TRANSLATION; i++)
         transported[i] = tangent[i];
-    return rotation_transport(p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION, transported + TRANSLATION);
+    return rotation_transport(space, p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION, transported + TRANSLATION);
 }
 
 static double inner(const bat_space *space, const double *p, const double *u, const double *v)
@@ -75,18 +70,16 @@ static double inner(const bat_space *space, const double *p, const double *u, co
 
 static void random_point(const bat_space *space, bat_random *random, double *point)
 {
-    (void)space;
     for (int i = 0; i < TRANSLATION; i++)
         point[i] = bat_random_normal(random);
-    rotation_random(random, point + TRANSLATION);
+    rotation_random(space, random, point + TRANSLATION);
 }
 
 static bat_status geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
 {
-    (void)space;
     for (int i = 0; i < TRANSLATION; i++)
         point[i] = (1 - t) * p[i] + t * q[i];
-    return is_finite(point) ? rotation_geodesic(p + TRANSLATION, q + TRANSLATION, t, point + TRANSLATION)
+    return is_finite(point) ? rotation_geodesic(space, p + TRANSLATION, q + TRANSLATION, t, point + TRANSLATION)
                             : BAT_INVALID_POINT;
 }
 

@@ -2,7 +2,7 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "space/complete.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <string.h>

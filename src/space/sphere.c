@@ -1,6 +1,6 @@
-#include "batten/space.h"
-
 #include "space/sphere.h"
+
+#include "space/shared.h"
 
 #include <math.h>
 
@@ -29,9 +29,8 @@ static double length_of_sum(size_t n, const double *p, const double *q, double s
 
 static const char *fault(const bat_space *space, const double *point)
 {
-    for (size_t i = 0; i < space->point_dim; i++)
-        if (!isfinite(point[i]))
-            return "not finite";
+    if (space_not_finite(space, point) != NULL)
+        return space_not_finite(space, point);
     double squared_length = dot(space->point_dim, point, point);
     return fabs(squared_length - 1) <= SQUARED_LENGTH_TOLERANCE ? NULL : "not of unit length";
 }
@@ -119,12 +118,6 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     return BAT_OK;
 }
 
-static double inner(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    (void)p;
-    return dot(space->tangent_dim, u, v);
-}
-
 static void random_point(const bat_space *space, bat_random *random, double *point)
 {
     do
@@ -188,7 +181,7 @@ bat_space bat_sphere(size_t n)
         .log = logarithm,
         .exp = exponential,
         .transport = transport,
-        .inner = inner,
+        .inner = space_inner,
         .random_point = random_point,
         .exterior_angle = oriented ? exterior_angle : NULL,
         .apex = oriented ? apex : NULL,
