@@ -1,9 +1,11 @@
 #include "linalg/decompose.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "linalg/blas.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /// @file
 /// Linear systems by elimination with row exchanges, P a = L U, a block of columns at a time: the products of blocks are
@@ -31,7 +33,7 @@ static void subtract_row(size_t count, double factor, const double *from, double
 }
 
 /// Factor the columns begin … end - 1, exchanging whole rows. False where a pivot is zero or not finite.
-static bool factor_panel(size_t n, size_t begin, size_t end, size_t columns, double *a, double *b)
+static bool factor_panel(size_t n, size_t begin, size_t end, double *a, size_t *pivots)
 {
     for (size_t k = begin; k < end; k++)
     {
@@ -40,13 +42,11 @@ static bool factor_panel(size_t n, size_t begin, size_t end, size_t columns, dou
             if (fabs(a[i * n + k]) > fabs(a[pivot * n + k]))
                 pivot = i;
         double divisor = a[pivot * n + k];
+        pivots[k] = pivot;
         if (divisor == 0 || !isfinite(divisor))
             return false;
         if (pivot != k)
-        {
             swap_rows(n, a + k * n, a + pivot * n);
-            swap_rows(columns, b + k * columns, b + pivot * columns);
-        }
         for (size_t i = k + 1; i < n; i++)
         {
             a[i * n + k] /= divisor;
@@ -56,13 +56,12 @@ static bool factor_panel(size_t n, size_t begin, size_t end, size_t columns, dou
     return true;
 }
 
-/// a = L U in place, with the rows of `b` exchanged alike.
-static bool factor(size_t n, size_t columns, double *a, double *b)
+bool decompose_factor(size_t n, double *a, size_t *pivots)
 {
     for (size_t begin = 0; begin < n; begin += BLOCK)
     {
         size_t end = begin + BLOCK < n ? begin + BLOCK : n, rest = n - end;
-        if (!factor_panel(n, begin, end, columns, a, b))
+        if (!factor_panel(n, begin, end, a, pivots))
             return false;
         for (size_t i = begin + 1; i < end; i++)
             for (size_t k = begin; k < i; k++)
@@ -74,21 +73,33 @@ static bool factor(size_t n, size_t columns, double *a, double *b)
     return true;
 }
 
-bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_error *error)
+void decompose_substitute(size_t n, size_t columns, const double *a, const size_t *pivots, double *b)
 {
-    bool regular = factor(n, columns, a, b);
-    for (size_t i = 1; i < n && regular; i++)
+    for (size_t k = 0; k < n; k++)
+        if (pivots[k] != k)
+            swap_rows(columns, b + k * columns, b + pivots[k] * columns);
+    for (size_t i = 1; i < n; i++)
         for (size_t k = 0; k < i; k++)
             subtract_row(columns, a[i * n + k], b + k * columns, b + i * columns);
-    for (size_t i = n; i-- > 0 && regular;)
+    for (size_t i = n; i-- > 0;)
     {
         for (size_t k = i + 1; k < n; k++)
             subtract_row(columns, a[i * n + k], b + k * columns, b + i * columns);
         for (size_t j = 0; j < columns; j++)
-        {
             b[i * columns + j] /= a[i * n + i];
-            regular = regular && isfinite(b[i * columns + j]);
-        }
     }
+}
+
+bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_error *error)
+{
+    size_t *pivots = memory_array(n, sizeof *pivots);
+    if (pivots == NULL)
+        return error_memory(error, n * sizeof *pivots);
+    bool regular = decompose_factor(n, a, pivots);
+    if (regular)
+        decompose_substitute(n, columns, a, pivots, b);
+    free(pivots);
+    for (size_t i = 0; i < n * columns && regular; i++)
+        regular = isfinite(b[i]);
     return regular ? BAT_OK : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a linear system is singular");
 }

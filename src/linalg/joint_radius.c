@@ -3,8 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/dense.h"
-#include "linalg/leading_orbit.h"
-#include "linalg/polytope_growth.h"
+#include "linalg/polytope.h"
 
 #include <float.h>
 #include <math.h>
@@ -193,6 +192,102 @@ static bool length_is_affordable(const matrix_set *set, size_t length)
     const double n = (double)set->dimension;
     const double words = pow((double)set->count, (double)length);
     return words * (2.0 * n * n * n + 500.0) + words / (double)length * (25.0 * n * n * n + 10000.0) <= WORD_WORK;
+}
+
+/// product = letters[0] letters[1] …; `other` is room for a matrix.
+/// @return how far it may be from the product of factors that are within `distance` of these, Frobenius norm, with rounding
+static double multiply_word(const matrix_set *set, const matrix_word *word, double distance, double *product, double *other)
+{
+    const size_t n = set->dimension;
+    double error_norm = distance;
+    memcpy(product, matrix_set_at(set, word->letters[0]), n * n * sizeof *product);
+    for (size_t t = 1; t < word->length; t++)
+    {
+        const double *factor = matrix_set_at(set, word->letters[t]);
+        const double size = dense_norm(n, product);
+        dense_multiply(n, product, factor, other);
+        memcpy(product, other, n * n * sizeof *product);
+        error_norm = (error_norm + (double)n * DBL_EPSILON * size) * (dense_norm(n, factor) + distance) + size * distance;
+    }
+    return error_norm;
+}
+
+/// The rows that follow `vector` when the factors of the word but the first are applied to it, the last factor first.
+static void follow(const matrix_set *set, const matrix_word *word, double rate, double *vector)
+{
+    const size_t n = set->dimension;
+    for (size_t step = 1; step < word->length; step++)
+    {
+        double *image = vector + step * n;
+        dense_apply(n, matrix_set_at(set, word->letters[word->length - step]), image - n, image);
+        for (size_t i = 0; i < n; i++)
+            image[i] /= rate;
+    }
+}
+
+/// The orbits of one word.
+/// @param memory room for two matrices and two vectors
+/// @param rows room for phases times the word's length rows
+/// @param count receives how many there are
+static bat_status word_orbits(const matrix_set *set, const matrix_word *word, double rate, size_t phases, double *memory,
+                              double *rows, size_t *count, bat_error *error)
+{
+    const double pi = 3.14159265358979323846;
+    const size_t n = set->dimension;
+    double *product = memory;
+    double *real = memory + 2 * n * n;
+    double *imaginary = real + n;
+    (void)multiply_word(set, word, 0.0, product, product + n * n);
+    const bat_status status = dense_leading_vector(n, product, real, imaginary, error);
+    if (status != BAT_OK)
+        return status;
+    bool is_complex = false;
+    for (size_t i = 0; i < n; i++)
+        is_complex = is_complex || imaginary[i] != 0.0;
+    *count = 0;
+    for (size_t phase = 0; phase < (is_complex ? phases : 1); phase++)
+    {
+        const double angle = pi * (double)phase / (double)phases;
+        double *row = rows + *count * n;
+        for (size_t i = 0; i < n; i++)
+            row[i] = cos(angle) * real[i] + sin(angle) * imaginary[i];
+        follow(set, word, rate, row);
+        *count += word->length;
+    }
+    return BAT_OK;
+}
+
+/// Leading eigenvectors of the leaders of a joint radius, and the vectors they pass through while their product is applied,
+/// each step divided by `rate`: vertices that an extremal polytope must have.
+///
+/// A complex eigenvector stands for an ellipse, on which the product turns vectors; it gives `phases` points of half of it.
+/// @param set the matrices that the leaders' letters count
+/// @param vectors receives rows of dimension numbers; release it with free()
+/// @return BAT_OK, BAT_NO_MEMORY or BAT_NO_CONVERGENCE
+static bat_status leading_orbits(const matrix_set *set, const joint_radius *radius, double rate, size_t phases,
+                                 double **vectors, size_t *count, bat_error *error)
+{
+    const size_t n = set->dimension;
+    size_t rows = 0;
+    for (size_t l = 0; l < radius->leader_count; l++)
+        rows += phases * radius->leaders[l].length;
+    *count = 0;
+    *vectors = memory_array(rows * n, sizeof **vectors);
+    double *memory = memory_array(2 * n * (n + 1), sizeof *memory);
+    bat_status status = *vectors != NULL && memory != NULL ? BAT_OK : error_memory(error, rows * n * sizeof **vectors);
+    for (size_t l = 0; l < radius->leader_count && status == BAT_OK; l++)
+    {
+        size_t more;
+        status = word_orbits(set, &radius->leaders[l], rate, phases, memory, *vectors + *count * n, &more, error);
+        *count += status == BAT_OK ? more : 0;
+    }
+    free(memory);
+    if (status != BAT_OK)
+    {
+        free(*vectors);
+        *vectors = NULL;
+    }
+    return status;
 }
 
 /// A polytope for matrices `set` that starts from the leaders' orbits under `seed_set`.
@@ -441,22 +536,9 @@ bat_status joint_radius_word_below(const matrix_set *set, const matrix_word *wor
     double *memory = memory_array(2 * n * n, sizeof *memory);
     if (memory == NULL)
         return error_memory(error, 2 * n * n * sizeof *memory);
-    double *product = memory;
-    double *next = memory + n * n;
-    memcpy(product, matrix_set_at(set, word->letters[0]), n * n * sizeof *product);
-    double error_norm = distance;
-    for (size_t t = 1; t < word->length; t++)
-    {
-        const double *factor = matrix_set_at(set, word->letters[t]);
-        const double size = dense_norm(n, product);
-        dense_multiply(n, product, factor, next);
-        error_norm = (error_norm + (double)n * DBL_EPSILON * size) * (dense_norm(n, factor) + distance) + size * distance;
-        double *swap = product;
-        product = next;
-        next = swap;
-    }
     double radius;
-    const bat_status status = dense_spectral_radius_below(n, product, error_norm, &radius, error);
+    const double error_norm = multiply_word(set, word, distance, memory, memory + n * n);
+    const bat_status status = dense_spectral_radius_below(n, memory, error_norm, &radius, error);
     if (status == BAT_OK)
         *bound = pow(radius, 1.0 / (double)word->length) * (1.0 - 2.0 * DBL_EPSILON);
     free(memory);

@@ -1,7 +1,7 @@
 #ifndef LINALG_POLYTOPE_H
 #define LINALG_POLYTOPE_H
 
-#include "batten/base.h"
+#include "linalg/joint_radius.h"
 
 /// A polytope symmetric about the origin, the convex hull of +-v over its vertices v: the unit ball of a norm on R^n.
 /// Some listed vertices may lie inside; that costs time only.
@@ -19,19 +19,27 @@ typedef struct polytope
     double *scratch;
 } polytope;
 
-/// The hull of +-radius e_j, with room for `capacity` vertices in all.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status polytope_make(size_t dimension, size_t capacity, double radius, polytope *result, bat_error *error);
-void polytope_free(polytope *p);
+/// A polytope that grows by the images of its vertices under matrices divided by `rate`, until they all lie inside.
+typedef struct polytope_growth
+{
+    const matrix_set *set;
+    double rate;
+    polytope hull;
+    size_t frontier;       ///< the first vertex whose images have not been looked at
+    double largest_inside; ///< the largest norm of an image that was found inside
+    bool full;             ///< there was no room for a vertex: further rounds would prove nothing
+} polytope_growth;
 
-/// Add a vertex; false when there is no more room.
-bool polytope_add(polytope *p, const double *vertex);
+/// Start from `seed_count` vectors and small multiples of the unit vectors.
+/// @param set must outlive the growth
+bat_status polytope_growth_make(const matrix_set *set, double rate, const double *seeds, size_t seed_count, size_t capacity,
+                                polytope_growth *growth, bat_error *error);
+void polytope_growth_free(polytope_growth *growth);
 
-/// An upper bound of the norm of every vector within `uncertainty` (entry by entry) of `x`, valid whatever rounding did, and
-/// equal to the norm of `x` but for rounding, unless the norm is at most `enough`: then the bound is at most `enough` too,
-/// but for rounding, and the search ends early.
-///
-/// norm(x) = min { sum |c_i| : x = sum c_i v_i }, by the primal simplex method with long steps.
-double polytope_norm(polytope *p, const double *x, const double *uncertainty, double enough);
+/// One round: measure the images of the newest vertices, then add those outside.
+/// @param bound receives rate times the largest norm of an image of a vertex of the polytope as it was before the round: an
+///              upper bound of the joint spectral radius
+/// @param closed receives whether no image was outside
+bat_status polytope_growth_round(polytope_growth *growth, double *bound, bool *closed, bat_error *error);
 
 #endif

@@ -123,10 +123,10 @@ static bat_status solve(biharmonic_extension *extension, double lambda, bat_erro
     if (matrix == NULL)
         return error_memory(error, side * side * sizeof *matrix);
     fill_system(extension, lambda, matrix);
-    bat_status status = decompose_solve(side, 2, matrix, extension->weights, NULL);
+    bat_status status = decompose_solve(side, 2, matrix, extension->weights, error);
     free(matrix);
-    if (status == BAT_OK)
-        return BAT_OK;
+    if (status != BAT_NO_CONVERGENCE)
+        return status;
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                      "the boundary parameters cannot be extended to the interior");
 }

@@ -89,8 +89,9 @@ static bat_status solve(const double *products, double cost, polynomial_patch *d
         matrix[k * (PATCH_TERMS + 1)] += cost * order * order + RIDGE;
         memcpy(descriptor->terms[k], products + k * COLUMNS + PATCH_TERMS, 3 * sizeof(double));
     }
-    if (decompose_solve(PATCH_TERMS, 3, matrix, &descriptor->terms[0][0], NULL) == BAT_OK)
-        return BAT_OK;
+    bat_status status = decompose_solve(PATCH_TERMS, 3, matrix, &descriptor->terms[0][0], error);
+    if (status != BAT_NO_CONVERGENCE)
+        return status;
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                      "the polynomial patch through the cloud cannot be computed");
 }
