@@ -16,7 +16,7 @@ static const double RADIANS_PER_METRE = 0.5;
 /// The largest change of the velocity from frame to frame, relative to the largest velocity.
 static double largest_jump(const bat_motion_spline *spline, size_t frames)
 {
-    const bat_space *space = bat_motion_spline_space(spline);
+    const bat_space *space = bat_motion_spline_keys(spline).space;
     double largest = 0, fastest = 0, pose[2][7], velocity[2][6];
     for (size_t i = 0; i < frames; i++)
     {
@@ -80,10 +80,10 @@ int main(int argc, char **argv)
     if (status == BAT_OK)
     {
         size_t frames = move.curves[0].count;
-        double begin, end, jump = largest_jump(spline, frames), gap = keyframe_error(spline, &keys);
-        bat_motion_spline_range(spline, &begin, &end);
+        double jump = largest_jump(spline, frames), gap = keyframe_error(spline, &keys);
+        bat_motion_keys made = bat_motion_spline_keys(spline);
         printf("%zu keyframes, %zu frames in %g seconds; velocity changes by at most %.1f %% from frame to frame\n",
-               keys.count, frames, end - begin, 100 * jump);
+               keys.count, frames, made.end - made.begin, 100 * jump);
         good = frames == 251 && gap < 1e-12 && jump < 0.1;
     }
     else

@@ -104,28 +104,27 @@ BAT_API bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const b
 /// Does nothing for null.
 BAT_API void bat_motion_spline_free(bat_motion_spline *spline);
 
-/// The space of the keys.
-BAT_API const bat_space *bat_motion_spline_space(const bat_motion_spline *spline);
-/// The time of the first key, and of the last; of a closed motion the end of its first period.
-BAT_API void bat_motion_spline_range(const bat_motion_spline *spline, double *begin, double *end);
-/// The number of keys.
-BAT_API size_t bat_motion_spline_key_count(const bat_motion_spline *spline);
-/// The times of the keys, and the motion's points there: the keys themselves, but for smoothing and the signs of
-/// quaternions.
-/// @param times  receives a number for each key
-/// @param points receives keys x point_dim numbers; may be null
-BAT_API void bat_motion_spline_keys(const bat_motion_spline *spline, double *times, double *points);
-/// The distances of the given keys from a smoothed motion in units of sigma; of rigid motions the larger of the distances of
-/// translations and of rotations. Zeros where nothing was smoothed.
-/// @param deviations receives a number for each key
-BAT_API void bat_motion_spline_deviations(const bat_motion_spline *spline, double *deviations);
-/// The velocities at the keys, as many as keys were given.
-BAT_API void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities);
+/// The keys of a spline. The arrays belong to it.
+typedef struct bat_motion_keys
+{
+    const bat_space *space;
+    size_t count;
+    double begin, end;        ///< the time of the first key, and of the last; of a closed motion the end of its first period
+    const double *times;      ///< count
+    const double *points;     ///< count x point_dim: the keys themselves, but for smoothing and the signs of quaternions
+    const double *velocities; ///< count x tangent_dim
+    /// The distances of the given keys from a smoothed motion in units of sigma; of rigid motions the larger of the
+    /// distances of translations and of rotations. Zeros where nothing was smoothed.
+    const double *deviations;
+} bat_motion_keys;
+
+/// What a spline holds, valid until bat_motion_spline_free().
+BAT_API bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline);
 
 /// The motion at a time, in O(log keys) at most. At the time of a key, the key, bit for bit but for the sign of quaternions,
 /// which do not jump along the motion.
 ///
-/// @param time         within bat_motion_spline_range(), unless the motion is closed or extrapolates
+/// @param time         within the times of bat_motion_spline_keys(), unless the motion is closed or extrapolates
 /// @param point        receives point_dim numbers
 /// @param velocity     receives tangent_dim numbers; may be null
 /// @param acceleration receives tangent_dim numbers, the covariant derivative of the velocity: for rotations the derivative

@@ -103,9 +103,8 @@ class Motion:
     @property
     def range(self) -> tuple[float, float]:
         """The times of the first and of the last pose, in seconds."""
-        begin, end = ffi.new("double *"), ffi.new("double *")
-        lib.bat_motion_spline_range(self._spline, begin, end)
-        return begin[0], end[0]
+        keys = lib.bat_motion_spline_keys(self._spline)
+        return keys.begin, keys.end
 
     def __repr__(self) -> str:
         return f"<Motion of {len(self.times)} poses in {self.space!r}>"

@@ -176,11 +176,6 @@ bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *error)
     return hermite_check(curve, (hermite_check_parts){.edges = true}, 1, error);
 }
 
-bat_status hermite_check_admissible(const bat_hermite_curve *curve, bat_error *error)
-{
-    return hermite_check(curve, (hermite_check_parts){.unit = true, .edges = true, .admissible = true}, 1, error);
-}
-
 bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error)
 {
     const bat_space *space = curve->space;

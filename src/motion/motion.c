@@ -362,7 +362,8 @@ bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_mot
             if (made.tangents == NULL)
                 status = error_memory(error, made.count * made.space->tangent_dim * sizeof(double));
             else
-                bat_motion_spline_velocities(spline, made.tangents);
+                memcpy(made.tangents, bat_motion_spline_keys(spline).velocities,
+                       made.count * made.space->tangent_dim * sizeof(double));
             bat_motion_spline_free(spline);
         }
         if (status != BAT_OK)
@@ -559,11 +560,11 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
     /// The last sample of a rate may be this share of a step late.
     static const double RATE_TOLERANCE = 1e-9;
     size_t intervals = keys->closed ? keys->count : keys->count - 1;
-    double begin, end, wanted = (double)options->time_count;
-    bat_motion_spline_range(spline, &begin, &end);
+    double wanted = (double)options->time_count;
+    bat_motion_keys range = bat_motion_spline_keys(spline);
     if (options->rate > 0)
     {
-        double steps = (end - begin) * options->rate;
+        double steps = (range.end - range.begin) * options->rate;
         wanted = fmax(keys->closed ? ceil(steps - RATE_TOLERANCE) : floor(steps + RATE_TOLERANCE) + 1, 1);
     }
     else if (options->times == NULL)
@@ -578,8 +579,7 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
 static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve *keys,
                        const bat_motion_curves_options *options, bat_hermite_curve *smooth)
 {
-    double begin, end;
-    bat_motion_spline_range(spline, &begin, &end);
+    double begin = bat_motion_spline_keys(spline).begin, end = bat_motion_spline_keys(spline).end;
     size_t parts = (size_t)1 << options->scheme.levels;
     for (size_t i = 0; i < smooth->count; i++)
     {
@@ -617,28 +617,21 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
 }
 
 /// Count the keys and the outliers of a curve.
-static bat_status add_report(const bat_motion_spline *spline, size_t curve, bat_motion_report *report, bat_error *error)
+static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion_report *report)
 {
-    size_t count = bat_motion_spline_key_count(spline);
-    double *numbers = memory_array(2 * count, sizeof *numbers), *times = numbers + count;
-    report->keys += count;
-    if (numbers == NULL)
-        return error_memory(error, 2 * count * sizeof *numbers);
-    bat_motion_spline_deviations(spline, numbers);
-    bat_motion_spline_keys(spline, times, NULL);
-    for (size_t i = 0; report->threshold > 0 && i < count; i++)
+    bat_motion_keys keys = bat_motion_spline_keys(spline);
+    report->keys += keys.count;
+    for (size_t i = 0; report->threshold > 0 && i < keys.count; i++)
     {
-        if (!(numbers[i] > report->threshold))
+        if (!(keys.deviations[i] > report->threshold))
             continue;
         if (report->outliers++ == 0)
         {
             report->outlier = i;
             report->outlier_curve = curve;
-            report->outlier_time = times[i];
+            report->outlier_time = keys.times[i];
         }
     }
-    free(numbers);
-    return BAT_OK;
 }
 
 /// Tell in a message about times what they count from.
@@ -658,7 +651,7 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
         return status;
     status = sample_spline(spline, keys, options, smooth, error);
     if (status == BAT_OK && options->report != NULL)
-        status = add_report(spline, index, options->report, error);
+        add_report(spline, index, options->report);
     bat_motion_spline_free(spline);
     if (status != BAT_OK && error != NULL)
     {

@@ -354,37 +354,16 @@ bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motio
     return status;
 }
 
-const bat_space *bat_motion_spline_space(const bat_motion_spline *spline)
+bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
 {
-    return &spline->space;
-}
-
-void bat_motion_spline_range(const bat_motion_spline *spline, double *begin, double *end)
-{
-    *begin = spline->times[0];
-    *end = spline->times[spline->intervals];
-}
-
-void bat_motion_spline_velocities(const bat_motion_spline *spline, double *velocities)
-{
-    memcpy(velocities, spline->velocities, spline->count * spline->space.tangent_dim * sizeof *velocities);
-}
-
-size_t bat_motion_spline_key_count(const bat_motion_spline *spline)
-{
-    return spline->count;
-}
-
-void bat_motion_spline_keys(const bat_motion_spline *spline, double *times, double *points)
-{
-    memcpy(times, spline->times, spline->count * sizeof *times);
-    if (points != NULL)
-        memcpy(points, spline->points, spline->count * spline->space.point_dim * sizeof *points);
-}
-
-void bat_motion_spline_deviations(const bat_motion_spline *spline, double *deviations)
-{
-    memcpy(deviations, spline->deviations, spline->count * sizeof *deviations);
+    return (bat_motion_keys){.space = &spline->space,
+                             .count = spline->count,
+                             .begin = spline->times[0],
+                             .end = spline->times[spline->intervals],
+                             .times = spline->times,
+                             .points = spline->points,
+                             .velocities = spline->velocities,
+                             .deviations = spline->deviations};
 }
 
 // Evaluation
@@ -449,11 +428,11 @@ static bool find_place(const bat_motion_spline *spline, double time, size_t hint
 
 static bat_status no_place(const bat_motion_spline *spline, double time, size_t index, bat_error *error)
 {
-    double begin, end;
-    bat_motion_spline_range(spline, &begin, &end);
+    bat_motion_keys keys = bat_motion_spline_keys(spline);
     char digits[3][NUMBER_DIGITS_SIZE];
     (void)error_set(error, BAT_INVALID_ARGUMENT, index, 0, "time %s is not within those of the motion, %s to %s",
-                    number_digits(time, digits[0]), number_digits(begin, digits[1]), number_digits(end, digits[2]));
+                    number_digits(time, digits[0]), number_digits(keys.begin, digits[1]),
+                    number_digits(keys.end, digits[2]));
     return error_remedy(error, BAT_INVALID_ARGUMENT, "extrapolate", "goes on with constant velocity");
 }
 

@@ -498,7 +498,8 @@ static void edges_at_fault_are_named(void **state)
         for (int c = 0; c < 3; c++)
             data.tangents[3 * i + (size_t)c] *= -1;
     refused(&data, &how, BAT_INVALID_POINT, 1001, "directions of points 1000 and 1001 turn too much");
-    check_status(hermite_check_admissible(&data, NULL), BAT_INVALID_POINT);
+    check_status(hermite_check(&data, (hermite_check_parts){.unit = true, .edges = true, .admissible = true}, 1, NULL),
+                 BAT_INVALID_POINT);
     for (int c = 0; c < 3; c++)
         turned[c] = data.tangents[30 + c] *= 0.5;
     refused(&data, &how, BAT_INVALID_POINT, 10, "has length 0.5, not 1");

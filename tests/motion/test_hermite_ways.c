@@ -371,7 +371,9 @@ static void missing_functions_are_named(void **state)
         size_t count = 0;
         check_status(bat_space_check(&lacking[i], NULL, 0, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_check(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
-        check_status(hermite_check_admissible(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
+        check_status(hermite_check(&keys, (hermite_check_parts){.unit = true, .edges = true, .admissible = true}, 1,
+                                   &errors[count++]),
+                     BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_normalize(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_refine(&keys, NULL, &fine, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_sample(&keys, &time, 1, out, NULL, &errors[count++]), BAT_INVALID_ARGUMENT);

@@ -169,8 +169,7 @@ static void outliers_are_ignored(void **state)
         bat_motion_spline_options options = smoothing(0.02, 0.01, rules[i]);
         bat_motion_spline *spline = must_make(&m, &options);
         distances(&m, spline, m.truth, results[i]);
-        double deviations[KEYS];
-        bat_motion_spline_deviations(spline, deviations);
+        const double *deviations = bat_motion_spline_keys(spline).deviations;
         for (size_t k = 0; k < KEYS && rules[i] == BAT_MOTION_OUTLIERS_TUKEY; k++)
             assert_true((deviations[k] > motion_outliers_threshold(rules[i])) == (k % 15 == 5));
         bat_motion_spline_free(spline);

@@ -91,8 +91,8 @@ static void must_give(const bat_motion_spline *spline, double time, double *poin
 
 static double largest_error(const smooth_curve *curve, const bat_motion_spline *spline)
 {
-    double begin, end, largest = 0, made[DIM], true_point[DIM];
-    bat_motion_spline_range(spline, &begin, &end);
+    double begin = bat_motion_spline_keys(spline).begin, end = bat_motion_spline_keys(spline).end;
+    double largest = 0, made[DIM], true_point[DIM];
     for (int i = 0; i <= 500; i++)
     {
         double t = begin + (end - begin) * i / 500;
@@ -470,13 +470,13 @@ static void given_velocities_are_kept(void **state)
     {
         const bat_space *space = &all.spaces[s];
         smooth_curve curve = curve_in(space);
-        double velocities[MOST * DIM], again[MOST * DIM], p[2][DIM], v[2][DIM];
+        double velocities[MOST * DIM], p[2][DIM], v[2][DIM];
         sample_curve(&curve, 10, false, &made);
         bat_motion_spline *first = must_make(&made.curve, NULL);
-        bat_motion_spline_velocities(first, velocities);
+        memcpy(velocities, bat_motion_spline_keys(first).velocities, made.curve.count * space->tangent_dim * sizeof(double));
         made.curve.tangents = velocities;
         bat_motion_spline *second = must_make(&made.curve, NULL);
-        bat_motion_spline_velocities(second, again);
+        const double *again = bat_motion_spline_keys(second).velocities;
         assert_memory_equal(velocities, again, made.curve.count * space->tangent_dim * sizeof(double));
         for (int i = 0; i <= 20; i++)
         {
@@ -608,10 +608,10 @@ static void clamped_ends_take_velocities(void **state)
         const bat_space *space = &all.spaces[s];
         smooth_curve curve = curve_in(space);
         bat_motion_spline_options options = bat_motion_spline_defaults();
-        double velocities[MOST * DIM], p[2][DIM], v[DIM];
+        double p[2][DIM], v[DIM];
         sample_curve(&curve, 8, false, &made);
         bat_motion_spline *spline = must_make(&made.curve, NULL);
-        bat_motion_spline_velocities(spline, velocities);
+        const double *velocities = bat_motion_spline_keys(spline).velocities;
         options.begin_velocity = velocities;
         options.end_velocity = velocities + 8 * space->tangent_dim;
         assert_int_equal(bat_options_check(&bat_motion_spline_fields, &options, NULL), BAT_INVALID_ARGUMENT);

@@ -107,12 +107,10 @@ static bool allocate(const film *shown, film_track *track)
 {
     size_t dim = shown->space->point_dim, n = shown->space->tangent_dim, keys = track->key_count;
     bool turns = shown->body || shown->kind == FILM_STRIP, speeds = shown->kind != FILM_STRIP;
-    double **arrays[] = {&track->key_times,  &track->deviations, &track->times,      &track->key_points, &track->points,
-                         &track->velocities, &track->speeds,     &track->key_speeds, &track->turns,      &track->key_turns};
+    double **arrays[] = {&track->key_times, &track->times,      &track->points, &track->velocities,
+                         &track->speeds,    &track->key_speeds, &track->turns,  &track->key_turns};
     size_t sizes[] = {keys,
-                      keys,
                       track->count,
-                      keys * dim,
                       track->count * dim,
                       track->count * n,
                       speeds ? track->count : 0,
@@ -131,11 +129,12 @@ static bool allocate(const film *shown, film_track *track)
 /// Sample the spline of a track at the keys and between them.
 static bat_status sample(const film *shown, film_track *track, size_t parts, bat_error *error)
 {
-    double begin, end;
     size_t intervals = (track->count - 1) / parts;
-    bat_motion_spline_range(track->spline, &begin, &end);
-    bat_motion_spline_keys(track->spline, track->key_times, track->key_points);
-    bat_motion_spline_deviations(track->spline, track->deviations);
+    bat_motion_keys keys = bat_motion_spline_keys(track->spline);
+    double end = keys.end;
+    memcpy(track->key_times, keys.times, keys.count * sizeof *keys.times);
+    track->key_points = keys.points;
+    track->deviations = keys.deviations;
     for (size_t i = 0; i < track->count; i++)
     {
         size_t key = i / parts, part = i % parts;
@@ -143,18 +142,12 @@ static bat_status sample(const film *shown, film_track *track, size_t parts, bat
         double to = key + 1 < track->key_count ? track->key_times[key + 1] : end;
         track->times[i] = key < intervals ? from + (to - from) * ((double)part / (double)parts) : end;
     }
-    double *velocities = memory_array(track->key_count, shown->space->tangent_dim * sizeof *velocities);
-    if (velocities == NULL)
-        return error_memory(error, track->key_count * sizeof *velocities);
-    bat_motion_spline_velocities(track->spline, velocities);
     bat_status status =
         bat_motion_spline_sample(track->spline, track->times, track->count, track->points, track->velocities, NULL, error);
     if (status == BAT_OK)
         status = find_speeds(shown, track->points, track->velocities, track->count, track->speeds, track->turns, error);
     if (status == BAT_OK)
-        status =
-            find_speeds(shown, track->key_points, velocities, track->key_count, track->key_speeds, track->key_turns, error);
-    free(velocities);
+        status = find_speeds(shown, keys.points, keys.velocities, keys.count, track->key_speeds, track->key_turns, error);
     return status;
 }
 
@@ -166,13 +159,16 @@ static bat_status make_track(film *made, size_t index, bat_motion_spline *given,
     bat_status status = BAT_OK;
     track->spline = given;
     track->owned = given == NULL;
-    const bat_space *space = given != NULL ? bat_motion_spline_space(given) : made->space;
+    bat_motion_keys keys = {.space = made->space, .count = curve->count};
+    if (given != NULL)
+        keys = bat_motion_spline_keys(given);
+    const bat_space *space = keys.space;
     if (space->point_dim != made->space->point_dim || space->tangent_dim != made->space->tangent_dim)
         status = error_set(error, BAT_INVALID_ARGUMENT, index, 0, "spline %zu lives in the space %s, its keyframes in %s",
                            index, space->name, made->space->name);
-    else if (given != NULL && bat_motion_spline_key_count(given) != curve->count)
+    else if (keys.count != curve->count)
         status = error_set(error, BAT_INVALID_ARGUMENT, index, 0, "curve %zu has %zu points, but its spline has %zu keys",
-                           index, curve->count, bat_motion_spline_key_count(given));
+                           index, curve->count, keys.count);
     else if (given == NULL)
         status = bat_motion_curve_spline(made->keyframes, index, motion, &track->spline, error);
     if (status != BAT_OK)
@@ -252,8 +248,6 @@ void film_free(film *made)
         if (track->owned)
             bat_motion_spline_free(track->spline);
         free(track->key_times);
-        free(track->key_points);
-        free(track->deviations);
         free(track->times);
         free(track->points);
         free(track->velocities);
@@ -267,7 +261,7 @@ void film_free(film *made)
 
 bat_status film_at(const film *shown, const film_track *track, double time, double *point, bat_error *error)
 {
-    double begin, end;
-    bat_motion_spline_range(track->spline, &begin, &end);
-    return bat_motion_spline_at(track->spline, fmin(fmax(time + shown->origin, begin), end), point, NULL, NULL, error);
+    bat_motion_keys keys = bat_motion_spline_keys(track->spline);
+    time = fmin(fmax(time + shown->origin, keys.begin), keys.end);
+    return bat_motion_spline_at(track->spline, time, point, NULL, NULL, error);
 }
