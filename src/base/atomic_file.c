@@ -27,17 +27,15 @@ static void forget(atomic_file *file)
     *file = (atomic_file){0};
 }
 
-/// The part of a path behind its last slash.
-static const char *base_name(const char *path)
+const char *atomic_base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash == NULL ? path : slash + 1;
 }
 
-/// The folder of a path; null when out of memory.
-static char *folder_of(const char *path)
+char *atomic_folder_of(const char *path)
 {
-    size_t length = (size_t)(base_name(path) - path);
+    size_t length = (size_t)(atomic_base_name(path) - path);
     return length == 0 ? strdup(".") : strndup(path, length);
 }
 
@@ -47,7 +45,7 @@ char *atomic_hidden_name(const char *target, unsigned attempt)
     {
         LONGEST = 160 ///< of the part of the target's name that is kept, since file systems bound the length
     };
-    const char *base = base_name(target);
+    const char *base = atomic_base_name(target);
     size_t length = strlen(base);
     const char *kept = length > LONGEST ? base + length - LONGEST : base;
     struct timespec now = {0};
@@ -62,14 +60,14 @@ char *atomic_hidden_name(const char *target, unsigned attempt)
 
 bool atomic_is_hidden(const char *path)
 {
-    return strncmp(base_name(path), HIDDEN, sizeof HIDDEN - 1) == 0;
+    return strncmp(atomic_base_name(path), HIDDEN, sizeof HIDDEN - 1) == 0;
 }
 
 int atomic_open_nameless(const char *target, mode_t mode)
 {
     int descriptor = -1;
 #ifdef O_TMPFILE
-    char *folder = folder_of(target);
+    char *folder = atomic_folder_of(target);
     // Through /proc/self/fd the file gets its name.
     if (folder != NULL && access("/proc/self/fd", X_OK) == 0)
         descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode);
@@ -88,16 +86,15 @@ static int link_nameless(int descriptor, const char *name)
     return linkat(AT_FDCWD, nameless, AT_FDCWD, name, AT_SYMLINK_FOLLOW);
 }
 
-/// The rights, and where the system allows it the owner, of the file that is replaced.
-static void keep_rights(int descriptor, const struct stat *existing)
+void atomic_keep_rights(int descriptor, const struct stat *about, bool owner)
 {
     enum
     {
         RIGHTS = 0777,
         ALL_MODES = 07777 ///< with those that stand for the owner
     };
-    bool owned = fchown(descriptor, existing->st_uid, existing->st_gid) == 0;
-    (void)fchmod(descriptor, existing->st_mode & (owned ? ALL_MODES : RIGHTS));
+    bool owned = owner && fchown(descriptor, about->st_uid, about->st_gid) == 0;
+    (void)fchmod(descriptor, about->st_mode & (owned ? ALL_MODES : RIGHTS));
 }
 
 /// Give the nameless file `descriptor` the name, or with -1 make a file of that name with the rights of `mode`.
@@ -152,7 +149,7 @@ static bat_status open_temporary(atomic_file *file, const struct stat *existing,
     if (descriptor < 0)
         return atomic_access_error(error, errno);
     if (existing != NULL)
-        keep_rights(descriptor, existing);
+        atomic_keep_rights(descriptor, existing, true);
     file->stream = fdopen(descriptor, "wb");
     if (file->stream != NULL)
         return BAT_OK;
@@ -239,7 +236,7 @@ int atomic_sync(int descriptor)
 void atomic_sync_folder(const char *path)
 {
     // The file is in its place already: a failure here changes nothing that could be reported.
-    char *folder = folder_of(path);
+    char *folder = atomic_folder_of(path);
     int descriptor = folder != NULL ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
     if (descriptor >= 0)
     {
@@ -294,7 +291,7 @@ bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *erro
 
 const char *atomic_name_shown(const char *path)
 {
-    const char *base = base_name(path);
+    const char *base = atomic_base_name(path);
     const char *dot = atomic_is_hidden(path) ? strchr(base + sizeof HIDDEN - 1, '.') : NULL;
     return dot != NULL ? dot + 1 : base;
 }

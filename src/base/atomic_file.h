@@ -56,6 +56,13 @@ bool atomic_is_hidden(const char *path);
 /// The name of the file, without its folder, that a path or a hidden name stands for.
 const char *atomic_name_shown(const char *path);
 
+/// The part of a path behind its last slash.
+const char *atomic_base_name(const char *path);
+/// The folder of a path; null when out of memory. Release it with free().
+char *atomic_folder_of(const char *path);
+/// Give an open file the rights of another and, with `owner`, where the system allows it, its owner.
+void atomic_keep_rights(int descriptor, const struct stat *about, bool owner);
+
 /// Force a folder's names to the disk: of the folder that holds `path`.
 void atomic_sync_folder(const char *path);
 

@@ -43,12 +43,6 @@ bat_status bat_outputs_make(bat_outputs **outputs, bat_error *error)
     return BAT_OK;
 }
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash == NULL ? path : slash + 1;
-}
-
 static bool same_inode(const struct stat *a, const struct stat *b)
 {
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
@@ -61,7 +55,7 @@ static bool same_target(const output *a, const output *b)
         return false;
     if (a->exists)
         return same_inode(&a->about, &b->about);
-    return same_inode(&a->folder, &b->folder) && strcmp(base_name(a->target), base_name(b->target)) == 0;
+    return same_inode(&a->folder, &b->folder) && strcmp(atomic_base_name(a->target), atomic_base_name(b->target)) == 0;
 }
 
 /// Make an empty file to learn what rights a new file gets. It has a hidden name, which a signal may leave behind, only
@@ -86,8 +80,7 @@ static int probe(output *file)
 
 static bat_status find_folder(output *file, bat_error *error)
 {
-    const char *base = base_name(file->target);
-    char *folder = base == file->target ? strdup(".") : strndup(file->target, (size_t)(base - file->target));
+    char *folder = atomic_folder_of(file->target);
     if (folder == NULL)
         return error_memory(error, strlen(file->target));
     int reason = stat(folder, &file->folder) == 0 ? 0 : errno;
@@ -228,16 +221,10 @@ bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **
 /// The rights of the file that is replaced or that a new file gets, and all bytes on the disk; 0 or why it failed.
 static int finish(const output *file)
 {
-    enum
-    {
-        RIGHTS = 0777,
-        ALL_MODES = 07777 ///< with those that stand for the owner
-    };
     int descriptor = open(file->temporary, O_RDWR | O_CLOEXEC);
     if (descriptor < 0)
         return file->companion && errno == ENOENT ? 0 : errno;
-    bool owned = file->exists && fchown(descriptor, file->about.st_uid, file->about.st_gid) == 0;
-    (void)fchmod(descriptor, file->about.st_mode & (owned ? ALL_MODES : RIGHTS));
+    atomic_keep_rights(descriptor, &file->about, file->exists);
     int reason = atomic_sync(descriptor);
     (void)close(descriptor);
     return reason;

@@ -3,7 +3,6 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_available.h"
 #include "linalg/vector3.h"
 #include "mesh/labels.h"
 #include "mesh/refine/plan.h"

@@ -1,7 +1,7 @@
 #include "mesh/refine/plan.h"
 
 #include "base/error.h"
-#include "base/memory_available.h"
+#include "base/memory.h"
 #include "base/option.h"
 
 #include <math.h>
