@@ -192,31 +192,44 @@ static size_t drop_repeats(const snap_job *job, size_t first, size_t *list, size
     return kept;
 }
 
+/// A curve like another with room for `count` points, and for the points where they come from.
+static bat_status make_room(const bat_curve *like, size_t count, bat_curve *made, size_t **origins, bat_error *error)
+{
+    size_t channels = like->channel_count, point_size = like->space->point_dim * sizeof(double);
+    *made = (bat_curve){.space = like->space, .count = count, .closed = like->closed, .channel_count = channels};
+    made->points = memory_array(count, point_size);
+    made->channels = channels > 0 ? memory_array(count, channels * sizeof(double)) : NULL;
+    made->corners = like->corners != NULL ? calloc(count > 0 ? count : 1, 1) : NULL;
+    *origins = memory_array(count, sizeof **origins);
+    bool whole = made->points != NULL && (channels == 0 || made->channels != NULL) &&
+                 (like->corners == NULL || made->corners != NULL) && *origins != NULL;
+    return whole ? BAT_OK : error_memory(error, count * point_size);
+}
+
+/// Copy a row of a curve, also within a curve.
+static void copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
+{
+    size_t dim = from->space->point_dim, channels = from->channel_count;
+    memmove(to->points + row * dim, from->points + i * dim, dim * sizeof(double));
+    if (channels > 0)
+        memmove(to->channels + row * channels, from->channels + i * channels, channels * sizeof(double));
+    if (from->corners != NULL)
+        to->corners[row] = from->corners[i];
+}
+
 static bat_status copy_curve(const snap_job *job, size_t curve, const size_t *list, size_t count, bat_error *error)
 {
-    const bat_curve *given = &job->curves[curve];
-    size_t channels = given->channel_count;
-    bat_curve copy = {.space = given->space, .count = count, .closed = given->closed, .channel_count = channels};
-    copy.points = memory_array(count, job->dim * sizeof(double));
-    copy.channels = channels > 0 ? memory_array(count, channels * sizeof(double)) : NULL;
-    copy.corners = given->corners != NULL ? memory_array(count, 1) : NULL;
-    size_t *origins = memory_array(count, sizeof *origins);
-    job->result->curves[curve] = copy;
-    job->result->origins[curve] = origins;
-    if (copy.points == NULL || (channels > 0 && copy.channels == NULL) || (given->corners != NULL && copy.corners == NULL) ||
-        origins == NULL)
-        return error_memory(error, count * job->dim * sizeof(double));
-    for (size_t i = 0; i < count; i++)
+    bat_curve *copy = &job->result->curves[curve];
+    size_t **origins = &job->result->origins[curve];
+    bat_status status = make_room(&job->curves[curve], count, copy, origins, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        size_t from = list[i];
-        memcpy(copy.points + i * job->dim, job->points[job->targets[job->first[curve] + from]], job->dim * sizeof(double));
-        if (channels > 0)
-            memcpy(copy.channels + i * channels, given->channels + from * channels, channels * sizeof(double));
-        if (given->corners != NULL)
-            copy.corners[i] = given->corners[from];
-        origins[i] = from;
+        copy_row(&job->curves[curve], list[i], copy, i);
+        memcpy(copy->points + i * job->dim, job->points[job->targets[job->first[curve] + list[i]]],
+               job->dim * sizeof(double));
+        (*origins)[i] = list[i];
     }
-    return BAT_OK;
+    return status;
 }
 
 /// Copy the curves with their points moved.
@@ -348,12 +361,7 @@ static bool repeats(const snap_job *job, size_t i)
 /// Move a row of a curve to an earlier one.
 static void move_row(bat_curve *curve, size_t *origins, size_t from, size_t to)
 {
-    size_t dim = curve->space->point_dim, channels = curve->channel_count;
-    memmove(curve->points + to * dim, curve->points + from * dim, dim * sizeof(double));
-    if (channels > 0)
-        memmove(curve->channels + to * channels, curve->channels + from * channels, channels * sizeof(double));
-    if (curve->corners != NULL)
-        curve->corners[to] = curve->corners[from];
+    copy_row(curve, from, curve, to);
     origins[to] = origins[from];
 }
 
@@ -403,26 +411,17 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
     size_t end = *next, channels = curve->channel_count, dim = job->dim;
     while (end < job->added_count && job->added[end].curve == c)
         end++;
-    size_t room = curve->count + end - *next, row = 0;
-    *copy = (bat_curve){.space = curve->space, .closed = curve->closed, .channel_count = channels};
-    copy->points = memory_array(room, dim * sizeof(double));
-    copy->channels = channels > 0 ? memory_array(room, channels * sizeof(double)) : NULL;
-    copy->corners = curve->corners != NULL ? calloc(room > 0 ? room : 1, 1) : NULL;
-    *origins = memory_array(room, sizeof **origins);
-    if (copy->points == NULL || (channels > 0 && copy->channels == NULL) ||
-        (curve->corners != NULL && copy->corners == NULL) || *origins == NULL)
-        return error_memory(error, room * dim * sizeof(double));
+    size_t row = 0;
+    bat_status status = make_room(curve, curve->count + end - *next, copy, origins, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < curve->count; i++)
     {
         size_t after = i + 1 == curve->count ? 0 : i + 1;
         const double *here = channels > 0 ? curve->channels + i * channels : NULL;
         const double *there = channels > 0 ? curve->channels + after * channels : NULL;
         size_t origin = job->result->origins != NULL ? job->result->origins[c][i] : i;
-        memcpy(copy->points + row * dim, curve->points + i * dim, dim * sizeof(double));
-        if (channels > 0)
-            memcpy(copy->channels + row * channels, here, channels * sizeof(double));
-        if (curve->corners != NULL)
-            copy->corners[row] = curve->corners[i];
+        copy_row(curve, i, copy, row);
         (*origins)[row++] = origin;
         for (; *next < end && job->added[*next].edge == i; ++*next)
         {
