@@ -51,7 +51,7 @@ static const entry ENTRIES[] = {
      BAT_MOTION_METHOD_SPLINE},
     {{.name = "hermite",
       .settings = "order=1",
-      .summary = "by points and tangents, order 1 through the points; any space; --rate samples it in time"},
+      .summary = "by points and tangents, order 1 through the points; any space; a rate samples it in time"},
      apply_hermite,
      BAT_MOTION_METHOD_HERMITE},
     {{.name = "hermite-merrien",

@@ -47,7 +47,7 @@ static const bat_choice PARAMETERS[] = {
                 "measure; docs/surfaces.md",
      .value = BAT_SURFACE_PARAMETERS_AUTO},
     {.name = "learned",
-     .summary = "the network that comes with batten, or --model FILE; docs/algorithms/surface-network.md",
+     .summary = "the network that comes with batten, or another model; docs/algorithms/surface-network.md",
      .value = BAT_SURFACE_PARAMETERS_LEARNED},
     {.name = "shape-preserving",
      .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/algorithms/parameterization.md",

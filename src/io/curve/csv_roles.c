@@ -595,7 +595,7 @@ static bool note_coordinates(csv_reader *reader)
     if (bare && !reader->strict && !reader->chosen && !reader->tum)
         return attributes_note(reader->attributes,
                                "nothing names the columns: rows of %zu numbers are taken as points of R^%zu; a header, "
-                               "--columns or --from tells otherwise",
+                               "named columns or a named format tell otherwise",
                                reader->coordinate_count, reader->coordinate_count);
     if (reader->strict || reader->chosen || reader->tum || !guessed)
         return true;
@@ -624,9 +624,8 @@ static bool note_group(csv_reader *reader)
         if (!kind || !name_is_group(columns->names[i]) || state->changes == 0 ||
             2 * (state->changes + 1) > reader->row_count)
             continue;
-        csv_field name = csv_text(columns->names[i]);
-        return attributes_note(reader->attributes, "column %s could group the rows into curves: --group %.*s",
-                               csv_column_label(reader, i, label), (int)(name.end - name.begin), name.begin);
+        return attributes_note(reader->attributes, "column %s could group the rows into curves",
+                               csv_column_label(reader, i, label));
     }
     return true;
 }

@@ -517,7 +517,7 @@ static bool note_all(const layer_reader *reader, GDALDatasetH dataset, const bat
                                 gdal.OGR_L_GetName(reader->layer), layers);
     if (noted && system->guessed)
         noted = sphere ? attributes_note(attributes, "the file names no coordinate system; its coordinates are taken as "
-                                                     "degrees, because they could be (--space plane takes them as they are)")
+                                                     "degrees, because they could be (the plane takes them as they are)")
                        : attributes_note(attributes, "the file names no coordinate system; its coordinates are those of a "
                                                      "plane");
     if (noted && reader->straightened > 0)

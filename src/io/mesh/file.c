@@ -238,7 +238,7 @@ static bat_status choose_format(const file_text *text, bat_mesh_format wanted, b
     if (ending == BAT_MESH_FORMAT_AUTO || found == BAT_MESH_FORMAT_AUTO || row_of(found)->read == row_of(ending)->read)
         return BAT_OK;
     *format = found;
-    return mesh_note(notes, error, "the content is %s, not %s as the ending says; --from %s would insist on it",
+    return mesh_note(notes, error, "the content is %s, not %s as the ending says; the named format %s would be insisted on",
                      row_of(found)->choice.name, row_of(ending)->choice.name, row_of(ending)->choice.name);
 }
 

@@ -245,7 +245,7 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
     if (reader.with_normals)
         status =
             mesh_note(options->notes, &found,
-                      "%zu normals are left out: they follow from the mesh; --normals writes new ones", reader.vertices);
+                      "%zu normals are left out: they follow from the mesh, and writers can make new ones", reader.vertices);
     if (status == BAT_OK)
         status = mesh_builder_finish(&reader.builder, options, mesh, &found);
     if (status != BAT_OK && found.index != BAT_NO_INDEX)

@@ -508,7 +508,7 @@ static bat_status note_losses(const ply_reader *reader, bat_mesh_notes *notes, b
         if (ply_name_is(element->name, "vertex"))
             status = ply_property_find(element, "nx") < element->property_count
                          ? mesh_note(notes, error,
-                                     "%zu normals are left out: they follow from the mesh; --normals writes new ones",
+                                     "%zu normals are left out: they follow from the mesh, and writers can make new ones",
                                      element->count)
                          : BAT_OK;
         else if (!ply_name_is(element->name, "face") && element->count > 0)

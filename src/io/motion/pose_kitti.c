@@ -94,7 +94,7 @@ bat_status pose_translate_kitti(pose_translation *work, bat_error *error)
     work->format = times != NULL ? BAT_CURVE_FORMAT_TUM : BAT_CURVE_FORMAT_KITTI;
     pose_note(work, "KITTI poses: matrices from the camera's frame (x right, y down, z forward) to that of the first pose");
     if (times == NULL)
-        pose_note(work, "no times: pose i is at time i, the number of its frame; --key-times FILE gives times");
+        pose_note(work, "no times: pose i is at time i, the number of its frame; a file of times gives others");
     if (worst > MATRIX_ROUNDING)
         pose_note(work, "matrices are up to %.2g from rotations, most on line %zu; they became the nearest ones", worst,
                   worst_line);

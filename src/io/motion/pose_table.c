@@ -101,7 +101,7 @@ static void note_table(pose_translation *work, const pose_header *names, bool by
     else if (angles)
         pose_note(work, "poses by roll, pitch and yaw in %s, turned about the body's axes in the order %s%s",
                   work->angle_unit == UNIT_DEGREES ? "degrees" : "radians", work->order,
-                  work->options->euler != NULL ? "" : " (--euler names another)");
+                  work->options->euler != NULL ? "" : " (another can be named)");
     else if (turned)
         pose_note(work, "poses by names of columns: quaternions from the body's frame to the fixed one");
     if (timed)
