@@ -63,7 +63,7 @@ static const option_spec OPTIONS[] = {
 
 static bool check_linear(const arguments *given, const bat_curve_scheme *scheme)
 {
-    return scheme->kind == BAT_CURVE_SCHEME_LINEAR ||
+    return scheme->kind == BAT_CURVE_SCHEME_KIND_LINEAR ||
            usage_refused(given, "'%s' is not linear: it has no mask", given->positional[0]);
 }
 

@@ -83,7 +83,7 @@ static inline bool curve_stops(const curve_job *job)
 /// Whether a scheme takes its angles from a tension.
 static inline bool curve_has_tension(const bat_curve_scheme *scheme)
 {
-    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
+    return scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE && scheme->rule == NULL;
 }
 
 // What the verbs call, see verb_calls.

@@ -133,7 +133,7 @@ static void choose_scheme(curve_job *job)
         job->scheme = bat_motion_method_for(coarse, &job->motion) == BAT_MOTION_METHOD_SPLINE ? "spline" : "hermite";
         return;
     }
-    if (job->refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
+    if (job->refine.scheme.kind == BAT_CURVE_SCHEME_KIND_AUTO && coarse->count > 0)
         job->refine.scheme = bat_curve_scheme_for(coarse->curves[0].space, &job->scheme);
     if (job->best_tension && job->scheme != NULL && strcmp(job->scheme, "learned") == 0)
     {

@@ -112,7 +112,7 @@ static bat_status summarize(const results *all, bool compared, json_t **object, 
         for (size_t i = 0; (compared || ORDER[k] == FAIRNESS_OF_A) && status == BAT_OK &&
                            bat_curve_measures(ORDER[k] == DISTANCE ? 2 : 1, i, &measure);
              i++)
-            if (measure.form == BAT_MEASURE_NUMBER)
+            if (measure.form == BAT_MEASURE_FORM_NUMBER)
                 status = report_measure(all, ORDER[k], &measure, values, object, error);
     free(values);
     return status;
@@ -260,33 +260,33 @@ static json_t *report_mesh_measure(const bat_measure *at, const char *base, doub
         (void)printf("%-38s ", at->title);
     switch (at->form)
     {
-    case BAT_MEASURE_COUNT:
-    case BAT_MEASURE_SIGNED:
-    case BAT_MEASURE_GENUS:
+    case BAT_MEASURE_FORM_COUNT:
+    case BAT_MEASURE_FORM_SIGNED:
+    case BAT_MEASURE_FORM_GENUS:
         if (as_json)
-            return at->form == BAT_MEASURE_GENUS && *(const int64_t *)value < 0
+            return at->form == BAT_MEASURE_FORM_GENUS && *(const int64_t *)value < 0
                        ? json_null()
                        : json_integer((json_int_t) * (const int64_t *)value);
-        if (at->form == BAT_MEASURE_GENUS && *(const int64_t *)value < 0)
+        if (at->form == BAT_MEASURE_FORM_GENUS && *(const int64_t *)value < 0)
             (void)printf("          none\n");
         else
             (void)printf("%14lld\n", (long long)*(const int64_t *)value);
         break;
-    case BAT_MEASURE_FLAG:
+    case BAT_MEASURE_FORM_FLAG:
         if (as_json)
             return json_boolean(*(const bool *)value);
         (void)printf("%14s\n", *(const bool *)value ? "yes" : "no");
         break;
-    case BAT_MEASURE_POINT:
+    case BAT_MEASURE_FORM_POINT:
         if (as_json)
             return report_numbers(numbers, 3);
         (void)printf("%14.8g %14.8g %14.8g\n", numbers[0], numbers[1], numbers[2]);
         break;
-    case BAT_MEASURE_NUMBER:
-    case BAT_MEASURE_LENGTH:
+    case BAT_MEASURE_FORM_NUMBER:
+    case BAT_MEASURE_FORM_LENGTH:
         if (as_json)
             return report_number(*numbers);
-        if (at->form == BAT_MEASURE_LENGTH)
+        if (at->form == BAT_MEASURE_FORM_LENGTH)
             (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
         else if (isnan(*numbers))
             (void)printf("          none\n");

@@ -54,7 +54,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "analyze_mask: %s\n", error.text);
         return EXIT_FAILURE;
     }
-    if (scheme.kind != BAT_CURVE_SCHEME_LINEAR)
+    if (scheme.kind != BAT_CURVE_SCHEME_KIND_LINEAR)
     {
         fputs("analyze_mask: only a linear scheme has a mask to analyze\n", stderr);
         return EXIT_FAILURE;

@@ -88,10 +88,10 @@ typedef struct bat_progress
 /// Who may use a choice.
 typedef enum bat_choice_use
 {
-    BAT_CHOICE_LISTED,   ///< everybody: bat_choices() lists it, bat_choice_find() finds it
-    BAT_CHOICE_UNLISTED, ///< bat_choice_find() finds it, but no list has it: "auto" of formats
-    BAT_CHOICE_UNNAMED,  ///< a value for options that no name gives
-    BAT_CHOICE_RESULT    ///< a value of results alone, which options refuse
+    BAT_CHOICE_USE_LISTED,   ///< everybody: bat_choices() lists it, bat_choice_find() finds it
+    BAT_CHOICE_USE_UNLISTED, ///< bat_choice_find() finds it, but no list has it: "auto" of formats
+    BAT_CHOICE_USE_UNNAMED,  ///< a value for options that no name gives
+    BAT_CHOICE_USE_RESULT    ///< a value of results alone, which options refuse
 } bat_choice_use;
 
 /// A choice of a family: a scheme, a space, a format.
@@ -109,13 +109,13 @@ typedef struct bat_choice
 /// How a measure is stored, and printed.
 typedef enum bat_measure_form
 {
-    BAT_MEASURE_NUMBER, ///< double; NaN: the thing measured has none
-    BAT_MEASURE_LENGTH, ///< double, of interest as a share of the size of what is measured
-    BAT_MEASURE_POINT,  ///< double[3]
-    BAT_MEASURE_COUNT,  ///< size_t
-    BAT_MEASURE_SIGNED, ///< int64_t
-    BAT_MEASURE_GENUS,  ///< int64_t; negative: the thing measured has none
-    BAT_MEASURE_FLAG    ///< bool
+    BAT_MEASURE_FORM_NUMBER, ///< double; NaN: the thing measured has none
+    BAT_MEASURE_FORM_LENGTH, ///< double, of interest as a share of the size of what is measured
+    BAT_MEASURE_FORM_POINT,  ///< double[3]
+    BAT_MEASURE_FORM_COUNT,  ///< size_t
+    BAT_MEASURE_FORM_SIGNED, ///< int64_t
+    BAT_MEASURE_FORM_GENUS,  ///< int64_t; negative: the thing measured has none
+    BAT_MEASURE_FORM_FLAG    ///< bool
 } bat_measure_form;
 
 /// A measure: a field of the struct that a measuring function fills in. Each such struct has one table of them, which

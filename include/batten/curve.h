@@ -87,7 +87,7 @@ typedef struct bat_curve_refine_report
 /// Options of refinement. Begin with bat_curve_refine_defaults().
 typedef struct bat_curve_refine_options
 {
-    bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_AUTO: chosen for the space, bat_curve_scheme_for()
+    bat_curve_scheme scheme; ///< default BAT_CURVE_SCHEME_KIND_AUTO: chosen for the space, bat_curve_scheme_for()
     size_t levels;           ///< 0 to 60; default 5
     bat_curve_end_rule ends; ///< open curves; default BAT_CURVE_END_RULE_REFLECT
     bool snap;               ///< linear schemes: move the result onto the limit curve with the limit stencil; default false

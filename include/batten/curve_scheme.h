@@ -48,15 +48,16 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
-    BAT_CURVE_SCHEME_AUTO,       ///< none yet: chosen for the space, bat_curve_scheme_for()
-    BAT_CURVE_SCHEME_LINEAR,     ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_GEODESIC takes its
-                                 ///< place for the masks that it has
-    BAT_CURVE_SCHEME_ANGLE,      ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-    BAT_CURVE_SCHEME_LOG_EXP,    ///< a mask applied in the tangent space of one point; any space
-    BAT_CURVE_SCHEME_GEODESIC,   ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
-                                 ///< cutting at ratios of geodesics; any space
-    BAT_CURVE_SCHEME_FOUR_POINT, ///< the cubic through four points at bat_curve_parameters, level after level; any space
-    BAT_CURVE_SCHEME_SPLINE      ///< a spline through the points, of the row `spline`; any space; not a subdivision scheme
+    BAT_CURVE_SCHEME_KIND_AUTO,   ///< none yet: chosen for the space, bat_curve_scheme_for()
+    BAT_CURVE_SCHEME_KIND_LINEAR, ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_KIND_GEODESIC takes
+                                  ///< its place for the masks that it has
+    BAT_CURVE_SCHEME_KIND_ANGLE,      ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_CURVE_SCHEME_KIND_LOG_EXP,    ///< a mask applied in the tangent space of one point; any space
+    BAT_CURVE_SCHEME_KIND_GEODESIC,   ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
+                                      ///< cutting at ratios of geodesics; any space
+    BAT_CURVE_SCHEME_KIND_FOUR_POINT, ///< the cubic through four points at bat_curve_parameters, level after level; any
+                                      ///< space
+    BAT_CURVE_SCHEME_KIND_SPLINE ///< a spline through the points, of the row `spline`; any space; not a subdivision scheme
 } bat_curve_scheme_kind;
 
 /// The kinds by name.
@@ -197,7 +198,7 @@ BAT_API bat_status bat_curve_scheme_check(const bat_curve_scheme *scheme, bat_er
 ///     log-exp-lane-riesenfeld:order=3          (also with base=midpoint)
 ///     geodesic:order=3
 ///
-/// Splines (BAT_CURVE_SCHEME_SPLINE) have 2^levels - 1 new points on each edge, at equal steps of the parameter, and
+/// Splines (BAT_CURVE_SCHEME_KIND_SPLINE) have 2^levels - 1 new points on each edge, at equal steps of the parameter, and
 /// interpolate channels alike. In other spaces than R^n their pieces are Bezier curves made of geodesics (Park and Ravani
 /// 1995).
 ///

@@ -284,7 +284,7 @@ def analyze(scheme: str | ArrayLike, *, first: int | None = None, **settings: An
     if isinstance(scheme, str):
         named = ffi.new("bat_curve_scheme *")
         call(lib.bat_curve_scheme_by_name, scheme.encode(), named)
-        if named.kind != lib.BAT_CURVE_SCHEME_LINEAR:
+        if named.kind != lib.BAT_CURVE_SCHEME_KIND_LINEAR:
             raise ValueError(f"'{scheme}' is not a linear scheme, and has no mask to analyse")
         mask = ffi.addressof(named, "mask")
     else:

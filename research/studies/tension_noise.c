@@ -190,7 +190,7 @@ static bat_status measure(noise_state *state, const bat_curve_scheme *scheme, ba
 static bat_status fill_row(noise_state *state, const char *method, const bat_curve_scheme *scheme, bat_progress progress,
                            bat_tension_noise_row *row)
 {
-    bool has_tension = scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
+    bool has_tension = scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE && scheme->rule == NULL;
     *row = (bat_tension_noise_row){.method = method, .tension = has_tension ? scheme->tension : NAN};
     set_published(state->options, row);
     bat_status status = BAT_OK;

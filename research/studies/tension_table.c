@@ -115,7 +115,7 @@ static bat_status step(table_state *state, const case_set *set, const bat_curve_
 /// Whether the scheme's angles are those of eq. (9).
 static bool has_tension(const bat_curve_scheme *scheme)
 {
-    return scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule == NULL;
+    return scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE && scheme->rule == NULL;
 }
 
 static bat_status fill_row(table_state *state, const case_set *set, const bat_tension_method *method, bat_tension_row *row)

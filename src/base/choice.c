@@ -16,7 +16,7 @@ const bat_choice *choice_find(const bat_family *family, const char *name, size_t
 {
     const bat_choice *row;
     for (size_t i = 0; (row = choice_at(family, i)) != NULL; i++)
-        if (row->use <= BAT_CHOICE_UNLISTED && strlen(row->name) == length && memcmp(row->name, name, length) == 0)
+        if (row->use <= BAT_CHOICE_USE_UNLISTED && strlen(row->name) == length && memcmp(row->name, name, length) == 0)
             return row;
     return NULL;
 }
@@ -138,7 +138,7 @@ const bat_choice *bat_choices(const bat_family *family, size_t index)
 {
     const bat_choice *row;
     for (size_t i = 0; (row = choice_at(family, i)) != NULL; i++)
-        if (row->use == BAT_CHOICE_LISTED && index-- == 0)
+        if (row->use == BAT_CHOICE_USE_LISTED && index-- == 0)
             return row;
     return NULL;
 }
@@ -153,7 +153,7 @@ bat_status bat_choice_find(const bat_family *family, const char *name, const bat
     }
     char names[BAT_ERROR_TEXT_SIZE / 2] = "";
     for (size_t i = 0, used = 0; (row = choice_at(family, i)) != NULL && used < sizeof names; i++)
-        if (row->use <= BAT_CHOICE_UNLISTED)
+        if (row->use <= BAT_CHOICE_USE_UNLISTED)
             used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used > 0 ? ", " : "", row->name);
     return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there is no %s '%.80s'; there are %s", family->what,
                      name, names);

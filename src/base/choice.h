@@ -18,7 +18,7 @@
 // NOLINTBEGIN(bugprone-macro-parentheses): `type` is a type
 #define MEASURE(type, field, title, form)                                                                                   \
     {                                                                                                                       \
-#field, title, BAT_MEASURE_##form, offsetof(type, field)                                                            \
+#field, title, BAT_MEASURE_FORM_##form, offsetof(type, field)                                                       \
     }
 // NOLINTEND(bugprone-macro-parentheses)
 

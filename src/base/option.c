@@ -28,7 +28,7 @@ static double value_of(const void *options, const option_field *field)
 /// Whether options may have the enumerator of a row.
 static bool is_for_options(const bat_choice *row)
 {
-    return row != NULL && row->use != BAT_CHOICE_RESULT;
+    return row != NULL && row->use != BAT_CHOICE_USE_RESULT;
 }
 
 static bool is_in_range(const option_field *field, double value)

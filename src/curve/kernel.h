@@ -62,7 +62,7 @@ refine_kernel kernel_angle(const bat_space *space, const bat_curve_scheme *schem
 refine_kernel kernel_rule(const bat_space *space, const bat_curve_scheme *scheme);
 /// A log-exp step.
 refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *scheme);
-/// The four-point step at parameters of the points (BAT_CURVE_SCHEME_FOUR_POINT). A row is a point of the space and
+/// The four-point step at parameters of the points (BAT_CURVE_SCHEME_KIND_FOUR_POINT). A row is a point of the space and
 /// `channel_count` numbers, which the step interpolates at the parameters of the points.
 refine_kernel kernel_four_point(const bat_space *space, size_t channel_count, const bat_curve_scheme *scheme);
 /// Doubling followed by `order` rounds of averaging rows of `dim` numbers (Lane and Riesenfeld 1980), centred as

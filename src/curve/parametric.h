@@ -4,7 +4,7 @@
 #include "batten/curve.h"
 
 /// @file
-/// What the schemes with parameters of the points share: BAT_CURVE_SCHEME_FOUR_POINT and the splines.
+/// What the schemes with parameters of the points share: BAT_CURVE_SCHEME_KIND_FOUR_POINT and the splines.
 
 /// Points with their channels beside them: a row is a point and `channel_count` numbers, a point of `space`.
 typedef struct row_space

@@ -14,7 +14,7 @@
 bat_curve_refine_options bat_curve_refine_defaults(void)
 {
     return (bat_curve_refine_options){
-        .scheme = {.kind = BAT_CURVE_SCHEME_AUTO},
+        .scheme = {.kind = BAT_CURVE_SCHEME_KIND_AUTO},
         .levels = 5,
         .ends = BAT_CURVE_END_RULE_REFLECT,
         .max_points = BAT_MAX_POINTS,
@@ -138,7 +138,7 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_opti
     bat_status status = bat_options_check(&bat_curve_refine_fields, &plan->options, error);
     if (status != BAT_OK)
         return status;
-    if (plan->options.scheme.kind == BAT_CURVE_SCHEME_AUTO)
+    if (plan->options.scheme.kind == BAT_CURVE_SCHEME_KIND_AUTO)
         plan->options.scheme = bat_curve_scheme_for(coarse->space, NULL);
     plan->options.scheme = scheme_in_space(&plan->options.scheme, coarse->space);
     status = check_space(coarse->space, &plan->options, error);

@@ -18,32 +18,32 @@
 
 bat_curve_scheme bat_curve_scheme_linear(bat_mask mask)
 {
-    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_LINEAR, .mask = mask};
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_KIND_LINEAR, .mask = mask};
 }
 
 bat_curve_scheme bat_curve_scheme_angle(double mu)
 {
-    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_ANGLE, .tension = mu};
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_KIND_ANGLE, .tension = mu};
 }
 
 bat_curve_scheme bat_curve_scheme_angle_rule(const bat_curve_angle_rule *rule)
 {
-    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_ANGLE, .rule = rule};
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_KIND_ANGLE, .rule = rule};
 }
 
 bat_curve_scheme bat_curve_scheme_log_exp(bat_mask mask)
 {
-    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_LOG_EXP, .mask = mask};
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_KIND_LOG_EXP, .mask = mask};
 }
 
 bat_curve_scheme bat_curve_scheme_geodesic(size_t order)
 {
-    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_GEODESIC, .mask = bat_mask_lane_riesenfeld(order)};
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_KIND_GEODESIC, .mask = bat_mask_lane_riesenfeld(order)};
 }
 
 bat_curve_scheme bat_curve_scheme_four_point(bat_curve_parameters parameters, double w)
 {
-    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_FOUR_POINT, .parameters = parameters, .tension = w};
+    return (bat_curve_scheme){.kind = BAT_CURVE_SCHEME_KIND_FOUR_POINT, .parameters = parameters, .tension = w};
 }
 
 static const bat_choice SIGNS[] = {
@@ -252,14 +252,14 @@ static refine_kernel four_point_kernel(const bat_space *space, const bat_curve_s
 }
 
 static const scheme_kind KINDS[] = {
-    {.choice = {.name = "auto", .summary = "that of the space", .value = BAT_CURVE_SCHEME_AUTO},
+    {.choice = {.name = "auto", .summary = "that of the space", .value = BAT_CURVE_SCHEME_KIND_AUTO},
      .check = check_auto,
      .suits = suits_all,
      .keeps_points = keeps_always,
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = linear_kernel},
-    {.choice = {.name = "linear", .summary = "a mask on coordinates", .value = BAT_CURVE_SCHEME_LINEAR},
+    {.choice = {.name = "linear", .summary = "a mask on coordinates", .value = BAT_CURVE_SCHEME_KIND_LINEAR},
      .linear = true,
      .check = check_linear,
      .suits = suits_linear,
@@ -267,21 +267,21 @@ static const scheme_kind KINDS[] = {
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = linear_kernel},
-    {.choice = {.name = "angle", .summary = "vertices over edges by exterior angles", .value = BAT_CURVE_SCHEME_ANGLE},
+    {.choice = {.name = "angle", .summary = "vertices over edges by exterior angles", .value = BAT_CURVE_SCHEME_KIND_ANGLE},
      .check = check_angle,
      .suits = suits_angle,
      .keeps_points = keeps_always,
      .end = end_of_angles,
      .channels = channels_by_four_point,
      .kernel = angle_kernel},
-    {.choice = {.name = "log-exp", .summary = "a mask in tangent spaces", .value = BAT_CURVE_SCHEME_LOG_EXP},
+    {.choice = {.name = "log-exp", .summary = "a mask in tangent spaces", .value = BAT_CURVE_SCHEME_KIND_LOG_EXP},
      .check = check_log_exp,
      .suits = suits_all,
      .keeps_points = keeps_by_mask,
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = kernel_log_exp},
-    {.choice = {.name = "geodesic", .summary = "averages along geodesics", .value = BAT_CURVE_SCHEME_GEODESIC},
+    {.choice = {.name = "geodesic", .summary = "averages along geodesics", .value = BAT_CURVE_SCHEME_KIND_GEODESIC},
      .check = check_geodesic,
      .suits = suits_all,
      .keeps_points = keeps_by_mask,
@@ -290,7 +290,7 @@ static const scheme_kind KINDS[] = {
      .kernel = kernel_geodesic},
     {.choice = {.name = "four-point",
                 .summary = "the cubic through four points at their parameters",
-                .value = BAT_CURVE_SCHEME_FOUR_POINT},
+                .value = BAT_CURVE_SCHEME_KIND_FOUR_POINT},
      .beside_channels = true,
      .check = check_four_point,
      .suits = suits_all,
@@ -298,7 +298,7 @@ static const scheme_kind KINDS[] = {
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = four_point_kernel},
-    {.choice = {.name = "spline", .summary = "a spline through the points", .value = BAT_CURVE_SCHEME_SPLINE},
+    {.choice = {.name = "spline", .summary = "a spline through the points", .value = BAT_CURVE_SCHEME_KIND_SPLINE},
      .check = check_spline,
      .suits = suits_all,
      .keeps_points = keeps_always,
@@ -321,13 +321,13 @@ refine_kernel scheme_kernel(const bat_space *space, const bat_curve_scheme *sche
 
 size_t scheme_decided_levels(const bat_curve_scheme *scheme)
 {
-    bool is_rule = scheme->kind == BAT_CURVE_SCHEME_ANGLE && scheme->rule != NULL;
+    bool is_rule = scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE && scheme->rule != NULL;
     return is_rule ? scheme->rule->levels : 0;
 }
 
 bool scheme_needs_whole_polygons(const bat_curve_scheme *scheme)
 {
-    if (scheme->kind != BAT_CURVE_SCHEME_ANGLE)
+    if (scheme->kind != BAT_CURVE_SCHEME_KIND_ANGLE)
         return false;
     return scheme->rule != NULL ? scheme->rule->wants_mean_length : scheme->adaptive;
 }
@@ -335,8 +335,8 @@ bool scheme_needs_whole_polygons(const bat_curve_scheme *scheme)
 bat_curve_scheme scheme_in_space(const bat_curve_scheme *scheme, const bat_space *space)
 {
     bat_curve_scheme made = *scheme;
-    if (made.kind == BAT_CURVE_SCHEME_LINEAR && !space_is_euclidean(space) && kernel_has_geodesic(&made.mask))
-        made.kind = BAT_CURVE_SCHEME_GEODESIC;
+    if (made.kind == BAT_CURVE_SCHEME_KIND_LINEAR && !space_is_euclidean(space) && kernel_has_geodesic(&made.mask))
+        made.kind = BAT_CURVE_SCHEME_KIND_GEODESIC;
     return made;
 }
 

@@ -12,7 +12,7 @@ bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name)
         chosen = "learned";
     else if (space->exterior_angle != NULL && space->apex != NULL)
         chosen = "angle-4";
-    bat_curve_scheme scheme = {.kind = BAT_CURVE_SCHEME_AUTO};
+    bat_curve_scheme scheme = {.kind = BAT_CURVE_SCHEME_KIND_AUTO};
     (void)bat_curve_scheme_by_name(chosen, &scheme, NULL);
     if (name != NULL)
         *name = chosen;

@@ -46,7 +46,7 @@ static inline bool scheme_goes_by_levels(const bat_curve_scheme *scheme)
     return scheme_kind_of(scheme)->kernel != NULL;
 }
 
-/// The scheme that a scheme stands for in a space: BAT_CURVE_SCHEME_GEODESIC for masks that have it outside of R^n.
+/// The scheme that a scheme stands for in a space: BAT_CURVE_SCHEME_KIND_GEODESIC for masks that have it outside of R^n.
 bat_curve_scheme scheme_in_space(const bat_curve_scheme *scheme, const bat_space *space);
 /// The number of first levels that the scheme's rule decides; 0 where it decides all levels, or there is no rule.
 size_t scheme_decided_levels(const bat_curve_scheme *scheme);

@@ -253,7 +253,7 @@ bat_status bat_curve_scheme_by_name(const char *name, bat_curve_scheme *scheme, 
         status = row->check(&s, error);
     if (status != BAT_OK)
         return status;
-    bat_curve_scheme made = {.kind = BAT_CURVE_SCHEME_SPLINE, .parameters = s.parameters, .spline = &row->choice};
+    bat_curve_scheme made = {.kind = BAT_CURVE_SCHEME_KIND_SPLINE, .parameters = s.parameters, .spline = &row->choice};
     if (row->make != NULL)
         made = row->make(&s);
     status = bat_curve_scheme_check(&made, error);

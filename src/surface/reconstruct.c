@@ -65,11 +65,14 @@ static const bat_choice PARAMETERS[] = {
     {.name = "isometric",
      .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
      .value = BAT_SURFACE_PARAMETERS_ISOMETRIC},
-    {.name = "given", .summary = "brought by the caller", .value = BAT_SURFACE_PARAMETERS_GIVEN, .use = BAT_CHOICE_UNNAMED},
+    {.name = "given",
+     .summary = "brought by the caller",
+     .value = BAT_SURFACE_PARAMETERS_GIVEN,
+     .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "planar",
      .summary = "chart of a trimmed surface",
      .value = BAT_SURFACE_PARAMETERS_PLANAR,
-     .use = BAT_CHOICE_RESULT},
+     .use = BAT_CHOICE_USE_RESULT},
 };
 const bat_family bat_surface_parameters_family = FAMILY("parameterization", PARAMETERS);
 

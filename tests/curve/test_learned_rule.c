@@ -396,7 +396,7 @@ static void fairness_is_kept(void **state)
     {
         bat_curve_scheme learned = bat_curve_scheme_learned(cases[i]);
         assert_true(learned.fairness == cases[i]);
-        assert_int_equal(learned.kind, BAT_CURVE_SCHEME_ANGLE);
+        assert_int_equal(learned.kind, BAT_CURVE_SCHEME_KIND_ANGLE);
         assert_string_equal(learned.rule->name, "learned");
         check_status(bat_curve_scheme_check(&learned, NULL), BAT_OK);
     }

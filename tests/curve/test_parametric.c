@@ -30,11 +30,11 @@ static void names_choose_parameters(void **state)
 {
     (void)state;
     bat_curve_scheme uniform = scheme("four-point:parameters=uniform"), today = scheme("four-point");
-    assert_int_equal(uniform.kind, BAT_CURVE_SCHEME_LINEAR);
+    assert_int_equal(uniform.kind, BAT_CURVE_SCHEME_KIND_LINEAR);
     assert_memory_equal(&uniform.mask, &today.mask, sizeof today.mask);
-    assert_int_equal(scheme("log-exp-4:parameters=uniform").kind, BAT_CURVE_SCHEME_LOG_EXP);
+    assert_int_equal(scheme("log-exp-4:parameters=uniform").kind, BAT_CURVE_SCHEME_KIND_LOG_EXP);
     bat_curve_scheme four = scheme("log-exp-4:w=0.05,base=midpoint,parameters=chordal");
-    assert_int_equal(four.kind, BAT_CURVE_SCHEME_FOUR_POINT);
+    assert_int_equal(four.kind, BAT_CURVE_SCHEME_KIND_FOUR_POINT);
     assert_int_equal(four.parameters, BAT_CURVE_PARAMETERS_CHORDAL);
     assert_int_equal(four.base, BAT_CURVE_BASE_MIDPOINT);
     assert_true(four.tension == 0.05);

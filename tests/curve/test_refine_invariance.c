@@ -147,7 +147,7 @@ static void reversal_reverses(void **state)
             bat_curve fine_a = refined(&a, &how), fine_b = refined(&b, &how);
             // Old point j becomes point 11 - j; a closed curve's new points follow, counted from the mask's centre.
             ptrdiff_t n = (ptrdiff_t)fine_a.count;
-            bool dual = how.scheme.kind == BAT_CURVE_SCHEME_LINEAR && how.scheme.mask.count % 2 == 0;
+            bool dual = how.scheme.kind == BAT_CURVE_SCHEME_KIND_LINEAR && how.scheme.mask.count % 2 == 0;
             ptrdiff_t sum = open ? n - 1 : 11 * 8 - (dual ? 7 : 0);
             for (ptrdiff_t i = 0; i < n; i++)
             {

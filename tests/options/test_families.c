@@ -169,7 +169,7 @@ static void no_function_is_missing(void **state)
         const scheme_kind *kind = (const scheme_kind *)(const void *)row;
         assert_true(kind->check != NULL && kind->suits != NULL && kind->keeps_points != NULL && kind->end != NULL &&
                     kind->channels != NULL);
-        assert_int_equal(kind->kernel != NULL, row->value != BAT_CURVE_SCHEME_SPLINE);
+        assert_int_equal(kind->kernel != NULL, row->value != BAT_CURVE_SCHEME_KIND_SPLINE);
     }
     for (size_t i = 0; (row = bat_choices(&bat_curve_scheme_family, i)) != NULL; i++)
     {

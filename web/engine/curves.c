@@ -248,13 +248,13 @@ static bat_status compare_curves(const engine_call *call, engine_object *result,
 static bat_status mask_of(const engine_call *call, bat_mask *mask, bat_error *error)
 {
     const char *name = NULL;
-    bat_curve_scheme scheme = {.kind = BAT_CURVE_SCHEME_AUTO};
+    bat_curve_scheme scheme = {.kind = BAT_CURVE_SCHEME_KIND_AUTO};
     bat_status status = engine_text(call->options, "scheme", &name, error);
     if (status == BAT_OK && name == NULL)
         return engine_fail(error, BAT_INVALID_ARGUMENT, "the option 'scheme' is missing", "");
     if (status == BAT_OK)
         status = bat_curve_scheme_by_name(name, &scheme, error);
-    if (status == BAT_OK && scheme.kind != BAT_CURVE_SCHEME_LINEAR)
+    if (status == BAT_OK && scheme.kind != BAT_CURVE_SCHEME_KIND_LINEAR)
         return engine_fail(error, BAT_UNSUPPORTED, "'%' is not linear: it has no mask", name);
     *mask = scheme.mask;
     return status;

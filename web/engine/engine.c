@@ -71,17 +71,17 @@ static json_t *measure_value(bat_measure_form form, const void *value)
 {
     switch (form)
     {
-    case BAT_MEASURE_COUNT:
+    case BAT_MEASURE_FORM_COUNT:
         return engine_size(*(const size_t *)value);
-    case BAT_MEASURE_SIGNED:
-    case BAT_MEASURE_GENUS:
+    case BAT_MEASURE_FORM_SIGNED:
+    case BAT_MEASURE_FORM_GENUS:
         return json_integer(*(const int64_t *)value);
-    case BAT_MEASURE_FLAG:
+    case BAT_MEASURE_FORM_FLAG:
         return json_boolean(*(const bool *)value);
-    case BAT_MEASURE_POINT:
+    case BAT_MEASURE_FORM_POINT:
         return engine_numbers(value, 3);
-    case BAT_MEASURE_NUMBER:
-    case BAT_MEASURE_LENGTH:
+    case BAT_MEASURE_FORM_NUMBER:
+    case BAT_MEASURE_FORM_LENGTH:
         break;
     }
     return engine_number(*(const double *)value);

@@ -365,7 +365,7 @@ bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map
         return status;
     map_job job = {.curves = coarse->curves, .count = coarse->count, .refine = options->refine};
     job.report.map = is_map(coarse, options);
-    if (job.refine.scheme.kind == BAT_CURVE_SCHEME_AUTO && coarse->count > 0)
+    if (job.refine.scheme.kind == BAT_CURVE_SCHEME_KIND_AUTO && coarse->count > 0)
         job.refine.scheme = bat_curve_scheme_for(coarse->space, NULL);
     status = job.report.map && coarse->count > 0 ? refine_map(&job, options, failed, error)
                                                  : refine_separately(&job, failed, error);

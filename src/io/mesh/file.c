@@ -46,7 +46,7 @@ enum
 
 static const mesh_format FORMATS[] = {
     {.choice =
-         {.name = "auto", .summary = "by the file's ending", .value = BAT_MESH_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
+         {.name = "auto", .summary = "by the file's ending", .value = BAT_MESH_FORMAT_AUTO, .use = BAT_CHOICE_USE_UNLISTED}},
     {{.name = "obj",
       .summary = "meshes: with texture coordinates, creases and corners",
       .endings = ".obj",

@@ -33,8 +33,10 @@ typedef struct cloud_format
 } cloud_format;
 
 static const cloud_format FORMATS[] = {
-    {.choice =
-         {.name = "auto", .summary = "by the file's ending", .value = BAT_CLOUD_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
+    {.choice = {.name = "auto",
+                .summary = "by the file's ending",
+                .value = BAT_CLOUD_FORMAT_AUTO,
+                .use = BAT_CHOICE_USE_UNLISTED}},
     {.choice = {.name = "xyz",
                 .summary = "clouds: three numbers a line",
                 .endings = ".xyz .txt .asc",

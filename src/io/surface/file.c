@@ -18,8 +18,10 @@ typedef struct surface_format
 } surface_format;
 
 static const surface_format FORMATS[] = {
-    {.choice =
-         {.name = "auto", .summary = "by the file's ending", .value = BAT_SURFACE_FORMAT_AUTO, .use = BAT_CHOICE_UNLISTED}},
+    {.choice = {.name = "auto",
+                .summary = "by the file's ending",
+                .value = BAT_SURFACE_FORMAT_AUTO,
+                .use = BAT_CHOICE_USE_UNLISTED}},
     {.choice = {.name = "xml",
                 .summary = "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines",
                 .endings = ".xml",
