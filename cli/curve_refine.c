@@ -120,7 +120,7 @@ static int read_truth(curve_job *job)
 static void choose_scheme(curve_job *job)
 {
     const bat_curve_set *coarse = &job->coarse;
-    bool plain = !job->refine.snap && job->refine.ends == BAT_CURVE_END_RULE_REFLECT && !job->best_tension &&
+    bool plain = !job->refine.snap && job->refine.ends <= BAT_CURVE_END_RULE_REFLECT && !job->best_tension &&
                  job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_TOPOLOGY_ALWAYS &&
                  !curve_stops(job) && !(job->refine.corner_angle > 0) && coarse->curves[0].corners == NULL;
     if (!job->is_motion && plain && bat_motion_suits(coarse))

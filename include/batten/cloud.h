@@ -71,7 +71,8 @@ BAT_API bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[
 /// The parameterization of the four sides of the boundary.
 typedef enum bat_cloud_sides
 {
-    BAT_CLOUD_SIDES_CHORD_LENGTH, ///< in proportion to distance (default)
+    BAT_CLOUD_SIDES_AUTO,         ///< the default: BAT_CLOUD_SIDES_CHORD_LENGTH
+    BAT_CLOUD_SIDES_CHORD_LENGTH, ///< in proportion to distance
     BAT_CLOUD_SIDES_CENTRIPETAL,  ///< in proportion to its square root: Lee (1989)
     BAT_CLOUD_SIDES_UNIFORM       ///< in proportion to the index
 } bat_cloud_sides;

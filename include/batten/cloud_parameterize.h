@@ -13,6 +13,7 @@ BAT_C_BEGIN
 /// The weights of the combination.
 typedef enum bat_cloud_parameterization
 {
+    BAT_CLOUD_PARAMETERIZATION_AUTO,               ///< the default: BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING
     BAT_CLOUD_PARAMETERIZATION_UNIFORM,            ///< equal weights
     BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE,   ///< 1 / distance
     BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING,   ///< Floater (1997), on the Delaunay neighbours in the local plane

@@ -37,8 +37,9 @@ BAT_API bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char
 /// How an open curve is continued beyond its ends.
 typedef enum bat_curve_end_rule
 {
+    BAT_CURVE_END_RULE_AUTO, ///< the default: BAT_CURVE_END_RULE_REFLECT
     /// Geodesic point reflection in the end point. The end has no curvature, and symmetric masks keep the end point. Works
-    /// in every space. The default.
+    /// in every space.
     BAT_CURVE_END_RULE_REFLECT,
     /// The extrapolation that the scheme reproduces. Interpolatory linear and log-exp schemes: the cubic through the last
     /// four points, in the tangent space of the end point. Other linear schemes: the straight line. Angle-based schemes: the
@@ -57,8 +58,9 @@ extern BAT_API const bat_family bat_curve_end_rule_family;
 /// plane, on the sphere S^2 and in the disk can cross themselves.
 typedef enum bat_curve_simple
 {
+    BAT_CURVE_SIMPLE_AUTO, ///< the default: BAT_CURVE_SIMPLE_RINGS
     /// Closed curves that are simple when they come in; in other spaces none. A curve of a scheme that does not keep the
-    /// given points is tested and not changed. The default.
+    /// given points is tested and not changed.
     BAT_CURVE_SIMPLE_RINGS,
     /// Open curves too. BAT_UNSUPPORTED in other spaces, and where a scheme that does not keep the given points gives a
     /// curve that crosses itself.

@@ -11,7 +11,8 @@ BAT_C_BEGIN
 /// Which sets of curves are maps.
 typedef enum bat_curve_map_topology
 {
-    /// Sets whose file has features, such as GeoJSON, in the plane, on the sphere S^2 and in the disk. The default.
+    BAT_CURVE_MAP_TOPOLOGY_AUTO, ///< the default: BAT_CURVE_MAP_TOPOLOGY_FEATURES
+    /// Sets whose file has features, such as GeoJSON, in the plane, on the sphere S^2 and in the disk.
     BAT_CURVE_MAP_TOPOLOGY_FEATURES,
     BAT_CURVE_MAP_TOPOLOGY_ALWAYS,  ///< All sets; those in other spaces share borders, and nothing tests whether they cross.
     BAT_CURVE_MAP_TOPOLOGY_SEPARATE ///< None: every curve by itself, bat_curves_refine().

@@ -131,7 +131,8 @@ BAT_API bat_status bat_curve_picture_projection(const bat_curve_picture_panel *p
 /// How the numbers of a series are drawn.
 typedef enum bat_chart_mark
 {
-    BAT_CHART_MARK_LINE,        ///< joined in their order. The default.
+    BAT_CHART_MARK_AUTO,        ///< the default: BAT_CHART_MARK_LINE
+    BAT_CHART_MARK_LINE,        ///< joined in their order
     BAT_CHART_MARK_POINTS,      ///< dots
     BAT_CHART_MARK_LINE_POINTS, ///< both
     BAT_CHART_MARK_BARS ///< bars from 0 to y that touch half-way between neighbouring x; x increases; no logarithmic y

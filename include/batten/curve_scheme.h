@@ -48,13 +48,13 @@ BAT_API bat_mask bat_mask_lane_riesenfeld(size_t order);
 /// The families of rules.
 typedef enum bat_curve_scheme_kind
 {
-    BAT_CURVE_SCHEME_KIND_AUTO,   ///< none yet: chosen for the space, bat_curve_scheme_for()
-    BAT_CURVE_SCHEME_KIND_LINEAR, ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_KIND_GEODESIC takes
-                                  ///< its place for the masks that it has
-    BAT_CURVE_SCHEME_KIND_ANGLE,      ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
-    BAT_CURVE_SCHEME_KIND_LOG_EXP,    ///< a mask applied in the tangent space of one point; any space
-    BAT_CURVE_SCHEME_KIND_GEODESIC,   ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
-                                      ///< cutting at ratios of geodesics; any space
+    BAT_CURVE_SCHEME_KIND_AUTO,     ///< none yet: chosen for the space, bat_curve_scheme_for()
+    BAT_CURVE_SCHEME_KIND_LINEAR,   ///< a mask applied to coordinates of R^n; elsewhere BAT_CURVE_SCHEME_KIND_GEODESIC takes
+                                    ///< its place for the masks that it has
+    BAT_CURVE_SCHEME_KIND_ANGLE,    ///< a vertex over each edge at an angle made of exterior angles; plane, sphere, disk
+    BAT_CURVE_SCHEME_KIND_LOG_EXP,  ///< a mask applied in the tangent space of one point; any space
+    BAT_CURVE_SCHEME_KIND_GEODESIC, ///< Lane-Riesenfeld by midpoints of geodesics in place of arithmetic means, or corner
+                                    ///< cutting at ratios of geodesics; any space
     BAT_CURVE_SCHEME_KIND_FOUR_POINT, ///< the cubic through four points at bat_curve_parameters, level after level; any
                                       ///< space
     BAT_CURVE_SCHEME_KIND_SPLINE ///< a spline through the points, of the row `spline`; any space; not a subdivision scheme
@@ -133,6 +133,7 @@ struct bat_curve_angle_rule
 /// The tangent space in which a log-exp scheme averages.
 typedef enum bat_curve_base
 {
+    BAT_CURVE_BASE_AUTO,    ///< the default: BAT_CURVE_BASE_VERTEX
     BAT_CURVE_BASE_VERTEX,  ///< at the vertex that begins the edge (Ugail and Howard, section 7.1; Wallner and Dyn 2005)
     BAT_CURVE_BASE_MIDPOINT ///< at the geodesic midpoint of the edge, which makes the scheme symmetric under reversal
 } bat_curve_base;

@@ -14,6 +14,7 @@ BAT_C_BEGIN
 /// The error of a collapse.
 typedef enum bat_mesh_decimate_method
 {
+    BAT_MESH_DECIMATE_METHOD_AUTO, ///< the default: BAT_MESH_DECIMATE_METHOD_MEMORYLESS
     /// The squared distances from the planes of all given faces that became the new vertex, weighted by area (Garland and
     /// Heckbert, 1997).
     BAT_MESH_DECIMATE_METHOD_QUADRIC,

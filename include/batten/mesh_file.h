@@ -86,6 +86,7 @@ BAT_API bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, 
 /// The encoding of numbers in PLY and STL. OBJ and OFF are always text.
 typedef enum bat_mesh_encoding
 {
+    BAT_MESH_ENCODING_AUTO,       ///< the default: BAT_MESH_ENCODING_BINARY
     BAT_MESH_ENCODING_BINARY,     ///< little-endian: doubles in PLY, single precision in STL
     BAT_MESH_ENCODING_BIG_ENDIAN, ///< the same with the greater bytes first; PLY only
     BAT_MESH_ENCODING_TEXT        ///< decimal numbers that bring back the same doubles

@@ -27,7 +27,8 @@ typedef struct bat_mesh_picture_panel
 /// The axis of space that points upwards.
 typedef enum bat_mesh_up
 {
-    BAT_MESH_UP_Y, ///< as most meshes have it. The default.
+    BAT_MESH_UP_AUTO, ///< the default: BAT_MESH_UP_Y
+    BAT_MESH_UP_Y,    ///< as most meshes have it
     BAT_MESH_UP_Z,
     BAT_MESH_UP_X
 } bat_mesh_up;

@@ -98,6 +98,7 @@ BAT_API bat_hermite_mask bat_hermite_mask_de_rham(void);
 /// The families of schemes.
 typedef enum bat_hermite_kind
 {
+    BAT_HERMITE_KIND_AUTO,            ///< the default: BAT_HERMITE_KIND_LANE_RIESENFELD
     BAT_HERMITE_KIND_LANE_RIESENFELD, ///< algorithm 4 of Ben-Zion Vardi, Dyn and Sharon: bat_hermite_average() at 1/2;
                                       ///< directions
     BAT_HERMITE_KIND_TRANSPORT        ///< a linear Hermite scheme by logarithms and parallel transport (Moosmüller 2017);

@@ -27,6 +27,7 @@ typedef enum bat_motion_ends
 /// How velocities at the keys are chosen where none are given.
 typedef enum bat_motion_shape
 {
+    BAT_MOTION_SHAPE_AUTO,    ///< the default: BAT_MOTION_SHAPE_RESTING
     BAT_MOTION_SHAPE_RESTING, ///< equal neighbouring keys make a constant motion, and velocities next to it are limited;
                               ///< else twice continuously differentiable
     BAT_MOTION_SHAPE_SMOOTH,  ///< twice continuously differentiable everywhere; overshoots where keys rest
@@ -45,7 +46,7 @@ extern BAT_API const bat_family bat_motion_ends_family, bat_motion_shape_family;
 /// What noisy keys far from a smoothed motion count.
 typedef enum bat_motion_outliers
 {
-    BAT_MOTION_OUTLIERS_KEPT,  ///< as much as all others
+    BAT_MOTION_OUTLIERS_NONE,  ///< no rule: as much as all others
     BAT_MOTION_OUTLIERS_HUBER, ///< their residuals count by the distance, not by its square (Huber 1964), from 1.345 sigma
                                ///< on
     BAT_MOTION_OUTLIERS_TUKEY  ///< nothing from 4.685 sigma on (Tukey's biweight), beginning with Huber's solution
@@ -67,7 +68,7 @@ typedef struct bat_motion_spline_options
     /// natural where they are automatic.
     double sigma;
     double angle_sigma;           ///< of the rotations of rigid motions, in radians; default 0
-    bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_KEPT
+    bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_NONE
     bool extrapolate; ///< go on outside of the keys' times along the geodesic, with constant velocity; default false
     int threads; ///< of bat_motion_spline_sample(), 0 to 1024; 0: as many as are worth it; no effect on results; default 0
 } bat_motion_spline_options;

@@ -28,7 +28,8 @@ extern BAT_API const bat_family bat_surface_format_family;
 /// The unit of length that CAD files name. Coordinates are written as they are.
 typedef enum bat_surface_unit
 {
-    BAT_SURFACE_UNIT_MILLIMETRE, ///< default
+    BAT_SURFACE_UNIT_AUTO, ///< the default: BAT_SURFACE_UNIT_MILLIMETRE
+    BAT_SURFACE_UNIT_MILLIMETRE,
     BAT_SURFACE_UNIT_METRE,
     BAT_SURFACE_UNIT_INCH
 } bat_surface_unit;

@@ -41,6 +41,7 @@ typedef struct bat_surface_fit_data
 /// The choice of the smoothing weight.
 typedef enum bat_surface_smoothing
 {
+    BAT_SURFACE_SMOOTHING_AUTO,             ///< the default: BAT_SURFACE_SMOOTHING_LIKELIHOOD
     BAT_SURFACE_SMOOTHING_LIKELIHOOD,       ///< restricted maximum likelihood: Wahba (1985)
     BAT_SURFACE_SMOOTHING_CROSS_VALIDATION, ///< generalized cross-validation: Craven and Wahba (1979)
     BAT_SURFACE_SMOOTHING_NOISE,            ///< restricted maximum likelihood, with the noise that is given

@@ -203,7 +203,7 @@ static bat_status sample_setup(const study_curve *curve, const study_setup *setu
     free(parameters);
     if (status != BAT_OK)
         return status;
-    if (setup->options->kind == BAT_HERMITE_KIND_LANE_RIESENFELD)
+    if (setup->options->kind != BAT_HERMITE_KIND_TRANSPORT)
         return bat_hermite_normalize(samples, error);
     for (size_t i = 0; i < setup->count * curve->space->tangent_dim; i++)
         samples->tangents[i] *= spacing;

@@ -153,7 +153,7 @@ static bat_status check_scheme(const pieces *all, bat_error *error)
     bool is_cut = all->count > 1 || all->list[0].cut[0] || all->list[0].cut[1];
     if (is_cut && options->ends == BAT_CURVE_END_RULE_FREE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "corners do not go with free ends; choose another rule");
-    bool stays = options->ends == BAT_CURVE_END_RULE_REFLECT && mask_is_symmetric(&options->scheme.mask);
+    bool stays = options->ends <= BAT_CURVE_END_RULE_REFLECT && mask_is_symmetric(&options->scheme.mask);
     if (is_cut && !all->keeps_points && !stays)
         return error_set(
             error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -426,7 +426,7 @@ static bat_status run_rows(const pieces *all, const piece *part, bat_progress pr
         status = refine_carry_out(&curve, &plan, progress, points, has_channels ? channels : NULL, error);
     }
     const bat_curve_refine_options *options = &all->plan.options;
-    bool reflected = options->ends == BAT_CURVE_END_RULE_REFLECT && mask_is_symmetric(&options->scheme.mask);
+    bool reflected = options->ends <= BAT_CURVE_END_RULE_REFLECT && mask_is_symmetric(&options->scheme.mask);
     bool kept = part->cut[0] || part->cut[1] || part->straight || (all->stops && (all->keeps_points || reflected));
     if (status != BAT_OK || part->closed || !kept)
         return status;

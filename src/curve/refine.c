@@ -144,7 +144,7 @@ static bat_status refine_rows(const refine_input *from, const bat_curve_scheme *
         status = refine_padded(&padded, &task, scheme, options->ends, fine + (plan->ends_added ? dim : 0), error);
     }
     // A symmetric mask takes a polygon that is its own point reflection through the end point: only rounding moves it.
-    bool keep_ends = !from->closed && options->ends == BAT_CURVE_END_RULE_REFLECT && scheme_kind_of(scheme)->linear &&
+    bool keep_ends = !from->closed && options->ends <= BAT_CURVE_END_RULE_REFLECT && scheme_kind_of(scheme)->linear &&
                      mask_is_symmetric(&scheme->mask);
     if (status == BAT_OK && (plan->ends_added || keep_ends))
     {

@@ -53,6 +53,7 @@ static const bat_choice SIGNS[] = {
 const bat_family bat_curve_angle_sign_family = FAMILY("sign", SIGNS);
 
 static const bat_choice BASES[] = {
+    {.name = "auto", .summary = "the vertex", .value = BAT_CURVE_BASE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "vertex", .summary = "the vertex that begins the edge", .value = BAT_CURVE_BASE_VERTEX},
     {.name = "midpoint", .summary = "the midpoint of the edge", .value = BAT_CURVE_BASE_MIDPOINT},
 };

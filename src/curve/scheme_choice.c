@@ -20,6 +20,7 @@ bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name)
 }
 
 static const bat_choice END_RULES[] = {
+    {.name = "auto", .summary = "point reflection", .value = BAT_CURVE_END_RULE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "reflect", .summary = "point reflection in the end point", .value = BAT_CURVE_END_RULE_REFLECT},
     {.name = "extrapolate",
      .summary = "the extrapolation that keeps what the scheme reproduces",
@@ -29,6 +30,7 @@ static const bat_choice END_RULES[] = {
 const bat_family bat_curve_end_rule_family = FAMILY("end rule", END_RULES);
 
 static const bat_choice SIMPLE_CHOICES[] = {
+    {.name = "auto", .summary = "closed curves", .value = BAT_CURVE_SIMPLE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "rings", .summary = "closed curves that are simple when they come in", .value = BAT_CURVE_SIMPLE_RINGS},
     {.name = "always",
      .summary = "open and closed curves that are simple when they come in",

@@ -264,6 +264,7 @@ typedef struct hermite_plan
 } hermite_plan;
 
 static const bat_choice KINDS[] = {
+    {.name = "auto", .summary = "averages", .value = BAT_HERMITE_KIND_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "lane-riesenfeld", .summary = "averages of points with directions", .value = BAT_HERMITE_KIND_LANE_RIESENFELD},
     {.name = "transport", .summary = "linear schemes by parallel transport", .value = BAT_HERMITE_KIND_TRANSPORT},
 };
@@ -504,7 +505,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
 /// The checks that cost as much as a step run only when the step fails, to find the cause.
 static bat_status explain(const hermite_plan *plan, bat_status status, bat_error *error)
 {
-    bool directions = plan->options->kind == BAT_HERMITE_KIND_LANE_RIESENFELD;
+    bool directions = plan->options->kind != BAT_HERMITE_KIND_TRANSPORT;
     hermite_check_parts parts = {.unit = directions, .edges = true, .admissible = directions};
     if (status != BAT_INVALID_POINT && status != BAT_CUT_LOCUS)
         return status;
@@ -530,7 +531,7 @@ bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite
 {
     bat_hermite_refine_options defaults = bat_hermite_refine_defaults();
     hermite_plan plan = {.coarse = coarse, .options = options != NULL ? options : &defaults};
-    bool directions = plan.options->kind == BAT_HERMITE_KIND_LANE_RIESENFELD;
+    bool directions = plan.options->kind != BAT_HERMITE_KIND_TRANSPORT;
     // Without a step, or with one that does not check its edges, every edge is checked here.
     hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
     parts.admissible = directions && parts.edges;

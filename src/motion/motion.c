@@ -67,7 +67,7 @@ bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_moti
 {
     if (options != NULL && options->method != BAT_MOTION_METHOD_AUTO)
         return options->method;
-    if (options != NULL && (options->scheme.kind != BAT_HERMITE_KIND_LANE_RIESENFELD || options->scheme.order != 1))
+    if (options != NULL && (options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT || options->scheme.order != 1))
         return BAT_MOTION_METHOD_HERMITE;
     bool timed = bat_motion_has_times(set) || (options != NULL && (options->rate > 0 || options->times != NULL));
     return timed ? BAT_MOTION_METHOD_SPLINE : BAT_MOTION_METHOD_HERMITE;
@@ -180,8 +180,7 @@ static void scale_tangents(bat_hermite_curve *curve, double scale)
 /// Whether a scheme refines directions, for which the lengths of tangents mean nothing.
 static bool takes_directions(bat_motion_method method, const bat_motion_curves_options *options)
 {
-    return method == BAT_MOTION_METHOD_HERMITE && options->rate == 0 &&
-           options->scheme.kind == BAT_HERMITE_KIND_LANE_RIESENFELD;
+    return method == BAT_MOTION_METHOD_HERMITE && options->rate == 0 && options->scheme.kind != BAT_HERMITE_KIND_TRANSPORT;
 }
 
 /// Missing velocities for splines: null where the system of the spline gives them.

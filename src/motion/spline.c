@@ -59,6 +59,7 @@ static const bat_choice ENDS[] = {
 const bat_family bat_motion_ends_family = FAMILY("kind of ends", ENDS);
 
 static const bat_choice SHAPES[] = {
+    {.name = "auto", .summary = "rests are kept", .value = BAT_MOTION_SHAPE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "resting",
      .summary = "continuous acceleration, except next to rests, where nothing overshoots",
      .value = BAT_MOTION_SHAPE_RESTING},
@@ -68,7 +69,7 @@ static const bat_choice SHAPES[] = {
 const bat_family bat_motion_shape_family = FAMILY("shape of motions", SHAPES);
 
 static const bat_choice OUTLIERS[] = {
-    {.name = "kept", .summary = "count as much as all other keys", .value = BAT_MOTION_OUTLIERS_KEPT},
+    {.name = "kept", .summary = "count as much as all other keys", .value = BAT_MOTION_OUTLIERS_NONE},
     {.name = "huber", .summary = "count by their distance, not by its square", .value = BAT_MOTION_OUTLIERS_HUBER},
     {.name = "tukey", .summary = "do not count (Tukey's biweight)", .value = BAT_MOTION_OUTLIERS_TUKEY},
 };
@@ -98,7 +99,7 @@ static bat_status motion_spline_options_check(const void *opaque, bat_error *err
         OPTION_THREADS(bat_motion_spline_options),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_KEPT && !(options->sigma > 0) &&
+    if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_NONE && !(options->sigma > 0) &&
         !(options->angle_sigma > 0))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "outliers '%s' need sigma",
                          bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));

@@ -325,7 +325,7 @@ static bat_status smooth(smoother *s, bat_error *error)
     double weight = FIRST_WEIGHT, mean;
     bool tukey = s->outliers == BAT_MOTION_OUTLIERS_TUKEY;
     bat_motion_outliers first = tukey ? BAT_MOTION_OUTLIERS_HUBER : s->outliers;
-    bat_status status = first != BAT_MOTION_OUTLIERS_KEPT ? find_outliers(s, &weight, error) : BAT_OK;
+    bat_status status = first != BAT_MOTION_OUTLIERS_NONE ? find_outliers(s, &weight, error) : BAT_OK;
     s->target = 1;
     s->cut = INFINITY;
     if (status == BAT_OK)

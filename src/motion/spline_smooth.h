@@ -15,7 +15,7 @@
 bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, double sigma,
                          bat_motion_outliers outliers, double *points, double *deviations, bat_error *error);
 
-/// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_KEPT.
+/// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
 double motion_outliers_threshold(bat_motion_outliers outliers);
 
 #endif

@@ -694,7 +694,7 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
     if (status == BAT_NO_CONVERGENCE && shape == BAT_MOTION_SHAPE_LIMITED)
         status = estimate(system, error);
     bool limited = shape == BAT_MOTION_SHAPE_LIMITED, rests = false;
-    for (size_t k = 0; k < system->count && shape == BAT_MOTION_SHAPE_RESTING; k++)
+    for (size_t k = 0; k < system->count && shape <= BAT_MOTION_SHAPE_RESTING; k++)
         rests = rests || system->fixed[k] == KEY_RESTS;
     if (status == BAT_OK && (limited || rests))
         status = limit(system, limited, error);

@@ -173,7 +173,7 @@ static void outliers_are_marked(void **state)
         COUNT = 40,
         APART = 17
     };
-    const bat_motion_outliers rules[] = {BAT_MOTION_OUTLIERS_KEPT, BAT_MOTION_OUTLIERS_HUBER, BAT_MOTION_OUTLIERS_TUKEY};
+    const bat_motion_outliers rules[] = {BAT_MOTION_OUTLIERS_NONE, BAT_MOTION_OUTLIERS_HUBER, BAT_MOTION_OUTLIERS_TUKEY};
     for (size_t r = 0; r < sizeof rules / sizeof *rules; r++)
     {
         bat_curve_set set = make_keys(&plane, COUNT, 1);
@@ -189,7 +189,7 @@ static void outliers_are_marked(void **state)
         motion.spline.outliers = rules[r];
         film shown;
         assert_int_equal(film_make(&set, NULL, &motion, &options, &shown, NULL), BAT_OK);
-        bool marked = rules[r] != BAT_MOTION_OUTLIERS_KEPT;
+        bool marked = rules[r] != BAT_MOTION_OUTLIERS_NONE;
         assert_int_equal(shown.any_outlier, marked);
         for (size_t i = 0; i < COUNT && marked; i++)
             assert_int_equal(shown.tracks[0].deviations[i] > shown.outlying, i == APART);
@@ -254,15 +254,15 @@ static void splines_are_drawn(void **state)
             texts[i] = slurp(paths[i], &sizes[i]);
         assert_true(sizes[0] == sizes[1] && memcmp(texts[0], texts[1], sizes[0]) == 0);
         set.curves[0].count--;
-        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_KEPT, NULL, &error),
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_NONE, NULL, &error),
                          BAT_INVALID_ARGUMENT);
         assert_non_null(strstr(error.text, "7 points"));
         set.curves[0].count++;
         set.space->point_dim++;
-        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_KEPT, NULL, &error),
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_NONE, NULL, &error),
                          BAT_INVALID_ARGUMENT);
         set.space->point_dim--;
-        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, NULL, BAT_MOTION_OUTLIERS_KEPT, NULL, &error),
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, NULL, BAT_MOTION_OUTLIERS_NONE, NULL, &error),
                          BAT_INVALID_ARGUMENT);
         for (size_t i = 0; i < 2; i++)
         {

@@ -89,7 +89,7 @@ static void test_options_are_checked(void **state)
     assert_int_equal(bat_mesh_read("/dev/null", &reading, &back, NULL), BAT_INVALID_ARGUMENT);
     assert_unwritable(&mesh, BAT_MESH_FORMAT_AUTO, BAT_MESH_ENCODING_TEXT, BAT_INVALID_ARGUMENT, "cannot tell what format");
     assert_unwritable(&mesh, (bat_mesh_format)-1, BAT_MESH_ENCODING_TEXT, BAT_INVALID_ARGUMENT, "format is -1, but must be");
-    assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, (bat_mesh_encoding)3, BAT_INVALID_ARGUMENT, "encoding is 3, but must be");
+    assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, (bat_mesh_encoding)4, BAT_INVALID_ARGUMENT, "encoding is 4, but must be");
     assert_unwritable(&mesh, BAT_MESH_FORMAT_STL, BAT_MESH_ENCODING_BIG_ENDIAN, BAT_INVALID_ARGUMENT, "only PLY");
     bat_mesh_write_options writing = bat_mesh_write_defaults();
     writing.threads = -1;

@@ -107,7 +107,7 @@ static void sigma_is_met_and_noise_falls(void **state)
 {
     (void)state;
     noisy_motion m = make_motion(0.02, 0.01, false);
-    bat_motion_spline_options options = smoothing(0.02, 0.01, BAT_MOTION_OUTLIERS_KEPT);
+    bat_motion_spline_options options = smoothing(0.02, 0.01, BAT_MOTION_OUTLIERS_NONE);
     bat_motion_spline *spline = must_make(&m, &options);
     double rms[2];
     distances(&m, spline, m.points, rms);
@@ -123,7 +123,7 @@ static void sigma_0_interpolates(void **state)
 {
     (void)state;
     noisy_motion m = make_motion(0.02, 0.01, false);
-    bat_motion_spline_options options = smoothing(0, 0, BAT_MOTION_OUTLIERS_KEPT), half = smoothing(0.02, 0, 0);
+    bat_motion_spline_options options = smoothing(0, 0, BAT_MOTION_OUTLIERS_NONE), half = smoothing(0.02, 0, 0);
     bat_motion_spline *plain = must_make(&m, NULL), *none = must_make(&m, &options), *moved = must_make(&m, &half);
     for (int i = 0; i < 100; i++)
     {
@@ -144,7 +144,7 @@ static void constant_velocity_stays(void **state)
 {
     (void)state;
     noisy_motion m = make_motion(0, 0, true);
-    bat_motion_spline_options options = smoothing(0.1, 0.1, BAT_MOTION_OUTLIERS_KEPT);
+    bat_motion_spline_options options = smoothing(0.1, 0.1, BAT_MOTION_OUTLIERS_NONE);
     bat_motion_spline *spline = must_make(&m, &options);
     double rms[2];
     distances(&m, spline, m.truth, rms);
@@ -162,7 +162,7 @@ static void outliers_are_ignored(void **state)
         assert_int_equal(m.space.exp(&m.space, clean.points + 7 * i, error, m.points + 7 * i), BAT_OK);
     }
     double kept[2], huber[2], tukey[2];
-    const bat_motion_outliers rules[] = {BAT_MOTION_OUTLIERS_KEPT, BAT_MOTION_OUTLIERS_HUBER, BAT_MOTION_OUTLIERS_TUKEY};
+    const bat_motion_outliers rules[] = {BAT_MOTION_OUTLIERS_NONE, BAT_MOTION_OUTLIERS_HUBER, BAT_MOTION_OUTLIERS_TUKEY};
     double *results[] = {kept, huber, tukey};
     for (int i = 0; i < 3; i++)
     {
@@ -221,7 +221,7 @@ static void residuals_are_orthogonal_to_lines(void **state)
 {
     (void)state;
     noisy_motion m = make_motion(0.02, 0.01, false);
-    bat_motion_spline_options options = smoothing(0.02, 0, BAT_MOTION_OUTLIERS_KEPT);
+    bat_motion_spline_options options = smoothing(0.02, 0, BAT_MOTION_OUTLIERS_NONE);
     bat_motion_spline *spline = must_make(&m, &options);
     double sum = 0, moment = 0, at[7], a[6];
     for (size_t i = 0; i < KEYS; i++)
@@ -243,7 +243,7 @@ static void others_are_refused(void **state)
     bat_hermite_curve keys = keys_of(&m);
     bat_motion_spline *spline = NULL;
     bat_error error;
-    bat_motion_spline_options options = smoothing(0.1, 0, BAT_MOTION_OUTLIERS_KEPT);
+    bat_motion_spline_options options = smoothing(0.1, 0, BAT_MOTION_OUTLIERS_NONE);
     double tangents[6 * KEYS] = {0};
     keys.tangents = tangents;
     assert_int_equal(bat_motion_spline_make(&keys, &options, &spline, &error), BAT_UNSUPPORTED);
@@ -256,11 +256,11 @@ static void others_are_refused(void **state)
     bat_hermite_curve round = {.space = &sphere, .points = points, .count = 3};
     assert_int_equal(bat_motion_spline_make(&round, &options, &spline, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "sphere"));
-    options = smoothing(0, 0.1, BAT_MOTION_OUTLIERS_KEPT);
+    options = smoothing(0, 0.1, BAT_MOTION_OUTLIERS_NONE);
     assert_int_equal(bat_motion_spline_make(&round, &options, &spline, &error), BAT_INVALID_ARGUMENT);
     options = smoothing(0, 0, BAT_MOTION_OUTLIERS_HUBER);
     assert_int_equal(bat_options_check(&bat_motion_spline_fields, &options, &error), BAT_INVALID_ARGUMENT);
-    options = smoothing(-1, 0, BAT_MOTION_OUTLIERS_KEPT);
+    options = smoothing(-1, 0, BAT_MOTION_OUTLIERS_NONE);
     assert_int_equal(bat_options_check(&bat_motion_spline_fields, &options, &error), BAT_INVALID_ARGUMENT);
     assert_null(spline);
 }

@@ -433,7 +433,7 @@ static void test_boundary_parameters(void **state)
     check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_CENTRIPETAL, found, NULL), BAT_OK);
     assert_memory_equal(found, parameters, sizeof found);
     assert_false(cloud.has_corners);
-    check_status(bat_cloud_boundary_parameters(&cloud, (bat_cloud_sides)3, found, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_cloud_boundary_parameters(&cloud, (bat_cloud_sides)4, found, NULL), BAT_INVALID_ARGUMENT);
     cloud.boundary_count = 0;
     check_status(bat_cloud_boundary_parameters(&cloud, BAT_CLOUD_SIDES_UNIFORM, found, NULL), BAT_INVALID_ARGUMENT);
     bat_cloud_free(&cloud);

@@ -19,6 +19,7 @@
 #include <string.h>
 
 static const bat_choice TOPOLOGIES[] = {
+    {.name = "auto", .summary = "files with features", .value = BAT_CURVE_MAP_TOPOLOGY_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "features",
      .summary = "files with features, such as GeoJSON, are maps",
      .value = BAT_CURVE_MAP_TOPOLOGY_FEATURES},
@@ -339,7 +340,7 @@ static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options 
     if (options->topology == BAT_CURVE_MAP_TOPOLOGY_ALWAYS)
         return true;
     bool features = set->attributes != NULL && set->attributes->remainder.content != NULL;
-    return options->topology == BAT_CURVE_MAP_TOPOLOGY_FEATURES && features && set->count > 0 &&
+    return options->topology <= BAT_CURVE_MAP_TOPOLOGY_FEATURES && features && set->count > 0 &&
            chart_of_space(set->space, options->decimals, &chart);
 }
 

@@ -67,7 +67,7 @@ bool wants_simple(const bat_curve *coarse, const bat_curve_refine_options *optio
 {
     surface_kind kind;
     bool wanted =
-        options->simple == BAT_CURVE_SIMPLE_ALWAYS || (options->simple == BAT_CURVE_SIMPLE_RINGS && coarse->closed);
+        options->simple == BAT_CURVE_SIMPLE_ALWAYS || (options->simple <= BAT_CURVE_SIMPLE_RINGS && coarse->closed);
     return wanted && options->levels > 0 && surface_of_space(coarse->space, &kind);
 }
 

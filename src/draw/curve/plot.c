@@ -77,7 +77,7 @@ static bat_status check_series(const bat_chart *chart, size_t index, bat_error *
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu has no numbers", index);
     }
-    if (series->mark < BAT_CHART_MARK_LINE || series->mark > BAT_CHART_MARK_BARS || series->colour < 0)
+    if (series->mark < BAT_CHART_MARK_AUTO || series->mark > BAT_CHART_MARK_BARS || series->colour < 0)
     {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: no such mark or colour", index);
     }
@@ -379,7 +379,7 @@ static legend_item plot_legend_item(const bat_chart *chart, size_t index)
     {
         item.line.width = 0.0;
     }
-    if (series->mark != BAT_CHART_MARK_LINE)
+    if (series->mark > BAT_CHART_MARK_LINE)
     {
         item.mark = series->mark == BAT_CHART_MARK_BARS ? LEGEND_BAR : LEGEND_DOT;
     }
@@ -611,7 +611,7 @@ static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis 
         for (size_t i = 0; i < chart->series_count; i++)
         {
             const bat_chart_series *series = &chart->series[i];
-            bool line = series->mark == BAT_CHART_MARK_LINE || series->mark == BAT_CHART_MARK_LINE_POINTS;
+            bool line = series->mark <= BAT_CHART_MARK_LINE || series->mark == BAT_CHART_MARK_LINE_POINTS;
             bool dots =
                 series->mark == BAT_CHART_MARK_POINTS || series->mark == BAT_CHART_MARK_LINE_POINTS || series->count == 1;
             if (layer == 0 && series->mark == BAT_CHART_MARK_BARS)

@@ -55,6 +55,7 @@ typedef struct mesh_scene
 } mesh_scene;
 
 static const bat_choice UP_AXES[] = {
+    {.name = "auto", .summary = "the second axis", .value = BAT_MESH_UP_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "y", .summary = "the second axis", .value = BAT_MESH_UP_Y},
     {.name = "z", .summary = "the third axis", .value = BAT_MESH_UP_Z},
     {.name = "x", .summary = "the first axis", .value = BAT_MESH_UP_X},

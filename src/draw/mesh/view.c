@@ -18,7 +18,10 @@
 /// The axes of space as (towards longitude 0, towards longitude pi/2, upwards), right-handed.
 static void axes_of(bat_mesh_up up, int axes[3])
 {
-    static const int AXES[3][3] = {[BAT_MESH_UP_X] = {1, 2, 0}, [BAT_MESH_UP_Y] = {2, 0, 1}, [BAT_MESH_UP_Z] = {0, 1, 2}};
+    static const int AXES[4][3] = {[BAT_MESH_UP_AUTO] = {2, 0, 1},
+                                   [BAT_MESH_UP_X] = {1, 2, 0},
+                                   [BAT_MESH_UP_Y] = {2, 0, 1},
+                                   [BAT_MESH_UP_Z] = {0, 1, 2}};
     for (int i = 0; i < 3; i++)
         axes[i] = AXES[up][i];
 }

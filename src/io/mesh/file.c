@@ -124,6 +124,7 @@ static const mesh_format FORMATS[] = {
 const bat_family bat_mesh_format_family = FAMILY("mesh format", FORMATS);
 
 static const bat_choice ENCODINGS[] = {
+    {.name = "auto", .summary = "binary", .value = BAT_MESH_ENCODING_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "binary", .summary = "little-endian", .value = BAT_MESH_ENCODING_BINARY},
     {.name = "big-endian", .summary = "the greater bytes first; PLY only", .value = BAT_MESH_ENCODING_BIG_ENDIAN},
     {.name = "text", .summary = "decimal numbers", .value = BAT_MESH_ENCODING_TEXT},

@@ -64,6 +64,7 @@ static const surface_format FORMATS[] = {
 const bat_family bat_surface_format_family = FAMILY("surface format", FORMATS);
 
 static const bat_choice UNITS[] = {
+    {.name = "auto", .summary = "millimetres", .value = BAT_SURFACE_UNIT_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "mm", .summary = "millimetres", .value = BAT_SURFACE_UNIT_MILLIMETRE},
     {.name = "m", .summary = "metres", .value = BAT_SURFACE_UNIT_METRE},
     {.name = "inch", .summary = "inches", .value = BAT_SURFACE_UNIT_INCH},

@@ -270,7 +270,7 @@ static bat_status write_trimmed(iges_file *file, const trimmed_model *model, uns
 /// Write the global section. Returns the number of its records.
 static unsigned append_global(text_buffer *text, bat_surface_unit unit, const trimmed_model *model)
 {
-    static const char *const UNITS[] = {"2,2HMM", "6,1HM", "1,4HINCH"};
+    static const char *const UNITS[] = {"2,2HMM", "2,2HMM", "6,1HM", "1,4HINCH"}; // by bat_surface_unit
     // The digits of a power of ten, without the locale's separator.
     char tolerance[NUMBER_SIZE], name[32], global[400];
     *number_write(tolerance, model->tolerance) = '\0';

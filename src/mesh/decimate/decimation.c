@@ -398,7 +398,8 @@ static bat_status run(decimation *all, bat_error *error)
 {
     bat_status status = BAT_OK;
     all->initial = (decimation_target){all->mesh.vertices_left, all->mesh.faces_left};
-    all->memoryless = all->options->method == BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
+    all->memoryless =
+        all->options->method == BAT_MESH_DECIMATE_METHOD_AUTO || all->options->method == BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     if (all->options->method == BAT_MESH_DECIMATE_METHOD_FAST)
     {
         memset(all->errors, 0, all->mesh.edge_count * sizeof *all->errors);

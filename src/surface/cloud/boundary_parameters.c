@@ -450,6 +450,7 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
 }
 
 static const bat_choice SIDES[] = {
+    {.name = "auto", .summary = "in proportion to distance", .value = BAT_CLOUD_SIDES_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "chord-length", .summary = "in proportion to distance", .value = BAT_CLOUD_SIDES_CHORD_LENGTH},
     {.name = "centripetal", .summary = "in proportion to the root of distance", .value = BAT_CLOUD_SIDES_CENTRIPETAL},
     {.name = "uniform", .summary = "evenly", .value = BAT_CLOUD_SIDES_UNIFORM},
@@ -462,7 +463,7 @@ static double step_between(const double *from, const double *to, bat_cloud_sides
     double side[3];
     vector3_subtract(to, from, side);
     double length = sqrt(vector3_dot(side, side));
-    return method == BAT_CLOUD_SIDES_CHORD_LENGTH ? length : method == BAT_CLOUD_SIDES_CENTRIPETAL ? sqrt(length) : 1;
+    return method <= BAT_CLOUD_SIDES_CHORD_LENGTH ? length : method == BAT_CLOUD_SIDES_CENTRIPETAL ? sqrt(length) : 1;
 }
 
 /// Set the parameters of a side, from one corner to the next.

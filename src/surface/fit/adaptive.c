@@ -90,6 +90,10 @@ void bat_surface_fit_report_free(bat_surface_fit_report *report)
 }
 
 static const bat_choice SMOOTHINGS[] = {
+    {.name = "auto",
+     .summary = "restricted maximum likelihood",
+     .value = BAT_SURFACE_SMOOTHING_AUTO,
+     .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "likelihood", .summary = "restricted maximum likelihood", .value = BAT_SURFACE_SMOOTHING_LIKELIHOOD},
     {.name = "cross-validation", .summary = "generalized cross-validation", .value = BAT_SURFACE_SMOOTHING_CROSS_VALIDATION},
     {.name = "noise",

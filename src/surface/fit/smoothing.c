@@ -271,7 +271,7 @@ static bat_status try_weight(weight_workspace *workspace, const fit_weight_searc
     trial->trace = effect.trace;
     if (search->smoothing == BAT_SURFACE_SMOOTHING_CROSS_VALIDATION)
         score_cross_validation(workspace, lambda, &effect, trial);
-    else if (search->smoothing == BAT_SURFACE_SMOOTHING_LIKELIHOOD)
+    else if (search->smoothing <= BAT_SURFACE_SMOOTHING_LIKELIHOOD)
         score_likelihood(workspace, search->spread, lambda, &effect, trial);
     else
         score_noise(search->noise, lambda, &effect, trial);

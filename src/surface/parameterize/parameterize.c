@@ -25,6 +25,7 @@
 static const double RADIUS_FACTOR = 3;
 
 static const bat_choice METHODS[] = {
+    {.name = "auto", .summary = "shape-preserving", .value = BAT_CLOUD_PARAMETERIZATION_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
     {.name = "shape-preserving",
      .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/algorithms/parameterization.md",
      .value = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING},
@@ -142,9 +143,11 @@ static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *bo
 bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary,
                                   const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
-    const bat_cloud_parameterize_options defaults = bat_cloud_parameterize_defaults();
-    options = options != NULL ? options : &defaults;
+    bat_cloud_parameterize_options chosen = options != NULL ? *options : bat_cloud_parameterize_defaults();
     bat_status status = bat_options_check(&bat_cloud_parameterize_fields, options, error);
+    options = &chosen;
+    if (chosen.method == BAT_CLOUD_PARAMETERIZATION_AUTO)
+        chosen.method = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING;
     if (status == BAT_OK)
         status = check_cloud(cloud, boundary, options, error);
     if (status != BAT_OK)
