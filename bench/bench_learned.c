@@ -49,7 +49,7 @@ static double refine_all(const bat_curve *rings, size_t count, const char *schem
     if (fine == NULL || bat_curve_scheme_by_name(scheme, &options.scheme, &error) != BAT_OK)
         return -1;
     double begin = seconds_now();
-    bat_status status = bat_curves_refine(rings, count, &options, fine, NULL, &error);
+    bat_status status = bat_curves_refine(rings, count, &options, fine, &error);
     double seconds = seconds_now() - begin;
     for (size_t i = 0; i < count; i++)
         bat_curve_free(&fine[i]);

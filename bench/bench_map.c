@@ -34,7 +34,7 @@ static bat_status run(const bat_curve_map_refine_options *options, double *secon
     bat_status status = bat_curve_read(GIVEN, NULL, &given, error);
     if (status != BAT_OK)
         return status;
-    status = bat_curve_map_refine(&given, options, &fine, NULL, error);
+    status = bat_curve_map_refine(&given, options, &fine, error);
     if (status == BAT_OK)
     {
         status = bat_curve_write(REFINED, &fine, NULL, error);

@@ -61,7 +61,7 @@ static double time_refinement(const bat_curve *coarse, size_t count, bat_curve_r
     for (int round = 0; round < ROUNDS; round++)
     {
         double start = seconds_now();
-        if (bat_curves_refine(coarse, count, options, fine, NULL, &error) != BAT_OK)
+        if (bat_curves_refine(coarse, count, options, fine, &error) != BAT_OK)
             (void)fprintf(stderr, "%s\n", error.text);
         spent[round] = seconds_now() - start;
         for (size_t i = 0; i < count; i++)

@@ -67,7 +67,7 @@ static bool run(const char *input, const char *output, stages *spent, bat_error 
         return false;
     double after_read = seconds_now();
     bat_curve *curves = calloc(coarse.count, sizeof *curves);
-    if (curves == NULL || bat_curves_refine(coarse.curves, coarse.count, &refine, curves, NULL, error) != BAT_OK ||
+    if (curves == NULL || bat_curves_refine(coarse.curves, coarse.count, &refine, curves, error) != BAT_OK ||
         bat_curve_set_like(&coarse, curves, &fine, error) != BAT_OK)
         return false;
     double after_refine = seconds_now();

@@ -10,9 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Report that refining failed with curve `failed` of the given ones.
-static int report_curve(const curve_job *job, size_t failed, const bat_error *error)
+/// Report that refining failed.
+static int report_curve(const curve_job *job, const bat_error *error)
 {
+    size_t failed = error->curve;
     const bat_curve_set *set = &job->coarse;
     bat_error whole = *error;
     char place[160];
@@ -42,7 +43,6 @@ static int refine_motion(curve_job *job, size_t levels, bat_curve_set *fine)
     const bat_curve_set *keyframes = &job->coarse;
     bat_motion_curves_options how = job->motion;
     bat_error error;
-    size_t failed = keyframes->count;
     const char *sigma = argument(job->call.given, "sigma");
     if (sigma != NULL && strchr(sigma, ',') == NULL && strcmp(keyframes->space->name, "rigid") == 0)
     {
@@ -52,9 +52,9 @@ static int refine_motion(curve_job *job, size_t levels, bat_curve_set *fine)
     how.scheme.levels = levels;
     how.report = &job->findings.moved;
     how.scheme.progress = report_progress("refining");
-    bat_status status = bat_motion_curves(keyframes, &how, fine, &failed, &error);
+    bat_status status = bat_motion_curves(keyframes, &how, fine, &error);
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_curve(job, failed, &error);
+    return status == BAT_OK ? EXIT_DONE : report_curve(job, &error);
 }
 
 /// Refine a set by `levels` levels, or up to the stops of the job, into another that keeps the file's attributes. `report`
@@ -71,10 +71,9 @@ static int refine_set(curve_job *job, size_t levels, bat_curve_set *fine, bat_cu
     how.refine.progress = report_progress("refining");
     how.decimals = job->write.precision;
     how.report = report;
-    size_t failed;
-    bat_status status = bat_curve_map_refine(&job->coarse, &how, fine, &failed, report_error());
+    bat_status status = bat_curve_map_refine(&job->coarse, &how, fine, report_error());
     report_progress_end();
-    return status == BAT_OK ? EXIT_DONE : report_curve(job, failed, report_error());
+    return status == BAT_OK ? EXIT_DONE : report_curve(job, report_error());
 }
 
 /// Replace the tension of the scheme by the best for the truth, and its name.
@@ -182,7 +181,7 @@ static int measure_fairness(const curve_job *job, const bat_curve_set *set, curv
     bat_curve_measure_options how = bat_curve_measure_defaults();
     how.threads = job->read.threads;
     how.progress = report_progress("measuring fairness");
-    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, NULL, report_error());
+    bat_status status = bat_curves_fairness(set->curves, set->count, &how, fairness, report_error());
     for (size_t i = 0; i < set->count && status == BAT_OK; i++)
     {
         sum->points += set->curves[i].count;
@@ -205,7 +204,7 @@ static int measure_distances(curve_job *job)
     bat_curve_measure_options how = bat_curve_measure_defaults();
     how.threads = job->read.threads;
     how.progress = report_progress("measuring distances");
-    bat_status status = bat_curves_compare(job->fine.curves, job->truths.curves, count, &how, each, NULL, report_error());
+    bat_status status = bat_curves_compare(job->fine.curves, job->truths.curves, count, &how, each, report_error());
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         findings->mean_nn += each[i].mean_nn / (double)count;

@@ -144,9 +144,10 @@ static int report_results(const char *path, const results *all, bool compared, b
 }
 
 /// Report which curve of a file is at fault.
-static int report_curve(const char *path, const bat_curve_set *set, size_t curve, bat_error *error)
+static int report_curve(const char *path, const bat_curve_set *set, const bat_error *error)
 {
     bat_error named = *error;
+    size_t curve = error->curve;
     if (error->index != BAT_NO_INDEX && curve < set->count)
         named.line = bat_curve_set_line(set, curve, error->index);
     if (set->count > 1 && curve < set->count)
@@ -158,38 +159,36 @@ static int report_curve(const char *path, const bat_curve_set *set, size_t curve
 static int measure_curves(const measure_job *job, measured what, results *all)
 {
     const bat_curve_set *a = &job->sets[0], *b = &job->sets[1], *set = what == FAIRNESS_OF_B ? b : a;
-    size_t failed = BAT_NO_INDEX;
     bool compares = what == DISTANCE;
     bat_curve_measure_options how = job->measure;
     how.progress = report_progress(compares ? "measuring distances" : "measuring fairness");
     bat_status status =
-        compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, &failed, report_error())
-                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], &failed, report_error());
+        compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, report_error())
+                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], report_error());
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
     const char *path = compares ? file_at_fault(job->paths, report_error()) : job->paths[what];
-    return report_curve(path, path == job->paths[0] ? a : b, failed, report_error());
+    return report_curve(path, path == job->paths[0] ? a : b, report_error());
 }
 
 /// Whether each curve of A is simple. Does nothing in spaces where curves do not cross.
 static int measure_simple(const measure_job *job, bool **simple)
 {
     const bat_curve_set *set = &job->sets[0];
-    size_t failed = BAT_NO_INDEX;
     bat_curve_measure_options how = job->measure;
     bool *answers = calloc(set->count > 0 ? set->count : 1, sizeof *answers);
     if (answers == NULL)
         return report_failure(job->paths[0], &(bat_error){.text = "out of memory"});
     how.progress = report_progress("looking for crossings");
-    bat_status status = bat_curves_are_simple(set->curves, set->count, &how, answers, &failed, report_error());
+    bat_status status = bat_curves_are_simple(set->curves, set->count, &how, answers, report_error());
     report_progress_end();
     if (status == BAT_OK)
         *simple = answers;
     else
         free(answers);
     return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE
-                                                         : report_curve(job->paths[0], set, failed, report_error());
+                                                         : report_curve(job->paths[0], set, report_error());
 }
 
 static int measure_sets(measure_job *job)

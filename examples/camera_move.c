@@ -67,7 +67,7 @@ int main(int argc, char **argv)
     poses.space->weight = RADIANS_PER_METRE;
 
     // From file to file in one call …
-    bat_status status = bat_motion_curves(&poses, &options, &move, NULL, &error);
+    bat_status status = bat_motion_curves(&poses, &options, &move, &error);
     if (status == BAT_OK && argc > 2)
         status = bat_curve_write(argv[2], &move, NULL, &error);
     // … and step by step, with velocities to look at.

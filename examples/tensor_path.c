@@ -42,7 +42,7 @@ int main(int argc, char **argv)
     options.scheme.levels = LEVELS;
     bat_status status = bat_curve_read(path, NULL, &tensors, &error);
     if (status == BAT_OK)
-        status = bat_motion_curves(&tensors, &options, &smooth, NULL, &error);
+        status = bat_motion_curves(&tensors, &options, &smooth, &error);
     if (status == BAT_OK && argc > 2)
         status = bat_curve_write(argv[2], &smooth, NULL, &error);
     if (status != BAT_OK)

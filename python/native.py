@@ -18,7 +18,7 @@ void free(void *pointer);
 
 bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offsets, size_t count,
                                 const bat_curve_refine_options *options, double **points, int64_t *fine_offsets,
-                                size_t *failed, bat_error *error);
+                                bat_error *error);
 void batten_set_eager(bool eager);
 bool batten_report_seldom(void *context, double fraction);
 size_t batten_set_points(const bat_curve_set *set);

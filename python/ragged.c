@@ -70,7 +70,7 @@ static bool reserve(double **points, size_t *capacity, size_t need, double share
 /// @return as bat_curves_refine(); `points` is null on failure
 static bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offsets, size_t count,
                                        const bat_curve_refine_options *options, double **points, int64_t *fine_offsets,
-                                       size_t *failed, bat_error *error)
+                                       bat_error *error)
 {
     enum
     {
@@ -83,6 +83,7 @@ static bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offs
     bat_curve_refine_report sum = none;
     *points = NULL;
     fine_offsets[0] = 0;
+    error->curve = BAT_NO_INDEX;
     for (size_t begin = 0; begin < count && status == BAT_OK; begin += PART)
     {
         size_t size = count - begin < PART ? count - begin : PART;
@@ -100,11 +101,11 @@ static bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offs
             coarse[i].count = (size_t)(range[1] - range[0]);
             fine[i] = (bat_curve){0};
         }
-        status = bat_curves_refine(coarse, size, &how, fine, failed, error);
+        status = bat_curves_refine(coarse, size, &how, fine, error);
         if (status != BAT_OK)
         {
-            if (*failed != BAT_NO_INDEX)
-                *failed += begin;
+            if (error->curve != BAT_NO_INDEX)
+                error->curve += begin;
             break;
         }
         for (size_t i = 0; i < size; i++)

@@ -67,6 +67,7 @@ typedef struct bat_error
 {
     bat_status status;      ///< the cause
     size_t operand;         ///< the input of the call at fault, counted from 0; or BAT_NO_INDEX
+    size_t curve;           ///< of a call for several curves, the one at fault, counted from 0; or BAT_NO_INDEX
     size_t index;           ///< the point, curve or coefficient at fault, counted from 0; or BAT_NO_INDEX
     size_t index_at;        ///< where `text` names the index, for a caller that numbers otherwise; 0: nowhere, or unknown
     size_t line;            ///< the line of the file at fault, counted from 1; 0 when there is none

@@ -155,10 +155,10 @@ BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_ref
 /// bat_curve_refine() of many curves. Threads share the curves.
 ///
 /// @param fine         receives `count` curves; all empty on failure
-/// @param failed_curve receives the index of the first failing curve; may be null
+/// @param error   its `curve` is the first failing one
 /// @return as bat_curve_refine()
 BAT_API bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options,
-                                     bat_curve *fine, size_t *failed_curve, bat_error *error);
+                                     bat_curve *fine, bat_error *error);
 
 /// bat_curve_refine() into the caller's arrays.
 /// @param points   room for `capacity` rows

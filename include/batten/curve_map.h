@@ -67,11 +67,11 @@ extern BAT_API const bat_options_table bat_curve_map_refine_fields;
 /// @param options null for the defaults
 /// @param fine    receives one curve for each given one, with the attributes of `coarse`; release it with
 ///                bat_curve_set_free()
-/// @param failed  receives the index of the failing curve, or BAT_NO_INDEX; may be null. error->index is its point
+/// @param error   its `curve` is the failing one where it is known, its `index` the point of that curve
 /// @return as bat_curve_refine(); BAT_UNSUPPORTED also where a scheme that does not keep the given points makes arcs cross,
 ///         and for BAT_CURVE_END_RULE_FREE. `fine` is untouched on failure
 BAT_API bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_refine_options *options,
-                                        bat_curve_set *fine, size_t *failed, bat_error *error);
+                                        bat_curve_set *fine, bat_error *error);
 
 BAT_C_END
 

@@ -60,10 +60,10 @@ BAT_API bat_status bat_curve_compare(const bat_curve *first, const bat_curve *se
 /// bat_curve_compare() of first[i] with second[i] for many pairs. Threads share the pairs, or the points of each where there
 /// are few pairs.
 /// @param distances    receives `count` results; some of them on failure
-/// @param failed_curve receives the first pair at fault on failure, and is untouched when cancelled; may be null
+/// @param error     its `curve` is the first pair at fault
 BAT_API bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, size_t count,
                                       const bat_curve_measure_options *options, bat_curve_distance *distances,
-                                      size_t *failed_curve, bat_error *error);
+                                      bat_error *error);
 
 /// Measures of fairness.
 typedef struct bat_curve_fairness_values
@@ -86,10 +86,10 @@ BAT_API bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_me
 
 /// bat_curve_fairness() for many curves, which the threads share.
 /// @param fairness     receives `count` results; some of them on failure
-/// @param failed_curve receives the first curve at fault on failure, and is untouched when cancelled; may be null
+/// @param error    its `curve` is the first one at fault
 /// @return as bat_curve_fairness(), and BAT_CANCELLED
 BAT_API bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
-                                       bat_curve_fairness_values *fairness, size_t *failed_curve, bat_error *error);
+                                       bat_curve_fairness_values *fairness, bat_error *error);
 
 /// The measures of a curve, in the order of a report.
 /// @param curves  1: the fields of bat_curve_fairness_values; 2: those of bat_curve_distance
@@ -113,10 +113,10 @@ BAT_API bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat
 /// bat_curve_is_simple() for many curves, each by itself. Threads share the curves.
 /// @param options      null for the defaults; only threads and progress count
 /// @param simple       receives `count` answers; some of them on failure
-/// @param failed_curve receives the first curve at fault on failure, and is untouched when cancelled; may be null
+/// @param error    its `curve` is the first one at fault
 /// @return as bat_curve_is_simple(), and BAT_CANCELLED
 BAT_API bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
-                                         bool *simple, size_t *failed_curve, bat_error *error);
+                                         bool *simple, bat_error *error);
 
 /// Statistics of a set of numbers.
 typedef struct bat_curve_summary

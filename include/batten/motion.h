@@ -122,11 +122,11 @@ BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curv
 ///
 /// @param options null for the defaults
 /// @param fine    receives a curve for each one of `keyframes`; release it with bat_curve_set_free()
-/// @param failed  receives the index of the failing curve; may be null
+/// @param error   its `curve` is the failing one
 /// @return as bat_motion_data(), bat_motion_spline_make(), bat_motion_spline_sample(), bat_hermite_refine() and
 ///         bat_hermite_sample_rate(); `fine` is untouched on failure
 BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options,
-                                     bat_curve_set *fine, size_t *failed, bat_error *error);
+                                     bat_curve_set *fine, bat_error *error);
 
 /// Read increasing times: a number a line, or a date with a time of day (ISO 8601). Whole numbers from 1e17 on are
 /// nanoseconds, others seconds. Blank lines, lines that begin with # and a first line of "time" are skipped.

@@ -111,7 +111,7 @@ _ERRORS: dict[int, type[BattenError]] = {
 NO_INDEX = int(ffi.cast("size_t", -1))
 
 
-def call(function: Callable[..., int], *arguments: Any, failed: Any = None) -> None:
+def call(function: Callable[..., int], *arguments: Any) -> None:
     """Call a function of the library, whose last parameter is an error, and raise what went wrong."""
     error = ffi.new("bat_error *")
     _thread.raised = None
@@ -126,7 +126,7 @@ def call(function: Callable[..., int], *arguments: Any, failed: Any = None) -> N
     text = _argument(option) + text[len(option) :]
     if remedy:
         text += f"; {_argument(remedy)}= {effect}"
-    curve = None if failed is None or failed[0] == NO_INDEX else int(failed[0])
+    curve = None if error.curve == NO_INDEX else int(error.curve)
     exception = _ERRORS.get(status, BattenError)(text if curve is None else f"curve {curve}: {text}")
     exception.status, exception.curve = ffi.string(lib.bat_status_name(status)).decode(), curve
     exception.index = None if error.index == NO_INDEX else error.index

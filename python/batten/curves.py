@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (NO_INDEX, BattenWarning, Floats, Progress, Report, array, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, lib, options, pointer, report, shown,
                           take, written)
 from batten.spaces import Space, space_of
 
@@ -217,12 +217,12 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
 
 
 def _refine_many(points: Floats, offsets: NDArray[np.int64], space: Space, closed: bool, how: Any, progress: Progress) -> Curves:
-    memory, failed = ffi.new("double **"), ffi.new("size_t *", NO_INDEX)
+    memory = ffi.new("double **")
     ends = np.zeros(len(offsets), np.int64)
     every = ffi.new("bat_curve *", _struct(points, space, closed))
     with shown(progress, "refining"):
         call(lib.batten_refine_ragged, every, pointer(offsets, "int64_t[]"), len(offsets) - 1, how, memory,
-             pointer(ends, "int64_t[]"), failed, failed=failed)  # fmt: skip
+             pointer(ends, "int64_t[]"))  # fmt: skip
     return Curves(take(memory[0], (int(ends[-1]), space.point_dim)), ends, space, bool(closed))
 
 

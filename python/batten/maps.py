@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from batten._core import (NO_INDEX, BattenWarning, Progress, Report, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenWarning, Progress, Report, call, ffi, lib, options, pointer, report, shown,
                           take)  # fmt: skip
 
 #: The kinds of geometries with lines, by shapely's numbers: all but points.
@@ -86,7 +86,7 @@ def _refine(given: Any, space: str, progress: Progress, settings: dict[str, Any]
     whole = f'{{"type":"FeatureCollection","features":[{features}]}}'.encode()
     free = lib.bat_curve_set_free
     coarse, fine = ffi.gc(ffi.new("bat_curve_set *"), free), ffi.gc(ffi.new("bat_curve_set *"), free)
-    failed, found = ffi.new("size_t *", NO_INDEX), ffi.new("bat_curve_map_refine_report *")
+    found = ffi.new("bat_curve_map_refine_report *")
     if "fairness" in settings:
         settings.setdefault("scheme", "learned")
     how = options("bat_curve_map_refine_options", settings)
@@ -94,7 +94,7 @@ def _refine(given: Any, space: str, progress: Progress, settings: dict[str, Any]
     reading = options("bat_curve_read_options", {"format": "geojson", "space": space})
     call(lib.bat_curve_read_memory, whole, len(whole), reading, coarse)
     with shown(progress, "smoothing"):
-        call(lib.bat_curve_map_refine, coarse, how, fine, failed, failed=failed)
+        call(lib.bat_curve_map_refine, coarse, how, fine)
     index = 0
     while note := lib.bat_curve_set_note(coarse, index):
         warnings.warn(ffi.string(note).decode(), BattenWarning, stacklevel=4)

@@ -83,7 +83,7 @@ def lines():
     space = ffi.new("bat_space *", lib.bat_euclidean(2))
     how = ffi.new("bat_curve_refine_options *", lib.bat_curve_refine_defaults())
     how.levels = 2
-    error, failed, buffer = ffi.new("bat_error *"), ffi.new("size_t *"), ffi.from_buffer("double[]", points)
+    error, buffer = ffi.new("bat_error *"), ffi.from_buffer("double[]", points)
     coarse, fine = ffi.new("bat_curve[]", count), ffi.new("bat_curve[]", count)
     for i in range(count):
         curve = coarse[i]
@@ -91,7 +91,7 @@ def lines():
     times = []
     for _ in range(3):
         begin = time.perf_counter()
-        assert lib.bat_curves_refine(coarse, count, how, fine, failed, error) == 0
+        assert lib.bat_curves_refine(coarse, count, how, fine, error) == 0
         times.append(time.perf_counter() - begin)
         for i in range(count):
             lib.bat_curve_free(fine + i)

@@ -242,13 +242,12 @@ static bat_status refine_all(const study *s, const real_case *a_case, size_t met
         how.simple = BAT_CURVE_SIMPLE_NEVER;
     else if (name != DEFAULT)
         status = bat_curve_scheme_by_name(name, &how.scheme, error);
-    size_t failed = 0;
     bat_error own;
     if (status != BAT_OK)
         return status;
-    status = bat_curves_refine(a_case->control, a_case->count, &how, a_case->fine, &failed, &own);
+    status = bat_curves_refine(a_case->control, a_case->count, &how, a_case->fine, &own);
     return status == BAT_OK ? BAT_OK
-                            : error_set(error, status, own.index, 0, "curve %zu by %s: %.160s", failed, name, own.text);
+                            : error_set(error, status, own.index, 0, "curve %zu by %s: %.160s", own.curve, name, own.text);
 }
 
 static bat_status summarize(const real_case *a_case, bat_real_curves_row *row, bat_error *error)

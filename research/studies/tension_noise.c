@@ -171,17 +171,16 @@ static bat_status measure(noise_state *state, const bat_curve_scheme *scheme, ba
     refine.simple = BAT_CURVE_SIMPLE_NEVER; // the published program has no such test
     bat_curve_measure_options how = bat_curve_measure_defaults();
     how.threads = state->options->threads;
-    size_t failed = 0;
     bat_error own;
-    bat_status status = bat_curves_refine(state->noisy, state->count, &refine, state->fine, &failed, &own);
+    bat_status status = bat_curves_refine(state->noisy, state->count, &refine, state->fine, &own);
     if (status == BAT_OK)
     {
-        status = bat_curves_fairness(state->fine, state->count, &how, state->fairness, &failed, &own);
+        status = bat_curves_fairness(state->fine, state->count, &how, state->fairness, &own);
         for (size_t i = 0; i < state->count; i++)
             bat_curve_free(&state->fine[i]);
     }
     if (status != BAT_OK)
-        return error_set(state->error, status, own.index, 0, "disturbed curve %zu: %.180s", failed, own.text);
+        return error_set(state->error, status, own.index, 0, "disturbed curve %zu: %.180s", own.curve, own.text);
     for (size_t i = 0; i < state->count; i++)
         state->g1[i] = state->fairness[i].g1;
     return bat_curve_summarize(state->g1, state->count, g1, state->error);

@@ -298,7 +298,7 @@ static bat_status refine(const bat_tension_set *set, group_items own, const bat_
         return BAT_OK;
     for (size_t i = own.begin; i < own.end; i++)
         coarse[i] = bat_tension_control(set, i, space);
-    return bat_curves_refine(coarse + own.begin, own.end - own.begin, &options, fine + own.begin, NULL, error);
+    return bat_curves_refine(coarse + own.begin, own.end - own.begin, &options, fine + own.begin, error);
 }
 
 static bat_status measure(const bat_tension_set *set, group_items own, const bat_space *space, const bat_curve *fine,

@@ -17,7 +17,7 @@ bat_status(error_set)(bat_error *error, bat_status status, size_t index, size_t 
         return status;
     // Without an initializer, which would clear the whole text.
     error->status = status;
-    error->operand = BAT_NO_INDEX;
+    error->operand = error->curve = BAT_NO_INDEX;
     error->index = index;
     error->index_at = 0;
     error->line = line;
@@ -87,6 +87,13 @@ bat_status error_operand(bat_error *error, bat_status status, size_t operand)
 {
     if (status != BAT_OK && error != NULL)
         error->operand = operand;
+    return status;
+}
+
+bat_status error_curve(bat_error *error, bat_status status, size_t curve)
+{
+    if (status != BAT_OK && status != BAT_CANCELLED && error != NULL)
+        error->curve = curve;
     return status;
 }
 

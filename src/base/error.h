@@ -29,6 +29,9 @@ bat_status error_remedy(bat_error *error, bat_status status, const char *remedy,
 /// Tell which input of the call has failed, from 0 on, and hand the status back. Does nothing for BAT_OK or a null error.
 bat_status error_operand(bat_error *error, bat_status status, size_t operand);
 
+/// Tell which curve of several has failed, and hand the status back. Does nothing for BAT_OK, BAT_CANCELLED or a null error.
+bat_status error_curve(bat_error *error, bat_status status, size_t curve);
+
 /// Put words before the text of a failure, and hand its status back. Does nothing for BAT_OK or a null error.
 bat_status error_prefix(bat_error *error, bat_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 

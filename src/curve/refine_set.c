@@ -45,7 +45,7 @@ static void refine_many(const bat_curve *coarse, const bat_curve_refine_options 
         how.threads = 1;
         how.progress = (bat_progress){0};
         how.report = &one;
-        bat_status status = bat_curve_refine(&coarse[i], &how, &fine[i], &error);
+        bat_status status = error_curve(&error, bat_curve_refine(&coarse[i], &how, &fine[i], &error), i);
         add_report(report, &one);
         shared_work_finish(work, i, status, &error);
     }
@@ -53,7 +53,7 @@ static void refine_many(const bat_curve *coarse, const bat_curve_refine_options 
 
 /// One after the other, each reporting its part of the whole.
 static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
-                             bat_curve_refine_report *report, size_t *failed, bat_error *error)
+                             bat_curve_refine_report *report, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
@@ -63,20 +63,18 @@ static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_cu
         bat_curve_refine_report one = {0};
         how.progress = progress_of_part(&part);
         how.report = &one;
-        status = bat_curve_refine(&coarse[i], &how, &fine[i], error);
+        status = error_curve(error, bat_curve_refine(&coarse[i], &how, &fine[i], error), i);
         add_report(report, &one);
-        *failed = i;
     }
     return status;
 }
 
 bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_curve_refine_options *options, bat_curve *fine,
-                             size_t *failed_curve, bat_error *error)
+                             bat_error *error)
 {
     const bat_curve_refine_options defaults = bat_curve_refine_defaults();
     options = options != NULL ? options : &defaults;
     bat_curve_refine_report report = {.min_levels = count > 0 ? SIZE_MAX : 0};
-    size_t failed = 0;
     for (size_t i = 0; i < count; i++)
         fine[i] = (bat_curve){.space = coarse[i].space};
     bat_status status = bat_options_check(&bat_curve_refine_fields, options, error);
@@ -84,13 +82,12 @@ bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_cu
         return status;
     int threads = threads_for(options->threads, SIZE_MAX);
     if (count < MANY * (size_t)threads)
-        status = refine_few(coarse, count, options, fine, &report, &failed, error);
+        status = refine_few(coarse, count, options, fine, &report, error);
     else
     {
         shared_work work = shared_work_make(count, options->progress);
         refine_many(coarse, options, threads, fine, &report, &work);
         status = shared_work_end(&work, error);
-        failed = work.failed;
     }
     if (status == BAT_OK && options->report != NULL)
         *options->report = report;
@@ -98,7 +95,5 @@ bat_status bat_curves_refine(const bat_curve *coarse, size_t count, const bat_cu
         return BAT_OK;
     for (size_t i = 0; i < count; i++)
         bat_curve_free(&fine[i]);
-    if (failed_curve != NULL && status != BAT_CANCELLED)
-        *failed_curve = failed;
     return status;
 }

@@ -689,15 +689,13 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
 }
 
 bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options, bat_curve_set *fine,
-                             size_t *failed, bat_error *error)
+                             bat_error *error)
 {
     bat_motion_curves_options defaults = bat_motion_curves_defaults();
     result_columns columns;
     bat_curve_set made;
     if (options == NULL)
         options = &defaults;
-    if (failed != NULL)
-        *failed = 0;
     motion_channels channels = channels_of(keyframes);
     bat_status status = bat_options_check(&bat_motion_curves_fields, options, error);
     if (status == BAT_OK)
@@ -714,11 +712,7 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_cu
     status = curves != NULL ? BAT_OK : error_memory(error, keyframes->count * sizeof *curves);
     size_t count = 0;
     for (; count < keyframes->count && status == BAT_OK; count++)
-    {
-        if (failed != NULL)
-            *failed = count;
-        status = smooth_one(keyframes, count, options, &columns, &curves[count], error);
-    }
+        status = error_curve(error, smooth_one(keyframes, count, options, &columns, &curves[count], error), count);
     if (status == BAT_OK)
         status = bat_curve_set_take(curves, keyframes->count, &made, error);
     if (status == BAT_OK)

@@ -374,7 +374,7 @@ static void threads_make_no_difference(void **state)
         how.threads = k % 2 == 0 ? 1 : 3;
         how.report = &reports[k];
         how.max_edge = k < 2 ? 0 : 0.003;
-        check_status(bat_curves_refine(curves, CURVES, &how, fine[k], NULL, NULL), BAT_OK);
+        check_status(bat_curves_refine(curves, CURVES, &how, fine[k], NULL), BAT_OK);
         if (k % 2 == 0)
             continue;
         for (size_t i = 0; i < CURVES; i++)

@@ -242,7 +242,7 @@ static void threads_make_no_difference(void **state)
         bat_curve fine = refined(&coarse, &how);
         assert_memory_equal(one.points, fine.points, 3 * one.count * sizeof(double));
         bat_curve_free(&fine);
-        check_status(bat_curves_refine(many, 8, &how, several, NULL, NULL), BAT_OK);
+        check_status(bat_curves_refine(many, 8, &how, several, NULL), BAT_OK);
         for (size_t i = 0; i < 8; i++)
         {
             assert_memory_equal(one.points, several[i].points, 3 * one.count * sizeof(double));

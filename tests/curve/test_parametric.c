@@ -693,7 +693,7 @@ static void threads_and_sets_change_no_byte(void **state)
         bat_curve_refine_options how = options(ALL[s], 9);
         how.threads = 3;
         bat_curve fine[9];
-        check_status(bat_curves_refine(coarse, 9, &how, fine, NULL, NULL), BAT_OK);
+        check_status(bat_curves_refine(coarse, 9, &how, fine, NULL), BAT_OK);
         for (size_t i = 0; i < 9; i++)
         {
             how.threads = i < 8 ? 1 : 3;

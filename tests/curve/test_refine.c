@@ -161,11 +161,10 @@ static void sets_of_curves_are_shared_by_threads(void **state)
         coarse[i] = (bat_curve){.space = &disk, .points = points[i], .count = POINTS, .closed = i % 2 == 0};
     }
     bat_curve_refine_options how = options("log-exp-4", 4);
-    size_t failed = 0;
     bat_error error;
     for (how.threads = 1; how.threads <= 4; how.threads++)
     {
-        check_status(bat_curves_refine(coarse, CURVES, &how, fine, &failed, &error), BAT_OK);
+        check_status(bat_curves_refine(coarse, CURVES, &how, fine, &error), BAT_OK);
         for (int i = 0; i < CURVES; i++)
         {
             bat_curve alone = refined(&coarse[i], &how);
@@ -178,8 +177,8 @@ static void sets_of_curves_are_shared_by_threads(void **state)
     // The first curve at fault is named, whichever thread meets one first.
     points[150][3] = points[40][7] = 2;
     how.threads = 3;
-    check_status(bat_curves_refine(coarse, CURVES, &how, fine, &failed, &error), BAT_INVALID_POINT);
-    assert_int_equal(failed, 40);
+    check_status(bat_curves_refine(coarse, CURVES, &how, fine, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.curve, 40);
     assert_int_equal(error.index, 3);
     for (int i = 0; i < CURVES; i++)
         assert_null(fine[i].points);
@@ -465,7 +464,7 @@ static void the_defaults_fit_every_space(void **state)
         bat_curve coarse = {.space = &spaces[s], .points = points, .count = 5, .closed = true};
         bat_curve fine = refined(&coarse, NULL), fines[1];
         assert_int_equal(fine.count, 5 << 5);
-        check_status(bat_curves_refine(&coarse, 1, NULL, fines, NULL, NULL), BAT_OK);
+        check_status(bat_curves_refine(&coarse, 1, NULL, fines, NULL), BAT_OK);
         assert_memory_equal(fine.points, fines[0].points, fine.count * spaces[s].point_dim * sizeof(double));
         bat_curve_free(&fine);
         bat_curve_free(&fines[0]);
@@ -535,7 +534,7 @@ static void progress_goes_from_0_to_1(void **state)
             bat_curve_refine_options how = options(names[s], 12);
             how.threads = threads;
             how.progress = (bat_progress){listen, heard};
-            check_status(bat_curves_refine(coarse, 3, &how, fine, NULL, NULL), BAT_OK);
+            check_status(bat_curves_refine(coarse, 3, &how, fine, NULL), BAT_OK);
             check_near(heard[0], 1, 1e-12);
             check_near(heard[1], 0, 0);
             for (int i = 0; i < 3; i++)

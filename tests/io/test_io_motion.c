@@ -220,7 +220,7 @@ static bat_curve_set must_smooth(const bat_curve_set *set, const bat_motion_curv
 {
     bat_curve_set fine = {0};
     bat_error error = {0};
-    if (bat_motion_curves(set, options, &fine, NULL, &error) != BAT_OK)
+    if (bat_motion_curves(set, options, &fine, &error) != BAT_OK)
         fail_msg("line %zu: %s", error.line, error.text);
     return fine;
 }
@@ -381,12 +381,12 @@ static void assert_refused(const char *text, const char *space, const bat_motion
 {
     bat_curve_set set = must_read(text, BAT_CURVE_FORMAT_AUTO, space), fine = {0};
     bat_error error = {0};
-    assert_int_equal(bat_motion_curves(&set, options, &fine, NULL, &error), status);
+    assert_int_equal(bat_motion_curves(&set, options, &fine, &error), status);
     assert_int_equal(error.line, line);
     if (strstr(error.text, words) == NULL)
         fail_msg("'%s' lacks '%s'", error.text, words);
     assert_null(fine.curves);
-    assert_int_equal(bat_motion_curves(&set, options, &fine, NULL, NULL), status);
+    assert_int_equal(bat_motion_curves(&set, options, &fine, NULL), status);
     bat_curve_set_free(&set);
 }
 
@@ -462,7 +462,7 @@ static void times_must_increase(void **state)
     bat_error error;
     sampled.rate = 4;
     set.curves[0].channels[2] = 1;
-    assert_int_equal(bat_motion_curves(&set, &sampled, &fine, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(bat_motion_curves(&set, &sampled, &fine, &error), BAT_INVALID_POINT);
     assert_int_equal(error.line, 4);
     assert_non_null(strstr(error.text, "the time 1 does not come after 1"));
     assert_null(fine.curves);
@@ -514,15 +514,15 @@ static void timed_keyframes_become_a_motion_in_time(void **state)
     bat_curve_set none;
     options.time_count = 2;
     options.times = outside;
-    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_curves(&set, &options, &none, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "time 7.5 is not within those of the motion, 0 to 6"));
     options.times = falling;
-    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_curves(&set, &options, &none, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "0.5, does not come after 1"));
     options.times = NULL;
     options.time_count = 0;
     options.rate = 1e12;
-    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_TOO_LARGE);
+    assert_int_equal(bat_motion_curves(&set, &options, &none, &error), BAT_TOO_LARGE);
     assert_non_null(strstr(error.text, "6000000000001 points"));
     bat_curve_set_free(&given);
     bat_curve_set_free(&parts);
@@ -540,7 +540,7 @@ static void times_keep_their_digits(void **state)
     const double before = 1305031098.6;
     options.times = &before;
     options.time_count = 1;
-    assert_int_equal(bat_motion_curves(&set, &options, &none, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(bat_motion_curves(&set, &options, &none, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "time 1305031098.6 is not within"));
     assert_non_null(strstr(error.text, "1305031098.6659 to 1305031098.6758"));
     bat_curve_set_free(&set);

@@ -207,7 +207,7 @@ static void test_parts_equal_the_whole(void **state)
         assert_int_equal(bat_curve_read(in, NULL, &coarse, NULL), BAT_OK);
         bat_curve *curves = calloc(coarse.count, sizeof *curves);
         assert_non_null(curves);
-        assert_int_equal(bat_curves_refine(coarse.curves, coarse.count, &options.refine, curves, NULL, NULL), BAT_OK);
+        assert_int_equal(bat_curves_refine(coarse.curves, coarse.count, &options.refine, curves, NULL), BAT_OK);
         assert_int_equal(bat_curve_set_like(&coarse, curves, &fine, NULL), BAT_OK);
         assert_int_equal(bat_curve_write(out, &fine, NULL, NULL), BAT_OK);
         char *whole = take(out);

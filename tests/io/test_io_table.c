@@ -41,7 +41,7 @@ static char *refine_and_write(const bat_curve_set *set, const char *scheme, size
     bat_curve *curves = calloc(set->count, sizeof *curves);
     bat_curve_set fine = {0};
     bat_error error = {0};
-    if (bat_curves_refine(set->curves, set->count, &how, curves, NULL, &error) != BAT_OK)
+    if (bat_curves_refine(set->curves, set->count, &how, curves, &error) != BAT_OK)
         fail_msg("%s", error.text);
     assert_int_equal(bat_curve_set_like(set, curves, &fine, NULL), BAT_OK);
     char *text = must_write(&fine, CSV);

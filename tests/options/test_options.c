@@ -109,7 +109,7 @@ static bat_status call_curves_refine(const void *options, digest *result, bat_er
 {
     bat_space space;
     bat_curve coarse[2] = {plane_curve(&space), plane_curve(&space)}, fine[2];
-    bat_status status = bat_curves_refine(coarse, 2, options, fine, NULL, error);
+    bat_status status = bat_curves_refine(coarse, 2, options, fine, error);
     for (int i = 0; i < 2; i++)
     {
         *result += digest_of(fine[i].points, fine[i].count * 2 * sizeof(double));
@@ -130,7 +130,7 @@ static bat_status call_map_refine(const void *options, digest *result, bat_error
     bat_curve_set coarse, fine;
     assert_int_equal(bat_curve_set_take(curves, 1, &coarse, NULL), BAT_OK);
     mark(&fine, sizeof fine);
-    bat_status status = bat_curve_map_refine(&coarse, options, &fine, NULL, error);
+    bat_status status = bat_curve_map_refine(&coarse, options, &fine, error);
     bat_curve_set_free(&coarse);
     if (status != BAT_OK)
     {
@@ -204,7 +204,7 @@ static bat_status call_curves_compare(const void *options, digest *result, bat_e
     bat_curve curve = plane_curve(&space), other = curve;
     other.count = 4;
     bat_curve_distance distance;
-    bat_status status = bat_curves_compare(&curve, &other, 1, options, &distance, NULL, error);
+    bat_status status = bat_curves_compare(&curve, &other, 1, options, &distance, error);
     *result = status == BAT_OK ? digest_of(&distance, sizeof distance) : 0;
     return status;
 }
@@ -228,7 +228,7 @@ static bat_status call_curves_fairness(const void *options, digest *result, bat_
     bat_space space;
     bat_curve curve = plane_curve(&space);
     bat_curve_fairness_values fairness;
-    bat_status status = bat_curves_fairness(&curve, 1, options, &fairness, NULL, error);
+    bat_status status = bat_curves_fairness(&curve, 1, options, &fairness, error);
     *result = status == BAT_OK ? digest_of(&fairness, sizeof fairness) : 0;
     return status;
 }
@@ -238,7 +238,7 @@ static bat_status call_curves_are_simple(const void *options, digest *result, ba
     bat_space space;
     bat_curve curve = plane_curve(&space);
     bool simple = false;
-    bat_status status = bat_curves_are_simple(&curve, 1, options, &simple, NULL, error);
+    bat_status status = bat_curves_are_simple(&curve, 1, options, &simple, error);
     *result = status == BAT_OK ? digest_of(&simple, sizeof simple) : 0;
     return status;
 }
@@ -398,7 +398,7 @@ static bat_status call_motion_curves(const void *options, digest *result, bat_er
     check_status(bat_curve_read_memory(CSV, sizeof CSV - 1, NULL, &keys, NULL), BAT_OK);
     mark(&fine, sizeof fine);
     mark(&data, sizeof data);
-    bat_status status = bat_motion_curves(&keys, options, &fine, NULL, error);
+    bat_status status = bat_motion_curves(&keys, options, &fine, error);
     bat_status second = bat_motion_data(&keys, 0, options, &data, error);
     assert_int_equal(status, second);
     if (status != BAT_OK)

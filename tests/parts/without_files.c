@@ -61,7 +61,7 @@ static void sets_make_motions(void **state)
     assert_false(bat_motion_has_times(&set));
     bat_motion_curves_options options = bat_motion_curves_defaults();
     options.rate = 4;
-    check_status(bat_motion_curves(&set, &options, &fine, NULL, NULL), BAT_OK);
+    check_status(bat_motion_curves(&set, &options, &fine, NULL), BAT_OK);
     assert_int_equal(fine.count, 1);
     assert_int_equal(fine.curves[0].count, 13);
     bat_curve_set_free(&fine);

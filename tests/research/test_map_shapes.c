@@ -90,7 +90,7 @@ static void check_simple(const bat_curve_set *set)
 {
     bool *simple = calloc(set->count, sizeof *simple);
     assert_non_null(simple);
-    assert_int_equal(bat_curves_are_simple(set->curves, set->count, NULL, simple, NULL, NULL), BAT_OK);
+    assert_int_equal(bat_curves_are_simple(set->curves, set->count, NULL, simple, NULL), BAT_OK);
     for (size_t i = 0; i < set->count; i++)
         assert_true(simple[i]);
     free(simple);

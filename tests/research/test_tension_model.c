@@ -289,7 +289,7 @@ static void threads_make_no_difference(void **state)
     how.levels = 2;
     one = refined(&coarse, &how);
     how.threads = 2;
-    check_status(bat_curves_refine(many, 16, &how, fine, NULL, NULL), BAT_OK);
+    check_status(bat_curves_refine(many, 16, &how, fine, NULL), BAT_OK);
     for (int i = 0; i < 16; i++)
     {
         assert_memory_equal(one.points, fine[i].points, 3 * one.count * sizeof(double));

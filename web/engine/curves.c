@@ -45,12 +45,11 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
         return status;
     options.refine.progress = ENGINE_PROGRESS;
     const bat_curve_set *set = &call->inputs[0]->set;
-    size_t failed = BAT_NO_INDEX;
     bat_curve_map_refine_report report = {0};
     if (map)
     {
         options.report = &report;
-        status = bat_curve_map_refine(set, &options, &result->set, &failed, error);
+        status = bat_curve_map_refine(set, &options, &result->set, error);
     }
     else
     {
@@ -58,7 +57,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
         bat_curve *fine = calloc(set->count, sizeof *fine);
         if (fine == NULL)
             return engine_fail(error, BAT_NO_MEMORY, "memory is used up", "");
-        status = bat_curves_refine(set->curves, set->count, &options.refine, fine, &failed, error);
+        status = bat_curves_refine(set->curves, set->count, &options.refine, fine, error);
         if (status == BAT_OK)
             status = bat_curve_set_like(set, fine, &result->set, error);
         if (status != BAT_OK)
@@ -66,8 +65,8 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
     }
     if (status != BAT_OK)
     {
-        if (failed < set->count && error->index != BAT_NO_INDEX && error->line == 0)
-            error->line = bat_curve_set_line(set, failed, error->index);
+        if (error->curve < set->count && error->index != BAT_NO_INDEX && error->line == 0)
+            error->line = bat_curve_set_line(set, error->curve, error->index);
         return status;
     }
     const bat_curve_refine_report *curves = &report.curves;

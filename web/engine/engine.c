@@ -24,7 +24,7 @@ static bat_error failure;
 
 bat_status engine_fail(bat_error *error, bat_status status, const char *text, const char *name)
 {
-    *error = (bat_error){.status = status, .operand = BAT_NO_INDEX, .index = BAT_NO_INDEX};
+    *error = (bat_error){.status = status, .operand = BAT_NO_INDEX, .curve = BAT_NO_INDEX, .index = BAT_NO_INDEX};
     // The texts above are short; names may have any length.
     size_t used = 0;
     for (; *text != 0 && used + 1 < sizeof error->text; text++)

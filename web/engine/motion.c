@@ -31,7 +31,7 @@ static bat_status motion_curves(const engine_call *call, engine_object *result, 
         status = bat_motion_scheme_by_name(name, &options, error);
     if (status == BAT_OK)
         status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), ALSO, &options, error);
-    return status == BAT_OK ? bat_motion_curves(&call->inputs[0]->set, &options, &result->set, NULL, error) : status;
+    return status == BAT_OK ? bat_motion_curves(&call->inputs[0]->set, &options, &result->set, error) : status;
 }
 
 /// Sample the spline through the first curve of a set, whose channel, where there is one, is the time. The bytes of the call

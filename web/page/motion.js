@@ -366,7 +366,7 @@ export function motionTab(app, section) {
     inspect: () => ({ state, result }),
     commands: () => ({
       shell: `cat > keyframes.csv <<'END'\n${csv()}END\nbatten motion keyframes.csv --rate ${state.rate}${state.ends === "auto" ? "" : ` --ends ${state.ends}`}${state.shape === "resting" ? "" : ` --tangents ${state.shape}`} -o frames.tum`,
-      c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_options options = bat_motion_curves_defaults();\noptions.rate = ${state.rate};\noptions.spline.shape = ${enumerator("motion_shape", state.shape)};\noptions.spline.ends = ${enumerator("motion_ends", state.ends)};\nif (bat_motion_curves(&keys, &options, &frames, NULL, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
+      c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_options options = bat_motion_curves_defaults();\noptions.rate = ${state.rate};\noptions.spline.shape = ${enumerator("motion_shape", state.shape)};\noptions.spline.ends = ${enumerator("motion_ends", state.ends)};\nif (bat_motion_curves(&keys, &options, &frames, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
       python: `import batten\nimport numpy as np\n\nkeys = np.loadtxt("keyframes.csv", delimiter=",", skiprows=2)\npose = batten.Motion(keys[:, 0], keys[:, 1:], space="rigid", shape="${state.shape}", ends="${state.ends}")\nframes = pose(np.arange(keys[0, 0], keys[-1, 0], 1 / ${state.rate}))`,
     }),
   };

@@ -155,7 +155,7 @@ static const bat_curve *arcs_of(const arc_job *job)
 }
 
 /// Refine one arc with stops, where edges have levels of their own.
-static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_options *how, refined_arcs *next, size_t *arc,
+static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_options *how, refined_arcs *next,
                                 bat_error *error)
 {
     shared_work work = shared_work_make(next->count, how->progress);
@@ -178,13 +178,13 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
         one.progress = (bat_progress){0};
         one.report = &report;
         bat_status status = pieces_refine(&job->graph->arcs[i], &one, &next->arcs[i], &next->starts[i], &failure);
+        (void)error_curve(&failure, status, i);
         least = report.min_levels < least ? report.min_levels : least;
         most = report.max_levels > most ? report.max_levels : most;
         shared_work_finish(&work, i, status, &failure);
     }
     job->report->curves.min_levels = least == SIZE_MAX ? 0 : least;
     job->report->curves.max_levels = most;
-    *arc = work.failed;
     return shared_work_end(&work, error);
 }
 
@@ -214,7 +214,7 @@ static bool move_edge(void *context, size_t curve, size_t edge, size_t begin, si
 }
 
 /// Draw back what meets after a step.
-static bat_status draw_arcs_back(arc_job *job, bat_progress progress, size_t *arc, bat_error *error)
+static bat_status draw_arcs_back(arc_job *job, bat_progress progress, bat_error *error)
 {
     size_t count = job->fine->count;
     drawn_curve *drawn = memory_array(count, sizeof *drawn);
@@ -234,9 +234,8 @@ static bat_status draw_arcs_back(arc_job *job, bat_progress progress, size_t *ar
     bat_status status = draw_back(drawn, job->after.curves, count, &rules, progress, &counts, error);
     job->report->crossings += counts.crossings;
     job->report->drawn_back += counts.edges;
-    *arc = counts.stuck.curve;
     free(drawn);
-    return status;
+    return error_curve(error, status, counts.stuck.curve);
 }
 
 /// The given edge of an arc that a refined edge lies over, roughly where the scheme moves the given points.
@@ -266,7 +265,7 @@ static bool note_crossing(void *context, edge_place first, edge_place second)
 }
 
 /// Refuse arcs that meet, of schemes that move the given points: there are no edges to which they could be drawn back.
-static bat_status refuse_crossings(arc_job *job, size_t *arc, bat_error *error)
+static bat_status refuse_crossings(arc_job *job, bat_error *error)
 {
     edge_tree tree;
     crossing_search search = {job, {BAT_NO_INDEX, 0}};
@@ -275,24 +274,24 @@ static bat_status refuse_crossings(arc_job *job, size_t *arc, bat_error *error)
     if (status == BAT_OK)
         (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, &search);
     edge_tree_free(&tree);
-    *arc = search.found.curve;
-    if (status == BAT_OK && *arc != BAT_NO_INDEX)
-        return error_set(error, BAT_UNSUPPORTED, search.found.edge, 0,
-                         "the refined curve crosses a curve after point %zu, and the scheme does not keep the given points, "
-                         "to which it could be drawn back",
-                         search.found.edge);
-    return status;
+    if (status == BAT_OK && search.found.curve != BAT_NO_INDEX)
+        status =
+            error_set(error, BAT_UNSUPPORTED, search.found.edge, 0,
+                      "the refined curve crosses a curve after point %zu, and the scheme does not keep the given points, "
+                      "to which it could be drawn back",
+                      search.found.edge);
+    return error_curve(error, status, search.found.curve);
 }
 
 /// The charts of the result of a step, and what follows from them.
-static bat_status keep_apart(arc_job *job, bat_progress progress, size_t *arc, bat_error *error)
+static bat_status keep_apart(arc_job *job, bat_progress progress, bat_error *error)
 {
     bool keeps = keeps_points(job->options);
     bat_status status = chart_curves_make(job->chart, job->fine->arcs, job->fine->count, keeps ? &job->before : NULL,
                                           (size_t *const *)job->fine->starts, job->options->threads, &job->after, error);
     if (status != BAT_OK)
         return status;
-    return keeps ? draw_arcs_back(job, progress, arc, error) : refuse_crossings(job, arc, error);
+    return keeps ? draw_arcs_back(job, progress, error) : refuse_crossings(job, error);
 }
 
 /// Make the new points of arcs of one edge even on geodesics, where there are corners: edges between two corners are
@@ -326,7 +325,7 @@ static void free_arcs(bat_curve *arcs, size_t count)
 }
 
 /// Refine the present polygons, which have job->levels levels, by `how`, and keep them apart.
-static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, size_t *arc, bat_error *error)
+static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, bat_error *error)
 {
     static const double REFINED_SHARE = 0.6; // of the work
     size_t count = job->graph->arc_count;
@@ -336,14 +335,13 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, si
     refined_arcs next = {.count = count, .arcs = calloc(count, sizeof *next.arcs)};
     one.progress = progress_of_part(&parts[0]);
     one.report = &report;
-    *arc = BAT_NO_INDEX;
     if (next.arcs == NULL)
         return error_memory(error, count * sizeof *next.arcs);
     bat_status status;
     if (has_stops(how))
-        status = refine_pieces(job, &one, &next, arc, error);
+        status = refine_pieces(job, &one, &next, error);
     else
-        status = bat_curves_refine(arcs_of(job), count, &one, next.arcs, arc, error);
+        status = bat_curves_refine(arcs_of(job), count, &one, next.arcs, error);
     if (status == BAT_OK)
         status = straighten(job, &next, error);
     if (status != BAT_OK)
@@ -355,7 +353,7 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, si
     *job->fine = next;
     if (job->chart != NULL)
     {
-        status = keep_apart(job, progress_of_part(&parts[1]), arc, error);
+        status = keep_apart(job, progress_of_part(&parts[1]), error);
         chart_curves_free(&job->before);
         job->before = job->after;
         job->after = (chart_curves){0};
@@ -365,7 +363,7 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, si
 }
 
 /// The steps: one, or one for each level.
-static bat_status run_steps(arc_job *job, size_t *arc, bat_error *error)
+static bat_status run_steps(arc_job *job, bat_error *error)
 {
     bat_curve_refine_options how = *job->options;
     how.simple = BAT_CURVE_SIMPLE_NEVER;
@@ -373,7 +371,7 @@ static bat_status run_steps(arc_job *job, size_t *arc, bat_error *error)
     if (!has_stops(&how))
         job->report->curves.min_levels = job->report->curves.max_levels = how.levels;
     if (!goes_by_levels(job) || how.levels == 0)
-        return run_step(job, &how, arc, error);
+        return run_step(job, &how, error);
     bat_status status = BAT_OK;
     double whole = ldexp(1, (int)job->options->levels) - 1;
     how.levels = 1;
@@ -383,13 +381,13 @@ static bat_status run_steps(arc_job *job, size_t *arc, bat_error *error)
         how.progress = progress_of_part(&part);
         how.first_level = job->options->first_level + level;
         job->levels = level;
-        status = run_step(job, &how, arc, error);
+        status = run_step(job, &how, error);
     }
     return status;
 }
 
 /// Whether the arcs of a graph have room for all levels.
-static bat_status check_room(const arc_job *job, size_t *arc, bat_error *error)
+static bat_status check_room(const arc_job *job, bat_error *error)
 {
     bat_status status = BAT_OK;
     bat_curve_refine_options how = *job->options;
@@ -399,19 +397,17 @@ static bat_status check_room(const arc_job *job, size_t *arc, bat_error *error)
     how.corner_angle = 0;
     if (job->graph->arc_count > 0 && !has_stops(&how))
         status = bat_curve_refined_count(&job->graph->arcs[longest], &how, &count, error);
-    *arc = longest;
-    return status;
+    return error_curve(error, status, longest);
 }
 
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             bat_curve_map_refine_report *report, size_t *arc, refined_arcs *fine, bat_error *error)
+                             bat_curve_map_refine_report *report, refined_arcs *fine, bat_error *error)
 {
     *fine = (refined_arcs){0};
     arc_job job = {.graph = graph, .options = options, .chart = chart, .report = report, .fine = fine};
-    bat_status status = check_room(&job, arc, error);
+    bat_status status = check_room(&job, error);
     if (status == BAT_OK && chart != NULL)
     {
-        *arc = BAT_NO_INDEX;
         status = chart_curves_make(chart, graph->arcs, graph->arc_count, NULL, NULL, options->threads, &job.before, error);
         if (status == BAT_OK)
             status = find_given(&job, error);
@@ -419,7 +415,7 @@ bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_opti
             status = set_anchors(&job, error);
     }
     if (status == BAT_OK)
-        status = run_steps(&job, arc, error);
+        status = run_steps(&job, error);
     if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
         error->index >>= job.levels;
     anchor_grid_free(&job.anchors);

@@ -21,11 +21,11 @@ typedef struct refined_arcs
 /// @param options complete and valid, with a scheme; corners are ends of arcs already
 /// @param chart   where arcs must not meet; null: nothing is tested
 /// @param report  receives what was found and done
-/// @param arc     receives the failing arc, whose point is error->index, or BAT_NO_INDEX
 /// @param fine    release it with refined_arcs_free(), also on failure
+/// @param error   its `curve` is the failing arc, its `index` the point of that arc
 /// @return as bat_curve_map_refine()
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             bat_curve_map_refine_report *report, size_t *arc, refined_arcs *fine, bat_error *error);
+                             bat_curve_map_refine_report *report, refined_arcs *fine, bat_error *error);
 
 /// The row of a refined arc where vertex `i` of the arc is, for schemes that keep the given points.
 size_t refined_arcs_row(const refined_arcs *fine, const arc_graph *graph, size_t arc, size_t i);

@@ -436,19 +436,20 @@ static void restore(area_job *job)
         memcpy(job->fine->arcs[a].points, job->arcs[a].given, job->fine->arcs[a].count * job->dim * sizeof(double));
 }
 
-static bat_status run(area_job *job, bool tested, double *largest, size_t *failed, bat_error *error)
+static bat_status run(area_job *job, bool tested, double *largest, bat_error *error)
 {
     double *losses = memory_array(job->count, sizeof *losses);
     if (losses == NULL)
         return error_memory(error, job->count * sizeof *losses);
     bat_status status = BAT_OK;
     bool apart = false;
+    size_t ring = BAT_NO_INDEX;
     if (tested)
         status = freeze_crossings(job, error); // those that crossed before do not count again
     for (size_t round = 0; round < ROUNDS && status == BAT_OK && !apart; round++)
     {
         restore(job);
-        status = run_newton(job, losses, largest, failed, error);
+        status = run_newton(job, losses, largest, &ring, error);
         size_t before = job->frozen;
         if (status == BAT_OK && tested)
             status = freeze_crossings(job, error);
@@ -458,16 +459,18 @@ static bat_status run(area_job *job, bool tested, double *largest, size_t *faile
     if (status != BAT_OK)
         return status;
     if (!apart || *largest > AREA_PROMISE)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the area of the ring cannot be kept to %g of it without crossings; refine without keep_area",
-                         AREA_PROMISE);
-    *failed = BAT_NO_INDEX;
+    {
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                           "the area of the ring cannot be kept to %g of it without crossings; refine without keep_area",
+                           AREA_PROMISE);
+        return error_curve(error, status, ring);
+    }
     return BAT_OK;
 }
 
 bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_t count,
                           const bat_curve_refine_options *options, const map_chart *chart, bool tested, refined_arcs *fine,
-                          double *largest, size_t *failed, bat_error *error)
+                          double *largest, bat_error *error)
 {
     area_job job = {.graph = graph, .curves = curves, .count = count, .fine = fine, .chart = chart};
     job.dim = curves[0].space->point_dim;
@@ -477,7 +480,7 @@ bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "areas can be kept in the plane and on the sphere only");
     bat_status status = prepare(&job, error);
     if (status == BAT_OK)
-        status = run(&job, tested, largest, failed, error);
+        status = run(&job, tested, largest, error);
     for (size_t a = 0; a < graph->arc_count && job.arcs != NULL; a++)
     {
         free(job.arcs[a].weights);

@@ -18,10 +18,10 @@
 /// @param chart   where arcs must not meet
 /// @param tested  whether arcs may not meet
 /// @param largest receives the largest error of a ring, relative to its area
-/// @param failed  receives the curve whose area cannot be kept
+/// @param error   its `curve` is the one whose area cannot be kept
 /// @return BAT_OK, BAT_UNSUPPORTED (another space, or areas that cannot be kept), BAT_NO_MEMORY
 bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_t count,
                           const bat_curve_refine_options *options, const map_chart *chart, bool tested, refined_arcs *fine,
-                          double *largest, size_t *failed, bat_error *error);
+                          double *largest, bat_error *error);
 
 #endif

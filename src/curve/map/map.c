@@ -62,9 +62,8 @@ typedef struct map_job
 } map_job;
 
 /// Run a function for each curve.
-/// @param failed receives the first curve for which it failed
 typedef bat_status curve_work(map_job *job, size_t curve, bat_error *error);
-static bat_status for_each_curve(map_job *job, curve_work *run, size_t *failed, bat_error *error)
+static bat_status for_each_curve(map_job *job, curve_work *run, bat_error *error)
 {
     shared_work work = shared_work_make(job->count, (bat_progress){0});
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads_for(job->refine.threads, job->count))
@@ -72,12 +71,9 @@ static bat_status for_each_curve(map_job *job, curve_work *run, size_t *failed, 
     {
         bat_error failure;
         if (shared_work_wants(&work, i))
-            shared_work_finish(&work, i, run(job, i, &failure), &failure);
+            shared_work_finish(&work, i, error_curve(&failure, run(job, i, &failure), i), &failure);
     }
-    bat_status status = shared_work_end(&work, error);
-    if (status != BAT_OK)
-        *failed = work.failed;
-    return status;
+    return shared_work_end(&work, error);
 }
 
 static bat_status check_curve(map_job *job, size_t curve, bat_error *error)
@@ -96,7 +92,7 @@ static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
     return corners_find(given, job->refine.corner_angle, job->corners[curve], &count, error);
 }
 
-static bat_status find_all_corners(map_job *job, size_t *failed, bat_error *error)
+static bat_status find_all_corners(map_job *job, bat_error *error)
 {
     bool has_corners = job->refine.corner_angle > 0;
     for (size_t i = 0; i < job->count; i++)
@@ -106,7 +102,7 @@ static bat_status find_all_corners(map_job *job, size_t *failed, bat_error *erro
     job->corners = calloc(job->count, sizeof *job->corners);
     if (job->corners == NULL)
         return error_memory(error, job->count * sizeof *job->corners);
-    bat_status status = for_each_curve(job, find_corners, failed, error);
+    bat_status status = for_each_curve(job, find_corners, error);
     for (size_t i = 0; i < job->count && status == BAT_OK; i++)
         for (size_t k = 0; k < job->curves[i].count; k++)
             job->report.curves.corners += job->corners[i][k];
@@ -114,9 +110,9 @@ static bat_status find_all_corners(map_job *job, size_t *failed, bat_error *erro
 }
 
 /// Check the given curves, join their points, and cut them into arcs.
-static bat_status prepare(map_job *job, const map_chart *chart, double tolerance, size_t *failed, bat_error *error)
+static bat_status prepare(map_job *job, const map_chart *chart, double tolerance, bat_error *error)
 {
-    bat_status status = for_each_curve(job, check_curve, failed, error);
+    bat_status status = for_each_curve(job, check_curve, error);
     if (status == BAT_OK && chart != NULL)
         status = snapped_curves_make(job->curves, job->count, chart, tolerance, job->refine.threads, &job->snapped, error);
     if (status != BAT_OK)
@@ -125,7 +121,7 @@ static bat_status prepare(map_job *job, const map_chart *chart, double tolerance
         job->curves = job->snapped.curves;
     job->report.snapped = job->snapped.moved + job->snapped.added;
     job->report.largest_snap = job->snapped.largest;
-    status = find_all_corners(job, failed, error);
+    status = find_all_corners(job, error);
     if (status == BAT_OK)
         status = arc_graph_make(job->curves, job->count, job->corners, scheme_keeps_points(&job->refine.scheme), &job->graph,
                                 error);
@@ -290,19 +286,19 @@ static void free_job(map_job *job)
 }
 
 /// Say which point of which curve failed, when it was a point of an arc.
-static void name_place(const map_job *job, size_t arc, size_t *failed, bat_error *error)
+static void name_place(const map_job *job, bat_error *error)
 {
-    if (arc == BAT_NO_INDEX || arc >= job->graph.arc_count)
+    if (error == NULL || error->curve >= job->graph.arc_count)
         return;
-    arc_origin origin = job->graph.origins[arc];
-    *failed = origin.curve;
-    if (error == NULL || error->index == BAT_NO_INDEX)
+    arc_origin origin = job->graph.origins[error->curve];
+    error->curve = origin.curve;
+    if (error->index == BAT_NO_INDEX)
         return;
     size_t point = (origin.point + error->index) % job->curves[origin.curve].count;
     error->index = job->snapped.curves != NULL ? job->snapped.origins[origin.curve][point] : point;
 }
 
-static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *options, size_t *failed, bat_error *error)
+static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *options, bat_error *error)
 {
     const bat_space *space = job->curves[0].space;
     map_chart chart;
@@ -311,26 +307,25 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     if (job->refine.ends == BAT_CURVE_END_RULE_FREE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "the end rule free leaves gaps between the arcs of a map; refine the curves separately");
-    bat_status status = prepare(job, has_chart ? &chart : NULL, options->snap_tolerance, failed, error);
+    bat_status status = prepare(job, has_chart ? &chart : NULL, options->snap_tolerance, error);
     if (status != BAT_OK)
         return status;
-    size_t arc;
-    status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &arc, &job->fine, error);
+    status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &job->fine, error);
     if (status != BAT_OK)
     {
-        name_place(job, arc, failed, error);
+        name_place(job, error);
         return status;
     }
     if (options->keep_area)
         status = has_chart ? arcs_keep_area(&job->graph, job->curves, job->count, &job->refine, &chart, tested, &job->fine,
-                                            &job->report.largest_area_error, failed, error)
+                                            &job->report.largest_area_error, error)
                            : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "there are no areas in this space");
     if (status != BAT_OK)
         return status;
     job->result = calloc(job->count, sizeof *job->result);
     if (job->result == NULL)
         return error_memory(error, job->count * sizeof *job->result);
-    return for_each_curve(job, assemble_curve, failed, error);
+    return for_each_curve(job, assemble_curve, error);
 }
 
 /// Whether a set is refined as a map.
@@ -344,23 +339,20 @@ static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options 
            chart_of_space(set->space, options->decimals, &chart);
 }
 
-static bat_status refine_separately(map_job *job, size_t *failed, bat_error *error)
+static bat_status refine_separately(map_job *job, bat_error *error)
 {
     job->result = calloc(job->count, sizeof *job->result);
     if (job->result == NULL)
         return error_memory(error, job->count * sizeof *job->result);
     job->refine.report = &job->report.curves;
-    return bat_curves_refine(job->curves, job->count, &job->refine, job->result, failed, error);
+    return bat_curves_refine(job->curves, job->count, &job->refine, job->result, error);
 }
 
 bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map_refine_options *options,
-                                bat_curve_set *fine, size_t *failed, bat_error *error)
+                                bat_curve_set *fine, bat_error *error)
 {
     bat_curve_map_refine_options defaults = bat_curve_map_refine_defaults();
     options = options != NULL ? options : &defaults;
-    size_t place = BAT_NO_INDEX;
-    failed = failed != NULL ? failed : &place;
-    *failed = BAT_NO_INDEX;
     bat_status status = bat_options_check(&bat_curve_map_refine_fields, options, error);
     if (status != BAT_OK)
         return status;
@@ -368,8 +360,7 @@ bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map
     job.report.map = is_map(coarse, options);
     if (job.refine.scheme.kind == BAT_CURVE_SCHEME_KIND_AUTO && coarse->count > 0)
         job.refine.scheme = bat_curve_scheme_for(coarse->space, NULL);
-    status = job.report.map && coarse->count > 0 ? refine_map(&job, options, failed, error)
-                                                 : refine_separately(&job, failed, error);
+    status = job.report.map && coarse->count > 0 ? refine_map(&job, options, error) : refine_separately(&job, error);
     if (status == BAT_OK)
         status = bat_curve_set_like(coarse, job.result, fine, error);
     if (status == BAT_OK)

@@ -132,7 +132,7 @@ bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat_error *
 }
 
 bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
-                                 bool *simple, size_t *failed_curve, bat_error *error)
+                                 bool *simple, bat_error *error)
 {
     bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
@@ -146,10 +146,8 @@ bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const ba
         if (!shared_work_wants(&work, i))
             continue;
         bat_error fault;
-        bat_status one = bat_curve_is_simple(&curves[i], &simple[i], &fault);
+        bat_status one = error_curve(&fault, bat_curve_is_simple(&curves[i], &simple[i], &fault), i);
         shared_work_finish(&work, i, one, &fault);
     }
-    if (failed_curve != NULL && work.failed < count)
-        *failed_curve = work.failed;
     return shared_work_end(&work, error);
 }

@@ -226,8 +226,7 @@ static bat_status fail_in_feature(const bat_curve_set *set, size_t curve, size_t
 }
 
 /// Refine a set into another one, which is empty on failure.
-static bat_status refine_set(file_job *job, const bat_curve_set *coarse, bat_progress progress, bat_curve_set *fine,
-                             size_t *failed)
+static bat_status refine_set(file_job *job, const bat_curve_set *coarse, bat_progress progress, bat_curve_set *fine)
 {
     bat_curve *curves = memory_array(coarse->count > 0 ? coarse->count : 1, sizeof *curves);
     if (curves == NULL)
@@ -236,7 +235,7 @@ static bat_status refine_set(file_job *job, const bat_curve_set *coarse, bat_pro
     bat_curve_refine_options how = job->options->refine;
     how.progress = progress;
     how.report = &done;
-    bat_status status = bat_curves_refine(coarse->curves, coarse->count, &how, curves, failed, job->error);
+    bat_status status = bat_curves_refine(coarse->curves, coarse->count, &how, curves, job->error);
     if (status == BAT_OK)
     {
         status = bat_curve_set_like(coarse, curves, fine, job->error);
@@ -269,19 +268,19 @@ static bat_status refine_part(file_job *job, bat_progress progress)
 {
     bat_curve_set coarse = {0}, fine = {0};
     record_stream *stream = &job->stream;
-    size_t before = job->report.features, points = job->report.fine_points, failed = SIZE_MAX;
+    size_t before = job->report.features, points = job->report.fine_points;
     bat_status status = geojson_records_read(&job->reader, stream->records, stream->count, before, &job->options->read);
     if (status == BAT_OK)
         status = geojson_records_end(
             &job->reader, job->stream.separated ? BAT_CURVE_FORMAT_GEOJSON_SEQUENCE : BAT_CURVE_FORMAT_GEOJSON_LINES,
             &coarse);
     if (status == BAT_OK)
-        status = refine_set(job, &coarse, progress, &fine, &failed);
+        status = refine_set(job, &coarse, progress, &fine);
     if (status == BAT_OK)
         status = of_output(
             job, geojson_part_write(&fine, job->format, before == 0, &job->options->write, &job->sink, job->error));
-    else if (failed < coarse.count)
-        status = fail_in_feature(&coarse, failed, before, job->error);
+    else if (job->error->curve < coarse.count)
+        status = fail_in_feature(&coarse, job->error->curve, before, job->error);
     if (status == BAT_OK)
         stream_adapt(stream, job->report.fine_points - points);
     job->report.features += stream->count;
@@ -377,15 +376,14 @@ static bool can_stream(const char *input, const char *output, const bat_curve_re
 static bat_status refine_whole(file_job *job, const char *input, const char *output)
 {
     bat_curve_set coarse = {0}, fine = {0};
-    size_t failed = SIZE_MAX;
     bat_status status = bat_curve_read(input, &job->options->read, &coarse, job->error);
     if (status != BAT_OK)
         return status;
-    status = refine_set(job, &coarse, job->options->refine.progress, &fine, &failed);
+    status = refine_set(job, &coarse, job->options->refine.progress, &fine);
     if (status == BAT_OK)
         status = of_output(job, bat_curve_write(output, &fine, &job->options->write, job->error));
-    else if (failed < coarse.count && attributes_are_geojson(coarse.attributes))
-        status = fail_in_feature(&coarse, failed, 0, job->error);
+    else if (job->error->curve < coarse.count && attributes_are_geojson(coarse.attributes))
+        status = fail_in_feature(&coarse, job->error->curve, 0, job->error);
     bat_curve_set_free(&coarse);
     bat_curve_set_free(&fine);
     return status;

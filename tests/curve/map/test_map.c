@@ -126,7 +126,7 @@ static bat_curve_set refined_map(const bat_curve_set *coarse, const bat_curve_ma
 {
     bat_curve_set fine;
     bat_error error;
-    if (bat_curve_map_refine(coarse, how, &fine, NULL, &error) != BAT_OK)
+    if (bat_curve_map_refine(coarse, how, &fine, &error) != BAT_OK)
         fail_msg("%s", error.text);
     return fine;
 }
@@ -343,7 +343,7 @@ static void test_separate_is_curves_refine(void **state)
     how.topology = BAT_CURVE_MAP_TOPOLOGY_FEATURES;
     bat_curve_set features = refined_map(&coarse, &how);
     assert_false(report.map);
-    assert_int_equal(bat_curves_refine(coarse.curves, MAP_CURVES, &how.refine, fine, NULL, NULL), BAT_OK);
+    assert_int_equal(bat_curves_refine(coarse.curves, MAP_CURVES, &how.refine, fine, NULL), BAT_OK);
     for (size_t c = 0; c < MAP_CURVES; c++)
     {
         assert_memory_equal(fine[c].points, separate.curves[c].points, 2 * fine[c].count * sizeof(double));
@@ -569,14 +569,13 @@ static void test_what_cannot_be_is_refused(void **state)
     bat_space plane = bat_euclidean(2);
     bat_curve_set coarse = make_map(&plane, 0.3), fine;
     bat_error error;
-    size_t failed;
     bat_curve_map_refine_options how = map_options("four-point", 2, NULL);
     how.refine.ends = BAT_CURVE_END_RULE_FREE;
-    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &failed, &error), BAT_UNSUPPORTED);
+    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_UNSUPPORTED);
     how = map_options("four-point", 2, NULL);
     coarse.curves[3].points[2 * 7] = NAN;
-    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &failed, &error), BAT_INVALID_POINT);
-    assert_int_equal(failed, 3);
+    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.curve, 3);
     assert_int_equal(error.index, 7);
     bat_curve_set_free(&coarse);
 
@@ -586,10 +585,10 @@ static void test_what_cannot_be_is_refused(void **state)
     coarse = rings_of(&plane, POINTS, COUNTS, 2);
     assert_int_equal(count_crossings(&coarse), 0);
     how = map_options("chaikin", 3, NULL);
-    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &failed, &error), BAT_UNSUPPORTED);
+    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_UNSUPPORTED);
     assert_non_null(strstr(error.text, "crosses"));
     how.refine.simple = BAT_CURVE_SIMPLE_NEVER;
-    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &failed, &error), BAT_OK);
+    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_OK);
     assert_true(count_crossings(&fine) > 0);
     bat_curve_set_free(&fine);
     bat_curve_set_free(&coarse);

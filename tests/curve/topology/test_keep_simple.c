@@ -264,14 +264,14 @@ static void sets_do_not_depend_on_threads(void **state)
     bat_curve_refine_options how = bat_curve_refine_defaults();
     how.threads = 1;
     how.report = &report;
-    assert_int_equal(bat_curves_refine(coarse, COUNT, &how, fine, NULL, NULL), BAT_OK);
+    assert_int_equal(bat_curves_refine(coarse, COUNT, &how, fine, NULL), BAT_OK);
     assert_int_equal(report.checked, COUNT - (COUNT + 2) / 3); // closed ones alone
     assert_true(report.crossing > 3 && report.crossings >= report.crossing);
     for (int threads = 2; threads < 30; threads += 9)
     {
         how.threads = threads;
         how.report = &other;
-        assert_int_equal(bat_curves_refine(coarse, COUNT, &how, again, NULL, NULL), BAT_OK);
+        assert_int_equal(bat_curves_refine(coarse, COUNT, &how, again, NULL), BAT_OK);
         assert_memory_equal(&report, &other, sizeof report);
         for (int i = 0; i < COUNT; i++)
         {
