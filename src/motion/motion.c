@@ -300,6 +300,17 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
     return BAT_OK;
 }
 
+/// Hand over a failure, with the line of the point at fault.
+static bat_status tell_line(const bat_curve_set *set, size_t curve, bat_status status, const bat_error *fault,
+                            bat_error *error)
+{
+    if (status == BAT_OK || error == NULL)
+        return status;
+    *error = *fault;
+    error->line = fault->index != BAT_NO_INDEX ? bat_curve_set_line(set, curve, fault->index) : 0;
+    return status;
+}
+
 /// bat_motion_data(), but with null tangents where a spline is to find velocities.
 static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                             bat_hermite_curve *keys, bat_error *error)
@@ -322,26 +333,15 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
         else
             bat_hermite_free(&made);
     }
-    if (status != BAT_OK && error != NULL)
-    {
-        *error = fault;
-        error->line = fault.index != BAT_NO_INDEX ? bat_curve_set_line(set, curve, fault.index) : 0;
-    }
-    return status;
+    return tell_line(set, curve, status, &fault, error);
 }
 
 /// The spline of one curve.
 static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                               const bat_hermite_curve *keys, bat_motion_spline **spline, bat_error *error)
 {
-    bat_error fault = {.index = BAT_NO_INDEX};
-    bat_status status = bat_motion_spline_make(keys, &options->spline, spline, &fault);
-    if (status != BAT_OK && error != NULL)
-    {
-        *error = fault;
-        error->line = fault.index != BAT_NO_INDEX ? bat_curve_set_line(set, curve, fault.index) : 0;
-    }
-    return status;
+    bat_error fault;
+    return tell_line(set, curve, bat_motion_spline_make(keys, &options->spline, spline, &fault), &fault, error);
 }
 
 bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,

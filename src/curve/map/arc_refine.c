@@ -76,7 +76,7 @@ static bool note_given(void *context, edge_place first, edge_place second)
 static bat_status find_given(arc_job *job, bat_error *error)
 {
     edge_tree tree;
-    bat_status status = edge_tree_make(job->before.curves, job->before.count, job->options->threads, &tree, error);
+    bat_status status = edge_tree_make(job->before.curves, job->before.count, 0, job->options->threads, &tree, error);
     tree.turn = job->chart->turn;
     if (status == BAT_OK && !edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_given, job))
         status = error_memory(error, job->given_count * sizeof *job->given);
@@ -269,7 +269,7 @@ static bat_status refuse_crossings(arc_job *job, bat_error *error)
 {
     edge_tree tree;
     crossing_search search = {job, {BAT_NO_INDEX, 0}};
-    bat_status status = edge_tree_make(job->after.curves, job->after.count, job->options->threads, &tree, error);
+    bat_status status = edge_tree_make(job->after.curves, job->after.count, 0, job->options->threads, &tree, error);
     tree.turn = job->chart->turn;
     if (status == BAT_OK)
         (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, &search);

@@ -421,7 +421,7 @@ static bat_status freeze_crossings(area_job *job, bat_error *error)
     edge_tree tree = {0};
     bat_status status = chart_curves_make(job->chart, job->fine->arcs, job->fine->count, NULL, NULL, 1, &charts, error);
     if (status == BAT_OK)
-        status = edge_tree_make(charts.curves, charts.count, 0, &tree, error);
+        status = edge_tree_make(charts.curves, charts.count, 0, 0, &tree, error);
     tree.turn = job->chart->turn;
     if (status == BAT_OK)
         (void)edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_crossing, job);

@@ -340,7 +340,7 @@ static bat_status find_near(snap_job *job, int threads, bat_error *error)
     if (job->sphere)
         slack /= cos(fmin(highest / job->chart->units_per_degree, HIGHEST) * RADIANS);
     edge_tree tree;
-    status = edge_tree_make_wide(job->charts.curves, job->count, slack, threads, &tree, error);
+    status = edge_tree_make(job->charts.curves, job->count, slack, threads, &tree, error);
     tree.turn = job->chart->turn;
     if (status == BAT_OK && !edge_tree_search(&tree, EDGE_PAIRS_NEAR, false, note_pair, job))
         status = error_memory(error, job->added_count * sizeof *job->added);

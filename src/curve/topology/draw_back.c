@@ -259,7 +259,7 @@ bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, co
     draw_back_job job = {.drawn = drawn, .fine = fine, .count = count, .rules = rules, .stuck = {.curve = BAT_NO_INDEX}};
     edge_tree tree;
     *counts = (draw_back_counts){.stuck = {BAT_NO_INDEX, BAT_NO_INDEX}};
-    bat_status status = edge_tree_make(fine, count, rules->threads, &tree, error);
+    bat_status status = edge_tree_make(fine, count, 0, rules->threads, &tree, error);
     tree.turn = rules->turn;
     if (status == BAT_OK)
         status = make_states(&job, error);

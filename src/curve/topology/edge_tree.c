@@ -40,14 +40,10 @@ enum
 
 bool surface_of_space(const bat_space *space, surface_kind *kind)
 {
-    if (space_is_plane(space))
-        *kind = SURFACE_PLANE;
-    else if (space_is_sphere(space))
-        *kind = SURFACE_SPHERE;
-    else if (space_is_disk(space))
-        *kind = SURFACE_DISK;
-    else
+    int curvature;
+    if (!space_is_surface(space, &curvature))
         return false;
+    *kind = curvature < 0 ? SURFACE_DISK : curvature > 0 ? SURFACE_SPHERE : SURFACE_PLANE;
     return true;
 }
 
@@ -359,11 +355,6 @@ static bat_status lay_out(edge_tree *tree, const bat_curve *curves, bat_error *e
     return tree->nodes != NULL ? BAT_OK : error_memory(error, nodes * sizeof *tree->nodes);
 }
 
-bat_status edge_tree_make(const bat_curve *curves, size_t count, int threads, edge_tree *tree, bat_error *error)
-{
-    return edge_tree_make_wide(curves, count, 0, threads, tree, error);
-}
-
 /// Make the nodes from the curves, which are laid out.
 static void make_nodes(edge_tree *tree)
 {
@@ -388,8 +379,8 @@ static void make_nodes(edge_tree *tree)
     }
 }
 
-bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, int threads, edge_tree *tree,
-                               bat_error *error)
+bat_status edge_tree_make(const bat_curve *curves, size_t count, double slack, int threads, edge_tree *tree,
+                          bat_error *error)
 {
     *tree = (edge_tree){.curve_count = count, .scale = 1, .slack = slack, .threads = 1};
     if (count == 0)

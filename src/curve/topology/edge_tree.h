@@ -83,11 +83,8 @@ bool surface_of_space(const bat_space *space, surface_kind *kind);
 /// @param threads of building and searching; 0: as many as OpenMP gives, fewer for few edges
 /// @param tree    release it with edge_tree_free(), also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status edge_tree_make_wide(const bat_curve *curves, size_t count, double slack, int threads, edge_tree *tree,
-                               bat_error *error);
-
-/// The same with exact boxes.
-bat_status edge_tree_make(const bat_curve *curves, size_t count, int threads, edge_tree *tree, bat_error *error);
+bat_status edge_tree_make(const bat_curve *curves, size_t count, double slack, int threads, edge_tree *tree,
+                          bat_error *error);
 void edge_tree_free(edge_tree *tree);
 
 /// Mark the edges begin … end - 1 of a curve, whose points were moved.

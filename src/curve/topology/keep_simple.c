@@ -20,7 +20,7 @@ static bool stop_at_first(void *context, edge_place first, edge_place second)
 bat_status curve_edges_are_apart(const bat_curve *curve, bool *apart, bat_error *error)
 {
     edge_tree tree;
-    bat_status status = edge_tree_make(curve, 1, 1, &tree, error);
+    bat_status status = edge_tree_make(curve, 1, 0, 1, &tree, error);
     if (status == BAT_OK)
         *apart = edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, stop_at_first, NULL);
     edge_tree_free(&tree);
@@ -47,7 +47,7 @@ static bat_status only_count(const bat_curve *fine, bool must, bat_curve_refine_
 {
     edge_tree tree;
     pair_count count = {0, 0};
-    bat_status status = edge_tree_make(fine, 1, 1, &tree, error);
+    bat_status status = edge_tree_make(fine, 1, 0, 1, &tree, error);
     if (status == BAT_OK)
         (void)edge_tree_search(&tree, EDGE_PAIRS_SAME_CURVE, false, count_pair, &count);
     edge_tree_free(&tree);

@@ -218,7 +218,7 @@ static void the_tree_finds_all_pairs(void **state)
         for (int c = 0; c < 3; c++)
             random_walk(&random, space, 0.02 * (double)(1 + trial % 40), &curves[c]);
         edge_tree tree;
-        assert_int_equal(edge_tree_make(curves, 3, 1 + trial % 2, &tree, NULL), BAT_OK);
+        assert_int_equal(edge_tree_make(curves, 3, 0, 1 + trial % 2, &tree, NULL), BAT_OK);
         const edge_pairs rules[] = {EDGE_PAIRS_SAME_CURVE, EDGE_PAIRS_ALL};
         for (int r = 0; r < 2; r++)
         {
@@ -257,7 +257,7 @@ static void moved_edges_are_found_again(void **state)
             continue;
         }
         edge_tree tree;
-        assert_int_equal(edge_tree_make(&curve, 1, 1, &tree, NULL), BAT_OK);
+        assert_int_equal(edge_tree_make(&curve, 1, 0, 1, &tree, NULL), BAT_OK);
         size_t moved = 1 + bat_random_bits(&random) % (curve.count - 2);
         curve.points[2 * moved] += 0.3 * bat_random_normal(&random);
         if (trial % 4 == 0)
