@@ -345,12 +345,13 @@ static void iges_has_its_form(void **state)
 static void units_stand_in_step(void **state)
 {
     (void)state;
-    static const char *const words[] = {"SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)", "'INCH'"};
+    static const char *const words[] = {"SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)",
+                                        "'INCH'"}; // by bat_surface_unit
     bat_cloud cloud = cloud_of(&SHAPES[0], 500, true, false, 6);
     bat_surface_result result = must_trim(&cloud, 0);
     for (int trimmed = 1; trimmed >= 0; trimmed--)
     {
-        for (size_t unit = 0; unit < 3; unit++)
+        for (size_t unit = 0; unit < sizeof words / sizeof *words; unit++)
         {
             bat_surface_write_options options = bat_surface_write_defaults();
             options.unit = (bat_surface_unit)unit;
