@@ -16,24 +16,24 @@ namespace
 constexpr int ROUNDS = 7;
 constexpr double FLOOR = 4;
 
-void refine_batten(const bat_polygon_mesh &mesh, bool loop, size_t levels)
+void refine_batten(const bat_mesh &mesh, bool loop, size_t levels)
 {
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.scheme = loop ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_CATMULL_CLARK;
     options.levels = levels;
     options.threads = 1;
-    bat_polygon_mesh fine;
+    bat_mesh fine;
     bat_error error;
-    if (bat_polygon_mesh_refine(&mesh, &options, &fine, nullptr, &error) != BAT_OK)
+    if (bat_mesh_refine(&mesh, &options, &fine, nullptr, &error) != BAT_OK)
     {
         std::fprintf(stderr, "bench_opensubdiv: %s\n", error.text);
         std::exit(1);
     }
-    bat_polygon_mesh_free(&fine);
+    bat_mesh_free(&fine);
 }
 
 /// How many times as fast we are, from medians of rounds in turn.
-double ratio_of(const bat_polygon_mesh &mesh, bool loop, size_t levels)
+double ratio_of(const bat_mesh &mesh, bool loop, size_t levels)
 {
     std::vector<double> ours, peers;
     for (int round = 0; round < ROUNDS; round++)
@@ -49,7 +49,7 @@ double ratio_of(const bat_polygon_mesh &mesh, bool loop, size_t levels)
 }
 
 /// Print the ratios of refinements by `first`, ..., `last` levels.
-void compare(const char *name, const bat_polygon_mesh &mesh, bool loop, size_t first, size_t last)
+void compare(const char *name, const bat_mesh &mesh, bool loop, size_t first, size_t last)
 {
     bool below = false;
     std::printf("%-60s", name);
@@ -63,7 +63,7 @@ void compare(const char *name, const bat_polygon_mesh &mesh, bool loop, size_t f
 }
 
 /// Make every `step`th edge of the faces sharp for two levels.
-void sharpen(bat_polygon_mesh &mesh, uint32_t step)
+void sharpen(bat_mesh &mesh, uint32_t step)
 {
     mesh.creases = static_cast<bat_mesh_crease *>(mesh_room(mesh.face_count, sizeof *mesh.creases));
     for (uint32_t f = 0; f < mesh.face_count; f += step)
@@ -75,8 +75,8 @@ void sharpen(bat_polygon_mesh &mesh, uint32_t step)
 int main()
 {
     bat_mesh irregular = mesh_irregular(120, 60, 2);
-    bat_polygon_mesh triangles = polygon_mixed(&irregular, 0, 1), mixed = polygon_mixed(&irregular, 0.8, 1);
-    bat_polygon_mesh quads = polygon_torus(120, 60), cube = polygon_cube();
+    bat_mesh triangles = polygon_mixed(&irregular, 0, 1), mixed = polygon_mixed(&irregular, 0.8, 1);
+    bat_mesh quads = polygon_torus(120, 60), cube = polygon_cube();
     std::printf("levels 1, 2, 3, 4\n");
     compare("Loop, 14,400 irregular triangles", triangles, true, 1, 4);
     compare("Catmull-Clark, 7,200 quads", quads, false, 1, 4);
@@ -87,7 +87,7 @@ int main()
     compare("Loop, with creases", triangles, true, 1, 4);
     compare("Catmull-Clark, with creases", mixed, false, 1, 4);
     bat_mesh_free(&irregular);
-    for (bat_polygon_mesh *mesh : {&triangles, &mixed, &quads, &cube})
-        bat_polygon_mesh_free(mesh);
+    for (bat_mesh *mesh : {&triangles, &mixed, &quads, &cube})
+        bat_mesh_free(mesh);
     return 0;
 }

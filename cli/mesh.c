@@ -22,7 +22,7 @@ typedef struct mesh_job
     bool normals; ///< of vertices, are written
     bat_mesh_repair_report repairs;
     bat_mesh_notes notes;
-    bat_mesh given, made; ///< triangles; of polygons only for pictures
+    bat_mesh given, made;
 
     // Of `batten mesh`.
     const char *model_file; ///< null for none
@@ -30,13 +30,11 @@ typedef struct mesh_job
     bat_mesh_scheme beside; ///< where has_beside
     bool has_beside;
     double gigabytes;
-    bool polygonal;                                 ///< the input is read as a mesh of polygons
-    bat_polygon_mesh given_polygons, made_polygons; ///< where polygonal
-    bat_mesh_model *model;                          ///< of --model; null for none
-    size_t boundary_edges, fallback;                ///< boundary edges of the given mesh
-    double *limit_normals;                          ///< of the limit surface; null for none
-    bat_mesh_scheme scheme;                         ///< the one that refined
-    const char *reason;                             ///< for the scheme, where it was not given; else null
+    bat_mesh_model *model;           ///< of --model; null for none
+    size_t boundary_edges, fallback; ///< boundary edges of the given mesh
+    double *limit_normals;           ///< of the limit surface; null for none
+    bat_mesh_scheme scheme;          ///< the one that refined
+    const char *reason;              ///< for the scheme, where it was not given; else null
 
     // Of `batten decimate`.
     bat_mesh_decimate_options decimate;
@@ -85,9 +83,7 @@ static int write_mesh(void *of, const char *path)
     mesh_job *job = of;
     bat_mesh_write_options options = job->write;
     options.vertex_normals = job->limit_normals;
-    return report_status(job->call.given, job->call.output,
-                         job->polygonal ? bat_polygon_mesh_write(path, &job->made_polygons, &options, report_error())
-                                        : bat_mesh_write(path, &job->made, &options, report_error()));
+    return report_status(job->call.given, job->call.output, bat_mesh_write(path, &job->made, &options, report_error()));
 }
 
 static json_t *notes_json(const bat_mesh_notes *notes)
@@ -118,8 +114,6 @@ static void end(void *of)
     bat_mesh_free(&job->made);
     free(job->limit_normals);
     bat_mesh_notes_free(&job->notes);
-    bat_polygon_mesh_free(&job->given_polygons);
-    bat_polygon_mesh_free(&job->made_polygons);
     bat_mesh_model_free(job->model);
     bat_mesh_map_free(job->map);
 }
@@ -209,7 +203,7 @@ static bool check_refinement(void *of)
     if (job->gigabytes > 1e9)
         return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");
     job->refine.max_memory = (size_t)(1e9 * job->gigabytes);
-    job->polygonal = job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
+    job->read.polygons = job->refine.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->refine.scheme == BAT_MESH_SCHEME_AUTO;
     return usage_accepts(given, bat_options_check(&bat_mesh_refine_fields, &job->refine, report_error())) &&
            check_schemes(job) && check_files(job);
 }
@@ -218,15 +212,12 @@ static bool check_refinement(void *of)
 static int read_given(mesh_job *job)
 {
     bat_mesh_connectivity links;
-    bat_status status = job->polygonal
-                            ? bat_polygon_mesh_read(job->call.input, &job->read, &job->given_polygons, report_error())
-                            : bat_mesh_read(job->call.input, &job->read, &job->given, report_error());
+    bat_status status = bat_mesh_read(job->call.input, &job->read, &job->given, report_error());
     if (status == BAT_OK)
-        status = job->polygonal ? bat_polygon_mesh_connect(&job->given_polygons, &links, report_error())
-                                : bat_mesh_connect(&job->given, &links, report_error());
+        status = bat_mesh_connect(&job->given, &links, report_error());
     bat_error *error = report_error();
     size_t used = strlen(error->remedy_effect);
-    if (status != BAT_OK && strcmp(error->remedy, "triangulate") == 0 && !job->polygonal)
+    if (status != BAT_OK && strcmp(error->remedy, "triangulate") == 0 && !job->read.polygons)
         (void)snprintf(error->remedy_effect + used, sizeof error->remedy_effect - used,
                        ", and --scheme catmull-clark refines it as it is");
     if (status != BAT_OK)
@@ -235,7 +226,7 @@ static int read_given(mesh_job *job)
     job->scheme = job->refine.scheme;
     if (job->scheme == BAT_MESH_SCHEME_AUTO)
     {
-        job->scheme = bat_polygon_mesh_scheme_for(&job->given_polygons);
+        job->scheme = bat_mesh_scheme_for(&job->given);
         job->reason = job->scheme == BAT_MESH_SCHEME_CATMULL_CLARK ? "most faces have more than three corners"
                       : job->scheme == BAT_MESH_SCHEME_LOOP        ? "a cage: few faces, or creases"
                                                                    : "a mesh of many triangles without creases";
@@ -279,17 +270,14 @@ static bat_status refine_beside(const mesh_job *job, bat_mesh *other, bat_error 
         options.crease_angle = 0;
         options.rules = (bat_mesh_rules){0};
     }
-    if (options.scheme != BAT_MESH_SCHEME_CATMULL_CLARK)
+    if (options.scheme == BAT_MESH_SCHEME_CATMULL_CLARK || job->given.offsets == NULL)
         return bat_mesh_refine(&job->given, &options, other, NULL, error);
-    bat_polygon_mesh polygons = {0}, fine = {0};
-    bat_status status = job->polygonal ? bat_polygon_mesh_copy(&job->given_polygons, &polygons, error)
-                                       : bat_polygon_mesh_of_triangles(&job->given, &polygons, error);
-    if (status == BAT_OK)
-        status = bat_polygon_mesh_refine(&polygons, &options, &fine, NULL, error);
-    if (status == BAT_OK)
-        status = bat_polygon_mesh_triangulate(&fine, other, error);
-    bat_polygon_mesh_free(&polygons);
-    bat_polygon_mesh_free(&fine);
+    bat_mesh triangles;
+    bat_status status = bat_mesh_triangulate(&job->given, &triangles, error);
+    if (status != BAT_OK)
+        return status;
+    status = bat_mesh_refine(&triangles, &options, other, NULL, error);
+    bat_mesh_free(&triangles);
     return status;
 }
 
@@ -297,23 +285,13 @@ static int draw(mesh_job *job)
 {
     bat_mesh other = {0};
     char title[80], beside_title[80];
-    bat_status status = BAT_OK;
-    if (job->polygonal)
-        status = bat_polygon_mesh_triangulate(&job->given_polygons, &job->given, report_error());
-    if (status == BAT_OK && job->polygonal)
-        status = bat_polygon_mesh_triangulate(&job->made_polygons, &job->made, report_error());
-    if (status == BAT_OK && job->has_beside)
-        status = refine_beside(job, &other, report_error());
+    bat_status status = job->has_beside ? refine_beside(job, &other, report_error()) : BAT_OK;
     if (status != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, report_error());
     make_title(job, job->scheme, title);
     make_title(job, job->beside, beside_title);
     bat_mesh_picture_panel panels[3] = {
-        {.mesh = &job->given,
-         .title = "coarse",
-         .wires = true,
-         .flat = true,
-         .polygons = job->polygonal ? &job->given_polygons : NULL},
+        {.mesh = &job->given, .title = "coarse", .wires = true, .flat = true},
         {.mesh = &job->made, .title = title},
         {.mesh = &other, .title = beside_title},
     };
@@ -328,11 +306,9 @@ static int draw(mesh_job *job)
 /// Warn of what the result lacks, on standard error.
 static void warn(const mesh_job *job)
 {
-    bool polygons = job->polygonal;
-    bat_mesh_rules rules = polygons ? job->given_polygons.rules : job->given.rules;
-    bool textured = (polygons ? job->given_polygons.texture_faces : job->given.texture_faces) != NULL;
-    bool sharp = polygons ? job->given_polygons.crease_count + job->given_polygons.corner_count > 0
-                          : job->given.crease_count + job->given.corner_count > 0;
+    bat_mesh_rules rules = job->given.rules;
+    bool textured = job->given.texture_faces != NULL;
+    bool sharp = job->given.crease_count + job->given.corner_count > 0;
     if (job->fallback > 0)
         report_text(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->call.input,
                     job->fallback);
@@ -353,7 +329,7 @@ static void warn(const mesh_job *job)
 static int report_refinement(void *of)
 {
     mesh_job *job = of;
-    const bat_polygon_mesh *given = &job->given_polygons, *made = &job->made_polygons;
+    const bat_mesh *given = &job->given, *made = &job->made;
     char levels[32];
     warn(job);
     if (!report_files(job))
@@ -366,10 +342,8 @@ static int report_refinement(void *of)
         "boundary_edges:z fallback:z repaired:z notes:o",
         bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), job->reason,
         (int)(job->reason != NULL && job->scheme != BAT_MESH_SCHEME_LEARNED), job->refine.levels,
-        levels_text(job, job->scheme, levels), given->face_count > 0 ? given->vertex_count : job->given.vertex_count,
-        given->face_count > 0 ? given->face_count : job->given.face_count,
-        made->face_count > 0 ? made->vertex_count : job->made.vertex_count,
-        made->face_count > 0 ? made->face_count : job->made.face_count, job->boundary_edges, job->fallback,
+        levels_text(job, job->scheme, levels), given->vertex_count, given->face_count, made->vertex_count, made->face_count,
+        job->boundary_edges, job->fallback,
         bat_mesh_repair_places(&job->repairs), notes_json(&job->notes));
 }
 
@@ -388,9 +362,7 @@ static int make_refinement(void *of)
     options.progress = report_progress("refining");
     if (options.limit && job->normals)
         options.limit_normals = &job->limit_normals;
-    bat_status status = job->polygonal ? bat_polygon_mesh_refine(&job->given_polygons, &options, &job->made_polygons,
-                                                                 &job->fallback, report_error())
-                                       : bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, report_error());
+    bat_status status = bat_mesh_refine(&job->given, &options, &job->made, &job->fallback, report_error());
     int code = report_status(job->call.given, job->call.input, status);
     return code == EXIT_DONE && job->call.picture != NULL ? draw(job) : code;
 }

@@ -6,11 +6,11 @@
 BAT_C_BEGIN
 
 /// @file
-/// Triangle meshes, their connectivity, and their repair; polygon meshes, at the end.
+/// Meshes of triangles or of polygons, their connectivity, and their repair.
 ///
-/// Vertices, faces and half-edges have 32-bit indices from 0. Half-edge 3 f + c runs along face f from corner c to the next
-/// corner, so that faces[h] is the vertex where half-edge h begins. Seen from outside, corners go around a face
-/// counter-clockwise.
+/// Vertices, faces and half-edges have 32-bit indices from 0. In a mesh of triangles, half-edge 3 f + c runs along face f
+/// from corner c to the next corner, so that faces[h] is the vertex where half-edge h begins; in one of polygons it is
+/// offsets[f] + c. Seen from outside, corners go around a face counter-clockwise.
 
 /// The index of a neighbour that does not exist.
 #define BAT_MESH_NONE UINT32_MAX
@@ -84,16 +84,20 @@ typedef struct bat_mesh_rules
 /// Boundary rules, creasing rules and texture rules by name.
 extern BAT_API const bat_family bat_mesh_boundary_family, bat_mesh_creasing_family, bat_mesh_linear_family;
 
-/// A triangle mesh. All zero: empty. Everything in it is owned and comes from malloc(); release it with bat_mesh_free().
+/// A mesh of triangles or of polygons. All zero: empty. Everything in it is owned and comes from malloc(); release it with
+/// bat_mesh_free(). Refinement, connectivity, files and pictures take polygons; all other calls take triangles alone and
+/// refuse others with BAT_UNSUPPORTED: bat_mesh_triangulate() cuts them.
 typedef struct bat_mesh
 {
     double *positions; ///< vertex_count x 3
-    uint32_t *faces;   ///< face_count x 3: the vertices at a face's corners
+    uint32_t *faces;   ///< the vertices at the corners, face after face: face_count x 3 without `offsets`
+    /// Of polygons: face f has the corners offsets[f], …, offsets[f + 1] - 1; face_count + 1 numbers. Null: triangles.
+    uint32_t *offsets;
     size_t vertex_count;
     size_t face_count;
 
     double *texture;         ///< texture_count x 2 texture coordinates; null for none
-    uint32_t *texture_faces; ///< face_count x 3: the texture coordinates at a face's corners; null for none
+    uint32_t *texture_faces; ///< the texture coordinates at the corners; null for none
     size_t texture_count;
 
     double *channels;     ///< vertex_count x channel_count: further numbers at the vertices, such as colours; null for none
@@ -129,8 +133,8 @@ typedef struct bat_mesh_point
     double barycentric[3]; ///< of the face's corners, 0 to 1, of sum 1
 } bat_mesh_point;
 
-/// Check the conditions of every call that takes a mesh: at least one face, finite coordinates, and faces of three different
-/// existing vertices. Texture coordinates, labels, creases and corners must name what exists.
+/// Check the conditions of every call that takes a mesh: at least one face, finite coordinates, and faces of three or more
+/// different existing vertices. Texture coordinates, labels, creases and corners must name what exists.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for no faces or a crease between vertices that do not exist; BAT_TOO_LARGE;
 ///         BAT_INVALID_POINT with the failing vertex or face
 BAT_API bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error);
@@ -139,13 +143,13 @@ BAT_API bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error);
 /// describes the faces that it was made from and does not follow their changes.
 typedef struct bat_mesh_connectivity
 {
-    /// 3 x face_count: the half-edge along the same edge in the neighbouring face, in the other direction; BAT_MESH_NONE at
+    /// For each corner: the half-edge along the same edge in the neighbouring face, in the other direction; BAT_MESH_NONE at
     /// a boundary.
     uint32_t *twin;
     /// vertex_count: a half-edge that begins at the vertex. At a boundary it is the one along the boundary, from which
     /// turning counter-clockwise (bat_mesh_next_around()) passes all others. BAT_MESH_NONE for a vertex without a face.
     uint32_t *first;
-    /// 3 x face_count: the edge that a half-edge lies on. Edges are numbered by the lesser of their half-edges, in order.
+    /// For each corner: the edge that a half-edge lies on. Edges are numbered by the lesser of their half-edges, in order.
     uint32_t *edge;
     size_t vertex_count, face_count;
     size_t edge_count;
@@ -156,28 +160,28 @@ typedef struct bat_mesh_connectivity
 ///
 /// @param connectivity release it with bat_mesh_connectivity_free()
 /// @return BAT_OK; BAT_TOO_LARGE (above BAT_MESH_MAX_FACES); BAT_INVALID_POINT with a face whose corner is not a vertex or
-///         that has the same vertex twice; BAT_NOT_MANIFOLD with the first face at an edge of more than two faces, at an
-///         edge of two faces with the same direction, or at a vertex of several fans, the text naming the vertices;
-///         BAT_NO_MEMORY. `connectivity` is untouched on failure
+///         that has the same vertex twice; the failures of bat_mesh_check() for polygons; BAT_NOT_MANIFOLD with the first
+///         face at an edge of more than two faces, at an edge of two faces with the same direction, or at a vertex of
+///         several fans, the text naming the vertices; BAT_NO_MEMORY. `connectivity` is untouched on failure
 BAT_API bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error);
 
 /// Free what it owns and make it empty.
 BAT_API void bat_mesh_connectivity_free(bat_mesh_connectivity *connectivity);
 
-/// The half-edge after another one in its face, counter-clockwise.
+/// The half-edge after another one in its triangle, counter-clockwise.
 static inline uint32_t bat_mesh_next(uint32_t half_edge)
 {
     return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;
 }
 
-/// The half-edge before another one in its face.
+/// The half-edge before another one in its triangle.
 static inline uint32_t bat_mesh_previous(uint32_t half_edge)
 {
     return half_edge % 3 == 0 ? half_edge + 2 : half_edge - 1;
 }
 
 /// The half-edge that begins at the same vertex and follows counter-clockwise; BAT_MESH_NONE at the end of a boundary
-/// vertex's fan.
+/// vertex's fan. In a mesh of triangles, as all of these.
 static inline uint32_t bat_mesh_next_around(const bat_mesh_connectivity *connectivity, uint32_t half_edge)
 {
     return connectivity->twin[bat_mesh_previous(half_edge)];
@@ -260,72 +264,12 @@ BAT_API bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_repor
 ///         BAT_NO_MEMORY; results are untouched on failure
 BAT_API bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *merged, bat_mesh *welded, bat_error *error);
 
-// Meshes of polygons.
-
-/// A mesh whose faces have three or more corners each. All zero: empty. Everything in it is owned and comes from malloc();
-/// release it with bat_polygon_mesh_free(). Corners are numbered through all faces: face f has the corners offsets[f], …,
-/// offsets[f + 1] - 1, counter-clockwise seen from outside.
-typedef struct bat_polygon_mesh
-{
-    double *positions; ///< vertex_count x 3
-    uint32_t *offsets; ///< face_count + 1: the first corner of each face, and the number of all corners
-    uint32_t *faces;   ///< the vertices at the corners
-    size_t vertex_count;
-    size_t face_count;
-
-    double *texture;         ///< texture_count x 2 texture coordinates; null for none
-    uint32_t *texture_faces; ///< the texture coordinates at the corners; null for none
-    size_t texture_count;
-
-    double *channels;     ///< as of bat_mesh
-    char **channel_names; ///< channel_count texts
-    size_t channel_count;
-
-    bat_mesh_crease *creases; ///< in any order; null for none
-    size_t crease_count;
-    bat_mesh_corner *corners; ///< sharp vertices, in any order; null for none
-    size_t corner_count;
-
-    uint32_t *face_labels;  ///< face_count: the label of each face; null for none
-    bat_mesh_label *labels; ///< label_count
-    size_t label_count;
-    char *material_files; ///< as of bat_mesh
-    char *material_json;  ///< as of bat_mesh
-
-    bat_mesh_rules rules; ///< of refinement; all zero: none are given
-} bat_polygon_mesh;
-
-/// Free what a mesh owns and make it empty. Does nothing to a mesh that is empty already.
-BAT_API void bat_polygon_mesh_free(bat_polygon_mesh *mesh);
-
-/// Copy a mesh with all it owns.
-/// @return BAT_OK or BAT_NO_MEMORY; `copy` is untouched on failure
-BAT_API bat_status bat_polygon_mesh_copy(const bat_polygon_mesh *mesh, bat_polygon_mesh *copy, bat_error *error);
-
-/// Check the conditions of every call that takes a polygon mesh: those of bat_mesh_check(), with three or more different
-/// vertices at every face.
-/// @return as bat_mesh_check()
-BAT_API bat_status bat_polygon_mesh_check(const bat_polygon_mesh *mesh, bat_error *error);
-
-/// Find the neighbours of all faces, as bat_mesh_connect(): `twin` and `edge` have an entry for each corner.
-/// @param connectivity release it with bat_mesh_connectivity_free()
-/// @return the failures of bat_polygon_mesh_check(); BAT_NOT_MANIFOLD as bat_mesh_connect(); BAT_NO_MEMORY. `connectivity`
-/// is
-///         untouched on failure
-BAT_API bat_status bat_polygon_mesh_connect(const bat_polygon_mesh *mesh, bat_mesh_connectivity *connectivity,
-                                            bat_error *error);
-
-/// Cut the polygons into triangles, as bat_mesh_read() does: quads along the better diagonal, convex polygons as a fan,
-/// others by ear clipping. Triangles have the labels of their polygons.
-/// @param triangles receives the mesh, with everything else of the polygon mesh; release it with bat_mesh_free()
-/// @return BAT_OK; the failures of bat_polygon_mesh_check(); BAT_TOO_LARGE (too many faces, or a concave polygon of more
-/// than
-///         10,000 corners); BAT_NO_MEMORY
-BAT_API bat_status bat_polygon_mesh_triangulate(const bat_polygon_mesh *mesh, bat_mesh *triangles, bat_error *error);
-
-/// The polygon mesh of a triangle mesh.
-/// @return BAT_OK; the failures of bat_mesh_check(); BAT_NO_MEMORY; `polygons` is untouched on failure
-BAT_API bat_status bat_polygon_mesh_of_triangles(const bat_mesh *mesh, bat_polygon_mesh *polygons, bat_error *error);
+/// Cut the polygons of a mesh into triangles, as bat_mesh_read() does: quads along the better diagonal, convex polygons as a
+/// fan, others by ear clipping. Triangles have the labels of their polygons. A mesh of triangles is copied.
+/// @param triangles receives the mesh, with everything else of the other one; release it with bat_mesh_free()
+/// @return BAT_OK; the failures of bat_mesh_check(); BAT_TOO_LARGE (too many faces, or a concave polygon of more than 10,000
+///         corners); BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_triangulate(const bat_mesh *mesh, bat_mesh *triangles, bat_error *error);
 
 BAT_C_END
 

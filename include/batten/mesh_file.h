@@ -44,16 +44,15 @@ BAT_API void bat_mesh_notes_free(bat_mesh_notes *notes);
 typedef struct bat_mesh_read_options
 {
     bat_mesh_format format; ///< default BAT_MESH_FORMAT_AUTO
-    /// Cut polygons of more than three corners into triangles instead of refusing them. Quads are cut along the better
-    /// diagonal, convex polygons as a fan, others by ear clipping. Default false.
+    /// Cut polygons of more than three corners into triangles instead of refusing them, as bat_mesh_triangulate(). Default
+    /// false.
     bool triangulate;
     /// Keep faces that have the same vertex twice, for bat_mesh_repair() to drop, instead of refusing them; default false.
     bool keep_degenerate;
     bool repair;                     ///< bat_mesh_repair() the mesh; default false
     bat_mesh_repair_report *repairs; ///< receives what was repaired, all 0 without `repair`; may be null, the default
     bat_mesh_notes *notes;           ///< notes of a successful reading are appended; may be null, the default
-    /// Receives the faces as polygons, and the call's mesh stays as it is; as bat_polygon_mesh_read(). Default null.
-    bat_polygon_mesh *polygons;
+    bool polygons; ///< keep polygons of more than three corners as they are, unless `triangulate` cuts them; default false
 } bat_mesh_read_options;
 
 /// The options' default values.
@@ -69,19 +68,11 @@ extern BAT_API const bat_options_table bat_mesh_read_fields;
 /// @param mesh    receives the mesh; release it with bat_mesh_free()
 /// @param error   `line` is the failing line in formats with lines; `index` the failing vertex or face of the file
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
-///         with `repair` what bat_mesh_repair() returns; `mesh` is untouched on failure
+///         with `repair` what bat_mesh_repair() returns, which takes triangles; `mesh` is untouched on failure
 BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 /// The same from `size` bytes, which need no final zero. BAT_MESH_FORMAT_AUTO goes by the content.
 BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,
                                         bat_error *error);
-
-/// Read a mesh with its polygons as they are. As bat_mesh_read(); with `triangulate` or `repair` the polygons are triangles.
-/// @return as bat_mesh_read(); BAT_UNSUPPORTED for `repair` without `triangulate` where a face has more than three corners
-BAT_API bat_status bat_polygon_mesh_read(const char *path, const bat_mesh_read_options *options, bat_polygon_mesh *mesh,
-                                         bat_error *error);
-/// The same from memory, as bat_mesh_read_memory().
-BAT_API bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options,
-                                                bat_polygon_mesh *mesh, bat_error *error);
 
 /// The encoding of numbers in PLY and STL. OBJ and OFF are always text.
 typedef enum bat_mesh_encoding
@@ -113,26 +104,20 @@ BAT_API bat_mesh_write_options bat_mesh_write_defaults(void);
 /// Its table, for bat_options_check().
 extern BAT_API const bat_options_table bat_mesh_write_fields;
 
-/// Write a mesh. The file appears whole or not at all; an existing one survives a failure.
+/// Write a mesh. The file appears whole or not at all; an existing one survives a failure. Formats of triangles get polygons
+/// cut, which a note says.
 ///
 /// @param path    "-" is standard output
 /// @param mesh    a mesh that bat_mesh_check() accepts
 /// @param options null for the defaults
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for an option out of range or an unknown ending without `format`; BAT_INVALID_POINT;
-///         BAT_UNSUPPORTED (a number or a name that the format cannot hold); BAT_FILE_ACCESS or BAT_NO_MEMORY
+///         BAT_UNSUPPORTED (a number or a name that the format cannot hold); BAT_FILE_ACCESS, BAT_NO_MEMORY, or the
+///         failures of bat_mesh_triangulate()
 BAT_API bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options,
                                   bat_error *error);
 /// The same to memory, in the format of the options: `bytes` receives `size` bytes and a final zero; release it with free().
 BAT_API bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
                                          size_t *size, bat_error *error);
-
-/// Write a mesh of polygons, as bat_mesh_write(). Formats of triangles get polygons cut, which a note says.
-/// @return as bat_mesh_write(), and the failures of bat_polygon_mesh_triangulate()
-BAT_API bat_status bat_polygon_mesh_write(const char *path, const bat_polygon_mesh *mesh,
-                                          const bat_mesh_write_options *options, bat_error *error);
-/// The same to memory, as bat_mesh_write_memory().
-BAT_API bat_status bat_polygon_mesh_write_memory(const bat_polygon_mesh *mesh, const bat_mesh_write_options *options,
-                                                 char **bytes, size_t *size, bat_error *error);
 
 /// Write a map to a file, whole or not at all. The format is described in docs/algorithms/decimation.md.
 /// @return BAT_OK, BAT_FILE_ACCESS, BAT_NO_MEMORY

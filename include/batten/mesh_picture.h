@@ -14,14 +14,12 @@ BAT_C_BEGIN
 /// One mesh of a picture. All zero but `mesh` is a sensible panel: smooth, without wires.
 typedef struct bat_mesh_picture_panel
 {
-    const bat_mesh *mesh; ///< finite, at least one face; need not be manifold; never null
+    const bat_mesh *mesh; ///< finite, at least one face; need not be manifold; never null. Polygons are cut into triangles,
+                          ///< but only their own edges are drawn, and flat ones have their mean normal
     const char *title;    ///< UTF-8, beneath the panel; null or "" for none
     const double *values; ///< vertex_count numbers, shown as colours; NaN for none at a vertex; null: a uniform colour
     bool wires;           ///< draw the edges
     bool flat; ///< every face by its own normal, else smooth where neighbours' normals differ by less than 40 degrees
-    /// The polygons that `mesh` was cut from by bat_polygon_mesh_triangulate(). Their edges alone are drawn, and their mean
-    /// normals are those of flat faces. Null: faces are triangles.
-    const bat_polygon_mesh *polygons;
 } bat_mesh_picture_panel;
 
 /// The axis of space that points upwards.

@@ -22,7 +22,7 @@ BAT_C_BEGIN
 /// The mesh schemes.
 typedef enum bat_mesh_scheme
 {
-    BAT_MESH_SCHEME_AUTO,     ///< that of bat_mesh_scheme_for() or bat_polygon_mesh_scheme_for()
+    BAT_MESH_SCHEME_AUTO,     ///< that of bat_mesh_scheme_for()
     BAT_MESH_SCHEME_MIDPOINT, ///< new vertices in the middle of edges; the same surface
     BAT_MESH_SCHEME_LOOP, ///< Loop (1987), with Hoppe's creases and corners (1994) and semi-sharp ones (DeRose et al., 1998)
     BAT_MESH_SCHEME_BUTTERFLY,    ///< modified butterfly (Zorin, Schröder and Sweldens, 1996), through all vertices
@@ -34,13 +34,10 @@ typedef enum bat_mesh_scheme
 /// Faces below which a mesh is taken for a control cage: the learned scheme was trained on meshes of 200 faces and more.
 #define BAT_MESH_CAGE_FACES 100
 
-/// The scheme that BAT_MESH_SCHEME_AUTO stands for: Loop's for a mesh that has creases or corners with a sharpness above 0,
-/// or fewer than BAT_MESH_CAGE_FACES faces, else the learned one. docs/results/meshes.md tells why.
+/// The scheme that BAT_MESH_SCHEME_AUTO stands for: Catmull and Clark's where more than half of the faces have four or more
+/// corners, as quads that a modeller drew have; else Loop's for a mesh that has creases or corners with a sharpness above 0,
+/// or fewer than BAT_MESH_CAGE_FACES faces; else the learned one. docs/results/meshes.md tells why.
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
-
-/// The scheme that BAT_MESH_SCHEME_AUTO stands for with a mesh of polygons: Catmull and Clark's where more than half of the
-/// faces have four or more corners, as quads that a modeller drew have; else that of bat_mesh_scheme_for().
-BAT_API bat_mesh_scheme bat_polygon_mesh_scheme_for(const bat_polygon_mesh *mesh);
 
 /// The schemes by name.
 extern BAT_API const bat_family bat_mesh_scheme_family;
@@ -111,6 +108,7 @@ extern BAT_API const bat_options_table bat_mesh_refine_fields;
 /// vertices; a quad beside finer ones takes these in as corners, so that it has five or more. The result has channels and
 /// labels, but no texture, creases or corners.
 /// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
+/// Catmull and Clark's scheme takes any polygons and makes quads; the other schemes take and make triangles.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
 /// @param options  null for bat_mesh_refine_defaults(), which refine by the model that comes with the library
@@ -118,36 +116,22 @@ extern BAT_API const bat_options_table bat_mesh_refine_fields;
 /// @param fallback receives the number of places where a learned rule fell back to a classical one; may be null
 /// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for an option out of range
 ///         or a crease along no edge; BAT_UNSUPPORTED for square-root-three with `limit`, for a crease angle or rules with a
-///         scheme that knows neither, for BAT_MESH_SCHEME_CATMULL_CLARK, whose result has quads, and where
+///         scheme that knows neither, for a face of more than three corners with a scheme for triangles, and where
 ///         BAT_MESH_BOUNDARY_NONE leaves no face; BAT_TOO_LARGE for more faces than 32-bit indices can number, or more
 ///         memory than `max_memory`; BAT_NO_MEMORY; BAT_CANCELLED. Results are untouched on failure
 BAT_API bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                    size_t *fallback, bat_error *error);
 
-/// Refine a mesh of polygons. As bat_mesh_refine(), with BAT_MESH_SCHEME_AUTO for bat_polygon_mesh_scheme_for(). Catmull and
-/// Clark's scheme makes quads, which have the labels of the polygons that they are cut from. The other schemes refine meshes
-/// of triangles alone, and make triangles.
-/// @param fine receives the refined mesh; release it with bat_polygon_mesh_free()
-/// @return as bat_mesh_refine(); BAT_UNSUPPORTED where the scheme needs triangles and a face has more corners
-BAT_API bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
-                                           bat_polygon_mesh *fine, size_t *fallback, bat_error *error);
-
-/// The unit normals of the limit surface of Catmull and Clark's scheme at the vertices, as bat_mesh_limit_normals(). At
-/// inner vertices of two faces, which have no tangent plane in general: that of the two antisymmetric tangents.
-/// @param mesh a mesh refined at least once without `limit`, or any mesh of quads
-/// @return as bat_mesh_limit_normals(); BAT_UNSUPPORTED with a face that is no quad
-BAT_API bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int threads, double *normals,
-                                                  bat_error *error);
-
-/// The unit normals of the limit surface of Loop's scheme, at the limits of the vertices. On a crease: the mean of both
-/// sides. At corners and ends of creases, which have no tangent plane in general: the area-weighted mean of the faces
-/// around. Zero for a vertex without a face, and where the normal is not defined.
+/// The unit normals of the limit surface at the limits of the vertices: of Loop's scheme for triangles, of Catmull and
+/// Clark's for quads. On a crease: the mean of both sides. At corners and ends of creases, which have no tangent plane in
+/// general: the area-weighted mean of the faces around. At inner vertices of two quads: that of the two antisymmetric
+/// tangents. Zero for a vertex without a face, and where the normal is not defined.
 ///
-/// @param mesh    a mesh refined without `limit`
+/// @param mesh    a mesh refined without `limit`; one of polygons must be refined at least once, or have quads alone
 /// @param threads 0: as many as OpenMP gives; the result does not depend on it
 /// @param normals receives vertex_count x 3 numbers
 /// @return BAT_OK; the failures of bat_mesh_check() and bat_mesh_connect(); BAT_INVALID_ARGUMENT for a crease along no edge;
-///         BAT_NO_MEMORY
+///         BAT_UNSUPPORTED with a polygon that is no quad; BAT_NO_MEMORY
 BAT_API bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *normals, bat_error *error);
 
 // Models of the learned scheme: the one that comes with the library, and others from files.

@@ -35,7 +35,7 @@ _REST = ("channel_names", "face_labels", "labels", "material_files", "material_j
 class _Faces:
     """What triangle meshes and polygon meshes share: all but how faces lie in arrays."""
 
-    _kind: str  # the struct of the library
+    _polygons: bool  # whether faces may have any number of corners
     vertices: Floats
     faces: Any
     channels: Floats | None
@@ -85,18 +85,19 @@ class _Faces:
                    rest={k: parts[k] for k in _REST if k != "channel_names" or name != "channels"})  # fmt: skip
         return made
 
-    def _rows(self, given: Any, counts: tuple[int, int]) -> None:
-        """Take the faces, and those of the texture, from a struct of so many faces and texture coordinates."""
+    def _rows(self, given: Any, counts: tuple[int, int], triangles: bool) -> None:
+        """Take the faces, and those of the texture, from a struct of so many faces and texture coordinates, whose faces are
+        triangles or else have offsets."""
         raise NotImplementedError
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], **settings: Any) -> Self:
         """Read a file. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
         What the file holds and a mesh cannot is told by warnings."""
-        made, notes = ffi.new(f"{cls._kind} *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
+        made, notes = ffi.new("bat_mesh *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
         how = options("bat_mesh_read_options", settings)
-        how.notes = notes
-        call(getattr(lib, f"{cls._kind}_read"), os.fsencode(path), how, made)
+        how.notes, how.polygons = notes, cls._polygons
+        call(lib.bat_mesh_read, os.fsencode(path), how, made)
         _warn(notes)
         return cls._from(made)
 
@@ -109,13 +110,13 @@ class _Faces:
         if normals is not None and len(normals) != len(self.vertices):
             raise ValueError(f"vertex_normals: {len(self.vertices)} rows are needed")
         how.notes, how.vertex_normals = notes, pointer(normals)
-        call(getattr(lib, f"{self._kind}_write"), os.fsencode(path), self._struct(), how)
+        call(lib.bat_mesh_write, os.fsencode(path), self._struct(), how)
         _warn(notes)
 
     @classmethod
     def _from(cls, struct: Any) -> Self:
         """The mesh in a struct, which gives away its arrays."""
-        mesh, owned = object.__new__(cls), ffi.gc(struct, getattr(lib, f"{cls._kind}_free"))
+        mesh, owned = object.__new__(cls), ffi.gc(struct, lib.bat_mesh_free)
 
         def given(name: str, shape: tuple[int, ...], dtype: Any = np.float64) -> Any:
             memory = getattr(owned, name)
@@ -127,7 +128,7 @@ class _Faces:
         mesh.labels = [Report((name, _text(getattr(owned.labels[i], name))) for name in _LABEL) for i in range(owned.label_count)]
         mesh.material_files, mesh.material_json = _text(owned.material_files), _text(owned.material_json)
         mesh.rules = dict(report(owned.rules)) if bytes(ffi.buffer(ffi.addressof(owned, "rules"))).strip(b"\0") else None
-        mesh._rows(given, (faces, owned.texture_count))
+        mesh._rows(given, (faces, owned.texture_count), owned.offsets == ffi.NULL)
         mesh.vertices = given("positions", (vertices, 3))
         mesh.channels = given("channels", (vertices, width)) if width else None
         mesh.texture = given("texture", (owned.texture_count, 2)) if owned.texture_count else None
@@ -137,7 +138,7 @@ class _Faces:
         return mesh
 
     def _struct(self) -> Any:
-        struct, keep = ffi.new(f"{self._kind} *"), []
+        struct, keep = ffi.new("bat_mesh *"), []
 
         def text(value: str | None) -> Any:
             keep.append(ffi.NULL if value is None else ffi.new("char[]", value.encode()))
@@ -221,7 +222,7 @@ class Mesh(_Faces):
     <Mesh of 4 vertices, 4 faces>
     """
 
-    _kind = "bat_mesh"
+    _polygons = False
     faces: Indices
     texture_faces: Indices | None
 
@@ -247,7 +248,7 @@ class Mesh(_Faces):
             return cls(*mesh)
         raise TypeError(f"a mesh is needed: vertices and faces, not {type(mesh).__name__}")
 
-    def _rows(self, given: Any, counts: tuple[int, int]) -> None:
+    def _rows(self, given: Any, counts: tuple[int, int], triangles: bool) -> None:
         self.faces = given("faces", (counts[0], 3), np.uint32)
         self.texture_faces = given("texture_faces", (counts[0], 3), np.uint32) if counts[1] else None
 
@@ -330,7 +331,7 @@ class PolygonMesh(_Faces):
     <PolygonMesh of 8 vertices, 6 faces>
     """
 
-    _kind = "bat_polygon_mesh"
+    _polygons = True
     offsets: Indices
 
     def __init__(self, vertices: ArrayLike, faces: Any, *, channels: ArrayLike | None = None, texture: ArrayLike | None = None,
@@ -350,15 +351,16 @@ class PolygonMesh(_Faces):
             return mesh
         if isinstance(mesh, tuple) and len(mesh) == 2:
             return cls(*mesh)
-        made = ffi.new("bat_polygon_mesh *")
-        call(lib.bat_polygon_mesh_of_triangles, Mesh.of(mesh)._struct(), made)
+        made, triangles = ffi.new("bat_mesh *"), Mesh.of(mesh)
+        call(lib.bat_mesh_triangulate, triangles._struct(), made)
         return cls._from(made)
 
     def _face_count(self) -> int:
         return len(self.offsets) - 1
 
-    def _rows(self, given: Any, counts: tuple[int, int]) -> None:
-        self.offsets = given("offsets", (counts[0] + 1,), np.uint32)
+    def _rows(self, given: Any, counts: tuple[int, int], triangles: bool) -> None:
+        ends = np.arange(counts[0] + 1, dtype=np.uint32) * np.uint32(3)
+        self.offsets = ends if triangles else given("offsets", (counts[0] + 1,), np.uint32)
         corners = int(self.offsets[-1])
         self.faces = given("faces", (corners,), np.uint32)
         self.texture_faces = given("texture_faces", (corners,), np.uint32) if counts[1] else None
@@ -373,13 +375,13 @@ class PolygonMesh(_Faces):
     def triangulate(self) -> Mesh:
         """The mesh with its polygons cut into triangles."""
         made = ffi.new("bat_mesh *")
-        call(lib.bat_polygon_mesh_triangulate, self._struct(), made)
+        call(lib.bat_mesh_triangulate, self._struct(), made)
         return Mesh._from(made)
 
     def normals(self, threads: int = 0) -> Floats:
         """Unit normals of the limit surface of Catmull and Clark's scheme at the vertices of a mesh of quads."""
         made = np.empty_like(self.vertices)
-        call(lib.bat_polygon_mesh_limit_normals, self._struct(), threads, pointer(made))
+        call(lib.bat_mesh_limit_normals, self._struct(), threads, pointer(made))
         return made
 
     def plot(self, ax: Any = None, **style: Any) -> Any:
@@ -467,14 +469,14 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: 
     for name in ("creases", "corners", "channels"):
         if name in settings:
             coarse = coarse._with(name, settings.pop(name))
-    fine, fallback = ffi.new(f"{coarse._kind} *"), ffi.new("size_t *")
+    fine, fallback = ffi.new("bat_mesh *"), ffi.new("size_t *")
     how, normals = options("bat_mesh_refine_options", settings), ffi.new("double **")
     how.limit_normals = normals if limit_normals else ffi.NULL
     with shown(progress, "refining"):
-        call(getattr(lib, f"{coarse._kind}_refine"), coarse._struct(), how, fine, fallback)
+        call(lib.bat_mesh_refine, coarse._struct(), how, fine, fallback)
     if fallback[0]:
         warnings.warn(f"the learned scheme fell back to a classical one in {fallback[0]} places", BattenWarning, stacklevel=2)
-    made = type(coarse)._from(fine)
+    made = (PolygonMesh if fine.offsets != ffi.NULL else type(coarse))._from(fine)
     if normals[0] != ffi.NULL:
         made.vertex_normals = take(normals[0], made.vertices.shape)
     return _like(mesh, made)

@@ -149,8 +149,10 @@ static bat_status check_fans(const corner_list *list, const bat_mesh_connectivit
     return BAT_OK;
 }
 
-static bat_status connect_corners(const corner_list *list, bat_mesh_connectivity *connectivity, bat_error *error)
+bat_status sides_connect(const mesh_sides *sides, const uint32_t *faces, size_t count, size_t vertex_count,
+                         bat_mesh_connectivity *connectivity, bat_error *error)
 {
+    const corner_list corners = {*sides, faces, count, vertex_count, sides_corners(sides, count)}, *list = &corners;
     bat_status status = BAT_OK;
     bat_mesh_connectivity made = {.twin = memory_array(list->count, sizeof *made.twin),
                                   .first = memory_array(list->vertex_count, sizeof *made.first),
@@ -183,18 +185,45 @@ static bat_status connect_corners(const corner_list *list, bat_mesh_connectivity
     return BAT_OK;
 }
 
-bat_status sides_connect(const mesh_sides *sides, const uint32_t *faces, size_t count, size_t vertex_count,
-                         bat_mesh_connectivity *connectivity, bat_error *error)
+uint32_t *sides_offsets(size_t face_count, uint32_t count)
 {
-    corner_list list = {*sides, faces, count, vertex_count, sides_corners(sides, count)};
-    return connect_corners(&list, connectivity, error);
+    uint32_t *offsets = memory_array(face_count + 1, sizeof *offsets);
+    for (size_t f = 0; offsets != NULL && f <= face_count; f++)
+        offsets[f] = (uint32_t)f * count;
+    return offsets;
+}
+
+bat_status sides_of_mesh(const bat_mesh *mesh, mesh_sides *sides, uint32_t **face, bat_error *error)
+{
+    size_t quads = 0;
+    *face = NULL;
+    *sides = (mesh_sides){0};
+    for (size_t f = 0; mesh->offsets != NULL && f < mesh->face_count; f++)
+        quads += mesh->offsets[f + 1] - mesh->offsets[f] == 4;
+    sides->quads = mesh->offsets != NULL && quads == mesh->face_count;
+    if (mesh->offsets == NULL || sides->quads)
+        return BAT_OK;
+    size_t corners = mesh->offsets[mesh->face_count];
+    uint32_t *made = memory_array(corners, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, corners * sizeof *made);
+    for (uint32_t f = 0; f < mesh->face_count; f++)
+        for (uint32_t c = mesh->offsets[f]; c < mesh->offsets[f + 1]; c++)
+            made[c] = f;
+    *sides = (mesh_sides){.offsets = mesh->offsets, .face = made};
+    *face = made;
+    return BAT_OK;
 }
 
 bat_status bat_mesh_connect(const bat_mesh *mesh, bat_mesh_connectivity *connectivity, bat_error *error)
 {
-    bat_status status = check_corners(mesh, error);
-    if (status != BAT_OK)
-        return status;
-    corner_list list = {{0}, mesh->faces, mesh->face_count, mesh->vertex_count, (uint32_t)(3 * mesh->face_count)};
-    return connect_corners(&list, connectivity, error);
+    mesh_sides sides = {0};
+    uint32_t *face = NULL;
+    bat_status status = mesh->offsets != NULL ? bat_mesh_check(mesh, error) : check_corners(mesh, error);
+    if (status == BAT_OK)
+        status = sides_of_mesh(mesh, &sides, &face, error);
+    if (status == BAT_OK)
+        status = sides_connect(&sides, mesh->faces, mesh->face_count, mesh->vertex_count, connectivity, error);
+    free(face);
+    return status;
 }

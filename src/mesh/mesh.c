@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "mesh/check.h"
 #include "mesh/labels.h"
+#include "mesh/sides.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,6 +17,7 @@ void bat_mesh_free(bat_mesh *mesh)
 {
     free(mesh->positions);
     free(mesh->faces);
+    free(mesh->offsets);
     free(mesh->texture);
     free(mesh->texture_faces);
     free(mesh->channels);
@@ -58,13 +60,15 @@ static bool copy_names(const bat_mesh *mesh, bat_mesh *copy)
     return true;
 }
 
-bat_status mesh_copy_corners(const bat_mesh *mesh, size_t corner_count, bat_mesh *copy, bat_error *error)
+bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
 {
+    size_t corner_count = mesh_corners_until(mesh, mesh->face_count);
     bat_mesh made = *mesh;
     made.channel_names = NULL;
     mesh_labels_forget(&made);
     bool positions = copy_array(mesh->positions, mesh->vertex_count, 3 * sizeof(double), (void **)&made.positions);
     bool faces = copy_array(mesh->faces, corner_count, sizeof(uint32_t), (void **)&made.faces);
+    bool offsets = copy_array(mesh->offsets, mesh->face_count + 1, sizeof(uint32_t), (void **)&made.offsets);
     bool texture = copy_array(mesh->texture, mesh->texture_count, 2 * sizeof(double), (void **)&made.texture);
     bool texture_faces = copy_array(mesh->texture_faces, corner_count, sizeof(uint32_t), (void **)&made.texture_faces);
     bool channels =
@@ -73,7 +77,7 @@ bat_status mesh_copy_corners(const bat_mesh *mesh, size_t corner_count, bat_mesh
     bool corners = copy_array(mesh->corners, mesh->corner_count, sizeof *mesh->corners, (void **)&made.corners);
     bool names = copy_names(mesh, &made);
     bat_status status = BAT_OK;
-    if (!positions || !faces || !texture || !texture_faces || !channels || !creases || !corners || !names)
+    if (!positions || !faces || !offsets || !texture || !texture_faces || !channels || !creases || !corners || !names)
         status = error_memory(error, mesh->vertex_count * 3 * sizeof(double));
     if (status == BAT_OK)
         status = mesh_labels_carry(mesh, NULL, 1, &made, error);
@@ -82,11 +86,6 @@ bat_status mesh_copy_corners(const bat_mesh *mesh, size_t corner_count, bat_mesh
     else
         bat_mesh_free(&made);
     return status;
-}
-
-bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
-{
-    return mesh_copy_corners(mesh, 3 * mesh->face_count, copy, error);
 }
 
 static bat_status check_vertices(const bat_mesh *mesh, bat_error *error)
@@ -104,13 +103,18 @@ static bat_status check_vertices(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
+static bat_status check_counts(const bat_mesh *mesh, bat_error *error)
 {
     if (mesh->face_count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the mesh has no faces");
     if (mesh->face_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
                          BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
+    return BAT_OK;
+}
+
+static bat_status check_faces(const bat_mesh *mesh, bat_error *error)
+{
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const uint32_t *corner = mesh->faces + 3 * f;
@@ -153,7 +157,8 @@ static bat_status check_labels(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-bat_status mesh_check_data(const bat_mesh *mesh, bat_error *error)
+/// Check all but the faces: finite numbers, labels that exist, and creases and corners of existing vertices.
+static bat_status check_data(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = check_vertices(mesh, error);
     if (status == BAT_OK)
@@ -163,8 +168,14 @@ bat_status mesh_check_data(const bat_mesh *mesh, bat_error *error)
 
 bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error)
 {
-    bat_status status = check_faces(mesh, error);
-    return status == BAT_OK ? mesh_check_data(mesh, error) : status;
+    bat_status status = BAT_OK;
+    if (mesh->offsets != NULL)
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the faces are polygons, but must be triangles");
+    if (status == BAT_OK)
+        status = check_counts(mesh, error);
+    if (status == BAT_OK)
+        status = check_faces(mesh, error);
+    return status == BAT_OK ? check_data(mesh, error) : status;
 }
 
 static bat_status check_degenerate(const bat_mesh *mesh, bat_error *error)
@@ -179,8 +190,62 @@ static bat_status check_degenerate(const bat_mesh *mesh, bat_error *error)
     return BAT_OK;
 }
 
-bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
+bat_status mesh_check_triangles(const bat_mesh *mesh, bat_error *error)
 {
     bat_status status = mesh_check_except_degenerate(mesh, error);
     return status == BAT_OK ? check_degenerate(mesh, error) : status;
+}
+
+static bat_status check_offsets(const bat_mesh *mesh, bat_error *error)
+{
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        if (mesh->offsets[f + 1] < mesh->offsets[f] || mesh->offsets[0] != 0)
+            return error_set(error, BAT_INVALID_ARGUMENT, f, 0, "the offsets of face %zu decrease or do not begin with 0",
+                             f);
+        uint32_t size = mesh->offsets[f + 1] - mesh->offsets[f];
+        if (size < 3)
+            return error_set(error, BAT_INVALID_POINT, f, 0, "face %zu has %u corners, fewer than 3", f, size);
+    }
+    return BAT_OK;
+}
+
+/// Check that a face's corners exist and differ. `seen` holds for each vertex the last face that had it, plus 1.
+static bat_status check_polygon(const bat_mesh *mesh, uint32_t face, uint32_t *seen, bat_error *error)
+{
+    for (uint32_t i = mesh->offsets[face]; i < mesh->offsets[face + 1]; i++)
+    {
+        uint32_t vertex = mesh->faces[i];
+        if (vertex >= mesh->vertex_count)
+            return error_set(error, BAT_INVALID_POINT, face, 0, "face %u names vertex %u, but there are %zu", face, vertex,
+                             mesh->vertex_count);
+        if (mesh->texture_faces != NULL && mesh->texture_faces[i] >= mesh->texture_count)
+            return error_set(error, BAT_INVALID_POINT, face, 0, "face %u names texture coordinate %u, but there are %zu",
+                             face, mesh->texture_faces[i], mesh->texture_count);
+        if (seen[vertex] == face + 1)
+            return error_remedy(error,
+                                error_set(error, BAT_INVALID_POINT, face, 0, "face %u has vertex %u twice", face, vertex),
+                                "repair", "drops the face");
+        seen[vertex] = face + 1;
+    }
+    return BAT_OK;
+}
+
+bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
+{
+    if (mesh->offsets == NULL)
+        return mesh_check_triangles(mesh, error);
+    bat_status status = check_counts(mesh, error);
+    if (status == BAT_OK)
+        status = check_offsets(mesh, error);
+    if (status != BAT_OK)
+        return status;
+    uint32_t *seen = memory_array(mesh->vertex_count, sizeof *seen);
+    if (seen == NULL)
+        return error_memory(error, mesh->vertex_count * sizeof *seen);
+    memset(seen, 0, mesh->vertex_count * sizeof *seen);
+    for (uint32_t f = 0; f < mesh->face_count && status == BAT_OK; f++)
+        status = check_polygon(mesh, f, seen, error);
+    free(seen);
+    return status == BAT_OK ? check_data(mesh, error) : status;
 }

@@ -3,6 +3,7 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "linalg/vector3.h"
+#include "mesh/check.h"
 
 #include <math.h>
 #include <string.h>
@@ -63,7 +64,7 @@ bat_status bat_mesh_vertex_normals(const bat_mesh *mesh, bat_mesh_normals weight
 {
     if (weights != BAT_MESH_NORMALS_ANGLE && weights != BAT_MESH_NORMALS_AREA)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "normals need weights by angle or area");
-    bat_status status = bat_mesh_check(mesh, error);
+    bat_status status = mesh_check_triangles(mesh, error);
     if (status != BAT_OK)
         return status;
     double scale = scale_of(mesh);

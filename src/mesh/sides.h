@@ -15,6 +15,19 @@ typedef struct mesh_sides
     const uint32_t *face;    ///< the face of each half-edge, where their numbers differ; else null
 } mesh_sides;
 
+/// The number of corners of the first faces of a mesh; with `face_count` of all faces.
+static inline size_t mesh_corners_until(const bat_mesh *mesh, size_t face)
+{
+    return mesh->offsets != NULL ? mesh->offsets[face] : 3 * face;
+}
+
+/// The sides of a checked mesh. They share its offsets; release `face` with free().
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status sides_of_mesh(const bat_mesh *mesh, mesh_sides *sides, uint32_t **face, bat_error *error);
+
+/// The offsets of `face_count` faces of `count` corners each; null when out of memory.
+uint32_t *sides_offsets(size_t face_count, uint32_t count);
+
 /// The number of corners of all faces.
 static inline uint32_t sides_corners(const mesh_sides *sides, size_t face_count)
 {

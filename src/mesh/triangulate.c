@@ -1,7 +1,9 @@
 #include "mesh/triangulate.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
+#include "mesh/sides.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +15,12 @@
 ///
 /// The polygon is projected along Newell's normal n = sum_i p_i x p_(i+1), twice its area as a vector.
 
+/// The most corners of a concave polygon. Ear clipping takes time in proportion to their square.
+enum
+{
+    MAX_EARS = 10000
+};
+
 /// A polygon, translated and scaled so that no product overflows.
 typedef struct outline
 {
@@ -22,12 +30,6 @@ typedef struct outline
     double scale; ///< the factor of all coordinates
     double normal[3];
 } outline;
-
-void polygon_workspace_free(polygon_workspace *workspace)
-{
-    free(workspace->numbers);
-    *workspace = (polygon_workspace){0};
-}
 
 /// Corner `i` relative to corner 0, scaled.
 static void corner_at(const outline *polygon, size_t i, double point[3])
@@ -187,31 +189,104 @@ static void cut_ears(const ear_ring *ring, uint32_t *out)
     put_triangle(&out, ring->previous[at], at, ring->next[at]);
 }
 
-bat_status polygon_triangulate(const double *positions, const uint32_t *corners, size_t count, uint32_t *triangles,
-                               polygon_workspace *workspace)
+/// Triangulate a polygon of `count` >= 3 corners.
+/// @param corners   the vertices at the corners
+/// @param triangles receives 3 x (count - 2) corner numbers, each 0 to count - 1, with the orientation of the polygon
+/// @param room      workspace, 3 x count numbers
+/// @return false for a concave polygon of more than MAX_EARS corners
+static bool cut_polygon(const double *positions, const uint32_t *corners, size_t count, uint32_t *triangles, uint32_t *room)
 {
     outline polygon = outline_of(positions, corners, count);
     if (count == 4)
-    {
         cut_quad(&polygon, triangles);
-        return BAT_OK;
-    }
-    if (count == 3 || is_convex(&polygon))
-    {
+    else if (count == 3 || is_convex(&polygon))
         put_fan(triangles, count);
-        return BAT_OK;
-    }
-    if (count > POLYGON_MAX_EARS)
-        return BAT_TOO_LARGE;
-    if (3 * count > workspace->capacity)
+    else if (count > MAX_EARS)
+        return false;
+    else
+        cut_ears(&(ear_ring){&polygon, room, room + count, room + 2 * count}, triangles);
+    return true;
+}
+
+/// Cut all faces, into arrays that have the room.
+/// @param labels   receives the labels of the triangles; null for none
+/// @param workspace 6 numbers for each corner of the largest polygon
+static bat_status cut_faces(const bat_mesh *mesh, uint32_t *faces, uint32_t *texture_faces, uint32_t *labels,
+                            uint32_t *workspace, size_t largest, bat_error *error)
+{
+    size_t corner = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
     {
-        polygon_workspace_free(workspace);
-        workspace->numbers = memory_array(3 * count, sizeof *workspace->numbers);
-        if (workspace->numbers == NULL)
-            return BAT_NO_MEMORY;
-        workspace->capacity = 3 * count;
+        uint32_t begin = mesh->offsets[f], size = mesh->offsets[f + 1] - begin;
+        if (!cut_polygon(mesh->positions, mesh->faces + begin, size, workspace, workspace + 3 * largest))
+            return error_set(error, BAT_TOO_LARGE, f, 0, "face %zu is not convex and has %u corners, more than %d", f, size,
+                             MAX_EARS);
+        for (uint32_t i = 0; i < 3 * (size - 2); i++, corner++)
+        {
+            faces[corner] = mesh->faces[begin + workspace[i]];
+            if (texture_faces != NULL)
+                texture_faces[corner] = mesh->texture_faces[begin + workspace[i]];
+            if (labels != NULL)
+                labels[corner / 3] = mesh->face_labels[f];
+        }
     }
-    ear_ring ring = {&polygon, workspace->numbers, workspace->numbers + count, workspace->numbers + 2 * count};
-    cut_ears(&ring, triangles);
     return BAT_OK;
+}
+
+static void replace(uint32_t **array, uint32_t *by)
+{
+    free(*array);
+    *array = by;
+}
+
+bat_status mesh_cut_polygons(bat_mesh *mesh, uint32_t **offsets, bat_error *error)
+{
+    size_t count = mesh->offsets[mesh->face_count] - 2 * mesh->face_count, largest = 0;
+    if (count > BAT_MESH_MAX_FACES)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu triangles", BAT_MESH_MAX_FACES);
+    for (size_t f = 0; f < mesh->face_count; f++)
+        largest = mesh->offsets[f + 1] - mesh->offsets[f] > largest ? mesh->offsets[f + 1] - mesh->offsets[f] : largest;
+    bool textured = mesh->texture_faces != NULL, labelled = mesh->face_labels != NULL;
+    uint32_t *faces = memory_array(3 * count, sizeof *faces), *workspace = memory_array(6 * largest, sizeof *workspace);
+    uint32_t *texture_faces = textured ? memory_array(3 * count, sizeof *texture_faces) : NULL;
+    uint32_t *labels = labelled ? memory_array(count, sizeof *labels) : NULL;
+    bat_status status = BAT_OK;
+    if (faces == NULL || workspace == NULL || (textured && texture_faces == NULL) || (labelled && labels == NULL))
+        status = error_memory(error, 3 * count * sizeof *faces);
+    else
+        status = cut_faces(mesh, faces, texture_faces, labels, workspace, largest, error);
+    free(workspace);
+    if (status != BAT_OK)
+    {
+        free(faces);
+        free(texture_faces);
+        free(labels);
+        return status;
+    }
+    replace(&mesh->faces, faces);
+    replace(&mesh->texture_faces, texture_faces);
+    replace(&mesh->face_labels, labels);
+    *offsets = mesh->offsets;
+    mesh->offsets = NULL;
+    mesh->face_count = count;
+    return BAT_OK;
+}
+
+bat_status bat_mesh_triangulate(const bat_mesh *mesh, bat_mesh *triangles, bat_error *error)
+{
+    bat_mesh made;
+    uint32_t *offsets = NULL;
+    bat_status status = bat_mesh_check(mesh, error);
+    if (status == BAT_OK)
+        status = bat_mesh_copy(mesh, &made, error);
+    if (status != BAT_OK)
+        return status;
+    if (made.offsets != NULL)
+        status = mesh_cut_polygons(&made, &offsets, error);
+    free(offsets);
+    if (status == BAT_OK)
+        *triangles = made;
+    else
+        bat_mesh_free(&made);
+    return status;
 }

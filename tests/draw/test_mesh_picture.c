@@ -209,8 +209,7 @@ static void surfaces_know_their_edges(void **state)
     mesh_surface_free(&surface);
     // The same as quads, each cut along its corners 1 and 2.
     uint32_t offsets[] = {0, 4, 8, 12}, corners[] = {0, 2, 3, 1, 2, 4, 5, 3, 4, 6, 7, 5};
-    bat_polygon_mesh quads = {
-        .positions = positions, .vertex_count = 8, .offsets = offsets, .faces = corners, .face_count = 3};
+    bat_mesh quads = {.positions = positions, .vertex_count = 8, .offsets = offsets, .faces = corners, .face_count = 3};
     assert_int_equal(mesh_surface_make(&strip, &quads, true, 1, &surface, NULL), BAT_OK);
     for (size_t f = 0; f < 6; f++)
         for (size_t k = 0; k < 3; k++)
@@ -225,11 +224,11 @@ static void polygons_have_their_edges_alone(void **state)
     (void)state;
     double positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0.3, 0, 1, 0};
     uint32_t faces[] = {0, 1, 2, 3}, offsets[] = {0, 4};
-    bat_polygon_mesh quad = {.positions = positions, .vertex_count = 4, .offsets = offsets, .faces = faces, .face_count = 1};
+    bat_mesh quad = {.positions = positions, .vertex_count = 4, .offsets = offsets, .faces = faces, .face_count = 1};
     bat_mesh cut;
-    assert_int_equal(bat_polygon_mesh_triangulate(&quad, &cut, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_triangulate(&quad, &cut, NULL), BAT_OK);
     bat_mesh_picture_panel panels[] = {{.mesh = &cut, .wires = true, .flat = true},
-                                       {.mesh = &cut, .wires = true, .flat = true, .polygons = &quad}};
+                                       {.mesh = &quad, .wires = true, .flat = true}};
     bat_mesh_picture_options options = bat_mesh_picture_defaults();
     options.longitude = options.latitude = 0;
     options.ambient_occlusion = options.boundaries = false;
@@ -301,14 +300,14 @@ static void bad_input_is_refused(void **state)
     check_refused(&panel, NULL, "a.jpeg", BAT_INVALID_ARGUMENT);
     check_refused(&empty, NULL, "a.png", BAT_INVALID_ARGUMENT);
     check_refused(&missing, NULL, "a.png", BAT_INVALID_ARGUMENT);
-    uint32_t corners[] = {0, 1, 2, 3}, offsets[] = {0, 4};
-    bat_polygon_mesh other = {.positions = ball.positions,
-                              .vertex_count = ball.vertex_count,
-                              .offsets = offsets,
-                              .faces = corners,
-                              .face_count = 1};
-    bat_mesh_picture_panel cut = {.mesh = &ball, .polygons = &other};
-    check_refused(&cut, NULL, "a.png", BAT_INVALID_ARGUMENT);
+    uint32_t corners[] = {0, 1, 2, 1}, offsets[] = {0, 4};
+    bat_mesh other = {.positions = ball.positions,
+                      .vertex_count = ball.vertex_count,
+                      .offsets = offsets,
+                      .faces = corners,
+                      .face_count = 1};
+    bat_mesh_picture_panel twice = {.mesh = &other};
+    check_refused(&twice, NULL, "a.png", BAT_INVALID_POINT);
     bat_mesh_picture_panel garbled = {.mesh = &ball, .title = "\xff"};
     check_refused(&garbled, NULL, "a.png", BAT_INVALID_ARGUMENT);
     bat_mesh_picture_options good = bat_mesh_picture_defaults(), bad[7];

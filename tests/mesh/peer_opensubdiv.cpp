@@ -36,7 +36,7 @@ struct Links
     std::vector<uint32_t> face_of;
     mesh_sides sides{};
     bat_mesh_connectivity links{};
-    explicit Links(const bat_polygon_mesh &mesh)
+    explicit Links(const bat_mesh &mesh)
     {
         for (uint32_t f = 0; f < mesh.face_count; f++)
             face_of.insert(face_of.end(), mesh.offsets[f + 1] - mesh.offsets[f], f);
@@ -54,16 +54,16 @@ struct Links
     }
 };
 
-bat_polygon_mesh refine(const bat_polygon_mesh &mesh, bool loop, const bat_mesh_rules &rules, size_t levels, bool limit)
+bat_mesh refine(const bat_mesh &mesh, bool loop, const bat_mesh_rules &rules, size_t levels, bool limit)
 {
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.scheme = loop ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_CATMULL_CLARK;
     options.levels = levels;
     options.rules = rules;
     options.limit = limit;
-    bat_polygon_mesh fine;
+    bat_mesh fine;
     bat_error error;
-    if (bat_polygon_mesh_refine(&mesh, &options, &fine, nullptr, &error) != BAT_OK)
+    if (bat_mesh_refine(&mesh, &options, &fine, nullptr, &error) != BAT_OK)
         fail(error.text);
     return fine;
 }
@@ -84,7 +84,7 @@ int place_of(const peer::Far::ConstIndexArray &corners, int vertex)
 }
 
 /// The numbers of the next level. `mesh` is our mesh of this one.
-Numbers next_numbers(const bat_polygon_mesh &mesh, const Numbers &now, const peer::Far::TopologyLevel &level, bool loop)
+Numbers next_numbers(const bat_mesh &mesh, const Numbers &now, const peer::Far::TopologyLevel &level, bool loop)
 {
     Links made(mesh);
     Numbers next;
@@ -129,7 +129,7 @@ void report(const std::string &what, double worst)
 }
 
 /// Compare limits on the last level: positions but at darts and vertices of two faces, where the peer has other formulas.
-void check_limit(const std::string &what, const bat_polygon_mesh &mesh, bool loop, const bat_mesh_rules &rules)
+void check_limit(const std::string &what, const bat_mesh &mesh, bool loop, const bat_mesh_rules &rules)
 {
     peer::Description description;
     peer::describe(mesh, description);
@@ -148,14 +148,14 @@ void check_limit(const std::string &what, const bat_polygon_mesh &mesh, bool loo
     std::vector<peer::Point> limits(fine.size()), along(fine.size()), across(fine.size());
     interpolator.Limit(fine, limits, along, across);
 
-    bat_polygon_mesh control = refine(mesh, loop, rules, 1, false), ours = refine(mesh, loop, rules, 1, true);
+    bat_mesh control = refine(mesh, loop, rules, 1, false), ours = refine(mesh, loop, rules, 1, true);
     std::vector<double> normals(3 * ours.vertex_count);
     bat_mesh triangles{};
     bat_error error;
-    bat_status status = loop ? bat_polygon_mesh_triangulate(&control, &triangles, &error) : BAT_OK;
+    bat_status status = loop ? bat_mesh_triangulate(&control, &triangles, &error) : BAT_OK;
     if (status == BAT_OK)
         status = loop ? bat_mesh_limit_normals(&triangles, 1, normals.data(), &error)
-                      : bat_polygon_mesh_limit_normals(&control, 1, normals.data(), &error);
+                      : bat_mesh_limit_normals(&control, 1, normals.data(), &error);
     if (status != BAT_OK)
         fail(error.text);
     Numbers numbers{std::vector<int>(mesh.vertex_count), std::vector<int>(mesh.face_count)};
@@ -191,21 +191,21 @@ void check_limit(const std::string &what, const bat_polygon_mesh &mesh, bool loo
     report(what + ", limit", worst);
     report(what + ", limit normals / 100", worst_normal / 100);
     bat_mesh_free(&triangles);
-    bat_polygon_mesh_free(&control);
-    bat_polygon_mesh_free(&ours);
+    bat_mesh_free(&control);
+    bat_mesh_free(&ours);
 }
 
 /// Under the boundary rule "none" the faces that are left have the positions that they have with the boundary.
-void check_holes(const std::string &what, const bat_polygon_mesh &mesh, bool loop, bat_mesh_rules rules)
+void check_holes(const std::string &what, const bat_mesh &mesh, bool loop, bat_mesh_rules rules)
 {
     rules.boundary = BAT_MESH_BOUNDARY_NONE;
     peer::Refined refined = peer::refine(mesh, loop, rules, 2);
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
     options.scheme = loop ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_CATMULL_CLARK;
     options.rules = rules;
-    bat_polygon_mesh ours{}, whole;
+    bat_mesh ours{}, whole;
     bat_error error;
-    bat_status status = bat_polygon_mesh_refine(&mesh, &options, &ours, nullptr, &error);
+    bat_status status = bat_mesh_refine(&mesh, &options, &ours, nullptr, &error);
     if (status != BAT_OK && status != BAT_UNSUPPORTED)
         fail(error.text);
     rules.boundary = BAT_MESH_BOUNDARY_EDGES;
@@ -226,24 +226,24 @@ void check_holes(const std::string &what, const bat_polygon_mesh &mesh, bool loo
         first += children;
     }
     report(what + ", no boundary", at == sides * ours.face_count ? worst : 2);
-    bat_polygon_mesh_free(&ours);
-    bat_polygon_mesh_free(&whole);
+    bat_mesh_free(&ours);
+    bat_mesh_free(&whole);
 }
 
 /// Compare positions, faces and texture on all levels.
-void check(const std::string &what, const bat_polygon_mesh &mesh, bool loop, const bat_mesh_rules &rules)
+void check(const std::string &what, const bat_mesh &mesh, bool loop, const bat_mesh_rules &rules)
 {
     peer::Refined refined = peer::refine(mesh, loop, rules, LEVELS);
     Numbers numbers{std::vector<int>(mesh.vertex_count), std::vector<int>(mesh.face_count)};
     std::iota(numbers.vertex.begin(), numbers.vertex.end(), 0);
     std::iota(numbers.face.begin(), numbers.face.end(), 0);
-    bat_polygon_mesh before;
-    if (bat_polygon_mesh_copy(&mesh, &before, nullptr) != BAT_OK)
+    bat_mesh before;
+    if (bat_mesh_copy(&mesh, &before, nullptr) != BAT_OK)
         fail("out of memory");
     for (size_t level = 1; level <= LEVELS; level++)
     {
         numbers = next_numbers(before, numbers, refined.refiner->GetLevel(static_cast<int>(level) - 1), loop);
-        bat_polygon_mesh_free(&before);
+        bat_mesh_free(&before);
         before = refine(mesh, loop, rules, level, false);
         const peer::Far::TopologyLevel &topology = refined.refiner->GetLevel(static_cast<int>(level));
         double worst = 0, worst_texture = 0;
@@ -270,11 +270,11 @@ void check(const std::string &what, const bat_polygon_mesh &mesh, bool loop, con
         if (before.texture_faces != nullptr)
             report(what + ", texture of level " + std::to_string(level), worst_texture);
     }
-    bat_polygon_mesh_free(&before);
+    bat_mesh_free(&before);
 }
 
 /// Sharpen edges and vertices by chance.
-void sharpen(bat_polygon_mesh &mesh, const std::vector<double> &values, double share, uint64_t seed)
+void sharpen(bat_mesh &mesh, const std::vector<double> &values, double share, uint64_t seed)
 {
     Links made(mesh);
     bat_random random = bat_random_seed(seed);
@@ -302,7 +302,7 @@ void sharpen(bat_polygon_mesh &mesh, const std::vector<double> &values, double s
         }
 }
 
-void unsharpen(bat_polygon_mesh &mesh)
+void unsharpen(bat_mesh &mesh)
 {
     std::free(mesh.creases);
     std::free(mesh.corners);
@@ -313,7 +313,7 @@ void unsharpen(bat_polygon_mesh &mesh)
 
 /// Give a mesh texture coordinates that part at some edges, by chance: corners of faces at a vertex share one where the edge
 /// between them is whole.
-void texture(bat_polygon_mesh &mesh, double cut, uint64_t seed)
+void texture(bat_mesh &mesh, double cut, uint64_t seed)
 {
     Links made(mesh);
     bat_random random = bat_random_seed(seed);
@@ -348,7 +348,7 @@ void texture(bat_polygon_mesh &mesh, double cut, uint64_t seed)
         mesh.texture[i] = bat_random_uniform(&random);
 }
 
-void untexture(bat_polygon_mesh &mesh)
+void untexture(bat_mesh &mesh)
 {
     std::free(mesh.texture);
     std::free(mesh.texture_faces);
@@ -358,7 +358,7 @@ void untexture(bat_polygon_mesh &mesh)
 }
 
 /// All rules for a mesh as it is.
-void check_rules(const std::string &what, const bat_polygon_mesh &mesh, bool loop)
+void check_rules(const std::string &what, const bat_mesh &mesh, bool loop)
 {
     for (bat_mesh_boundary boundary : {BAT_MESH_BOUNDARY_EDGES, BAT_MESH_BOUNDARY_CORNERS})
         for (bat_mesh_creasing creasing : {BAT_MESH_CREASING_UNIFORM, BAT_MESH_CREASING_CHAIKIN})
@@ -372,7 +372,7 @@ void check_rules(const std::string &what, const bat_polygon_mesh &mesh, bool loo
     check_holes(what, mesh, loop, {});
 }
 
-void check_texture(const std::string &what, const bat_polygon_mesh &mesh, bool loop)
+void check_texture(const std::string &what, const bat_mesh &mesh, bool loop)
 {
     for (int linear = BAT_MESH_LINEAR_ALL; linear <= BAT_MESH_LINEAR_BOUNDARIES; linear++)
         for (bat_mesh_boundary boundary : {BAT_MESH_BOUNDARY_EDGES, BAT_MESH_BOUNDARY_CORNERS})
@@ -385,7 +385,7 @@ void check_texture(const std::string &what, const bat_polygon_mesh &mesh, bool l
 }
 
 /// Everything on one shape, which is released.
-void check_shape(const std::string &name, bat_polygon_mesh mesh, bool loop)
+void check_shape(const std::string &name, bat_mesh mesh, bool loop)
 {
     std::string what = (loop ? "Loop, " : "Catmull-Clark, ") + name;
     check_rules(what, mesh, loop);
@@ -408,10 +408,10 @@ void check_shape(const std::string &name, bat_polygon_mesh mesh, bool loop)
             untexture(mesh);
             unsharpen(mesh);
         }
-    bat_polygon_mesh_free(&mesh);
+    bat_mesh_free(&mesh);
 }
 
-bat_polygon_mesh shaken(bat_polygon_mesh mesh, uint64_t seed)
+bat_mesh shaken(bat_mesh mesh, uint64_t seed)
 {
     bat_random random = bat_random_seed(seed);
     for (size_t i = 0; i < 3 * mesh.vertex_count; i++)
@@ -420,9 +420,9 @@ bat_polygon_mesh shaken(bat_polygon_mesh mesh, uint64_t seed)
 }
 
 /// Triangles as polygons, or joined to polygons in part.
-bat_polygon_mesh polygons_of(bat_mesh mesh, double share)
+bat_mesh polygons_of(bat_mesh mesh, double share)
 {
-    bat_polygon_mesh made = polygon_mixed(&mesh, share, 3);
+    bat_mesh made = polygon_mixed(&mesh, share, 3);
     bat_mesh_free(&mesh);
     return made;
 }
@@ -435,9 +435,9 @@ bat_mesh shaken_grid(uint32_t columns, uint32_t rows)
 }
 
 /// A prism over a polygon, with an open top.
-bat_polygon_mesh cup(uint32_t sides)
+bat_mesh cup(uint32_t sides)
 {
-    bat_polygon_mesh mesh = polygon_with_room(2 * (size_t)sides, sides + 1, 5 * (size_t)sides, 4);
+    bat_mesh mesh = polygon_with_room(2 * (size_t)sides, sides + 1, 5 * (size_t)sides, 4);
     for (uint32_t i = 0; i < sides; i++)
     {
         uint32_t next = (i + 1) % sides;
@@ -459,17 +459,17 @@ bat_polygon_mesh cup(uint32_t sides)
 /// Edges of three faces and vertices of two fans are refused.
 void check_refused()
 {
-    bat_polygon_mesh fin = polygon_with_room(8, 3, 12, 4), pinch = polygon_with_room(7, 2, 8, 4);
+    bat_mesh fin = polygon_with_room(8, 3, 12, 4), pinch = polygon_with_room(7, 2, 8, 4);
     const uint32_t fins[12] = {0, 1, 2, 3, 1, 0, 4, 5, 0, 1, 6, 7}, fans[8] = {0, 1, 2, 3, 0, 4, 5, 6};
     std::copy(fins, fins + 12, fin.faces);
     std::copy(fans, fans + 8, pinch.faces);
-    for (bat_polygon_mesh *mesh : {&fin, &pinch})
+    for (bat_mesh *mesh : {&fin, &pinch})
     {
-        bat_polygon_mesh fine;
+        bat_mesh fine;
         bat_error error;
         comparisons++;
-        failures += bat_polygon_mesh_refine(mesh, nullptr, &fine, nullptr, &error) != BAT_NOT_MANIFOLD;
-        bat_polygon_mesh_free(mesh);
+        failures += bat_mesh_refine(mesh, nullptr, &fine, nullptr, &error) != BAT_NOT_MANIFOLD;
+        bat_mesh_free(mesh);
     }
 }
 

@@ -254,12 +254,12 @@ static bool stop_in_measurement(void *context, double fraction)
 static void test_bounded_flat_faces(void **state)
 {
     (void)state;
-    bat_polygon_mesh box = polygon_cube();
+    bat_mesh box = polygon_cube();
     bat_mesh cube, fine, coarse;
     bat_mesh_refine_options refining = bat_mesh_refine_defaults();
     refining.scheme = BAT_MESH_SCHEME_MIDPOINT;
     refining.levels = 5;
-    assert_int_equal(bat_polygon_mesh_triangulate(&box, &cube, NULL), BAT_OK);
+    assert_int_equal(bat_mesh_triangulate(&box, &cube, NULL), BAT_OK);
     assert_int_equal(bat_mesh_refine(&cube, &refining, &fine, NULL, NULL), BAT_OK);
     for (size_t i = 0; i < 3 * fine.vertex_count; i++)
         fine.positions[i] += 2e-5 * sin((double)(7 * i));
@@ -278,7 +278,7 @@ static void test_bounded_flat_faces(void **state)
     assert_true(last > 0.25);
     bat_mesh_free(&fine);
     bat_mesh_free(&cube);
-    bat_polygon_mesh_free(&box);
+    bat_mesh_free(&box);
 }
 
 /// A torus with its angles as texture, which jumps along two circles, and with its height as a channel.

@@ -445,22 +445,22 @@ static bat_status call_mesh_refine(const void *options, digest *result, bat_erro
     return status;
 }
 
-static digest digest_of_polygons(bat_polygon_mesh *mesh)
+static digest digest_of_polygons(bat_mesh *mesh)
 {
     digest sum = digest_of(mesh->positions, 3 * mesh->vertex_count * sizeof(double)) +
                  digest_of(mesh->faces, mesh->offsets[mesh->face_count] * sizeof(uint32_t));
-    bat_polygon_mesh_free(mesh);
+    bat_mesh_free(mesh);
     return sum;
 }
 
 static bat_status call_polygon_mesh_refine(const void *options, digest *result, bat_error *error)
 {
-    bat_polygon_mesh coarse = polygon_cube(), fine;
+    bat_mesh coarse = polygon_cube(), fine;
     size_t fallback;
     mark(&fine, sizeof fine);
     mark(&fallback, sizeof fallback);
-    bat_status status = bat_polygon_mesh_refine(&coarse, options, &fine, &fallback, error);
-    bat_polygon_mesh_free(&coarse);
+    bat_status status = bat_mesh_refine(&coarse, options, &fine, &fallback, error);
+    bat_mesh_free(&coarse);
     if (status == BAT_OK)
         *result = digest_of_polygons(&fine) + fallback;
     else
@@ -522,18 +522,6 @@ static bat_status call_mesh_read(const void *options, digest *result, bat_error 
     return status;
 }
 
-static bat_status call_polygon_mesh_read(const void *options, digest *result, bat_error *error)
-{
-    bat_polygon_mesh mesh;
-    mark(&mesh, sizeof mesh);
-    bat_status status = bat_polygon_mesh_read_memory(OBJ, sizeof OBJ - 1, options, &mesh, error);
-    if (status == BAT_OK)
-        *result = digest_of_polygons(&mesh);
-    else
-        check_marked(&mesh, sizeof mesh);
-    return status;
-}
-
 static bat_status call_mesh_write(const void *options, digest *result, bat_error *error)
 {
     bat_mesh mesh = mesh_octahedron();
@@ -545,10 +533,10 @@ static bat_status call_mesh_write(const void *options, digest *result, bat_error
 
 static bat_status call_polygon_mesh_write(const void *options, digest *result, bat_error *error)
 {
-    bat_polygon_mesh mesh = polygon_cube();
+    bat_mesh mesh = polygon_cube();
     const char *path = output(".ply");
-    bat_status status = finish_file(path, bat_polygon_mesh_write(path, &mesh, options, error), result);
-    bat_polygon_mesh_free(&mesh);
+    bat_status status = finish_file(path, bat_mesh_write(path, &mesh, options, error), result);
+    bat_mesh_free(&mesh);
     return status;
 }
 
@@ -900,7 +888,7 @@ static const option_family FAMILIES[] = {
      {BAD(mesh_compare, samples, BAD_SIZE, 0), BAD(mesh_compare, samples, BAD_SIZE, 0x1p41),
       BAD(mesh_compare, tolerance, BAD_NUMBER, -1), BAD(mesh_compare, tolerance, BAD_NUMBER, NAN),
       BAD(mesh_compare, threads, BAD_INT, -1)}},
-    {HEAD(mesh_read), {call_mesh_read, call_polygon_mesh_read}, {BAD(mesh_read, format, BAD_INT, 9)}},
+    {HEAD(mesh_read), {call_mesh_read}, {BAD(mesh_read, format, BAD_INT, 9)}},
     {HEAD(mesh_write),
      {call_mesh_write, call_polygon_mesh_write},
      {BAD(mesh_write, format, BAD_INT, 9), BAD(mesh_write, encoding, BAD_INT, 4), BAD(mesh_write, threads, BAD_INT, -1),

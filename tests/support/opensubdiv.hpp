@@ -45,7 +45,7 @@ struct Description
     Far::TopologyDescriptor descriptor;
 };
 
-inline void describe(const bat_polygon_mesh &mesh, Description &made)
+inline void describe(const bat_mesh &mesh, Description &made)
 {
     size_t corners = mesh.offsets[mesh.face_count];
     for (size_t f = 0; f < mesh.face_count; f++)
@@ -124,7 +124,7 @@ struct Refined
 };
 
 /// Refine a mesh: tables of the topology, then values. Only `levels` levels of both are made.
-inline Refined refine(const bat_polygon_mesh &mesh, bool loop, const bat_mesh_rules &rules, int levels)
+inline Refined refine(const bat_mesh &mesh, bool loop, const bat_mesh_rules &rules, int levels)
 {
     Description description;
     describe(mesh, description);

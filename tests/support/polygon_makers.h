@@ -1,14 +1,14 @@
 #ifndef TESTS_SUPPORT_POLYGON_MAKERS_H
 #define TESTS_SUPPORT_POLYGON_MAKERS_H
 
-// Polygon meshes for tests and benchmarks; release them with bat_polygon_mesh_free(). Also for C++.
+// Polygon meshes for tests and benchmarks; release them with bat_mesh_free(). Also for C++.
 
 #include "mesh_makers.h"
 
 /// A mesh with allocated positions and corners; the offsets are those of faces of `sides` corners each.
-static inline bat_polygon_mesh polygon_with_room(size_t vertices, size_t faces, size_t corners, uint32_t sides)
+static inline bat_mesh polygon_with_room(size_t vertices, size_t faces, size_t corners, uint32_t sides)
 {
-    bat_polygon_mesh mesh;
+    bat_mesh mesh;
     memset(&mesh, 0, sizeof mesh);
     mesh.vertex_count = vertices;
     mesh.face_count = faces;
@@ -20,10 +20,10 @@ static inline bat_polygon_mesh polygon_with_room(size_t vertices, size_t faces, 
     return mesh;
 }
 
-static inline bat_polygon_mesh polygon_cube(void)
+static inline bat_mesh polygon_cube(void)
 {
     static const uint32_t corners[24] = {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5};
-    bat_polygon_mesh mesh = polygon_with_room(8, 6, 24, 4);
+    bat_mesh mesh = polygon_with_room(8, 6, 24, 4);
     for (size_t v = 0; v < 8; v++)
         for (size_t i = 0; i < 3; i++)
             mesh.positions[3 * v + i] = v >> i & 1 ? 1 : -1;
@@ -32,10 +32,10 @@ static inline bat_polygon_mesh polygon_cube(void)
 }
 
 /// An open grid of quads with `columns` by `rows` vertices, in the plane.
-static inline bat_polygon_mesh polygon_grid(uint32_t columns, uint32_t rows)
+static inline bat_mesh polygon_grid(uint32_t columns, uint32_t rows)
 {
     size_t faces = (size_t)(columns - 1) * (rows - 1);
-    bat_polygon_mesh mesh = polygon_with_room((size_t)columns * rows, faces, 4 * faces, 4);
+    bat_mesh mesh = polygon_with_room((size_t)columns * rows, faces, 4 * faces, 4);
     for (size_t v = 0; v < mesh.vertex_count; v++)
     {
         mesh.positions[3 * v] = (double)(v % columns);
@@ -55,10 +55,10 @@ static inline bat_polygon_mesh polygon_grid(uint32_t columns, uint32_t rows)
 }
 
 /// A closed torus of quads: all vertices are regular.
-static inline bat_polygon_mesh polygon_torus(uint32_t around, uint32_t across)
+static inline bat_mesh polygon_torus(uint32_t around, uint32_t across)
 {
     size_t count = (size_t)around * across;
-    bat_polygon_mesh mesh = polygon_with_room(count, count, 4 * count, 4);
+    bat_mesh mesh = polygon_with_room(count, count, 4 * count, 4);
     uint32_t *corner = mesh.faces;
     for (uint32_t i = 0; i < around; i++)
         for (uint32_t j = 0; j < across; j++)
@@ -84,13 +84,13 @@ static inline bool polygon_can_merge(const bat_mesh *mesh, uint32_t h, uint32_t 
 }
 
 /// A mesh of triangles and quads, reproducibly: pairs of triangles of a mesh joined, by chance.
-static inline bat_polygon_mesh polygon_mixed(const bat_mesh *from, double share, uint64_t seed)
+static inline bat_mesh polygon_mixed(const bat_mesh *from, double share, uint64_t seed)
 {
     bat_mesh_connectivity links;
     if (bat_mesh_connect(from, &links, NULL) != BAT_OK)
         abort();
     bat_random random = bat_random_seed(seed);
-    bat_polygon_mesh mesh = polygon_with_room(from->vertex_count, from->face_count, 3 * from->face_count, 3);
+    bat_mesh mesh = polygon_with_room(from->vertex_count, from->face_count, 3 * from->face_count, 3);
     memcpy(mesh.positions, from->positions, 3 * from->vertex_count * sizeof *from->positions);
     bool *used = (bool *)mesh_room(from->face_count, sizeof *used);
     uint32_t *corner = mesh.faces;

@@ -1,7 +1,5 @@
 #include "engine.h"
 
-#include "mesh/polygon/polygon.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -228,7 +226,6 @@ EMSCRIPTEN_KEEPALIVE void engine_free(engine_object *object)
         return;
     bat_curve_set_free(&object->set);
     bat_mesh_free(&object->mesh);
-    bat_polygon_mesh_free(&object->polygons);
     for (size_t i = 0; i < object->array_count; i++)
         free(object->arrays[i]);
     json_decref(object->report);
@@ -267,11 +264,24 @@ static json_t *text_or_null(const char *text)
     return text != NULL ? json_string(text) : json_null();
 }
 
+/// The offsets of triangles. A result of an operation for polygons always has some.
+static uint32_t *offsets_of_triangles(const bat_mesh *mesh)
+{
+    uint32_t *offsets = malloc((mesh->face_count + 1) * sizeof *offsets);
+    if (offsets == NULL)
+        abort();
+    for (size_t f = 0; f <= mesh->face_count; f++)
+        offsets[f] = (uint32_t)(3 * f);
+    return offsets;
+}
+
 static void report_mesh(engine_object *object)
 {
+    bat_mesh *mesh = &object->mesh;
     bool polygons = object->kind == ENGINE_POLYGONS;
-    const bat_mesh view = polygons ? polygon_mesh_view(&object->polygons) : object->mesh, *mesh = &view;
-    const uint32_t *offsets = object->polygons.offsets;
+    if (polygons && mesh->offsets == NULL)
+        mesh->offsets = offsets_of_triangles(mesh);
+    const uint32_t *offsets = mesh->offsets;
     size_t corner_count = offsets != NULL ? offsets[mesh->face_count] : 3 * mesh->face_count;
     json_t *report = object->report;
     engine_set(report, "positions", engine_array("f64", mesh->positions, 3 * mesh->vertex_count));
@@ -531,7 +541,7 @@ static bat_status take_rules(const json_t *layout, bat_mesh_rules *rules)
 }
 
 /// Make a mesh: of polygons where there are `offsets`, else of triangles.
-/// @param layout JSON with the fields of bat_polygon_mesh: texts, names of `rules`, rows of `creases`, `corners` and
+/// @param layout JSON with the fields of bat_mesh: texts, names of `rules`, rows of `creases`, `corners` and
 ///               `labels`, and arrays as [address, count of numbers] of engine_allocate(), which the mesh takes, also on
 ///               failure
 EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
@@ -543,13 +553,14 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
         abort(); // nothing owns the arrays
     bat_mesh *mesh = &object->mesh;
     size_t positions, corners, offset_count, texture, texture_corners, channels, labels;
-    uint32_t *offsets = take(json, "offsets", &offset_count);
     *mesh = (bat_mesh){.positions = take(json, "positions", &positions),
                        .faces = take(json, "faces", &corners),
+                       .offsets = take(json, "offsets", &offset_count),
                        .texture = take(json, "texture", &texture),
                        .texture_faces = take(json, "texture_faces", &texture_corners),
                        .channels = take(json, "channels", &channels),
                        .face_labels = take(json, "face_labels", &labels)};
+    const uint32_t *offsets = mesh->offsets;
     mesh->vertex_count = positions / 3;
     mesh->face_count = offsets != NULL ? offset_count - 1 : corners / 3;
     mesh->texture_count = texture / 2;
@@ -571,11 +582,7 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
         status = engine_fail(&failure, BAT_NO_MEMORY, "memory is used up", "");
     json_decref(json);
     if (offsets != NULL)
-    {
         object->kind = ENGINE_POLYGONS;
-        object->polygons = polygon_mesh_from_view(mesh, offsets);
-        *mesh = (bat_mesh){0};
-    }
     if (status == BAT_OK)
         return object;
     engine_free(object);

@@ -31,9 +31,8 @@ typedef enum engine_kind
 typedef struct engine_object
 {
     engine_kind kind;
-    bat_curve_set set;         ///< ENGINE_CURVES
-    bat_mesh mesh;             ///< ENGINE_MESH
-    bat_polygon_mesh polygons; ///< ENGINE_POLYGONS
+    bat_curve_set set; ///< ENGINE_CURVES
+    bat_mesh mesh;     ///< ENGINE_MESH
     void *arrays[ENGINE_ARRAYS];
     size_t array_count;
     json_t *report;

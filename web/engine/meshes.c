@@ -16,12 +16,6 @@ static void report_notes(engine_object *result, bat_mesh_notes *notes)
     bat_mesh_notes_free(notes);
 }
 
-/// Whether an operation is one of those for meshes of polygons.
-static bool takes_polygons(const engine_call *call)
-{
-    return call->inputs[0]->kind == ENGINE_POLYGONS;
-}
-
 static bat_status refine_mesh(const engine_call *call, engine_object *result, bat_error *error)
 {
     static const engine_option OPTIONS[] = {
@@ -46,12 +40,10 @@ static bat_status refine_mesh(const engine_call *call, engine_object *result, ba
         options.limit_normals = &normals;
     size_t fallback = 0;
     if (status == BAT_OK)
-        status = takes_polygons(call)
-                     ? bat_polygon_mesh_refine(&call->inputs[0]->polygons, &options, &result->polygons, &fallback, error)
-                     : bat_mesh_refine(&call->inputs[0]->mesh, &options, &result->mesh, &fallback, error);
+        status = bat_mesh_refine(&call->inputs[0]->mesh, &options, &result->mesh, &fallback, error);
     if (status != BAT_OK)
         return status;
-    size_t vertex_count = takes_polygons(call) ? result->polygons.vertex_count : result->mesh.vertex_count;
+    size_t vertex_count = result->mesh.vertex_count;
     engine_set(result->report, "fallback", engine_size(fallback));
     if (normals != NULL)
         engine_set(result->report, "limit_normals", engine_array("f64", engine_own(result, normals), 3 * vertex_count));
@@ -62,8 +54,7 @@ static bat_status refine_mesh(const engine_call *call, engine_object *result, ba
 static bat_status scheme_for(const engine_call *call, engine_object *result, bat_error *error)
 {
     bat_status status = engine_no_options(call->options, NONE, error);
-    bat_mesh_scheme scheme = takes_polygons(call) ? bat_polygon_mesh_scheme_for(&call->inputs[0]->polygons)
-                                                  : bat_mesh_scheme_for(&call->inputs[0]->mesh);
+    bat_mesh_scheme scheme = bat_mesh_scheme_for(&call->inputs[0]->mesh);
     if (status == BAT_OK)
         engine_set(result->report, "scheme", json_string(bat_choice_name(&bat_mesh_scheme_family, (int)scheme)));
     return status;
@@ -72,14 +63,13 @@ static bat_status scheme_for(const engine_call *call, engine_object *result, bat
 static bat_status limit_normals(const engine_call *call, engine_object *result, bat_error *error)
 {
     bat_status status = engine_no_options(call->options, NONE, error);
-    const engine_object *given = call->inputs[0];
-    size_t vertex_count = takes_polygons(call) ? given->polygons.vertex_count : given->mesh.vertex_count;
+    const bat_mesh *given = &call->inputs[0]->mesh;
+    size_t vertex_count = given->vertex_count;
     double *normals = engine_own(result, malloc((3 * vertex_count + 1) * sizeof *normals));
     if (normals == NULL)
         return engine_fail(error, BAT_NO_MEMORY, "memory is used up", "");
     if (status == BAT_OK)
-        status = takes_polygons(call) ? bat_polygon_mesh_limit_normals(&given->polygons, 1, normals, error)
-                                      : bat_mesh_limit_normals(&given->mesh, 1, normals, error);
+        status = bat_mesh_limit_normals(given, 1, normals, error);
     if (status == BAT_OK)
         engine_set(result->report, "values", engine_array("f64", normals, 3 * vertex_count));
     return status;
@@ -89,15 +79,7 @@ static bat_status triangulate(const engine_call *call, engine_object *result, ba
 {
     bat_status status = engine_no_options(call->options, NONE, error);
     if (status == BAT_OK)
-        status = bat_polygon_mesh_triangulate(&call->inputs[0]->polygons, &result->mesh, error);
-    return status;
-}
-
-static bat_status of_triangles(const engine_call *call, engine_object *result, bat_error *error)
-{
-    bat_status status = engine_no_options(call->options, NONE, error);
-    if (status == BAT_OK)
-        status = bat_polygon_mesh_of_triangles(&call->inputs[0]->mesh, &result->polygons, error);
+        status = bat_mesh_triangulate(&call->inputs[0]->mesh, &result->mesh, error);
     return status;
 }
 
@@ -183,11 +165,10 @@ static bat_status read_mesh(const engine_call *call, engine_object *result, bat_
     bat_mesh_notes notes = {0};
     options.repairs = &report;
     options.notes = &notes;
+    options.polygons = result->kind == ENGINE_POLYGONS;
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);
     if (status == BAT_OK)
-        status = result->kind == ENGINE_POLYGONS
-                     ? bat_polygon_mesh_read_memory(call->bytes, call->size, &options, &result->polygons, error)
-                     : bat_mesh_read_memory(call->bytes, call->size, &options, &result->mesh, error);
+        status = bat_mesh_read_memory(call->bytes, call->size, &options, &result->mesh, error);
     if (status == BAT_OK)
         report_repairs(result, &report);
     report_notes(result, &notes);
@@ -208,9 +189,7 @@ static bat_status write_mesh(const engine_call *call, engine_object *result, bat
     size_t size = 0;
     options.notes = &notes;
     if (status == BAT_OK)
-        status = takes_polygons(call)
-                     ? bat_polygon_mesh_write_memory(&call->inputs[0]->polygons, &options, &bytes, &size, error)
-                     : bat_mesh_write_memory(&call->inputs[0]->mesh, &options, &bytes, &size, error);
+        status = bat_mesh_write_memory(&call->inputs[0]->mesh, &options, &bytes, &size, error);
     if (status == BAT_OK)
         engine_set(result->report, "bytes", engine_array("u8", engine_own(result, bytes), size));
     report_notes(result, &notes);
@@ -282,7 +261,7 @@ const engine_row ENGINE_MESH_ROWS[] = {
     {"bat_polygon_mesh_scheme_for", scheme_for, {ENGINE_POLYGONS}, ENGINE_VALUES},
     {"bat_polygon_mesh_limit_normals", limit_normals, {ENGINE_POLYGONS}, ENGINE_VALUES},
     {"bat_polygon_mesh_triangulate", triangulate, {ENGINE_POLYGONS}, ENGINE_MESH},
-    {"bat_polygon_mesh_of_triangles", of_triangles, {ENGINE_MESH}, ENGINE_POLYGONS},
+    {"bat_polygon_mesh_of_triangles", triangulate, {ENGINE_MESH}, ENGINE_POLYGONS},
     {"bat_polygon_mesh_read_memory", read_mesh, {ENGINE_VALUES}, ENGINE_POLYGONS},
     {"bat_polygon_mesh_write_memory", write_mesh, {ENGINE_POLYGONS}, ENGINE_VALUES},
     {NULL, NULL, {ENGINE_VALUES}, ENGINE_VALUES},

@@ -337,24 +337,23 @@ export function meshTab(app, section) {
         `batten mesh ${less ? "coarse.ply" : input} --scheme ${state.scheme}${fair ? ` --fairness ${state.fairness}` : ""} --levels ${state.levels}${creases ? ` --crease-angle ${state.crease}` : ""}${limits ? " --limit" : ""}${less ? "" : cuts + repairs}${state.against ? ` --beside ${state.against}` : ""} -o fine.obj --picture fine.png`,
       ];
 
-      // Triangles are read, decimated, and made polygons where the scheme needs them; polygons are read as they are.
+      // Triangles are read and decimated; polygons are read as they are.
       const direct = quads && !less; // polygons from the file on
-      const kind = (polygons) => (polygons ? "bat_polygon_mesh" : "bat_mesh");
-      const read = triangulated || state.repair ? "&read" : "NULL";
+      const read = triangulated || state.repair || direct ? "&read" : "NULL";
       const c = [
-        `${kind(direct)} coarse;`, `${kind(quads)} fine;`, "bat_error error;",
+        "bat_mesh coarse, fine;", "bat_error error;",
         ...(read === "NULL" ? [] : ["bat_mesh_read_options read = bat_mesh_read_defaults();"]),
+        ...(direct ? ["read.polygons = true;"] : []),
         ...(triangulated ? ["read.triangulate = true;"] : []),
         ...(state.repair ? ["read.repair = true;"] : []),
-        `${kind(direct)}_read("${input}", ${read}, &coarse, &error);`,
+        `bat_mesh_read("${input}", ${read}, &coarse, &error);`,
         ...(less ? ["bat_mesh_decimate_options less = bat_mesh_decimate_defaults();", ...(less.tolerance ? [`less.tolerance = ${less.tolerance};`, "less.relative_tolerance = true;"] : [`less.ratio = ${less.ratio};`]), "bat_mesh small;", "bat_mesh_decimate(&coarse, &less, &small, NULL, &error);"] : []),
-        ...(less && quads ? ["bat_polygon_mesh polygons;", "bat_polygon_mesh_of_triangles(&small, &polygons, &error);"] : []),
         "bat_mesh_refine_options options = bat_mesh_refine_defaults();",
         `options.scheme = ${enumerator("mesh_scheme", state.scheme)};`, `options.levels = ${state.levels};`,
         ...(fair ? [`options.fairness = ${state.fairness};`] : []),
         ...(creases ? [`options.crease_angle = ${state.crease} * 3.14159265358979 / 180;`] : []),
         ...(limits ? ["options.limit = true;"] : []),
-        `if (${kind(quads)}_refine(&${less ? (quads ? "polygons" : "small") : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)`, '    fprintf(stderr, "%s\\n", error.text);',
+        `if (bat_mesh_refine(&${less ? "small" : "coarse"}, &options, &fine, NULL, &error) != BAT_OK)`, '    fprintf(stderr, "%s\\n", error.text);',
       ];
 
       const own = direct || triangulated || state.repair; // else any package can read the file

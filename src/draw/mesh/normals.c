@@ -120,7 +120,7 @@ static bool are_neighbours(const uint32_t *corner, size_t count, uint32_t a, uin
 }
 
 /// Mark the edges of triangles that lie within polygons, and give flat triangles the mean normal of their polygon.
-static void describe_polygons(const bat_mesh *mesh, const bat_polygon_mesh *polygons, bool flat, mesh_surface *surface)
+static void describe_polygons(const bat_mesh *mesh, const bat_mesh *polygons, bool flat, mesh_surface *surface)
 {
     size_t face = 0;
     for (size_t p = 0; p < polygons->face_count; p++)
@@ -146,8 +146,8 @@ static void describe_polygons(const bat_mesh *mesh, const bat_polygon_mesh *poly
     }
 }
 
-bat_status mesh_surface_make(const bat_mesh *mesh, const bat_polygon_mesh *polygons, bool flat, int threads,
-                             mesh_surface *surface, bat_error *error)
+bat_status mesh_surface_make(const bat_mesh *mesh, const bat_mesh *polygons, bool flat, int threads, mesh_surface *surface,
+                             bat_error *error)
 {
     fan_list fans;
     mesh_surface made = {.normals = memory_array(3 * mesh->face_count, sizeof *made.normals),

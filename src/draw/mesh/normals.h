@@ -28,8 +28,8 @@ static inline bool mesh_edge_within_polygon(const mesh_surface *surface, size_t 
 /// @param flat use the faces' normals; otherwise the area-weighted mean of those faces at the vertex whose normals differ by
 /// less than 40 degrees
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status mesh_surface_make(const bat_mesh *mesh, const bat_polygon_mesh *polygons, bool flat, int threads,
-                             mesh_surface *surface, bat_error *error);
+bat_status mesh_surface_make(const bat_mesh *mesh, const bat_mesh *polygons, bool flat, int threads, mesh_surface *surface,
+                             bat_error *error);
 void mesh_surface_free(mesh_surface *surface);
 
 #endif

@@ -50,9 +50,16 @@ typedef struct mesh_scene
     const bat_mesh_picture_options *options;
     mesh_view *views;   ///< for each panel
     mesh_frame *frames; ///< for each panel
+    bat_mesh *cut;      ///< for each panel: its polygons as triangles; empty where it has triangles
     bool has_values;
     double value_low, value_high;
 } mesh_scene;
+
+/// The mesh of a panel, as triangles.
+static const bat_mesh *triangles_of(const mesh_scene *made, size_t index)
+{
+    return made->cut[index].face_count > 0 ? &made->cut[index] : made->panels[index].mesh;
+}
 
 static const bat_choice UP_AXES[] = {
     {.name = "auto", .summary = "the second axis", .value = BAT_MESH_UP_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
@@ -105,10 +112,6 @@ static bat_status check_panel(const bat_mesh_picture_panel *panel, size_t index,
     bat_status status = bat_mesh_check(panel->mesh, error);
     if (status != BAT_OK)
         return name_panel(error, status, index);
-    const bat_polygon_mesh *polygons = panel->polygons;
-    if (polygons != NULL && (polygons->vertex_count != panel->mesh->vertex_count ||
-                             polygons->offsets[polygons->face_count] != panel->mesh->face_count + 2 * polygons->face_count))
-        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu: mesh is not cut from polygons", index);
     for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
         if (isinf(panel->values[v]))
             return error_set(error, BAT_INVALID_POINT, v, 0, "panel %zu: the value at vertex %zu is infinite", index, v);
@@ -142,13 +145,22 @@ static void find_frames(mesh_scene *made)
     for (size_t i = 0; i < made->count; i++)
     {
         size_t first = made->options->own_frames ? i : i - i % made->columns;
-        made->views[i] = first == i ? mesh_view_of(made->panels[i].mesh, made->options) : made->views[first];
-        made->frames[i] = mesh_frame_of(made->panels[i].mesh, &made->views[i]);
+        made->views[i] = first == i ? mesh_view_of(triangles_of(made, i), made->options) : made->views[first];
+        made->frames[i] = mesh_frame_of(triangles_of(made, i), &made->views[i]);
         if (first != i)
             made->frames[first] = mesh_frame_join(&made->frames[first], &made->frames[i]);
     }
     for (size_t i = 0; i < made->count && !made->options->own_frames; i++)
         made->frames[i] = made->frames[i - i % made->columns];
+}
+
+static void scene_free(mesh_scene *made)
+{
+    for (size_t i = 0; made->cut != NULL && i < made->count; i++)
+        bat_mesh_free(&made->cut[i]);
+    free(made->cut);
+    free(made->views);
+    free(made->frames);
 }
 
 static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count, const bat_mesh_picture_options *options,
@@ -165,13 +177,18 @@ static bat_status scene_begin(const bat_mesh_picture_panel *panels, size_t count
                          .columns = options->columns > 0 ? options->columns : (count + rows - 1) / rows,
                          .options = options,
                          .views = memory_array(count, sizeof *made->views),
-                         .frames = memory_array(count, sizeof *made->frames)};
+                         .frames = memory_array(count, sizeof *made->frames),
+                         .cut = calloc(count, sizeof *made->cut)};
     made->columns = made->columns > count ? count : made->columns;
-    if (made->views == NULL || made->frames == NULL)
+    if (made->views == NULL || made->frames == NULL || made->cut == NULL)
+        status = error_memory(error, count * sizeof *made->views);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        if (panels[i].mesh->offsets != NULL)
+            status = name_panel(error, bat_mesh_triangulate(panels[i].mesh, &made->cut[i], error), i);
+    if (status != BAT_OK)
     {
-        free(made->views);
-        free(made->frames);
-        return error_memory(error, count * sizeof *made->views);
+        scene_free(made);
+        return status;
     }
     find_values(made);
     find_frames(made);
@@ -197,8 +214,8 @@ static shade_task panel_task(const mesh_scene *made, size_t index, const pixel_b
     const bat_mesh_picture_panel *panel = &made->panels[index];
     const bat_mesh_picture_options *options = made->options;
     mesh_placing placing = mesh_frame_place(&made->frames[index], &made->views[index], place->columns, place->rows);
-    return (shade_task){.mesh = panel->mesh,
-                        .polygons = panel->polygons,
+    return (shade_task){.mesh = triangles_of(made, index),
+                        .polygons = panel->mesh->offsets != NULL ? panel->mesh : NULL,
                         .values = panel->values,
                         .value_low = made->value_low,
                         .value_high = made->value_high,
@@ -265,7 +282,6 @@ bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel
                              .footer_height = made.has_values ? colour_bar_height() : 0,
                              .draw_footer = draw_scale};
     status = sheet_write(path, &content, error);
-    free(made.views);
-    free(made.frames);
+    scene_free(&made);
     return status;
 }

@@ -11,9 +11,9 @@
 
 typedef struct shade_task
 {
-    const bat_mesh *mesh;
-    const bat_polygon_mesh *polygons; ///< that the mesh is cut from, or null
-    const double *values;             ///< at the vertices, or null
+    const bat_mesh *mesh;     ///< triangles
+    const bat_mesh *polygons; ///< that the mesh is cut from, or null
+    const double *values;     ///< at the vertices, or null
     double value_low, value_high;
     bool wires, flat, occlusion, boundaries;
     mesh_placing placing; ///< in pixels

@@ -727,7 +727,7 @@ static bat_status add_faces(reader_3mf *reader, const object_3mf *object, const 
 static bat_status add_object(reader_3mf *reader, const placed *at, const char *name, bat_error *error)
 {
     const object_3mf *object = &reader->objects[at->object];
-    uint32_t first = (uint32_t)reader->builder.vertex_count;
+    uint32_t first = (uint32_t)reader->builder.mesh.vertex_count;
     name = object->name != NULL ? object->name : name;
     bat_status status = add_vertices(reader, object, &at->to, error);
     if (status == BAT_OK)
@@ -760,7 +760,7 @@ static bat_status describe_materials(reader_3mf *reader, bat_error *error)
     json_decref(root);
     if (room && !text.failed)
     {
-        reader->builder.material_json = text.data;
+        reader->builder.mesh.material_json = text.data;
         return BAT_OK;
     }
     text_free(&text);

@@ -347,10 +347,8 @@ static bat_status note_groups(const bat_mesh *mesh, bat_mesh_notes *notes, bat_e
     return BAT_OK;
 }
 
-bat_status mesh_3mf_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error)
+bat_status mesh_3mf_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    (void)offsets; // null: the faces are triangles
     writer_3mf writer = {.mesh = mesh};
     text_buffer types = {0}, relations = {0};
     bat_status status = plan(&writer, options, error);

@@ -1,7 +1,6 @@
 #include "io/mesh/builder.h"
 
 #include "base/error.h"
-#include "mesh/polygon/polygon.h"
 #include "mesh/triangulate.h"
 
 #include <string.h>
@@ -11,21 +10,8 @@
 
 void mesh_builder_free(mesh_builder *builder)
 {
-    free(builder->positions);
-    free(builder->texture);
-    free(builder->channels);
-    for (size_t i = 0; i < builder->channel_count && builder->channel_names != NULL; i++)
-        free(builder->channel_names[i]);
-    free(builder->channel_names);
-    free(builder->corners);
-    free(builder->texture_corners);
-    free(builder->sizes);
-    free(builder->creases);
-    free(builder->marks);
     label_table_free(&builder->labels);
-    free(builder->face_labels);
-    free(builder->material_files);
-    free(builder->material_json);
+    bat_mesh_free(&builder->mesh);
     *builder = (mesh_builder){0};
 }
 
@@ -45,40 +31,40 @@ static bool grow(void *place, size_t *capacity, size_t needed, size_t size)
 
 double *mesh_builder_vertex(mesh_builder *builder)
 {
-    size_t begin = 3 * builder->vertex_count;
-    if (!GROW(builder->positions, builder->position_capacity, begin + 3))
+    size_t begin = 3 * builder->mesh.vertex_count;
+    if (!GROW(builder->mesh.positions, builder->position_capacity, begin + 3))
         return NULL;
-    builder->vertex_count++;
-    return builder->positions + begin;
+    builder->mesh.vertex_count++;
+    return builder->mesh.positions + begin;
 }
 
 double *mesh_builder_texture(mesh_builder *builder)
 {
-    size_t begin = 2 * builder->texture_count;
-    if (!GROW(builder->texture, builder->texture_capacity, begin + 2))
+    size_t begin = 2 * builder->mesh.texture_count;
+    if (!GROW(builder->mesh.texture, builder->texture_capacity, begin + 2))
         return NULL;
-    builder->texture_count++;
-    return builder->texture + begin;
+    builder->mesh.texture_count++;
+    return builder->mesh.texture + begin;
 }
 
 double *mesh_builder_channels(mesh_builder *builder)
 {
-    size_t end = builder->vertex_count * builder->channel_count;
-    if (!GROW(builder->channels, builder->channel_capacity, end))
+    size_t end = builder->mesh.vertex_count * builder->mesh.channel_count;
+    if (!GROW(builder->mesh.channels, builder->channel_capacity, end))
         return NULL;
-    return builder->channels + end - builder->channel_count;
+    return builder->mesh.channels + end - builder->mesh.channel_count;
 }
 
 bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count)
 {
-    builder->channel_names = calloc(count + 1, sizeof *builder->channel_names);
-    if (builder->channel_names == NULL)
+    builder->mesh.channel_names = calloc(count + 1, sizeof *builder->mesh.channel_names);
+    if (builder->mesh.channel_names == NULL)
         return false;
-    builder->channel_count = count;
+    builder->mesh.channel_count = count;
     for (size_t i = 0; i < count; i++)
     {
-        builder->channel_names[i] = strdup(names[i]);
-        if (builder->channel_names[i] == NULL)
+        builder->mesh.channel_names[i] = strdup(names[i]);
+        if (builder->mesh.channel_names[i] == NULL)
             return false;
     }
     return true;
@@ -88,11 +74,11 @@ bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangl
 {
     size_t numbers, values, corners;
     return !size_multiply_overflows(vertices, 3, &numbers) && !size_multiply_overflows(triangles, 3, &corners) &&
-           !size_multiply_overflows(vertices, builder->channel_count, &values) &&
-           GROW(builder->positions, builder->position_capacity, numbers) &&
-           GROW(builder->channels, builder->channel_capacity, values) &&
-           GROW(builder->corners, builder->corner_capacity, corners) &&
-           GROW(builder->sizes, builder->size_capacity, triangles);
+           !size_multiply_overflows(vertices, builder->mesh.channel_count, &values) &&
+           GROW(builder->mesh.positions, builder->position_capacity, numbers) &&
+           GROW(builder->mesh.channels, builder->channel_capacity, values) &&
+           GROW(builder->mesh.faces, builder->corner_capacity, corners) &&
+           GROW(builder->mesh.offsets, builder->offset_capacity, triangles);
 }
 
 /// Store the texture coordinate of a corner. The first one allocates the array; earlier corners have none.
@@ -102,33 +88,34 @@ static bool add_texture_corner(mesh_builder *builder, uint32_t texture)
     if (first && texture == BAT_MESH_NONE)
         return true;
     size_t at = builder->corner_count;
-    if (!GROW(builder->texture_corners, builder->texture_corner_capacity, at + 1))
+    if (!GROW(builder->mesh.texture_faces, builder->texture_corner_capacity, at + 1))
         return false;
     if (first)
-        memset(builder->texture_corners, 0xff, at * sizeof *builder->texture_corners);
-    builder->texture_corners[at] = texture;
+        memset(builder->mesh.texture_faces, 0xff, at * sizeof *builder->mesh.texture_faces);
+    builder->mesh.texture_faces[at] = texture;
     return true;
 }
 
 bool mesh_builder_corner(mesh_builder *builder, uint32_t vertex, uint32_t texture)
 {
-    if (!GROW(builder->corners, builder->corner_capacity, builder->corner_count + 1) ||
+    if (!GROW(builder->mesh.faces, builder->corner_capacity, builder->corner_count + 1) ||
         !add_texture_corner(builder, texture))
         return false;
-    builder->corners[builder->corner_count++] = vertex;
+    builder->mesh.faces[builder->corner_count++] = vertex;
     return true;
 }
 
 bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES])
 {
     static const label_name none[MESH_LABEL_NAMES] = {{0}};
-    size_t faces = builder->face_count;
+    size_t faces = builder->mesh.face_count;
     if (!builder->labelled && faces > 0)
     {
         uint32_t nameless = label_table_add(&builder->labels, none);
-        if (nameless == BAT_MESH_NONE || !GROW(builder->face_labels, builder->face_label_capacity, faces))
+        if (nameless == BAT_MESH_NONE || !GROW(builder->mesh.face_labels, builder->face_label_capacity, faces))
             return false;
-        memset(builder->face_labels, 0, faces * sizeof *builder->face_labels); // the first label is that without names
+        memset(builder->mesh.face_labels, 0,
+               faces * sizeof *builder->mesh.face_labels); // the first label is that without names
     }
     builder->labelled = true;
     builder->label = label_table_add(&builder->labels, names);
@@ -140,60 +127,61 @@ static bool add_face_label(mesh_builder *builder)
 {
     if (!builder->labelled)
         return true;
-    if (!GROW(builder->face_labels, builder->face_label_capacity, builder->face_count + 1))
+    if (!GROW(builder->mesh.face_labels, builder->face_label_capacity, builder->mesh.face_count + 1))
         return false;
-    builder->face_labels[builder->face_count] = builder->label;
+    builder->mesh.face_labels[builder->mesh.face_count] = builder->label;
     return true;
 }
 
 bool mesh_builder_end_face(mesh_builder *builder, uint32_t size)
 {
-    if (!GROW(builder->sizes, builder->size_capacity, builder->face_count + 1) || !add_face_label(builder))
+    size_t face = builder->mesh.face_count;
+    if (!GROW(builder->mesh.offsets, builder->offset_capacity, face + 2) || !add_face_label(builder))
         return false;
-    builder->sizes[builder->face_count++] = size;
+    builder->mesh.offsets[0] = 0;
+    builder->mesh.offsets[face + 1] = builder->mesh.offsets[face] + size;
+    builder->mesh.face_count++;
     return true;
 }
 
 bool mesh_builder_crease(mesh_builder *builder, bat_mesh_crease crease)
 {
-    if (!GROW(builder->creases, builder->crease_capacity, builder->crease_count + 1))
+    if (!GROW(builder->mesh.creases, builder->crease_capacity, builder->mesh.crease_count + 1))
         return false;
-    builder->creases[builder->crease_count++] = crease;
+    builder->mesh.creases[builder->mesh.crease_count++] = crease;
     return true;
 }
 
 bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark)
 {
-    if (!GROW(builder->marks, builder->mark_capacity, builder->mark_count + 1))
+    if (!GROW(builder->mesh.corners, builder->mark_capacity, builder->mesh.corner_count + 1))
         return false;
-    builder->marks[builder->mark_count++] = mark;
+    builder->mesh.corners[builder->mesh.corner_count++] = mark;
     return true;
 }
 
-/// Check that every face has three corners or may be triangulated, and that its indices are valid.
-static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat_error *error)
+/// Check that every face has three corners or may have more, and that its indices are valid.
+static bat_status check_faces(const bat_mesh *mesh, bool polygons, bat_error *error)
 {
-    size_t begin = 0;
-    for (size_t f = 0; f < builder->face_count; f++)
+    for (size_t f = 0; f < mesh->face_count; f++)
     {
-        size_t size = builder->sizes[f];
+        uint32_t begin = mesh->offsets[f], end = mesh->offsets[f + 1], size = end - begin;
         if (size < 3)
-            return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners, fewer than 3", f, size);
-        if (size > 3 && !triangulate)
-            return error_remedy(error, error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %zu corners", f, size),
+            return error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %u corners, fewer than 3", f, size);
+        if (size > 3 && !polygons)
+            return error_remedy(error, error_set(error, BAT_BAD_FILE, f, 0, "face %zu has %u corners", f, size),
                                 "triangulate", "cuts it into triangles");
-        for (size_t i = begin; i < begin + size; i++)
+        for (uint32_t i = begin; i < end; i++)
         {
-            if (builder->corners[i] >= builder->vertex_count)
+            if (mesh->faces[i] >= mesh->vertex_count)
                 return error_set(error, BAT_BAD_FILE, f, 0, "face %zu names vertex %u, counted from 0, but there are %zu", f,
-                                 builder->corners[i], builder->vertex_count);
-            if (builder->texture_corners != NULL && builder->texture_corners[i] >= builder->texture_count &&
-                builder->texture_corners[i] != BAT_MESH_NONE)
+                                 mesh->faces[i], mesh->vertex_count);
+            if (mesh->texture_faces != NULL && mesh->texture_faces[i] >= mesh->texture_count &&
+                mesh->texture_faces[i] != BAT_MESH_NONE)
                 return error_set(error, BAT_BAD_FILE, f, 0,
                                  "face %zu names texture coordinate %u, counted from 0, but there are %zu", f,
-                                 builder->texture_corners[i], builder->texture_count);
+                                 mesh->texture_faces[i], mesh->texture_count);
         }
-        begin += size;
     }
     return BAT_OK;
 }
@@ -201,127 +189,32 @@ static bat_status check_faces(const mesh_builder *builder, bool triangulate, bat
 /// Assign the texture coordinate (0, 0) to corners without one, if other corners have one.
 static bool complete_texture(mesh_builder *builder)
 {
-    if (builder->texture_corners == NULL)
-        return true;
+    bat_mesh *mesh = &builder->mesh;
     uint32_t origin = BAT_MESH_NONE;
-    for (size_t i = 0; i < builder->corner_count; i++)
+    for (size_t i = 0; mesh->texture_faces != NULL && i < builder->corner_count; i++)
     {
-        if (builder->texture_corners[i] != BAT_MESH_NONE)
+        if (mesh->texture_faces[i] != BAT_MESH_NONE)
             continue;
         if (origin == BAT_MESH_NONE)
         {
-            origin = (uint32_t)builder->texture_count;
+            origin = (uint32_t)mesh->texture_count;
             double *zero = mesh_builder_texture(builder);
             if (zero == NULL)
                 return false;
             zero[0] = zero[1] = 0.0;
         }
-        builder->texture_corners[i] = origin;
+        mesh->texture_faces[i] = origin;
     }
     return true;
 }
 
-/// The triangles of the polygons: their corners and texture corners.
-typedef struct triangle_cutter
-{
-    const mesh_builder *builder;
-    uint32_t *faces, *texture_faces;
-    uint32_t *places; ///< the corner numbers of one polygon's triangles
-    polygon_workspace room;
-} triangle_cutter;
-
-/// Triangulate the polygon whose corners begin at `begin`, into the triangles from `triangle` on.
-static bat_status cut_polygon(triangle_cutter *cutter, size_t face, size_t begin, size_t triangle, bat_error *error)
-{
-    const mesh_builder *builder = cutter->builder;
-    size_t size = builder->sizes[face];
-    bat_status status =
-        polygon_triangulate(builder->positions, builder->corners + begin, size, cutter->places, &cutter->room);
-    if (status == BAT_TOO_LARGE)
-        return error_set(error, status, face, 0, "face %zu is not convex and has %zu corners, more than %d", face, size,
-                         POLYGON_MAX_EARS);
-    if (status != BAT_OK)
-        return error_memory(error, 3 * size * sizeof(uint32_t));
-    for (size_t i = 0; i < 3 * (size - 2); i++)
-    {
-        size_t corner = begin + cutter->places[i];
-        cutter->faces[3 * triangle + i] = builder->corners[corner];
-        if (cutter->texture_faces != NULL)
-            cutter->texture_faces[3 * triangle + i] = builder->texture_corners[corner];
-    }
-    return BAT_OK;
-}
-
-static bat_status cut_all(triangle_cutter *cutter, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    size_t begin = 0, triangle = 0;
-    for (size_t f = 0; f < cutter->builder->face_count && status == BAT_OK; f++)
-    {
-        size_t size = cutter->builder->sizes[f];
-        status = cut_polygon(cutter, f, begin, triangle, error);
-        begin += size;
-        triangle += size - 2;
-    }
-    return status;
-}
-
-/// Give every triangle the label of its polygon.
-static bat_status cut_labels(mesh_builder *builder, size_t triangle_count, bat_error *error)
-{
-    if (!builder->labelled)
-        return BAT_OK;
-    uint32_t *labels = memory_array(triangle_count, sizeof *labels);
-    if (labels == NULL)
-        return error_memory(error, triangle_count * sizeof *labels);
-    size_t triangle = 0;
-    for (size_t f = 0; f < builder->face_count; f++)
-        for (size_t i = 2; i < builder->sizes[f]; i++)
-            labels[triangle++] = builder->face_labels[f];
-    free(builder->face_labels);
-    builder->face_labels = labels;
-    return BAT_OK;
-}
-
-/// Replace the polygons by `triangle_count` triangles. `sizes` still holds the sizes of the polygons.
-static bat_status cut_polygons(mesh_builder *builder, size_t triangle_count, bat_error *error)
-{
-    uint32_t largest = 0;
-    for (size_t f = 0; f < builder->face_count; f++)
-        largest = builder->sizes[f] > largest ? builder->sizes[f] : largest;
-    size_t corners = 3 * triangle_count;
-    bool textured = builder->texture_corners != NULL;
-    triangle_cutter cutter = {.builder = builder,
-                              .faces = memory_array(corners, sizeof *cutter.faces),
-                              .texture_faces = textured ? memory_array(corners, sizeof *cutter.texture_faces) : NULL,
-                              .places = memory_array(3 * (size_t)largest, sizeof *cutter.places)};
-    bat_status status = BAT_OK;
-    if (cutter.faces == NULL || cutter.places == NULL || (textured && cutter.texture_faces == NULL))
-        status = error_memory(error, corners * sizeof *cutter.faces);
-    if (status == BAT_OK)
-        status = cut_all(&cutter, error);
-    free(cutter.places);
-    polygon_workspace_free(&cutter.room);
-    if (status != BAT_OK)
-    {
-        free(cutter.faces);
-        free(cutter.texture_faces);
-        return status;
-    }
-    free(builder->corners);
-    free(builder->texture_corners);
-    builder->corners = cutter.faces;
-    builder->texture_corners = cutter.texture_faces;
-    builder->corner_count = corners;
-    return BAT_OK;
-}
-
 /// Check that no triangle has a vertex twice. The error names the polygon in the file.
-static bat_status check_triangles(const mesh_builder *builder, bat_error *error)
+/// @param offsets of the polygons that were cut
+static bat_status check_triangles(const bat_mesh *mesh, const uint32_t *offsets, bat_error *error)
 {
-    const uint32_t *corner = builder->corners;
-    for (size_t f = 0; f < builder->face_count; f++)
-        for (size_t i = 2; i < builder->sizes[f]; i++, corner += 3)
+    const uint32_t *corner = mesh->faces, *end = corner + 3 * mesh->face_count;
+    for (size_t f = 0; corner < end; f++)
+        for (uint32_t i = offsets[f] + 2; i < offsets[f + 1]; i++, corner += 3)
             if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
                 return error_remedy(error,
                                     error_set(error, BAT_BAD_FILE, f, 0, "face %zu has vertex %u, counted from 0, twice", f,
@@ -330,27 +223,49 @@ static bat_status check_triangles(const mesh_builder *builder, bat_error *error)
     return BAT_OK;
 }
 
-static bat_status prepare(mesh_builder *builder, const bat_mesh_read_options *options, bat_error *error)
+/// Make the faces triangles.
+static bat_status cut_faces(bat_mesh *mesh, bool degenerate, bat_error *error)
 {
-    if (builder->face_count == 0 && !builder->faceless)
+    uint32_t *offsets = mesh->offsets;
+    bat_status status = BAT_OK;
+    if (offsets == NULL || offsets[mesh->face_count] == 3 * mesh->face_count)
+        mesh->offsets = NULL;
+    else
+        status = mesh_cut_polygons(mesh, &offsets, error);
+    if (status != BAT_OK)
+        return status;
+    if (!degenerate)
+        status = check_triangles(mesh, offsets, error);
+    free(offsets);
+    return status;
+}
+
+/// Check polygons. Where all are triangles, offsets go.
+static bat_status keep_polygons(bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = mesh->face_count > 0 ? bat_mesh_check(mesh, error) : BAT_OK;
+    if (status == BAT_OK && mesh->face_count > 0 && mesh->offsets[mesh->face_count] == 3 * mesh->face_count)
+    {
+        free(mesh->offsets);
+        mesh->offsets = NULL;
+    }
+    if (error != NULL && status == BAT_INVALID_POINT)
+        error->status = BAT_BAD_FILE;
+    return status == BAT_INVALID_POINT ? BAT_BAD_FILE : status;
+}
+
+static bat_status check_all(mesh_builder *builder, bool polygons, bat_error *error)
+{
+    const bat_mesh *mesh = &builder->mesh;
+    if (mesh->face_count == 0 && !builder->faceless)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no faces");
-    bat_status status = check_faces(builder, options->triangulate || options->polygons != NULL, error);
-    size_t triangle_count = builder->corner_count - 2 * builder->face_count;
-    if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || builder->vertex_count >= BAT_MESH_NONE))
+    bat_status status = check_faces(mesh, polygons, error);
+    size_t triangle_count = builder->corner_count - 2 * mesh->face_count;
+    if (status == BAT_OK && (triangle_count > BAT_MESH_MAX_FACES || mesh->vertex_count >= BAT_MESH_NONE))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh has more than %zu faces or %zu vertices",
                          BAT_MESH_MAX_FACES, (size_t)BAT_MESH_NONE);
     if (status == BAT_OK && !complete_texture(builder))
         status = error_memory(error, builder->texture_capacity * sizeof(double));
-    if (options->polygons != NULL)
-        return status;
-    if (status == BAT_OK && triangle_count > builder->face_count)
-    {
-        status = cut_polygons(builder, triangle_count, error);
-        if (status == BAT_OK)
-            status = cut_labels(builder, triangle_count, error);
-    }
-    if (status == BAT_OK && !options->keep_degenerate)
-        status = check_triangles(builder, error);
     return status;
 }
 
@@ -363,79 +278,48 @@ static void *trim(void *array, size_t count, size_t size)
     return trimmed != NULL || count == 0 ? trimmed : array;
 }
 
-/// The mesh of a builder's arrays, with all corners in its lists of faces. The builder is empty afterwards.
-static bat_mesh take_arrays(mesh_builder *builder, size_t face_count)
+/// The mesh of a builder, which is empty afterwards.
+static bat_mesh take_mesh(mesh_builder *builder)
 {
-    bool textured = builder->texture_corners != NULL;
-    size_t corners = builder->corner_count, vertices = builder->vertex_count;
-    size_t texture_count = textured ? builder->texture_count : 0;
-    bat_mesh mesh = {
-        .positions = trim(builder->positions, 3 * vertices, sizeof(double)),
-        .faces = trim(builder->corners, corners, sizeof(uint32_t)),
-        .vertex_count = vertices,
-        .face_count = face_count,
-        .texture = trim(builder->texture, 2 * texture_count, sizeof(double)),
-        .texture_faces = trim(builder->texture_corners, textured ? corners : 0, sizeof(uint32_t)),
-        .texture_count = texture_count,
-        .channels = trim(builder->channels, vertices * builder->channel_count, sizeof(double)),
-        .channel_names = builder->channel_count > 0 ? builder->channel_names : NULL,
-        .channel_count = builder->channel_count,
-        .creases = trim(builder->creases, builder->crease_count, sizeof *builder->creases),
-        .crease_count = builder->crease_count,
-        .corners = trim(builder->marks, builder->mark_count, sizeof *builder->marks),
-        .corner_count = builder->mark_count,
-        .face_labels = trim(builder->face_labels, builder->labelled ? face_count : 0, sizeof *builder->face_labels),
-        .labels = builder->labels.labels,
-        .label_count = builder->labels.count,
-        .material_files = builder->material_files,
-        .material_json = builder->material_json,
-        .rules = builder->rules,
-    };
+    bat_mesh mesh = builder->mesh;
+    if (mesh.texture_faces == NULL)
+        mesh.texture_count = 0;
+    mesh.positions = trim(mesh.positions, 3 * mesh.vertex_count, sizeof *mesh.positions);
+    mesh.texture = trim(mesh.texture, 2 * mesh.texture_count, sizeof *mesh.texture);
+    mesh.channels = trim(mesh.channels, mesh.vertex_count * mesh.channel_count, sizeof *mesh.channels);
+    mesh.creases = trim(mesh.creases, mesh.crease_count, sizeof *mesh.creases);
+    mesh.corners = trim(mesh.corners, mesh.corner_count, sizeof *mesh.corners);
+    size_t corners = builder->corner_count, labels = builder->labelled ? mesh.face_count : 0;
+    mesh.faces = trim(mesh.faces, corners, sizeof *mesh.faces);
+    mesh.texture_faces = trim(mesh.texture_faces, mesh.texture_faces != NULL ? corners : 0, sizeof *mesh.texture_faces);
+    mesh.offsets = trim(mesh.offsets, mesh.face_count > 0 ? mesh.face_count + 1 : 0, sizeof *mesh.offsets);
+    mesh.face_labels = trim(mesh.face_labels, labels, sizeof *mesh.face_labels);
+    mesh.labels = builder->labels.labels;
+    mesh.label_count = builder->labels.count;
     free(builder->labels.slots);
-    free(builder->sizes);
-    if (builder->channel_count == 0)
-        free(builder->channel_names);
+    if (mesh.channel_count == 0)
+    {
+        free(mesh.channel_names);
+        mesh.channel_names = NULL;
+    }
     *builder = (mesh_builder){0};
     return mesh;
 }
 
-/// Give a builder's polygons to a mesh of polygons and check it.
-static bat_status finish_polygons(mesh_builder *builder, bat_polygon_mesh *polygons, bat_error *error)
-{
-    size_t count = builder->face_count;
-    uint32_t *offsets = memory_array(count + 1, sizeof *offsets);
-    if (offsets == NULL)
-    {
-        mesh_builder_free(builder);
-        return error_memory(error, (count + 1) * sizeof *offsets);
-    }
-    offsets[0] = 0;
-    for (size_t f = 0; f < count; f++)
-        offsets[f + 1] = offsets[f] + builder->sizes[f];
-    bat_mesh view = take_arrays(builder, count);
-    bat_polygon_mesh made = polygon_mesh_from_view(&view, offsets);
-    bat_status status = count > 0 ? bat_polygon_mesh_check(&made, error) : BAT_OK;
-    if (status == BAT_OK)
-    {
-        *polygons = made;
-        return BAT_OK;
-    }
-    bat_polygon_mesh_free(&made);
-    if (error != NULL && status == BAT_INVALID_POINT)
-        error->status = BAT_BAD_FILE;
-    return status == BAT_INVALID_POINT ? BAT_BAD_FILE : status;
-}
-
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
-    bat_status status = prepare(builder, options, error);
+    bool keep = options->polygons && !options->triangulate && !options->repair;
+    bat_status status = check_all(builder, options->triangulate || keep, error);
     if (status != BAT_OK)
     {
         mesh_builder_free(builder);
         return status;
     }
-    if (options->polygons != NULL)
-        return finish_polygons(builder, options->polygons, error);
-    *mesh = take_arrays(builder, builder->corner_count / 3);
-    return BAT_OK;
+    bat_mesh made = take_mesh(builder);
+    status = keep ? keep_polygons(&made, error) : cut_faces(&made, options->keep_degenerate, error);
+    if (status == BAT_OK)
+        *mesh = made;
+    else
+        bat_mesh_free(&made);
+    return status;
 }

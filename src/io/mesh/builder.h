@@ -11,35 +11,14 @@
 /// A mesh during reading. Faces are polygons and may refer to later vertices. All zero: empty.
 typedef struct mesh_builder
 {
-    double *positions; ///< vertex_count x 3
-    size_t vertex_count, position_capacity;
-    double *texture; ///< texture_count x 2
-    size_t texture_count, texture_capacity;
-    double *channels; ///< vertex_count x channel_count
-    size_t channel_count, channel_capacity;
-    char **channel_names;
-
-    uint32_t *corners; ///< the vertices of all faces, one face after the other
-    size_t corner_count, corner_capacity;
-    uint32_t *texture_corners; ///< the texture coordinate of each corner, or BAT_MESH_NONE; null while no face has one
-    size_t texture_corner_capacity;
-    uint32_t *sizes; ///< the number of corners of each face
-    size_t face_count, size_capacity;
-
-    bat_mesh_crease *creases;
-    size_t crease_count, crease_capacity;
-    bat_mesh_corner *marks; ///< sharp vertices
-    size_t mark_count, mark_capacity;
-    bat_mesh_rules rules; ///< of refinement
-
+    bat_mesh mesh; ///< without labels; texture_faces has BAT_MESH_NONE at corners without texture, or is null while all are
+    size_t position_capacity, texture_capacity, channel_capacity;
+    size_t corner_count, corner_capacity, texture_corner_capacity, offset_capacity, face_label_capacity;
+    size_t crease_capacity, mark_capacity;
     label_table labels;
-    uint32_t *face_labels; ///< the label of each face; null while no face has one
-    size_t face_label_capacity;
     uint32_t label; ///< of further faces
     bool labelled;  ///< whether faces have labels
-    char *material_files, *material_json;
-
-    bool faceless; ///< a mesh without faces is allowed
+    bool faceless;  ///< a mesh without faces is allowed
 } mesh_builder;
 
 void mesh_builder_free(mesh_builder *builder);
@@ -68,8 +47,8 @@ bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark);
 /// Set the label of the faces that follow. Faces without one have no names. False when out of memory.
 bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES]);
 
-/// Check the faces, triangulate polygons and return the mesh. If only some faces have texture coordinates, the others get
-/// (0, 0). With options->polygons that receives the polygons instead. The builder is empty afterwards, also on failure.
+/// Check the faces, triangulate polygons unless options->polygons keeps them, and return the mesh. If only some faces have
+/// texture coordinates, the others get (0, 0). The builder is empty afterwards, also on failure.
 ///
 /// @return BAT_OK; BAT_BAD_FILE with the index of the invalid face, if any; BAT_TOO_LARGE; BAT_NO_MEMORY
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh,

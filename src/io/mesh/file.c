@@ -8,7 +8,6 @@
 #include "io/common/number_text.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/notes.h"
-#include "mesh/polygon/polygon.h"
 
 #include <math.h>
 #include <string.h>
@@ -243,36 +242,14 @@ static bat_status choose_format(const file_text *text, bat_mesh_format wanted, b
                      row_of(found)->choice.name, row_of(ending)->choice.name, row_of(ending)->choice.name);
 }
 
-static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
-                            bat_mesh *mesh, bat_error *error);
-
-/// Read triangles, as a mesh of polygons.
-static bat_status read_as_polygons(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
-                                   bat_error *error)
-{
-    bat_mesh_read_options plain = *options;
-    bat_mesh triangles;
-    plain.polygons = NULL;
-    bat_status status = read_text(text, format, &plain, &triangles, error);
-    if (status != BAT_OK)
-        return status;
-    status = bat_polygon_mesh_of_triangles(&triangles, options->polygons, error);
-    bat_mesh_free(&triangles);
-    return status;
-}
-
 /// Read a mesh whose file's ending stands for `format`, and repair it where that is asked for.
 static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
                             bat_mesh *mesh, bat_error *error)
 {
-    if (options->polygons != NULL && (options->triangulate || options->repair))
-        return read_as_polygons(text, format, options, error);
     bat_mesh_read_options lenient = *options;
     bat_mesh_repair_report report = {0};
     bat_mesh_notes notes = {0};
     bat_mesh read = {0}, repaired;
-    bat_polygon_mesh polygons = {0};
-    lenient.polygons = options->polygons != NULL ? &polygons : NULL;
     lenient.keep_degenerate = options->keep_degenerate || options->repair;
     lenient.notes = options->notes != NULL ? &notes : NULL;
     bat_status status = choose_format(text, options->format, &format, lenient.notes, error);
@@ -289,18 +266,12 @@ static bat_status read_text(const file_text *text, bat_mesh_format format, const
     {
         status = mesh_notes_move(&notes, options->notes, error);
         if (status != BAT_OK)
-        {
             bat_mesh_free(&read);
-            bat_polygon_mesh_free(&polygons);
-        }
     }
     bat_mesh_notes_free(&notes);
     if (status != BAT_OK)
         return status;
-    if (options->polygons != NULL)
-        *options->polygons = polygons;
-    else
-        *mesh = read;
+    *mesh = read;
     if (options->repairs != NULL)
         *options->repairs = report;
     return BAT_OK;
@@ -342,24 +313,6 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
     return status;
 }
 
-bat_status bat_polygon_mesh_read(const char *path, const bat_mesh_read_options *options, bat_polygon_mesh *mesh,
-                                 bat_error *error)
-{
-    bat_mesh_read_options how = options != NULL ? *options : bat_mesh_read_defaults();
-    bat_mesh none = {0}; // stays as it is
-    how.polygons = mesh;
-    return bat_mesh_read(path, &how, &none, error);
-}
-
-bat_status bat_polygon_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options,
-                                        bat_polygon_mesh *mesh, bat_error *error)
-{
-    bat_mesh_read_options how = options != NULL ? *options : bat_mesh_read_defaults();
-    bat_mesh none = {0}; // stays as it is
-    how.polygons = mesh;
-    return bat_mesh_read_memory(bytes, size, &how, &none, error);
-}
-
 static bat_status check_write(bat_mesh_format format, const bat_mesh_write_options *options, bat_error *error)
 {
     bat_status status = bat_options_check(&bat_mesh_write_fields, options, error);
@@ -373,8 +326,8 @@ static bat_status check_write(bat_mesh_format format, const bat_mesh_write_optio
 }
 
 /// Note what a mesh has and a format cannot hold.
-static bat_status note_losses(const bat_mesh *mesh, const uint32_t *offsets, const mesh_format *row,
-                              const bat_mesh_write_options *options, bat_mesh_notes *notes, bat_error *error)
+static bat_status note_losses(const bat_mesh *mesh, const mesh_format *row, const bat_mesh_write_options *options,
+                              bat_mesh_notes *notes, bat_error *error)
 {
     size_t places[MESH_COLOURS], colours = mesh_colours(mesh, places);
     bool smoothing = false, names = false;
@@ -390,8 +343,7 @@ static bat_status note_losses(const bat_mesh *mesh, const uint32_t *offsets, con
         unsigned holds;
         const char *what;
     } parts[] = {
-        {mesh->texture_faces != NULL,
-         HOLDS_TEXTURE | (mesh_texture_by_vertex(mesh, offsets) ? (unsigned)HOLDS_VERTEX_TEXTURE : 0),
+        {mesh->texture_faces != NULL, HOLDS_TEXTURE | (mesh_texture_by_vertex(mesh) ? (unsigned)HOLDS_VERTEX_TEXTURE : 0),
          "texture coordinates"},
         {colours > 0, HOLDS_COLOURS, "colours"},
         {mesh->channel_count > colours, HOLDS_CHANNELS, "numbers at the vertices other than colours"},
@@ -429,11 +381,9 @@ static bat_status make_normals(const bat_mesh *mesh, const bat_mesh_write_option
     return status;
 }
 
-/// Write a checked mesh of triangles, or of polygons in the form of polygon_mesh_view(). `triangles` is the mesh itself, or
-/// its polygons cut into triangles.
-static bat_status write_format(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh *triangles,
-                               const mesh_format *row, const bat_mesh_write_options *options, text_sink *sink,
-                               bat_error *error)
+/// Write a checked mesh. `triangles` is the mesh itself, or its polygons cut into triangles.
+static bat_status write_format(const bat_mesh *mesh, const bat_mesh *triangles, const mesh_format *row,
+                               const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
     bool cut = triangles != mesh && (row->holds & HOLDS_POLYGONS) == 0;
     bat_mesh_write_options complete = *options;
@@ -442,7 +392,7 @@ static bat_status write_format(const bat_mesh *mesh, const uint32_t *offsets, co
     bool wanted = options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL;
     complete.vertex_normals = NULL;
     complete.notes = options->notes != NULL ? &notes : NULL;
-    bat_status status = note_losses(mesh, offsets, row, options, complete.notes, error);
+    bat_status status = note_losses(mesh, row, options, complete.notes, error);
     if (status == BAT_OK && cut && triangles->face_count > mesh->face_count)
         status = mesh_note(complete.notes, error, "the output has triangles: %s does not hold polygons", row->choice.name);
     if (status == BAT_OK && wanted && (row->holds & HOLDS_NORMALS) != 0)
@@ -451,7 +401,7 @@ static bat_status write_format(const bat_mesh *mesh, const uint32_t *offsets, co
         complete.vertex_normals = normals;
     }
     if (status == BAT_OK)
-        status = row->write(cut ? triangles : mesh, cut ? NULL : offsets, &complete, sink, error);
+        status = row->write(cut ? triangles : mesh, &complete, sink, error);
     if (status == BAT_OK)
         status = mesh_notes_move(&notes, options->notes, error);
     bat_mesh_notes_free(&notes);
@@ -460,20 +410,19 @@ static bat_status write_format(const bat_mesh *mesh, const uint32_t *offsets, co
 }
 
 /// Write a checked mesh to a sink, and cut polygons into triangles where the format or the normals need them.
-static bat_status write_checked(const bat_mesh *mesh, const uint32_t *offsets, bat_mesh_format format,
-                                const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
+static bat_status write_checked(const bat_mesh *mesh, bat_mesh_format format, const bat_mesh_write_options *options,
+                                text_sink *sink, bat_error *error)
 {
     const mesh_format *row = row_of(format);
     bool normals =
         (options->normals != BAT_MESH_NORMALS_NONE || options->vertex_normals != NULL) && (row->holds & HOLDS_NORMALS) != 0;
-    if (offsets == NULL || (!normals && (row->holds & HOLDS_POLYGONS) != 0))
-        return write_format(mesh, offsets, mesh, row, options, sink, error);
-    bat_polygon_mesh polygons = polygon_mesh_from_view(mesh, (uint32_t *)(uintptr_t)offsets);
+    if (mesh->offsets == NULL || (!normals && (row->holds & HOLDS_POLYGONS) != 0))
+        return write_format(mesh, mesh, row, options, sink, error);
     bat_mesh triangles;
-    bat_status status = bat_polygon_mesh_triangulate(&polygons, &triangles, error);
+    bat_status status = bat_mesh_triangulate(mesh, &triangles, error);
     if (status != BAT_OK)
         return status;
-    status = write_format(mesh, offsets, &triangles, row, options, sink, error);
+    status = write_format(mesh, &triangles, row, options, sink, error);
     bat_mesh_free(&triangles);
     return status;
 }
@@ -510,13 +459,16 @@ static bat_status note_materials(const char *path, const char *names, bat_mesh_n
     return BAT_OK;
 }
 
-/// Write a checked mesh, of polygons where there are offsets.
-static bat_status write_file(const char *path, const bat_mesh *mesh, const uint32_t *offsets,
-                             const bat_mesh_write_options *options, bat_error *error)
+bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
 {
+    bat_mesh_write_options defaults = bat_mesh_write_defaults();
     bat_mesh_format format;
     atomic_file file;
-    bat_status status = format_for_path(path, true, options->format, &format, error);
+    if (options == NULL)
+        options = &defaults;
+    bat_status status = bat_mesh_check(mesh, error);
+    if (status == BAT_OK)
+        status = format_for_path(path, true, options->format, &format, error);
     if (status == BAT_OK)
         status = check_write(format, options, error);
     if (status == BAT_OK)
@@ -524,37 +476,26 @@ static bat_status write_file(const char *path, const bat_mesh *mesh, const uint3
     if (status != BAT_OK)
         return status;
     text_sink sink = {.stream = file.stream};
-    status = write_checked(mesh, offsets, format, options, &sink, error);
+    status = write_checked(mesh, format, options, &sink, error);
     if (status == BAT_OK && format == BAT_MESH_FORMAT_OBJ && mesh->material_files != NULL)
         status = note_materials(path, mesh->material_files, options->notes, error);
     return atomic_file_end(&file, status, error);
 }
 
-bat_status bat_mesh_write(const char *path, const bat_mesh *mesh, const bat_mesh_write_options *options, bat_error *error)
+bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes, size_t *size,
+                                 bat_error *error)
 {
     bat_mesh_write_options defaults = bat_mesh_write_defaults();
+    if (options == NULL)
+        options = &defaults;
     bat_status status = bat_mesh_check(mesh, error);
-    return status == BAT_OK ? write_file(path, mesh, NULL, options != NULL ? options : &defaults, error) : status;
-}
-
-bat_status bat_polygon_mesh_write(const char *path, const bat_polygon_mesh *mesh, const bat_mesh_write_options *options,
-                                  bat_error *error)
-{
-    bat_mesh_write_options defaults = bat_mesh_write_defaults();
-    bat_mesh view = polygon_mesh_view(mesh);
-    bat_status status = bat_polygon_mesh_check(mesh, error);
-    return status == BAT_OK ? write_file(path, &view, mesh->offsets, options != NULL ? options : &defaults, error) : status;
-}
-
-static bat_status write_bytes(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                              char **bytes, size_t *size, bat_error *error)
-{
-    bat_status status = check_write(options->format, options, error);
+    if (status == BAT_OK)
+        status = check_write(options->format, options, error);
     if (status != BAT_OK)
         return status;
     text_buffer buffer = {0};
     text_sink sink = {.buffer = &buffer};
-    status = write_checked(mesh, offsets, options->format, options, &sink, error);
+    status = write_checked(mesh, options->format, options, &sink, error);
     text_append(&buffer, "", 1);
     if (status == BAT_OK && buffer.failed)
         status = error_memory(error, buffer.size);
@@ -566,22 +507,4 @@ static bat_status write_bytes(const bat_mesh *mesh, const uint32_t *offsets, con
     *bytes = buffer.data;
     *size = buffer.size - 1;
     return BAT_OK;
-}
-
-bat_status bat_mesh_write_memory(const bat_mesh *mesh, const bat_mesh_write_options *options, char **bytes, size_t *size,
-                                 bat_error *error)
-{
-    bat_mesh_write_options defaults = bat_mesh_write_defaults();
-    bat_status status = bat_mesh_check(mesh, error);
-    return status == BAT_OK ? write_bytes(mesh, NULL, options != NULL ? options : &defaults, bytes, size, error) : status;
-}
-
-bat_status bat_polygon_mesh_write_memory(const bat_polygon_mesh *mesh, const bat_mesh_write_options *options, char **bytes,
-                                         size_t *size, bat_error *error)
-{
-    bat_mesh_write_options defaults = bat_mesh_write_defaults();
-    bat_mesh view = polygon_mesh_view(mesh);
-    bat_status status = bat_polygon_mesh_check(mesh, error);
-    return status == BAT_OK ? write_bytes(&view, mesh->offsets, options != NULL ? options : &defaults, bytes, size, error)
-                            : status;
 }

@@ -6,14 +6,13 @@
 #include "io/common/file_text.h"
 
 /// @file
-/// Readers and writers of mesh formats, one file for each. Readers leave `mesh` untouched on failure. Writers take meshes of
-/// polygons in the form of polygon_mesh_view(), with their offsets, which are null for triangles. STL and glTF hold
-/// triangles alone: their writers get no offsets.
+/// Readers and writers of mesh formats, one file for each. Readers leave `mesh` untouched on failure. Writers of formats
+/// that hold triangles alone get no polygons.
 
 typedef bat_status mesh_reader(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh,
                                bat_error *error);
-typedef bat_status mesh_writer(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                               text_sink *sink, bat_error *error);
+typedef bat_status mesh_writer(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink,
+                               bat_error *error);
 /// Whether a text begins as a format does.
 typedef bool mesh_recognizer(const file_text *text);
 
@@ -35,13 +34,7 @@ extern const char *const mesh_colour_names[MESH_COLOURS];
 size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS]);
 
 /// Whether every vertex has exactly one texture coordinate, with the vertex's index.
-bool mesh_texture_by_vertex(const bat_mesh *mesh, const uint32_t *offsets);
-
-/// The number of corners of the first faces of a mesh; `offsets` is null where all are triangles.
-static inline size_t mesh_corners_until(const uint32_t *offsets, size_t face)
-{
-    return offsets != NULL ? offsets[face] : 3 * face;
-}
+bool mesh_texture_by_vertex(const bat_mesh *mesh);
 
 /// Write rows of text on several threads; `format` appends the rows begin, …, end - 1.
 typedef void mesh_row_format(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text);

@@ -148,15 +148,15 @@ static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, si
     {
         reader->tally.joined++;
         if (reader->colours > 0 &&
-            memcmp(builder->channels + *vertex * reader->colours, colour, reader->colours * sizeof *colour) != 0)
+            memcmp(builder->mesh.channels + *vertex * reader->colours, colour, reader->colours * sizeof *colour) != 0)
             reader->tally.recoloured++;
         primitive->vertices[local] = *vertex;
         return BAT_OK;
     }
-    if (builder->vertex_count >= BAT_MESH_NONE - 1)
+    if (builder->mesh.vertex_count >= BAT_MESH_NONE - 1)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the scene has more than %zu vertices",
                          (size_t)BAT_MESH_NONE - 1);
-    *vertex = (uint32_t)builder->vertex_count;
+    *vertex = (uint32_t)builder->mesh.vertex_count;
     double *position = mesh_builder_vertex(builder);
     double *channels = reader->colours > 0 && position != NULL ? mesh_builder_channels(builder) : NULL;
     if (position == NULL || (reader->colours > 0 && channels == NULL))
@@ -164,7 +164,7 @@ static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, si
     memcpy(position, image, sizeof image);
     if (channels != NULL)
         memcpy(channels, colour, reader->colours * sizeof *channels);
-    reader->points.points = builder->positions;
+    reader->points.points = builder->mesh.positions;
     primitive->vertices[local] = *vertex;
     return point_table_add(&reader->points, *vertex) ? BAT_OK : no_memory(reader, error);
 }
@@ -176,7 +176,7 @@ static bat_status find_texture(gltf_reader *reader, gltf_primitive *primitive, s
     *texture = primitive->texture.numbers != NULL ? primitive->textures[local] : BAT_MESH_NONE;
     if (*texture != BAT_MESH_NONE || primitive->texture.numbers == NULL)
         return BAT_OK;
-    size_t count = reader->builder.texture_count;
+    size_t count = reader->builder.mesh.texture_count;
     const double *given = primitive->texture.numbers + 2 * local;
     const double key[3] = {vertex, given[0], 1 - given[1]};
     *texture = point_table_find(&reader->texture_table, key);
@@ -440,8 +440,8 @@ static bat_status read_files(gltf_reader *reader, bat_error *error)
 {
     label_name files = name_of(json_object_get(reader->document.root, "extras"), "material_files");
     if (files.begin != NULL)
-        reader->builder.material_files = label_name_copy(files);
-    return files.begin == NULL || reader->builder.material_files != NULL ? BAT_OK : no_memory(reader, error);
+        reader->builder.mesh.material_files = label_name_copy(files);
+    return files.begin == NULL || reader->builder.mesh.material_files != NULL ? BAT_OK : no_memory(reader, error);
 }
 
 static bat_status read_scene(gltf_reader *reader, bat_error *error)
@@ -452,7 +452,7 @@ static bat_status read_scene(gltf_reader *reader, bat_error *error)
     bat_status status = gltf_instances_find(&reader->document, &instances, &count, notes, error);
     if (status == BAT_OK)
         status = gltf_materials_read(&reader->document, &reader->materials, &reader->material_count,
-                                     &reader->builder.material_json, notes, error);
+                                     &reader->builder.mesh.material_json, notes, error);
     if (status == BAT_OK)
         status = read_files(reader, error);
     if (status == BAT_OK)
@@ -460,9 +460,9 @@ static bat_status read_scene(gltf_reader *reader, bat_error *error)
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = read_instance(reader, &instances[i], error);
     free(instances);
-    if (status == BAT_OK && reader->builder.face_count == 0 && count == 0)
+    if (status == BAT_OK && reader->builder.mesh.face_count == 0 && count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the scene has no meshes");
-    if (status == BAT_OK && reader->builder.face_count == 0 && reader->tally.other_primitives > 0)
+    if (status == BAT_OK && reader->builder.mesh.face_count == 0 && reader->tally.other_primitives > 0)
         status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the meshes have points or lines, but no triangles");
     return status == BAT_OK ? note_all(reader, error) : status;
 }

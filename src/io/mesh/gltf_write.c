@@ -722,10 +722,8 @@ static bat_status finish_json(const gltf_writer *writer, bool embedded, text_buf
     return text->failed ? no_memory(writer, error) : BAT_OK;
 }
 
-bat_status mesh_gltf_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                           text_sink *sink, bat_error *error)
+bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    (void)offsets; // null: glTF holds triangles
     gltf_writer writer = {.mesh = mesh, .options = options};
     text_buffer text = {0};
     bat_status status = writer_fill(&writer, error);
@@ -747,10 +745,8 @@ static void append_chunk(text_buffer *text, size_t size, uint32_t kind)
     text_append(text, header, sizeof header);
 }
 
-bat_status mesh_glb_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error)
+bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    (void)offsets; // null: glTF holds triangles
     gltf_writer writer = {.mesh = mesh, .options = options};
     text_buffer json = {0}, head = {0}, middle = {0};
     bat_status status = writer_fill(&writer, error);

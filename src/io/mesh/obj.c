@@ -3,6 +3,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/obj_labels.h"
+#include "mesh/sides.h"
 
 #include <math.h>
 
@@ -51,7 +52,7 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
     };
     static const char expected[] = "a vertex has 3 coordinates, optionally with a weight or with a colour of 3 or 4 numbers";
     mesh_builder *builder = &reader->builder;
-    size_t count, index = builder->vertex_count;
+    size_t count, index = builder->mesh.vertex_count;
     double numbers[MAX_NUMBERS];
     bat_status status = read_numbers(reader, index, 3, MAX_NUMBERS, numbers, &count, expected, error);
     if (status != BAT_OK)
@@ -83,7 +84,7 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
 /// Read `vt u [v [w]]`; w is ignored.
 static bat_status read_texture(obj_reader *reader, bat_error *error)
 {
-    size_t count, index = reader->builder.texture_count;
+    size_t count, index = reader->builder.mesh.texture_count;
     double numbers[3] = {0};
     bat_status status = read_numbers(reader, index, 1, 3, numbers, &count, "a texture coordinate has 1 to 3 numbers", error);
     if (status != BAT_OK)
@@ -125,12 +126,12 @@ static const char *read_corner(obj_reader *reader, uint32_t *vertex, uint32_t *t
     word_scan *scan = &reader->scan;
     uint32_t normal;
     *texture = BAT_MESH_NONE;
-    const char *wrong = read_index(scan, reader->builder.vertex_count, vertex);
+    const char *wrong = read_index(scan, reader->builder.mesh.vertex_count, vertex);
     if (wrong == NULL && skip_slash(scan))
     {
         bool skips = skip_slash(scan);
         if (!skips)
-            wrong = read_index(scan, reader->builder.texture_count, texture);
+            wrong = read_index(scan, reader->builder.mesh.texture_count, texture);
         if (wrong == NULL && (skips || skip_slash(scan)))
             wrong = read_index(scan, BAT_MESH_NONE, &normal);
     }
@@ -142,7 +143,7 @@ static const char *read_corner(obj_reader *reader, uint32_t *vertex, uint32_t *t
 static bat_status read_face(obj_reader *reader, bat_error *error)
 {
     mesh_builder *builder = &reader->builder;
-    size_t size = 0, index = builder->face_count;
+    size_t size = 0, index = builder->mesh.face_count;
     bool textured = false;
     if (!obj_labels_apply(&reader->labels, builder))
         return no_memory(reader, error);
@@ -182,7 +183,7 @@ static bool read_counts(word_scan *scan, uint64_t counts[3])
 static bat_status read_vertex_number(obj_reader *reader, word_scan *scan, uint32_t *vertex, bat_error *error)
 {
     uint64_t value;
-    if (!scan_count(scan, reader->builder.vertex_count, &value))
+    if (!scan_count(scan, reader->builder.mesh.vertex_count, &value))
         return scan_word_fault(scan, BAT_NO_INDEX, "is not the number, from 0, of a vertex above", error);
     *vertex = (uint32_t)value;
     return BAT_OK;
@@ -239,7 +240,7 @@ static bat_status read_rule_number(obj_reader *reader, size_t count, uint64_t *n
 static bat_status read_rule(obj_reader *reader, bool *known, bat_error *error)
 {
     word_scan *scan = &reader->scan;
-    bat_mesh_rules *rules = &reader->builder.rules;
+    bat_mesh_rules *rules = &reader->builder.mesh.rules;
     uint64_t number = 0, counts[3];
     *known = true;
     if (scan_word(scan, "interpolateboundary"))
@@ -392,8 +393,7 @@ typedef struct obj_plan
 {
     size_t places[MESH_COLOURS]; ///< the positions of the colours among the channels
     size_t colours;
-    const double *normals;   ///< null: none
-    const uint32_t *offsets; ///< of polygons; else null
+    const double *normals; ///< null: none
 } obj_plan;
 
 static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
@@ -459,7 +459,7 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
     for (size_t f = begin; f < end; f++)
     {
         obj_labels_write(mesh, f, text);
-        size_t first = mesh_corners_until(plan->offsets, f), last = mesh_corners_until(plan->offsets, f + 1);
+        size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
         char *out = text_reserve(text, 3 * (last - first) * NUMBER_TEXT_SIZE);
         if (out == NULL)
             return;
@@ -537,10 +537,9 @@ static void format_rules(const bat_mesh *mesh, const void *context, size_t begin
                                                                                    : "t creasemethod 0/0/1 normal\n");
 }
 
-bat_status mesh_obj_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error)
+bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    obj_plan plan = {.offsets = offsets, .normals = options->vertex_normals};
+    obj_plan plan = {.normals = options->vertex_normals};
     plan.colours = mesh_colours(mesh, plan.places);
     text_buffer files = {0};
     bat_status status = obj_labels_check(mesh, error);

@@ -97,8 +97,8 @@ bat_status obj_labels_finish(obj_labels *labels, mesh_builder *builder, bat_mesh
 {
     bat_status status = BAT_OK;
     if (labels->files.size > 0)
-        builder->material_files = label_name_copy((label_name){labels->files.data, labels->files.size});
-    if (labels->files.failed || (labels->files.size > 0 && builder->material_files == NULL))
+        builder->mesh.material_files = label_name_copy((label_name){labels->files.data, labels->files.size});
+    if (labels->files.failed || (labels->files.size > 0 && builder->mesh.material_files == NULL))
         return error_memory(error, labels->files.size);
     if (labels->normals > 0)
         status =

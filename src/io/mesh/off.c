@@ -4,6 +4,7 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/notes.h"
+#include "mesh/sides.h"
 
 /// @file
 /// The Object File Format of Geomview in text form, [ST][C][N]OFF: texture coordinates, colours and normals at vertices.
@@ -100,7 +101,7 @@ static bat_status read_header(off_reader *reader, bat_error *error)
 static bat_status take_vertex(off_reader *reader, const double *numbers, size_t count, bat_error *error)
 {
     mesh_builder *builder = &reader->builder;
-    size_t index = builder->vertex_count, before_colour = reader->with_normals ? 2 * COORDINATES : COORDINATES;
+    size_t index = builder->mesh.vertex_count, before_colour = reader->with_normals ? 2 * COORDINATES : COORDINATES;
     size_t texture = reader->textured ? 2 : 0;
     if (reader->coloured && index == 0)
     {
@@ -128,7 +129,7 @@ static bat_status take_vertex(off_reader *reader, const double *numbers, size_t 
 static bat_status read_vertex(off_reader *reader, bat_error *error)
 {
     word_scan *scan = &reader->scan;
-    size_t count = 0, index = reader->builder.vertex_count;
+    size_t count = 0, index = reader->builder.mesh.vertex_count;
     double numbers[MAX_NUMBERS];
     if (!scan_next_content(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends at vertex %zu of %zu", index,
@@ -152,7 +153,7 @@ static bat_status skip_colour(off_reader *reader, bat_error *error)
         MAX_COLOURS = 4
     };
     word_scan *scan = &reader->scan;
-    size_t index = reader->builder.face_count;
+    size_t index = reader->builder.mesh.face_count;
     double colour;
     for (int count = 0; !scan_line_done(scan); count++)
     {
@@ -168,7 +169,7 @@ static bat_status read_face(off_reader *reader, bat_error *error)
 {
     word_scan *scan = &reader->scan;
     mesh_builder *builder = &reader->builder;
-    size_t index = builder->face_count;
+    size_t index = builder->mesh.face_count;
     uint64_t size, vertex;
     if (!scan_next_content(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends at face %zu of %zu", index, reader->faces);
@@ -194,12 +195,12 @@ static bat_status read_face(off_reader *reader, bat_error *error)
 static void scale_colours(mesh_builder *builder)
 {
     static const double whole = 255.0;
-    size_t count = builder->vertex_count * builder->channel_count;
+    size_t count = builder->mesh.vertex_count * builder->mesh.channel_count;
     bool bytes = false;
     for (size_t i = 0; i < count; i++)
-        bytes = bytes || builder->channels[i] > 1.0;
+        bytes = bytes || builder->mesh.channels[i] > 1.0;
     for (size_t i = 0; bytes && i < count; i++)
-        builder->channels[i] /= whole;
+        builder->mesh.channels[i] /= whole;
 }
 
 static bat_status read_elements(off_reader *reader, bat_error *error)
@@ -292,10 +293,10 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
 
 static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
 {
-    const uint32_t *offsets = context;
+    (void)context;
     for (size_t f = begin; f < end; f++)
     {
-        size_t first = mesh_corners_until(offsets, f), last = mesh_corners_until(offsets, f + 1);
+        size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
         char *out = text_reserve(text, (last - first + 1) * NUMBER_TEXT_SIZE);
         if (out == NULL)
             return;
@@ -343,10 +344,9 @@ static void format_header(const bat_mesh *mesh, const void *context, size_t begi
     text_advance(text, out);
 }
 
-bat_status mesh_off_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error)
+bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    off_parts parts = {.textured = mesh_texture_by_vertex(mesh, offsets)};
+    off_parts parts = {.textured = mesh_texture_by_vertex(mesh)};
     parts.colours = mesh_colours(mesh, parts.colour_places);
     bat_status status = check_colours(mesh, &parts, error);
     if (status == BAT_OK)
@@ -354,6 +354,6 @@ bat_status mesh_off_write(const bat_mesh *mesh, const uint32_t *offsets, const b
     if (status == BAT_OK)
         status = mesh_rows_write(mesh, mesh->vertex_count, format_vertices, &parts, options->threads, sink, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->face_count, format_faces, offsets, options->threads, sink, error);
+        status = mesh_rows_write(mesh, mesh->face_count, format_faces, NULL, options->threads, sink, error);
     return status;
 }

@@ -39,9 +39,9 @@ static bat_status set_files(const json_t *object, size_t line, mesh_builder *bui
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is no text", FILES_KEY);
     if (files.begin == NULL)
         return BAT_OK;
-    free(builder->material_files);
-    builder->material_files = label_name_copy(files);
-    return builder->material_files != NULL ? BAT_OK : error_memory(error, files.size);
+    free(builder->mesh.material_files);
+    builder->mesh.material_files = label_name_copy(files);
+    return builder->mesh.material_files != NULL ? BAT_OK : error_memory(error, files.size);
 }
 
 /// Read the JSON after `comment label` to the end of its line.

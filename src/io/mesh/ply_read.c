@@ -268,14 +268,14 @@ static bat_status store_vertex(ply_reader *reader, bat_error *error)
     mesh_builder *builder = &reader->builder;
     double *position = mesh_builder_vertex(builder);
     double *texture = reader->textured ? mesh_builder_texture(builder) : NULL;
-    double *channels = builder->channel_count > 0 ? mesh_builder_channels(builder) : NULL;
-    if (position == NULL || (reader->textured && texture == NULL) || (builder->channel_count > 0 && channels == NULL))
+    double *channels = builder->mesh.channel_count > 0 ? mesh_builder_channels(builder) : NULL;
+    if (position == NULL || (reader->textured && texture == NULL) || (builder->mesh.channel_count > 0 && channels == NULL))
         return no_memory(reader, error);
     memcpy(position, reader->row, 3 * sizeof *position);
     if (texture != NULL)
         memcpy(texture, reader->row + TEXTURE_COLUMN, 2 * sizeof *texture);
     if (channels != NULL)
-        memcpy(channels, reader->row + CHANNEL_COLUMN, builder->channel_count * sizeof *channels);
+        memcpy(channels, reader->row + CHANNEL_COLUMN, builder->mesh.channel_count * sizeof *channels);
     return BAT_OK;
 }
 
@@ -335,7 +335,7 @@ static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double
     uint32_t found = point_table_find(&reader->texture_table, key);
     if (found != BAT_MESH_NONE)
         return found;
-    size_t count = reader->builder.texture_count;
+    size_t count = reader->builder.mesh.texture_count;
     void *keys = reader->texture_keys;
     double *texture = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(&reader->builder) : NULL;
     if (texture == NULL || !array_grow(&keys, &reader->texture_key_capacity, 3 * count + 3, sizeof(double)))

@@ -2,6 +2,7 @@
 #include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
 #include "io/mesh/ply_labels.h"
+#include "mesh/sides.h"
 
 #include <math.h>
 
@@ -14,9 +15,8 @@ typedef struct ply_plan
     bool *bytes; ///< for each channel: whether it is a colour and all values are multiples of 1/255
     bool texture_by_vertex, texture_by_corner;
     bool text, big_endian;
-    const double *normals;   ///< null: none
-    const uint32_t *offsets; ///< of polygons; else null
-    bool long_lists;         ///< the lengths of lists need four bytes
+    const double *normals; ///< null: none
+    bool long_lists;       ///< the lengths of lists need four bytes
 } ply_plan;
 
 /// Whether bytes represent a channel exactly, as a colour.
@@ -200,7 +200,7 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
     int length_size = plan->long_lists ? 4 : 1;
     for (size_t f = begin; f < end; f++)
     {
-        size_t first = mesh_corners_until(plan->offsets, f), last = mesh_corners_until(plan->offsets, f + 1);
+        size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
         uint32_t corners = (uint32_t)(last - first);
         char *out = text_reserve(text, (3 * (size_t)corners + 3) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
@@ -219,17 +219,15 @@ static void format_faces(const bat_mesh *mesh, const void *context, size_t begin
     }
 }
 
-bat_status mesh_ply_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error)
+bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh, offsets),
-                     .offsets = offsets,
+    ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh),
                      .text = options->encoding == BAT_MESH_ENCODING_TEXT,
                      .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN,
                      .normals = options->vertex_normals};
     plan.texture_by_corner = mesh->texture_faces != NULL && !plan.texture_by_vertex;
-    for (size_t f = 0; offsets != NULL && f < mesh->face_count; f++)
-        plan.long_lists = plan.long_lists || offsets[f + 1] - offsets[f] > UINT8_MAX / 2;
+    for (size_t f = 0; mesh->offsets != NULL && f < mesh->face_count; f++)
+        plan.long_lists = plan.long_lists || mesh->offsets[f + 1] - mesh->offsets[f] > UINT8_MAX / 2;
     bat_status status = check_names(mesh, &plan, error);
     if (status != BAT_OK)
         return status;

@@ -1,6 +1,6 @@
 #include "io/mesh/formats.h"
 
-#include "mesh/polygon/polygon.h"
+#include "mesh/sides.h"
 
 #include <string.h>
 
@@ -24,11 +24,10 @@ size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS])
     return count >= MESH_COLOURS - 1 ? count : 0;
 }
 
-bool mesh_texture_by_vertex(const bat_mesh *mesh, const uint32_t *offsets)
+bool mesh_texture_by_vertex(const bat_mesh *mesh)
 {
     return mesh->texture_faces != NULL && mesh->texture_count == mesh->vertex_count &&
-           memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(offsets, mesh->face_count) * sizeof *mesh->faces) ==
-               0;
+           memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(mesh, mesh->face_count) * sizeof *mesh->faces) == 0;
 }
 
 enum

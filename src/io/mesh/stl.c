@@ -35,18 +35,18 @@ static bat_status no_memory(const stl_reader *reader, bat_error *error)
 static bool add_corner(stl_reader *reader, const double point[3])
 {
     mesh_builder *builder = &reader->builder;
-    reader->table.points = builder->positions;
+    reader->table.points = builder->mesh.positions;
     uint32_t vertex = point_table_find(&reader->table, point);
     if (vertex == BAT_MESH_NONE)
     {
-        if (builder->vertex_count >= BAT_MESH_NONE - 1)
+        if (builder->mesh.vertex_count >= BAT_MESH_NONE - 1)
             return false;
-        vertex = (uint32_t)builder->vertex_count;
+        vertex = (uint32_t)builder->mesh.vertex_count;
         double *position = mesh_builder_vertex(builder);
         if (position == NULL)
             return false;
         memcpy(position, point, 3 * sizeof *position);
-        reader->table.points = builder->positions;
+        reader->table.points = builder->mesh.positions;
         if (!point_table_add(&reader->table, vertex))
             return false;
     }
@@ -149,7 +149,7 @@ static bat_status expect(word_scan *scan, size_t index, const char *first, const
 static bat_status read_text_vertex(stl_reader *reader, word_scan *scan, bat_error *error)
 {
     static const char three[] = "a vertex has 3 coordinates";
-    size_t index = reader->builder.face_count;
+    size_t index = reader->builder.mesh.face_count;
     bat_status status = expect(scan, index, "vertex", NULL, error);
     if (status != BAT_OK)
         return status;
@@ -165,7 +165,7 @@ static bat_status read_text_vertex(stl_reader *reader, word_scan *scan, bat_erro
 /// Read a facet after its first word. Its normal follows from its corners and is skipped.
 static bat_status read_text_facet(stl_reader *reader, word_scan *scan, bat_error *error)
 {
-    size_t index = reader->builder.face_count;
+    size_t index = reader->builder.mesh.face_count;
     (void)scan_next_line(scan);
     bat_status status = expect(scan, index, "outer", "loop", error);
     for (int c = 0; c < 3 && status == BAT_OK; c++)
@@ -359,10 +359,8 @@ static bat_status write_line(text_sink *sink, const char *line, bat_error *error
     return status;
 }
 
-bat_status mesh_stl_write(const bat_mesh *mesh, const uint32_t *offsets, const bat_mesh_write_options *options,
-                          text_sink *sink, bat_error *error)
+bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    (void)offsets; // null: STL holds triangles
     if (options->encoding != BAT_MESH_ENCODING_TEXT)
         return write_binary(mesh, options, sink, error);
     bat_status status = write_line(sink, "solid mesh\n", error);

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
+#include "mesh/check.h"
 #include "mesh/decimate/decimation.h"
 
 #include <math.h>
@@ -223,7 +224,7 @@ bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_optio
     options = options != NULL ? options : &defaults;
     bat_status status = bat_options_check(&bat_mesh_decimate_fields, options, error);
     if (status == BAT_OK)
-        status = bat_mesh_check(fine, error);
+        status = mesh_check_triangles(fine, error);
     if (status == BAT_OK)
         status = find_target(fine, options, &target, error);
     if (status != BAT_OK)

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/channels.h"
+#include "mesh/check.h"
 #include "mesh/decimate/map.h"
 #include "mesh/decimate/map_transfer.h"
 
@@ -37,7 +38,7 @@ static bat_status split_allocate(size_t faces, size_t vertices, midpoint_mesh *m
 static bat_status split_begin(const bat_mesh *coarse, midpoint_mesh *mesh, bat_error *error)
 {
     static const double WHOLE[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    bat_status status = bat_mesh_check(coarse, error);
+    bat_status status = mesh_check_triangles(coarse, error);
     if (status == BAT_OK)
         status = split_allocate(coarse->face_count, coarse->vertex_count, mesh, error);
     if (status != BAT_OK)

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/threads.h"
+#include "mesh/check.h"
 #include "mesh/measure/closest.h"
 
 #include <float.h>
@@ -29,7 +30,7 @@ static bat_status check_points(const double *points, size_t count, const char *w
 static bat_status tree_for(const bat_mesh *mesh, const double *points, size_t count, const char *what, closest_tree *tree,
                            bat_error *error)
 {
-    bat_status status = bat_mesh_check(mesh, error);
+    bat_status status = mesh_check_triangles(mesh, error);
     if (status == BAT_OK)
         status = check_points(mesh->positions, mesh->vertex_count, "vertex", error);
     if (status == BAT_OK)

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "base/threads.h"
+#include "mesh/check.h"
 
 #include <float.h>
 #include <math.h>
@@ -331,7 +332,7 @@ static bat_mesh_distance put_together(const compare_way ways[2], double diagonal
 /// Check a mesh, and that differences of its coordinates do not overflow.
 static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error *error)
 {
-    bat_status status = bat_mesh_check(mesh, error);
+    bat_status status = mesh_check_triangles(mesh, error);
     if (status != BAT_OK)
         return error_prefix(error, status, "the %s mesh: ", which);
     for (size_t i = 0; i < 3 * mesh->vertex_count; i++)

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "batten/mesh.h"
 #include "linalg/vector3.h"
+#include "mesh/check.h"
 #include "mesh/measure/closest.h"
 
 #include <math.h>
@@ -526,7 +527,7 @@ bool bat_mesh_measures(size_t meshes, size_t index, bat_measure *measure)
 
 bat_status bat_mesh_summarize(const bat_mesh *mesh, bat_mesh_summary *summary, bat_error *error)
 {
-    bat_status status = bat_mesh_check(mesh, error);
+    bat_status status = mesh_check_triangles(mesh, error);
     if (status != BAT_OK)
         return status;
     topology made;

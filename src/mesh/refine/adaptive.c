@@ -746,7 +746,7 @@ static bat_status run(adaptive_work *work, bat_error *error)
 }
 
 bat_status adaptive_refine(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_refine_options *options,
-                           bat_mesh *fine, uint32_t **offsets, bat_error *error)
+                           bat_mesh *fine, bat_error *error)
 {
     adaptive_work *work = calloc(1, sizeof *work);
     if (work == NULL)
@@ -768,25 +768,22 @@ bat_status adaptive_refine(const bat_mesh *coarse, const mesh_sides *sides, cons
         level_free(&work->levels[depth]);
     bat_mesh made = {.positions = work->positions,
                      .faces = work->faces,
+                     .offsets = work->offsets,
                      .vertex_count = work->vertex_count,
                      .face_count = work->face_count,
                      .channels = work->channels};
+    if (options->scheme != BAT_MESH_SCHEME_CATMULL_CLARK)
+    {
+        free(made.offsets);
+        made.offsets = NULL;
+    }
     if (status == BAT_OK)
         status = mesh_labels_carry(coarse, work->sources, 1, &made, error);
     free(work->sources);
-    if (status == BAT_OK)
-    {
-        *fine = made;
-        *offsets = work->offsets;
-    }
-    else
-    {
-        mesh_labels_free(&made);
-        free(work->positions);
-        free(work->channels);
-        free(work->faces);
-        free(work->offsets);
-    }
     free(work);
+    if (status == BAT_OK)
+        *fine = made;
+    else
+        bat_mesh_free(&made);
     return status;
 }

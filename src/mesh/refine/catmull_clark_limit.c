@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "batten/mesh_refine.h"
 #include "linalg/vector3.h"
-#include "mesh/polygon/polygon.h"
 #include "mesh/refine/limit.h"
 #include "mesh/refine/normal.h"
 
@@ -192,22 +191,5 @@ static void multiply_dart(unsigned valence, const double *row, double *product)
     }
 }
 
-bat_status bat_polygon_mesh_limit_normals(const bat_polygon_mesh *mesh, int threads, double *normals, bat_error *error)
-{
-    static const normal_rules RULES = {
-        .quads = true, .smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};
-    bat_mesh view = polygon_mesh_view(mesh);
-    bat_mesh_connectivity links = {0};
-    mesh_level level = {.faces = mesh->faces, .sides.quads = true, .links = &links, .coarse_count = mesh->vertex_count};
-    bat_status status = bat_polygon_mesh_check(mesh, error);
-    for (size_t f = 0; status == BAT_OK && f < mesh->face_count; f++)
-        if (mesh->offsets[f + 1] - mesh->offsets[f] != 4)
-            status =
-                error_set(error, BAT_UNSUPPORTED, f, 0, "face %zu is no quad: limit normals need a level of refinement", f);
-    if (status == BAT_OK)
-        status = sides_connect(&level.sides, mesh->faces, mesh->face_count, mesh->vertex_count, &links, error);
-    if (status == BAT_OK)
-        status = normals_compute(&level, &view, &RULES, threads, normals, error);
-    bat_mesh_connectivity_free(&links);
-    return status;
-}
+const normal_rules catmull_clark_normals = {
+    .quads = true, .smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};

@@ -135,16 +135,4 @@ static void multiply_dart(unsigned valence, const double *row, double *product)
     }
 }
 
-bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *normals, bat_error *error)
-{
-    static const normal_rules RULES = {.smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};
-    bat_mesh_connectivity links = {0};
-    mesh_level level = {.faces = mesh->faces, .links = &links, .coarse_count = mesh->vertex_count};
-    bat_status status = bat_mesh_check(mesh, error);
-    if (status == BAT_OK)
-        status = bat_mesh_connect(mesh, &links, error);
-    if (status == BAT_OK)
-        status = normals_compute(&level, mesh, &RULES, threads, normals, error);
-    bat_mesh_connectivity_free(&links);
-    return status;
-}
+const normal_rules loop_normals = {.smooth = smooth_normal, .side = side_normal, .multiply = multiply_dart};

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/mesh_refine.h"
 #include "linalg/vector3.h"
 
 #include <math.h>
@@ -219,22 +220,45 @@ static bat_status dart_normals(const normal_job *job, bat_error *error)
     return BAT_OK;
 }
 
-bat_status normals_compute(mesh_level *level, const bat_mesh *mesh, const normal_rules *rules, int threads, double *normals,
-                           bat_error *error)
+bat_status normals_compute(const bat_mesh *mesh, const mesh_sides *sides, const normal_rules *rules, int threads,
+                           double *normals, bat_error *error)
 {
     double *edges = NULL, *vertices = NULL;
-    normal_job job = {level, mesh->positions, normals, rules};
-    bat_status status = sharpness_of_edges(level, mesh, 0, &edges, error);
+    bat_mesh_connectivity links = {0};
+    mesh_level level = {.faces = mesh->faces, .sides = *sides, .links = &links, .coarse_count = mesh->vertex_count};
+    normal_job job = {&level, mesh->positions, normals, rules};
+    for (uint32_t f = 0; rules->quads && f < mesh->face_count; f++)
+        if (sides_begin(sides, f + 1) - sides_begin(sides, f) != 4)
+            return error_set(error, BAT_UNSUPPORTED, f, 0, "face %u is no quad: limit normals need a level of refinement",
+                             f);
+    bat_status status = sides_connect(sides, mesh->faces, mesh->face_count, mesh->vertex_count, &links, error);
     if (status == BAT_OK)
-        status = sharpness_of_vertices(level, mesh, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
+        status = sharpness_of_edges(&level, mesh, 0, &edges, error);
+    if (status == BAT_OK)
+        status = sharpness_of_vertices(&level, mesh, mesh->rules.boundary == BAT_MESH_BOUNDARY_CORNERS, &vertices, error);
     if (status == BAT_OK)
     {
-        level->edge_sharpness = edges;
-        level->vertex_sharpness = vertices;
-        mesh_share(normal_range, &job, level->links->vertex_count, threads);
+        level.edge_sharpness = edges;
+        level.vertex_sharpness = vertices;
+        mesh_share(normal_range, &job, links.vertex_count, threads);
         status = dart_normals(&job, error);
     }
+    bat_mesh_connectivity_free(&links);
     free(edges);
     free(vertices);
+    return status;
+}
+
+bat_status bat_mesh_limit_normals(const bat_mesh *mesh, int threads, double *normals, bat_error *error)
+{
+    mesh_sides sides;
+    uint32_t *face = NULL;
+    bat_status status = bat_mesh_check(mesh, error);
+    if (status == BAT_OK)
+        status = sides_of_mesh(mesh, &sides, &face, error);
+    if (status == BAT_OK)
+        status = normals_compute(mesh, &sides, mesh->offsets != NULL ? &catmull_clark_normals : &loop_normals, threads,
+                                 normals, error);
+    free(face);
     return status;
 }

@@ -33,11 +33,13 @@ struct normal_job
 /// Add `weight` times the vector between two vertices.
 void normal_add_way(const normal_job *job, double weight, uint32_t from, uint32_t to, double sum[3]);
 
+extern const normal_rules loop_normals, catmull_clark_normals;
+
 /// Compute the unit normals at all vertices: on a crease the mean of both sides; at corners the area-weighted mean of the
 /// faces around; zero for a vertex without a face, and where the normal is not defined.
-/// @param level the mesh's, whose sharpness is set for the time of the call
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status normals_compute(mesh_level *level, const bat_mesh *mesh, const normal_rules *rules, int threads, double *normals,
-                           bat_error *error);
+/// @param sides of the faces of the checked mesh, which are triangles or, for rules of quads, should be quads
+/// @return BAT_OK, BAT_UNSUPPORTED, BAT_NOT_MANIFOLD, BAT_INVALID_ARGUMENT or BAT_NO_MEMORY
+bat_status normals_compute(const bat_mesh *mesh, const mesh_sides *sides, const normal_rules *rules, int threads,
+                           double *normals, bat_error *error);
 
 #endif

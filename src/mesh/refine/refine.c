@@ -2,12 +2,11 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/check.h"
 #include "mesh/labels.h"
-#include "mesh/polygon/polygon.h"
 #include "mesh/refine/adaptive.h"
 #include "mesh/refine/catmull_clark.h"
 #include "mesh/refine/leave_out.h"
+#include "mesh/refine/normal.h"
 #include "mesh/refine/plan.h"
 #include "mesh/refine/quads.h"
 #include "mesh/refine/sharpness.h"
@@ -23,7 +22,7 @@
 ///
 /// Vertices keep their indices. The schemes that split faces in four number the new vertices by edge, so the next level's
 /// connectivity follows by arithmetic (see split.h, and quads.h for Catmull and Clark's scheme). Square-root-three
-/// subdivision numbers them by face. Meshes of polygons have the form of polygon_mesh_view().
+/// subdivision numbers them by face. Quads have no offsets until the end.
 
 /// Find the connectivity of a mesh's texture. Two faces are neighbours where they share an edge of the mesh and both of its
 /// texture coordinates. Edges that separate faces only in the texture are seams; they are boundary edges of the texture.
@@ -393,16 +392,9 @@ static bat_status find_normals(refinement *work, bat_error *error)
     work->normals = memory_array(view.vertex_count, 3 * sizeof *work->normals);
     if (work->normals == NULL)
         return error_memory(error, view.vertex_count * 3 * sizeof *work->normals);
-    if (!mesh_plan_scheme(work->plan, work->plan->options.levels)->polygons)
-        return bat_mesh_limit_normals(&view, threads, work->normals, error);
-    const mesh_sides *sides = &work->now.sides;
-    uint32_t *made = sides->offsets == NULL ? polygon_offsets(view.face_count, 4) : NULL;
-    if (sides->offsets == NULL && made == NULL)
-        return error_memory(error, (view.face_count + 1) * sizeof *made);
-    bat_polygon_mesh polygons = polygon_mesh_from_view(&view, made != NULL ? made : (uint32_t *)(uintptr_t)sides->offsets);
-    bat_status status = bat_polygon_mesh_limit_normals(&polygons, threads, work->normals, error);
-    free(made);
-    return status;
+    bool quads = mesh_plan_scheme(work->plan, work->plan->options.levels)->polygons;
+    return normals_compute(&view, &work->now.sides, quads ? &catmull_clark_normals : &loop_normals, threads, work->normals,
+                           error);
 }
 
 /// Move the vertices of the last level to their limit positions.
@@ -515,6 +507,12 @@ static bat_status leave_out(refinement *work, const mesh_sides *coarse_sides, ba
                               error);
 }
 
+static bat_status number_quads(bat_mesh *mesh, bat_error *error)
+{
+    mesh->offsets = sides_offsets(mesh->face_count, 4);
+    return mesh->offsets != NULL ? BAT_OK : error_memory(error, (mesh->face_count + 1) * sizeof *mesh->offsets);
+}
+
 /// Refine a mesh with known connectivity.
 static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_connectivity *links,
                                    const mesh_plan *plan, bat_mesh *fine, size_t *fallback, bat_error *error)
@@ -533,6 +531,8 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
         status = leave_out(&work, sides, error);
     if (status == BAT_OK)
         status = copy_names(coarse, &work.now.mesh, error);
+    if (status == BAT_OK && work.now.sides.quads)
+        status = number_quads(&work.now.mesh, error);
     if (status == BAT_OK)
     {
         *fine = work.now.mesh;
@@ -557,7 +557,7 @@ static bat_status refine_copy(const bat_mesh *coarse, const mesh_sides *sides, c
         .coarse = coarse, .plan = plan, .links = links, .now = {.sides = *sides, .links = *links, .borrowed = true}};
     bat_status status = prepare(&work, error);
     if (status == BAT_OK)
-        status = mesh_copy_corners(coarse, sides_corners(sides, coarse->face_count), &work.now.mesh, error);
+        status = bat_mesh_copy(coarse, &work.now.mesh, error);
     if (status == BAT_OK && plan->limit != NULL)
         status = move_to_limit(&work, error);
     if (status == BAT_OK)
@@ -629,10 +629,10 @@ static bool is_adaptive(const bat_mesh_refine_options *options)
 
 /// Refine adaptively, with the names of channels.
 static bat_status refine_adaptively(const bat_mesh *coarse, const mesh_sides *sides, const bat_mesh_refine_options *options,
-                                    bat_mesh *fine, uint32_t **offsets, bat_error *error)
+                                    bat_mesh *fine, bat_error *error)
 {
     bat_mesh made;
-    bat_status status = adaptive_refine(coarse, sides, options, &made, offsets, error);
+    bat_status status = adaptive_refine(coarse, sides, options, &made, error);
     if (status != BAT_OK)
         return status;
     made.channel_count = coarse->channel_count;
@@ -640,47 +640,58 @@ static bat_status refine_adaptively(const bat_mesh *coarse, const mesh_sides *si
     if (status == BAT_OK)
         *fine = made;
     else
-    {
         bat_mesh_free(&made);
-        free(*offsets);
-        *offsets = NULL;
-    }
     return status;
 }
 
-/// Refine a checked triangle mesh by complete options.
+static bat_status check_triangles(const bat_mesh *mesh, bat_mesh_scheme scheme, bat_error *error)
+{
+    for (size_t f = 0; mesh->offsets != NULL && f < mesh->face_count; f++)
+        if (mesh->offsets[f + 1] - mesh->offsets[f] != 3)
+            return error_remedy(
+                error,
+                error_set(error, BAT_UNSUPPORTED, f, 0, "face %zu has %u corners, but the scheme %s refines triangles", f,
+                          mesh->offsets[f + 1] - mesh->offsets[f], bat_choice_name(&bat_mesh_scheme_family, (int)scheme)),
+                "scheme", "catmull-clark refines polygons as they are");
+    return BAT_OK;
+}
+
+/// Refine a checked mesh by checked options.
 static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine,
                                  size_t *fallback, bat_error *error)
 {
     mesh_plan plan;
     mesh_sides sides = {0};
-    bat_mesh plain = without_edges(coarse);
+    uint32_t *face = NULL;
+    bat_mesh plain;
+    const bat_mesh *from = coarse;
+    bat_status status = BAT_OK;
     if (mesh_scheme_of(options->scheme)->polygons)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the scheme %s makes quads: bat_polygon_mesh_refine() returns them",
-                         bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
-    uint32_t *offsets = NULL;
-    bat_status status = mesh_plan_make(coarse, options, &plan, error);
-    if (status == BAT_OK && is_adaptive(options))
+        status = sides_of_mesh(coarse, &sides, &face, error);
+    else if (coarse->offsets != NULL || options->scheme == BAT_MESH_SCHEME_SQRT3)
     {
-        status = refine_adaptively(coarse, &sides, options, fine, &offsets, error);
-        free(offsets);
-        return status;
+        status = check_triangles(coarse, options->scheme, error);
+        plain = options->scheme == BAT_MESH_SCHEME_SQRT3 ? without_edges(coarse) : *coarse;
+        plain.offsets = NULL;
+        from = &plain;
     }
     if (status == BAT_OK)
-        status = refine_planned(plan.options.scheme == BAT_MESH_SCHEME_SQRT3 ? &plain : coarse, &sides, &plan, fine,
-                                fallback, error);
+        status = mesh_plan_make(coarse, options, &plan, error);
+    if (status == BAT_OK && is_adaptive(options))
+        status = refine_adaptively(from, &sides, options, fine, error);
+    else if (status == BAT_OK)
+        status = refine_planned(from, &sides, &plan, fine, fallback, error);
+    free(face);
     return status;
 }
 
-/// The scheme that BAT_MESH_SCHEME_AUTO stands for, where `suited` suits the mesh. Adaptive refinement needs a limit
-/// surface.
-static bat_mesh_scheme choose_scheme(const bat_mesh_refine_options *how, bat_mesh_scheme suited)
+/// The scheme that BAT_MESH_SCHEME_AUTO stands for. Adaptive refinement needs a limit surface.
+static bat_mesh_scheme choose_scheme(const bat_mesh_refine_options *how, const bat_mesh *mesh)
 {
     if (how->rule != NULL)
         return BAT_MESH_SCHEME_LEARNED;
-    bool adaptive = how->tolerance > 0 || how->max_edge > 0;
-    return adaptive && !mesh_scheme_of(suited)->creases ? BAT_MESH_SCHEME_LOOP : suited;
+    bat_mesh_scheme suited = bat_mesh_scheme_for(mesh);
+    return is_adaptive(how) && !mesh_scheme_of(suited)->creases ? BAT_MESH_SCHEME_LOOP : suited;
 }
 
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
@@ -697,7 +708,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = bat_options_check(&bat_mesh_refine_fields, &how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
-        how.scheme = choose_scheme(&how, bat_mesh_scheme_for(coarse));
+        how.scheme = choose_scheme(&how, coarse);
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
     {
         status = bat_mesh_model_read(NULL, &model, error);
@@ -717,107 +728,5 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     *fine = made;
     if (fallback != NULL)
         *fallback = fallbacks;
-    return BAT_OK;
-}
-
-static bool has_only_quads(const bat_polygon_mesh *mesh)
-{
-    for (size_t f = 0; f < mesh->face_count; f++)
-        if (mesh->offsets[f + 1] - mesh->offsets[f] != 4)
-            return false;
-    return true;
-}
-
-/// Refine a checked polygon mesh into quads by checked options.
-static bat_status refine_polygons(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
-                                  bat_polygon_mesh *fine, bat_error *error)
-{
-    mesh_plan plan;
-    bat_mesh view = polygon_mesh_view(coarse), made = {0};
-    mesh_sides sides = {.quads = has_only_quads(coarse)};
-    uint32_t *face_of = sides.quads ? NULL : polygon_faces_of_corners(coarse), *offsets = NULL;
-    if (!sides.quads)
-        sides = (mesh_sides){.offsets = coarse->offsets, .face = face_of};
-    if (!sides.quads && face_of == NULL)
-        return error_memory(error, coarse->offsets[coarse->face_count] * sizeof *face_of);
-    bat_status status = mesh_plan_make(&view, options, &plan, error);
-    if (status == BAT_OK && is_adaptive(options))
-        status = refine_adaptively(&view, &sides, options, &made, &offsets, error);
-    else if (status == BAT_OK)
-        status = refine_planned(&view, &sides, &plan, &made, NULL, error);
-    free(face_of);
-    if (status != BAT_OK)
-        return status;
-    if (is_adaptive(options))
-    {
-        *fine = polygon_mesh_from_view(&made, offsets);
-        return BAT_OK;
-    }
-    if (options->levels > 0)
-        offsets = polygon_offsets(made.face_count, 4);
-    else
-        offsets = polygon_copy_offsets(coarse);
-    if (offsets == NULL)
-    {
-        bat_mesh_free(&made);
-        return error_memory(error, (made.face_count + 1) * sizeof *offsets);
-    }
-    *fine = polygon_mesh_from_view(&made, offsets);
-    return BAT_OK;
-}
-
-/// Refine a checked polygon mesh by a scheme for triangles, which all faces must be.
-static bat_status refine_triangles(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
-                                   bat_polygon_mesh *fine, size_t *fallback, bat_error *error)
-{
-    bat_mesh view = polygon_mesh_view(coarse), made;
-    for (size_t f = 0; f < coarse->face_count; f++)
-        if (coarse->offsets[f + 1] - coarse->offsets[f] != 3)
-        {
-            (void)error_set(error, BAT_UNSUPPORTED, f, 0, "face %zu has %u corners, but the scheme %s refines triangles", f,
-                            coarse->offsets[f + 1] - coarse->offsets[f],
-                            bat_choice_name(&bat_mesh_scheme_family, (int)options->scheme));
-            return error_remedy(error, BAT_UNSUPPORTED, "scheme", "catmull-clark refines polygons as they are");
-        }
-    bat_status status = bat_mesh_refine(&view, options, &made, fallback, error);
-    if (status != BAT_OK)
-        return status;
-    uint32_t *offsets = polygon_offsets(made.face_count, 3);
-    if (offsets == NULL)
-    {
-        bat_mesh_free(&made);
-        return error_memory(error, (made.face_count + 1) * sizeof *offsets);
-    }
-    *fine = polygon_mesh_from_view(&made, offsets);
-    return BAT_OK;
-}
-
-bat_status bat_polygon_mesh_refine(const bat_polygon_mesh *coarse, const bat_mesh_refine_options *options,
-                                   bat_polygon_mesh *fine, size_t *fallback, bat_error *error)
-{
-    bat_mesh_refine_options how = options != NULL ? *options : bat_mesh_refine_defaults();
-    double *normals = NULL;
-    if (how.limit_normals != NULL)
-        how.limit_normals = &normals;
-    bool quads = false;
-    bat_status status = bat_polygon_mesh_check(coarse, error);
-    if (status == BAT_OK)
-        status = bat_options_check(&bat_mesh_refine_fields, &how, error);
-    if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
-        how.scheme = choose_scheme(&how, bat_polygon_mesh_scheme_for(coarse));
-    if (status == BAT_OK)
-    {
-        quads = mesh_scheme_of(how.scheme)->polygons;
-        status = quads ? refine_polygons(coarse, &how, fine, error) : refine_triangles(coarse, &how, fine, fallback, error);
-    }
-    if (status != BAT_OK)
-    {
-        free(normals);
-        return status;
-    }
-    if (quads && fallback != NULL)
-        *fallback = 0;
-    if (options != NULL && options->limit_normals != NULL)
-        *options->limit_normals = normals;
     return BAT_OK;
 }

@@ -1,6 +1,5 @@
 #include "mesh/refine/scheme.h"
 
-#include "mesh/polygon/polygon.h"
 #include "mesh/refine/catmull_clark.h"
 #include "mesh/refine/loop.h"
 
@@ -56,18 +55,14 @@ const mesh_scheme *mesh_scheme_of(bat_mesh_scheme scheme)
 bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
 {
     bool sharp = false;
+    size_t polygons = 0;
+    for (size_t f = 0; mesh->offsets != NULL && f < mesh->face_count; f++)
+        polygons += mesh->offsets[f + 1] - mesh->offsets[f] > 3;
+    if (2 * polygons > mesh->face_count)
+        return BAT_MESH_SCHEME_CATMULL_CLARK;
     for (size_t i = 0; i < mesh->crease_count; i++)
         sharp = sharp || mesh->creases[i].sharpness > 0;
     for (size_t i = 0; i < mesh->corner_count; i++)
         sharp = sharp || mesh->corners[i].sharpness > 0;
     return sharp || mesh->face_count < BAT_MESH_CAGE_FACES ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
-}
-
-bat_mesh_scheme bat_polygon_mesh_scheme_for(const bat_polygon_mesh *mesh)
-{
-    size_t polygons = 0;
-    for (size_t f = 0; f < mesh->face_count; f++)
-        polygons += mesh->offsets[f + 1] - mesh->offsets[f] > 3;
-    bat_mesh view = polygon_mesh_view(mesh);
-    return 2 * polygons > mesh->face_count ? BAT_MESH_SCHEME_CATMULL_CLARK : bat_mesh_scheme_for(&view);
 }

@@ -300,16 +300,14 @@ bat_status sharpness_chaikin(const mesh_level *level, double **children, bat_err
 }
 
 /// The halves of a half-edge on the next level: the one that begins where it begins, and the one that ends where it ends.
-static uint32_t near_half(const mesh_level *level, uint32_t half_edge)
+static uint32_t near_half(uint32_t half_edge, bool quads)
 {
-    return level->sides.quads || level->sides.offsets != NULL ? 4 * half_edge : split_near(half_edge);
+    return quads ? 4 * half_edge : split_near(half_edge);
 }
 
-static uint32_t far_half(const mesh_level *level, uint32_t half_edge)
+static uint32_t far_half(const mesh_level *level, uint32_t half_edge, bool quads)
 {
-    if (level->sides.quads || level->sides.offsets != NULL)
-        return 4 * sides_next(&level->sides, half_edge) + 3;
-    return split_far(half_edge);
+    return quads ? 4 * sides_next(&level->sides, half_edge) + 3 : split_far(half_edge);
 }
 
 /// Runs on one thread: few edges are sharp.
@@ -318,14 +316,16 @@ bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity 
     bat_status status = make_sharpness(fine->edge_count, result, error);
     if (status != BAT_OK)
         return status;
+    // Quads are made of corners, triangles of triangles.
+    bool quads = fine->face_count == sides_corners(&level->sides, level->links->face_count);
     uint32_t candidates = count_candidates(level);
     for (uint32_t i = 0; i < candidates; i++)
     {
         uint32_t h = candidate_at(level, i);
         if (owns_sharp(level, h))
         {
-            (*result)[fine->edge[near_half(level, h)]] = sharpness_of_half(level, h, true);
-            (*result)[fine->edge[far_half(level, h)]] = sharpness_of_half(level, h, false);
+            (*result)[fine->edge[near_half(h, quads)]] = sharpness_of_half(level, h, true);
+            (*result)[fine->edge[far_half(level, h, quads)]] = sharpness_of_half(level, h, false);
         }
     }
     drop_if_zero(fine->edge_count, result);
