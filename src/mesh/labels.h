@@ -4,7 +4,7 @@
 #include "batten/mesh.h"
 
 /// @file
-/// The labels of faces and the materials of a mesh: bat_mesh::face_labels to bat_mesh::material_json.
+/// The labels of faces and the materials of a mesh: bat_mesh::face_labels to bat_mesh::material_json; and its channels.
 
 /// Free the labels and materials of a mesh; the mesh then has none.
 void mesh_labels_free(bat_mesh *mesh);
@@ -24,5 +24,11 @@ enum
 };
 char **mesh_label_name(bat_mesh_label *label, int index);
 const char *mesh_label_text(const bat_mesh_label *label, int index);
+
+/// Give a mesh the names of another one's channels, and room for their values at `vertices` vertices.
+/// @param to receives channels, channel_names and channel_count, which it must not have yet; bat_mesh_free() releases what
+///           was made, also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error);
 
 #endif

@@ -4,7 +4,6 @@
 #include "io/common/zip.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/notes.h"
 
 #include <expat.h>
 #include <math.h>

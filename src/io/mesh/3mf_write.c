@@ -4,7 +4,6 @@
 #include "io/common/zip.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/label_table.h"
-#include "io/mesh/notes.h"
 
 #include <math.h>
 #include <stdlib.h>

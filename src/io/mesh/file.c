@@ -7,7 +7,6 @@
 #include "base/text_buffer.h"
 #include "io/common/number_text.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/notes.h"
 
 #include <math.h>
 #include <string.h>

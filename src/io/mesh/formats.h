@@ -36,6 +36,14 @@ size_t mesh_colours(const bat_mesh *mesh, size_t places[MESH_COLOURS]);
 /// Whether every vertex has exactly one texture coordinate, with the vertex's index.
 bool mesh_texture_by_vertex(const bat_mesh *mesh);
 
+/// Append a note, unless the same one is there. Null `notes` take none.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status mesh_note(bat_mesh_notes *notes, bat_error *error, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/// Move all notes to the end of `to`, which may be null. `from` is empty afterwards, also on failure.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status mesh_notes_move(bat_mesh_notes *from, bat_mesh_notes *to, bat_error *error);
+
 /// Write rows of text on several threads; `format` appends the rows begin, …, end - 1.
 typedef void mesh_row_format(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text);
 bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,

@@ -2,8 +2,8 @@
 
 #include "base/error.h"
 #include "io/common/base64.h"
+#include "io/mesh/formats.h"
 #include "io/mesh/label_table.h"
-#include "io/mesh/notes.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/notes.h"
 #include "mesh/point_table.h"
 
 #include <math.h>

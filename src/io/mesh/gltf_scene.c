@@ -2,7 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "io/mesh/notes.h"
+#include "io/mesh/formats.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 #include "io/common/number_text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/notes.h"
 #include "mesh/sides.h"
 
 /// @file

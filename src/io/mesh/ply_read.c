@@ -1,6 +1,5 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/notes.h"
 #include "io/mesh/ply.h"
 #include "io/mesh/ply_labels.h"
 #include "mesh/point_table.h"

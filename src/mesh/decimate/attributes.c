@@ -4,8 +4,8 @@
 #include "base/memory.h"
 #include "linalg/vector2.h"
 #include "linalg/vector3.h"
-#include "mesh/channels.h"
 #include "mesh/decimate/collapse_error.h"
+#include "mesh/labels.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -42,4 +42,10 @@ extern const normal_rules loop_normals, catmull_clark_normals;
 bat_status normals_compute(const bat_mesh *mesh, const mesh_sides *sides, const normal_rules *rules, int threads,
                            double *normals, bat_error *error);
 
+/// Compute the limit positions of a level's vertices; `rows->to` has as many rows as `rows->from`. A crease is a cubic
+/// B-spline, so its limit is (4 v + p + q) / 6 for the neighbours p and q on it. Corners stay.
+/// @param inner writes the row of a vertex that is neither
+void limit_rows(const mesh_rows *rows, void (*inner)(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp),
+                int threads);
+
 #endif

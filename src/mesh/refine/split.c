@@ -9,21 +9,24 @@
 /// @file
 /// Children of faces, half-edges and edges, in parallel and without search.
 
-typedef struct faces_job
+typedef struct split_job
 {
-    const uint32_t *faces, *edge;
-    uint32_t vertex_count;
-    uint32_t *fine;
-} faces_job;
+    mesh_sides sides; ///< of the faces that become quads; all zero where triangles become triangles
+    const uint32_t *faces;
+    const bat_mesh_connectivity *links;
+    uint32_t *fine_faces;
+    bat_mesh_connectivity *fine;
+} split_job;
 
-static void faces_range(const void *context, size_t begin, size_t end)
+static void triangles_range(const void *context, size_t begin, size_t end)
 {
-    const faces_job *job = context;
+    const split_job *job = context;
+    uint32_t first_edge = (uint32_t)job->links->vertex_count;
     for (size_t f = begin; f < end; f++)
     {
-        const uint32_t *corner = job->faces + 3 * f, *edge = job->edge + 3 * f;
-        uint32_t *fine = job->fine + 12 * f;
-        uint32_t middle[3] = {job->vertex_count + edge[0], job->vertex_count + edge[1], job->vertex_count + edge[2]};
+        const uint32_t *corner = job->faces + 3 * f, *edge = job->links->edge + 3 * f;
+        uint32_t *fine = job->fine_faces + 12 * f;
+        uint32_t middle[3] = {first_edge + edge[0], first_edge + edge[1], first_edge + edge[2]};
         for (size_t c = 0; c < 3; c++)
         {
             fine[3 * c] = corner[c];
@@ -36,24 +39,46 @@ static void faces_range(const void *context, size_t begin, size_t end)
 
 void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, uint32_t *fine)
 {
-    faces_job job = {faces, links->edge, (uint32_t)links->vertex_count, fine};
-    mesh_share(faces_range, &job, links->face_count, threads);
+    split_job job = {.faces = faces, .links = links, .fine_faces = fine};
+    mesh_share(triangles_range, &job, links->face_count, threads);
 }
 
 /// The number of edges that the faces before a face own.
-static uint32_t owned_before_face(const bat_mesh_connectivity *links, size_t face)
+static uint32_t owned_before_face(const split_job *job, size_t face)
 {
-    for (size_t h = 3 * face; h < 3 * links->face_count; h++)
-        if (mesh_owns(links->twin, (uint32_t)h))
+    const bat_mesh_connectivity *links = job->links;
+    uint32_t corners = sides_corners(&job->sides, links->face_count);
+    for (uint32_t h = sides_begin(&job->sides, (uint32_t)face); h < corners; h++)
+        if (mesh_owns(links->twin, h))
             return links->edge[h];
     return (uint32_t)links->edge_count;
 }
 
-typedef struct links_job
+/// Make the connectivity of the next level.
+/// @param made  its counts
+/// @param range makes the children of some faces
+/// @param first the same of some vertices
+static bat_status make_links(const split_job *job, size_t half_edges, bat_mesh_connectivity made, mesh_range *range,
+                             mesh_range *first, int threads, bat_mesh_connectivity *fine, bat_error *error)
 {
-    const bat_mesh_connectivity *links;
-    bat_mesh_connectivity *fine;
-} links_job;
+    const bat_mesh_connectivity *links = job->links;
+    split_job whole = *job;
+    whole.fine = &made;
+    made.boundary_edge_count = 2 * links->boundary_edge_count;
+    made.twin = memory_array(half_edges, sizeof *made.twin);
+    made.edge = memory_array(half_edges, sizeof *made.edge);
+    made.first = links->first != NULL ? memory_array(made.vertex_count, sizeof *made.first) : NULL;
+    if (made.twin == NULL || made.edge == NULL || (links->first != NULL && made.first == NULL))
+    {
+        bat_mesh_connectivity_free(&made);
+        return error_memory(error, half_edges * sizeof *made.twin);
+    }
+    mesh_share(range, &whole, links->face_count, threads);
+    if (links->first != NULL)
+        mesh_share(first, &whole, links->vertex_count, threads);
+    *fine = made;
+    return BAT_OK;
+}
 
 /// Join two half-edges of the next level along an edge of this number.
 static inline void join(bat_mesh_connectivity *fine, uint32_t half_edge, uint32_t twin, uint32_t edge)
@@ -77,7 +102,7 @@ static uint32_t first_of_middle(const uint32_t *twin, uint32_t half_edge)
 /// Join the half-edges in the children of a face, on both sides of the edges that it owns. Edges are numbered by their
 /// smaller half-edges. Before them come three inner edges for each earlier face, and both halves of the `*owned` edges that
 /// earlier faces own.
-static inline void face_links(const links_job *job, uint32_t face, uint32_t *owned)
+static inline void triangle_links(const split_job *job, uint32_t face, uint32_t *owned)
 {
     const uint32_t *twin = job->links->twin;
     uint32_t number = 3 * face + 2 * *owned, begin = 3 * face;
@@ -97,17 +122,17 @@ static inline void face_links(const links_job *job, uint32_t face, uint32_t *own
     }
 }
 
-static void links_range(const void *context, size_t begin, size_t end)
+static void triangle_links_range(const void *context, size_t begin, size_t end)
 {
-    const links_job *job = context;
-    uint32_t owned = owned_before_face(job->links, begin);
+    const split_job *job = context;
+    uint32_t owned = owned_before_face(job, begin);
     for (uint32_t f = (uint32_t)begin; f < end; f++)
-        face_links(job, f, &owned);
+        triangle_links(job, f, &owned);
 }
 
-static void first_range(const void *context, size_t begin, size_t end)
+static void triangle_first_range(const void *context, size_t begin, size_t end)
 {
-    const links_job *job = context;
+    const split_job *job = context;
     for (size_t v = begin; v < end; v++)
     {
         uint32_t first = job->links->first[v];
@@ -117,26 +142,152 @@ static void first_range(const void *context, size_t begin, size_t end)
 
 bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine, bat_error *error)
 {
-    size_t half_edges = 12 * links->face_count;
-    bat_mesh_connectivity made = {
-        .twin = memory_array(half_edges, sizeof *made.twin),
-        .edge = memory_array(half_edges, sizeof *made.edge),
-        .vertex_count = links->vertex_count + links->edge_count,
-        .face_count = 4 * links->face_count,
-        .edge_count = 2 * links->edge_count + 3 * links->face_count,
-        .boundary_edge_count = 2 * links->boundary_edge_count,
-    };
-    if (links->first != NULL)
-        made.first = memory_array(made.vertex_count, sizeof *made.first);
-    if (made.twin == NULL || made.edge == NULL || (links->first != NULL && made.first == NULL))
+    const split_job job = {.links = links};
+    const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count,
+                                        .face_count = 4 * links->face_count,
+                                        .edge_count = 2 * links->edge_count + 3 * links->face_count};
+    return make_links(&job, 12 * links->face_count, made, triangle_links_range, triangle_first_range, threads, fine, error);
+}
+
+// Quads of polygons.
+
+static inline void face_quads(const split_job *job, uint32_t face, uint32_t begin, uint32_t count)
+{
+    const uint32_t *edge = job->links->edge + begin;
+    uint32_t first_edge = (uint32_t)job->links->vertex_count;
+    uint32_t centre = first_edge + (uint32_t)job->links->edge_count + face;
+    uint32_t *fine = job->fine_faces + 4 * (size_t)begin;
+    for (uint32_t c = 0; c < count; c++)
     {
-        bat_mesh_connectivity_free(&made);
-        return error_memory(error, half_edges * sizeof *made.twin);
+        fine[4 * c] = job->faces[begin + c];
+        fine[4 * c + 1] = first_edge + edge[c];
+        fine[4 * c + 2] = centre;
+        fine[4 * c + 3] = first_edge + edge[c > 0 ? c - 1 : count - 1];
     }
-    links_job job = {links, &made};
-    mesh_share(links_range, &job, links->face_count, threads);
-    if (links->first != NULL)
-        mesh_share(first_range, &job, links->vertex_count, threads);
-    *fine = made;
-    return BAT_OK;
+}
+
+static void faces_range(const void *context, size_t begin, size_t end)
+{
+    const split_job *job = context;
+    for (uint32_t f = (uint32_t)begin; f < end; f++)
+        if (job->sides.quads)
+            face_quads(job, f, 4 * f, 4);
+        else
+            face_quads(job, f, sides_begin(&job->sides, f), sides_begin(&job->sides, f + 1) - sides_begin(&job->sides, f));
+}
+
+void quads_faces(const mesh_sides *sides, const uint32_t *faces, const bat_mesh_connectivity *links, int threads,
+                 uint32_t *fine)
+{
+    split_job job = {.sides = *sides, .faces = faces, .links = links, .fine_faces = fine};
+    mesh_share(faces_range, &job, links->face_count, threads);
+}
+
+/// The first half-edges of the face's vertex and of the vertices on the edges that it owns, as sides_connect() chooses them.
+static inline void write_first(const split_job *job, uint32_t face, uint32_t begin, uint32_t count)
+{
+    const bat_mesh_connectivity *links = job->links;
+    uint32_t *first = job->fine->first + links->vertex_count;
+    first[links->edge_count + face] = 4 * begin + 2;
+    for (uint32_t h = begin; h < begin + count; h++)
+    {
+        uint32_t next = h + 1 < begin + count ? h + 1 : begin, other = links->twin[h];
+        if (other > h)
+            first[links->edge[h]] = other == BAT_MESH_NONE || next < h ? 4 * next + 3 : 4 * h + 1;
+    }
+}
+
+/// The half-edge of the next level along the far half of a half-edge.
+static inline uint32_t far_half(const mesh_sides *sides, uint32_t half_edge, bool quads)
+{
+    if (quads)
+        return 4 * (half_edge % 4 == 3 ? half_edge - 3 : half_edge + 1) + 3;
+    return 4 * sides_next(sides, half_edge) + 3;
+}
+
+/// Write the twins of the half-edges in the quads of a face.
+static inline void face_twins(const split_job *job, uint32_t begin, uint32_t count, bool quads)
+{
+    const uint32_t *twin = job->links->twin + begin;
+    uint32_t *restrict fine = job->fine->twin + 4 * (size_t)begin;
+    for (uint32_t c = 0; c < count; c++)
+    {
+        uint32_t previous = c > 0 ? c - 1 : count - 1, other = twin[c], before = twin[previous];
+        fine[4 * c] = other == BAT_MESH_NONE ? other : far_half(&job->sides, other, quads);
+        fine[4 * c + 1] = 4 * (begin + (c + 1 < count ? c + 1 : 0)) + 2;
+        fine[4 * c + 2] = 4 * (begin + previous) + 1;
+        fine[4 * c + 3] = before == BAT_MESH_NONE ? before : 4 * before;
+    }
+}
+
+/// Number the edges in the quads of a face by their smaller half-edges, on both sides of those that the face owns. Before
+/// them come the inner edges of earlier faces, one for each corner, and both halves of the `*owned` edges that those own.
+static inline void face_edges(const split_job *job, uint32_t begin, uint32_t count, uint32_t *owned, bool quads)
+{
+    const uint32_t *twin = job->links->twin;
+    uint32_t *restrict fine = job->fine->edge;
+    uint32_t number = begin + 2 * *owned, last = begin + count - 1;
+    for (uint32_t h = begin; h <= last; h++)
+    {
+        uint32_t previous = h > begin ? h - 1 : last, other = twin[h], before = twin[previous];
+        if (other > h)
+        {
+            if (other != BAT_MESH_NONE)
+                fine[far_half(&job->sides, other, quads)] = number;
+            fine[4 * (size_t)h] = number++;
+            ++*owned;
+        }
+        if (h < last)
+            fine[4 * (size_t)h + 1] = fine[4 * (size_t)h + 6] = number++;
+        if (h == begin)
+            fine[4 * (size_t)h + 2] = fine[4 * (size_t)last + 1] = number++;
+        if (before > previous)
+        {
+            if (before != BAT_MESH_NONE)
+                fine[4 * (size_t)before] = number;
+            fine[4 * (size_t)h + 3] = number++;
+        }
+    }
+}
+
+static inline void face_links(const split_job *job, uint32_t face, uint32_t *owned, bool quads)
+{
+    uint32_t begin = quads ? 4 * face : sides_begin(&job->sides, face);
+    uint32_t count = quads ? 4 : sides_begin(&job->sides, face + 1) - begin;
+    face_twins(job, begin, count, quads);
+    face_edges(job, begin, count, owned, quads);
+    if (job->fine->first != NULL)
+        write_first(job, face, begin, count);
+}
+
+static void links_range(const void *context, size_t begin, size_t end)
+{
+    const split_job *job = context;
+    uint32_t owned = owned_before_face(job, begin);
+    for (uint32_t f = (uint32_t)begin; f < end; f++)
+        if (job->sides.quads)
+            face_links(job, f, &owned, true);
+        else
+            face_links(job, f, &owned, false);
+}
+
+static void first_range(const void *context, size_t begin, size_t end)
+{
+    const split_job *job = context;
+    for (size_t v = begin; v < end; v++)
+    {
+        uint32_t first = job->links->first[v];
+        job->fine->first[v] = first == BAT_MESH_NONE ? first : 4 * first;
+    }
+}
+
+bat_status quads_links(const mesh_sides *sides, const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine,
+                       bat_error *error)
+{
+    const split_job job = {.sides = *sides, .links = links};
+    size_t corners = sides_corners(sides, links->face_count);
+    const bat_mesh_connectivity made = {.vertex_count = links->vertex_count + links->edge_count + links->face_count,
+                                        .face_count = corners,
+                                        .edge_count = 2 * links->edge_count + corners};
+    return make_links(&job, 4 * corners, made, links_range, first_range, threads, fine, error);
 }
