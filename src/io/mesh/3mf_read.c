@@ -160,14 +160,9 @@ static void fail_memory(reader_3mf *reader, size_t size)
     stop(reader, error_memory(reader->error, size));
 }
 
-/// Make room for one more element of an array; null when out of memory, which is then the failure.
-static void *room_for(reader_3mf *reader, void **array, size_t *capacity, size_t count, size_t size)
-{
-    if (array_grow(array, capacity, count + 1, size))
-        return (char *)*array + count * size;
-    fail_memory(reader, count * size);
-    return NULL;
-}
+/// Append to an array. False when out of memory, which is then the failure.
+#define ADD(reader, array, capacity, count, ...)                                                                            \
+    (ARRAY_ADD(array, capacity, count, __VA_ARGS__) || (fail_memory(reader, (count) * sizeof *(array)), false))
 
 static const char *attribute(const XML_Char **attributes, const char *name)
 {
@@ -270,7 +265,6 @@ static resource *find_resource(const reader_3mf *reader, size_t id)
 /// Add a resource whose id is an attribute.
 static void add_resource(reader_3mf *reader, const XML_Char **attributes, resource made)
 {
-    void *resources = reader->resources;
     if (!read_whole(reader, attributes, "id", 1UL << 31, true, &made.id))
         return;
     size_t place = place_of(reader, made.id);
@@ -278,10 +272,10 @@ static void add_resource(reader_3mf *reader, const XML_Char **attributes, resour
         FAIL(reader, BAT_BAD_FILE, "the resource %zu is there twice", made.id);
     else if (reader->resource_count == MAX_RESOURCES)
         FAIL(reader, BAT_TOO_LARGE, "there are more than %d resources", MAX_RESOURCES);
-    else if (room_for(reader, &resources, &reader->resource_capacity, reader->resource_count, sizeof made) != NULL)
+    else if (ADD(reader, reader->resources, reader->resource_capacity, reader->resource_count, made))
     {
-        reader->resources = resources;
-        memmove(&reader->resources[place + 1], &reader->resources[place], (reader->resource_count++ - place) * sizeof made);
+        memmove(&reader->resources[place + 1], &reader->resources[place],
+                (reader->resource_count - 1 - place) * sizeof made);
         reader->resources[place] = made;
         reader->latest = made.id;
     }
@@ -366,7 +360,6 @@ static char *unique_name(reader_3mf *reader, const char *name)
 
 static void begin_base(reader_3mf *reader, const XML_Char **attributes)
 {
-    void *materials = reader->materials;
     const char *text = attribute(attributes, "displaycolor");
     char excerpt[EXCERPT_SIZE];
     double colour[4];
@@ -382,35 +375,25 @@ static void begin_base(reader_3mf *reader, const XML_Char **attributes)
         FAIL(reader, BAT_TOO_LARGE, "there are more than %d materials", MAX_MATERIALS);
         return;
     }
-    material_3mf *made =
-        room_for(reader, &materials, &reader->material_capacity, reader->material_count, sizeof *reader->materials);
-    reader->materials = materials;
-    char *name = made != NULL ? unique_name(reader, attribute(attributes, "name")) : NULL;
-    if (name == NULL)
+    material_3mf made = {.name = unique_name(reader, attribute(attributes, "name"))};
+    memcpy(made.colour, colour, sizeof colour);
+    if (made.name == NULL || !ADD(reader, reader->materials, reader->material_capacity, reader->material_count, made))
+    {
+        free(made.name);
         return;
-    *made = (material_3mf){.name = name};
-    memcpy(made->colour, colour, sizeof colour);
-    reader->material_count++;
+    }
     find_resource(reader, reader->latest)->count++;
 }
 
 static void begin_object(reader_3mf *reader, const XML_Char **attributes)
 {
-    void *objects = reader->objects;
     object_3mf made = {.group = SIZE_MAX, .property = 0};
     if (!read_whole(reader, attributes, "pid", 1UL << 31, false, &made.group) ||
         !read_whole(reader, attributes, "pindex", 1UL << 31, false, &made.property))
         return;
-    object_3mf *room = room_for(reader, &objects, &reader->object_capacity, reader->object_count, sizeof made);
-    reader->objects = objects;
-    if (room == NULL)
-        return;
     add_resource(reader, attributes, (resource){.kind = OBJECT, .index = reader->object_count});
-    if (reader->status != BAT_OK)
-        return;
-    made.name = copy_name(reader, attribute(attributes, "name"));
-    *room = made;
-    reader->object_count++;
+    if (reader->status == BAT_OK && ADD(reader, reader->objects, reader->object_capacity, reader->object_count, made))
+        reader->objects[reader->object_count - 1].name = copy_name(reader, attribute(attributes, "name"));
 }
 
 static object_3mf *open_object(const reader_3mf *reader)
@@ -422,17 +405,16 @@ static void begin_vertex(reader_3mf *reader, const XML_Char **attributes)
 {
     static const char *const NAMES[] = {"x", "y", "z"};
     object_3mf *object = open_object(reader);
-    void *positions = object->positions;
     double point[3];
     for (int k = 0; k < 3; k++)
         if (!read_numbers(reader, NAMES[k], attribute(attributes, NAMES[k]), 1, &point[k]))
             return;
-    double *room = room_for(reader, &positions, &object->position_capacity, object->vertex_count, sizeof point);
-    object->positions = positions;
-    if (room == NULL)
+    if (!ARRAY_GROW(object->positions, object->position_capacity, 3 * object->vertex_count + 3))
+    {
+        fail_memory(reader, 3 * object->vertex_count * sizeof *point);
         return;
-    memcpy(room, point, sizeof point);
-    object->vertex_count++;
+    }
+    memcpy(object->positions + 3 * object->vertex_count++, point, sizeof point);
     reader->vertices++;
 }
 
@@ -456,7 +438,6 @@ static void begin_triangle(reader_3mf *reader, const XML_Char **attributes)
 {
     static const char *const NAMES[] = {"v1", "v2", "v3"};
     object_3mf *object = open_object(reader);
-    void *faces = object->faces, *materials = object->materials;
     size_t corners[3], group = object->group, property = object->property;
     for (int k = 0; k < 3; k++)
         if (!read_whole(reader, attributes, NAMES[k], object->vertex_count, true, &corners[k]))
@@ -466,17 +447,14 @@ static void begin_triangle(reader_3mf *reader, const XML_Char **attributes)
         !read_whole(reader, attributes, "p1", 1UL << 31, false, &property) ||
         !find_material(reader, group, property, &material))
         return;
-    uint32_t *face = room_for(reader, &faces, &object->face_capacity, object->face_count, 3 * sizeof *face);
-    object->faces = faces;
-    uint32_t *label =
-        face != NULL ? room_for(reader, &materials, &object->material_capacity, object->face_count, sizeof *label) : NULL;
-    object->materials = materials;
-    if (label == NULL)
+    if (!ARRAY_GROW(object->faces, object->face_capacity, 3 * object->face_count + 3))
+    {
+        fail_memory(reader, 3 * object->face_count * sizeof *object->faces);
         return;
-    for (int k = 0; k < 3; k++)
-        face[k] = (uint32_t)corners[k];
-    *label = material;
-    object->face_count++;
+    }
+    for (size_t k = 0; k < 3; k++)
+        object->faces[3 * object->face_count + k] = (uint32_t)corners[k];
+    (void)ADD(reader, object->materials, object->material_capacity, object->face_count, material);
 }
 
 /// Read what is placed where. An object must stand before those that place it, so that none can contain itself.
@@ -503,13 +481,8 @@ static void begin_component(reader_3mf *reader, const XML_Char **attributes)
         return;
     object_3mf *object = open_object(reader);
     const object_3mf *part = &reader->objects[made.object];
-    void *components = object->components;
-    placed *room = room_for(reader, &components, &object->component_capacity, object->component_count, sizeof made);
-    object->components = components;
-    if (room == NULL)
+    if (!ADD(reader, object->components, object->component_capacity, object->component_count, made))
         return;
-    *room = made;
-    object->component_count++;
     object->depth = part->depth + 1 > object->depth ? part->depth + 1 : object->depth;
     if (object->depth > MAX_DEPTH)
         FAIL(reader, BAT_TOO_LARGE, "components are nested deeper than %d", MAX_DEPTH);
@@ -518,16 +491,8 @@ static void begin_component(reader_3mf *reader, const XML_Char **attributes)
 static void begin_item(reader_3mf *reader, const XML_Char **attributes)
 {
     placed made;
-    void *items = reader->items;
-    if (!read_placed(reader, attributes, SIZE_MAX, &made))
-        return;
-    placed *room = room_for(reader, &items, &reader->item_capacity, reader->item_count, sizeof made);
-    reader->items = items;
-    if (room != NULL)
-    {
-        *room = made;
-        reader->item_count++;
-    }
+    if (read_placed(reader, attributes, SIZE_MAX, &made))
+        (void)ADD(reader, reader->items, reader->item_capacity, reader->item_count, made);
 }
 
 /// The elements, each below its parent.

@@ -15,24 +15,10 @@ void mesh_builder_free(mesh_builder *builder)
     *builder = (mesh_builder){0};
 }
 
-/// Call array_grow() for a pointer of any type.
-static bool grow(void *place, size_t *capacity, size_t needed, size_t size)
-{
-    if (needed <= *capacity)
-        return true;
-    void *array;
-    memcpy(&array, place, sizeof array);
-    bool grown = array_grow(&array, capacity, needed, size);
-    memcpy(place, &array, sizeof array);
-    return grown;
-}
-
-#define GROW(array, capacity, needed) grow((void *)&(array), &(capacity), (needed), sizeof *(array))
-
 double *mesh_builder_vertex(mesh_builder *builder)
 {
     size_t begin = 3 * builder->mesh.vertex_count;
-    if (!GROW(builder->mesh.positions, builder->position_capacity, begin + 3))
+    if (!ARRAY_GROW(builder->mesh.positions, builder->position_capacity, begin + 3))
         return NULL;
     builder->mesh.vertex_count++;
     return builder->mesh.positions + begin;
@@ -41,7 +27,7 @@ double *mesh_builder_vertex(mesh_builder *builder)
 double *mesh_builder_texture(mesh_builder *builder)
 {
     size_t begin = 2 * builder->mesh.texture_count;
-    if (!GROW(builder->mesh.texture, builder->texture_capacity, begin + 2))
+    if (!ARRAY_GROW(builder->mesh.texture, builder->texture_capacity, begin + 2))
         return NULL;
     builder->mesh.texture_count++;
     return builder->mesh.texture + begin;
@@ -50,7 +36,7 @@ double *mesh_builder_texture(mesh_builder *builder)
 double *mesh_builder_channels(mesh_builder *builder)
 {
     size_t end = builder->mesh.vertex_count * builder->mesh.channel_count;
-    if (!GROW(builder->mesh.channels, builder->channel_capacity, end))
+    if (!ARRAY_GROW(builder->mesh.channels, builder->channel_capacity, end))
         return NULL;
     return builder->mesh.channels + end - builder->mesh.channel_count;
 }
@@ -75,10 +61,10 @@ bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangl
     size_t numbers, values, corners;
     return !size_multiply_overflows(vertices, 3, &numbers) && !size_multiply_overflows(triangles, 3, &corners) &&
            !size_multiply_overflows(vertices, builder->mesh.channel_count, &values) &&
-           GROW(builder->mesh.positions, builder->position_capacity, numbers) &&
-           GROW(builder->mesh.channels, builder->channel_capacity, values) &&
-           GROW(builder->mesh.faces, builder->corner_capacity, corners) &&
-           GROW(builder->mesh.offsets, builder->offset_capacity, triangles);
+           ARRAY_GROW(builder->mesh.positions, builder->position_capacity, numbers) &&
+           ARRAY_GROW(builder->mesh.channels, builder->channel_capacity, values) &&
+           ARRAY_GROW(builder->mesh.faces, builder->corner_capacity, corners) &&
+           ARRAY_GROW(builder->mesh.offsets, builder->offset_capacity, triangles);
 }
 
 /// Store the texture coordinate of a corner. The first one allocates the array; earlier corners have none.
@@ -88,7 +74,7 @@ static bool add_texture_corner(mesh_builder *builder, uint32_t texture)
     if (first && texture == BAT_MESH_NONE)
         return true;
     size_t at = builder->corner_count;
-    if (!GROW(builder->mesh.texture_faces, builder->texture_corner_capacity, at + 1))
+    if (!ARRAY_GROW(builder->mesh.texture_faces, builder->texture_corner_capacity, at + 1))
         return false;
     if (first)
         memset(builder->mesh.texture_faces, 0xff, at * sizeof *builder->mesh.texture_faces);
@@ -98,11 +84,8 @@ static bool add_texture_corner(mesh_builder *builder, uint32_t texture)
 
 bool mesh_builder_corner(mesh_builder *builder, uint32_t vertex, uint32_t texture)
 {
-    if (!GROW(builder->mesh.faces, builder->corner_capacity, builder->corner_count + 1) ||
-        !add_texture_corner(builder, texture))
-        return false;
-    builder->mesh.faces[builder->corner_count++] = vertex;
-    return true;
+    return add_texture_corner(builder, texture) &&
+           ARRAY_ADD(builder->mesh.faces, builder->corner_capacity, builder->corner_count, vertex);
 }
 
 bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES])
@@ -112,7 +95,7 @@ bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL
     if (!builder->labelled && faces > 0)
     {
         uint32_t nameless = label_table_add(&builder->labels, none);
-        if (nameless == BAT_MESH_NONE || !GROW(builder->mesh.face_labels, builder->face_label_capacity, faces))
+        if (nameless == BAT_MESH_NONE || !ARRAY_GROW(builder->mesh.face_labels, builder->face_label_capacity, faces))
             return false;
         memset(builder->mesh.face_labels, 0,
                faces * sizeof *builder->mesh.face_labels); // the first label is that without names
@@ -127,7 +110,7 @@ static bool add_face_label(mesh_builder *builder)
 {
     if (!builder->labelled)
         return true;
-    if (!GROW(builder->mesh.face_labels, builder->face_label_capacity, builder->mesh.face_count + 1))
+    if (!ARRAY_GROW(builder->mesh.face_labels, builder->face_label_capacity, builder->mesh.face_count + 1))
         return false;
     builder->mesh.face_labels[builder->mesh.face_count] = builder->label;
     return true;
@@ -136,7 +119,7 @@ static bool add_face_label(mesh_builder *builder)
 bool mesh_builder_end_face(mesh_builder *builder, uint32_t size)
 {
     size_t face = builder->mesh.face_count;
-    if (!GROW(builder->mesh.offsets, builder->offset_capacity, face + 2) || !add_face_label(builder))
+    if (!ARRAY_GROW(builder->mesh.offsets, builder->offset_capacity, face + 2) || !add_face_label(builder))
         return false;
     builder->mesh.offsets[0] = 0;
     builder->mesh.offsets[face + 1] = builder->mesh.offsets[face] + size;
@@ -146,18 +129,12 @@ bool mesh_builder_end_face(mesh_builder *builder, uint32_t size)
 
 bool mesh_builder_crease(mesh_builder *builder, bat_mesh_crease crease)
 {
-    if (!GROW(builder->mesh.creases, builder->crease_capacity, builder->mesh.crease_count + 1))
-        return false;
-    builder->mesh.creases[builder->mesh.crease_count++] = crease;
-    return true;
+    return ARRAY_ADD(builder->mesh.creases, builder->crease_capacity, builder->mesh.crease_count, crease);
 }
 
 bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark)
 {
-    if (!GROW(builder->mesh.corners, builder->mark_capacity, builder->mesh.corner_count + 1))
-        return false;
-    builder->mesh.corners[builder->mesh.corner_count++] = mark;
-    return true;
+    return ARRAY_ADD(builder->mesh.corners, builder->mark_capacity, builder->mesh.corner_count, mark);
 }
 
 /// Check that every face has three corners or may have more, and that its indices are valid.

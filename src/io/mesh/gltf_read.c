@@ -181,14 +181,10 @@ static bat_status find_texture(gltf_reader *reader, gltf_primitive *primitive, s
     *texture = point_table_find(&reader->texture_table, key);
     if (*texture == BAT_MESH_NONE)
     {
-        void *keys = reader->texture_keys;
         double *place = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(&reader->builder) : NULL;
-        bool room =
-            place != NULL && array_grow(&keys, &reader->texture_key_capacity, 3 * count + 3, sizeof *reader->texture_keys);
-        reader->texture_keys = keys;
-        reader->texture_table.points = keys;
-        if (!room)
+        if (place == NULL || !ARRAY_GROW(reader->texture_keys, reader->texture_key_capacity, 3 * count + 3))
             return no_memory(reader, error);
+        reader->texture_table.points = reader->texture_keys;
         memcpy(reader->texture_keys + 3 * count, key, sizeof key);
         memcpy(place, key + 1, 2 * sizeof *place);
         *texture = (uint32_t)count;

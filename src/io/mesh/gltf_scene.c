@@ -115,14 +115,9 @@ static bat_status push(scene_walk *walk, size_t node, const double matrix[MATRIX
     if (walk->visited[node])
         return gltf_fault((gltf_place){"node", node}, error, "it has two parents or is its own descendant");
     walk->visited[node] = 1;
-    void *stack = walk->stack;
-    if (!array_grow(&stack, &walk->stack_capacity, walk->stack_count + 1, sizeof *walk->stack))
-        return no_memory(walk, error);
-    walk->stack = stack;
-    waiting_node *next = &walk->stack[walk->stack_count++];
-    next->node = node;
-    memcpy(next->matrix, matrix, sizeof next->matrix);
-    return BAT_OK;
+    waiting_node next = {.node = node};
+    memcpy(next.matrix, matrix, sizeof next.matrix);
+    return ARRAY_ADD(walk->stack, walk->stack_capacity, walk->stack_count, next) ? BAT_OK : no_memory(walk, error);
 }
 
 /// Put all nodes of a list on the stack, the first one on top.
@@ -141,14 +136,9 @@ static bat_status push_all(scene_walk *walk, const json_t *object, const char *k
 
 static bat_status add_instance(scene_walk *walk, size_t node, size_t mesh, const double matrix[MATRIX], bat_error *error)
 {
-    void *instances = walk->instances;
-    if (!array_grow(&instances, &walk->capacity, walk->count + 1, sizeof *walk->instances))
-        return no_memory(walk, error);
-    walk->instances = instances;
-    gltf_instance *made = &walk->instances[walk->count++];
-    *made = (gltf_instance){.node = node, .mesh = mesh};
-    memcpy(made->matrix, matrix, sizeof made->matrix);
-    return BAT_OK;
+    gltf_instance made = {.node = node, .mesh = mesh};
+    memcpy(made.matrix, matrix, sizeof made.matrix);
+    return ARRAY_ADD(walk->instances, walk->capacity, walk->count, made) ? BAT_OK : no_memory(walk, error);
 }
 
 /// Visit the node on top of the stack.

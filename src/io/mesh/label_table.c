@@ -132,10 +132,7 @@ uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_N
 {
     bat_mesh_label label = {0};
     label_name copies[MESH_LABEL_NAMES] = {{0}};
-    void *labels = table->labels;
-    bool room = reserve_slots(table, table->count + 1) &&
-                array_grow(&labels, &table->capacity, table->count + 1, sizeof *table->labels);
-    table->labels = labels;
+    bool room = reserve_slots(table, table->count + 1) && ARRAY_GROW(table->labels, table->capacity, table->count + 1);
     for (int k = 0; k < MESH_LABEL_NAMES && room; k++)
     {
         if (names[k].begin == NULL)

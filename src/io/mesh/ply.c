@@ -84,12 +84,9 @@ static bat_status read_element(word_scan *scan, ply_header *header, bat_error *e
             memcmp(header->elements[i].name.begin, element.name.begin, element.name.size) == 0)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the element's name is used already");
     element.count = (size_t)count;
-    void *elements = header->elements;
-    if (!array_grow(&elements, &header->element_capacity, header->element_count + 1, sizeof element))
-        return error_memory(error, header->element_count * sizeof element);
-    header->elements = elements;
-    header->elements[header->element_count++] = element;
-    return BAT_OK;
+    return ARRAY_ADD(header->elements, header->element_capacity, header->element_count, element)
+               ? BAT_OK
+               : error_memory(error, header->element_count * sizeof element);
 }
 
 static bat_status add_property(ply_element *element, ply_property property, const word_scan *scan, bat_error *error)
@@ -98,12 +95,9 @@ static bat_status add_property(ply_element *element, ply_property property, cons
         if (element->properties[i].name.size == property.name.size &&
             memcmp(element->properties[i].name.begin, property.name.begin, property.name.size) == 0)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "the property's name is used already");
-    void *properties = element->properties;
-    if (!array_grow(&properties, &element->property_capacity, element->property_count + 1, sizeof property))
-        return error_memory(error, element->property_count * sizeof property);
-    element->properties = properties;
-    element->properties[element->property_count++] = property;
-    return BAT_OK;
+    return ARRAY_ADD(element->properties, element->property_capacity, element->property_count, property)
+               ? BAT_OK
+               : error_memory(error, element->property_count * sizeof property);
 }
 
 static bat_status read_property(word_scan *scan, ply_header *header, bat_error *error)

@@ -50,7 +50,6 @@ static bat_status read_comment(word_scan *scan, mesh_builder *builder, uint32_t 
 {
     const char *newline = memchr(scan->at, '\n', (size_t)(scan->end - scan->at));
     json_t *object;
-    void *array = *numbers;
     bat_status status =
         json_parse(scan->at, (size_t)((newline != NULL ? newline : scan->end) - scan->at), 0, scan->line, &object, error);
     if (status != BAT_OK)
@@ -59,11 +58,10 @@ static bat_status read_comment(word_scan *scan, mesh_builder *builder, uint32_t 
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line, "a label is no JSON object");
     else if (json_object_get(object, FILES_KEY) != NULL)
         status = set_files(object, scan->line, builder, error);
-    else if (!array_grow(&array, capacity, *count + 1, sizeof **numbers))
+    else if (!ARRAY_GROW(*numbers, *capacity, *count + 1))
         status = error_memory(error, *count * sizeof **numbers);
     else
     {
-        *numbers = array;
         status = add_label(object, scan->line, builder, *numbers + *count, error);
         *count += status == BAT_OK;
     }

@@ -313,15 +313,13 @@ static bat_status read_corners(ply_reader *reader, const ply_element *element, s
     for (size_t i = 0; i < *size; i++)
     {
         double vertex;
-        void *face = reader->face;
         if (!ply_number(&reader->source, property->type, &vertex))
             return number_fault(reader, element, row, property, error);
         if (!(vertex >= 0 && vertex < (double)reader->vertices))
             return error_set(error, BAT_BAD_FILE, row, line_of(reader), "face %zu names vertex %.0f, but there are %zu", row,
                              vertex, reader->vertices);
-        if (!array_grow(&face, &reader->face_capacity, i + 1, sizeof *reader->face))
+        if (!ARRAY_GROW(reader->face, reader->face_capacity, i + 1))
             return no_memory(reader, error);
-        reader->face = face;
         reader->face[i] = (uint32_t)vertex;
     }
     return BAT_OK;
@@ -335,12 +333,10 @@ static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double
     if (found != BAT_MESH_NONE)
         return found;
     size_t count = reader->builder.mesh.texture_count;
-    void *keys = reader->texture_keys;
     double *texture = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(&reader->builder) : NULL;
-    if (texture == NULL || !array_grow(&keys, &reader->texture_key_capacity, 3 * count + 3, sizeof(double)))
+    if (texture == NULL || !ARRAY_GROW(reader->texture_keys, reader->texture_key_capacity, 3 * count + 3))
         return BAT_MESH_NONE;
-    reader->texture_keys = keys;
-    reader->texture_table.points = keys;
+    reader->texture_table.points = reader->texture_keys;
     memcpy(reader->texture_keys + 3 * count, key, sizeof key);
     memcpy(texture, place, 2 * sizeof *texture);
     return point_table_add(&reader->texture_table, (uint32_t)count) ? (uint32_t)count : BAT_MESH_NONE;

@@ -89,14 +89,10 @@ static bat_status no_memory(const adaptive_work *work, bat_error *error)
 /// Add a vertex to the result. BAT_MESH_NONE when out of memory.
 static uint32_t add_vertex(adaptive_work *work, const double *position, const double *channels)
 {
-    void *positions = work->positions, *values = work->channels;
     size_t n = work->vertex_count, dim = work->channel_count;
-    if (n >= BAT_MESH_NONE - 1 || !array_grow(&positions, &work->position_capacity, 3 * n + 3, sizeof(double)))
+    if (n >= BAT_MESH_NONE - 1 || !ARRAY_GROW(work->positions, work->position_capacity, 3 * n + 3) ||
+        (dim > 0 && !ARRAY_GROW(work->channels, work->channel_capacity, dim * (n + 1))))
         return BAT_MESH_NONE;
-    work->positions = positions;
-    if (dim > 0 && !array_grow(&values, &work->channel_capacity, dim * (n + 1), sizeof(double)))
-        return BAT_MESH_NONE;
-    work->channels = values;
     memcpy(work->positions + 3 * n, position, 3 * sizeof *position);
     if (dim > 0)
         memcpy(work->channels + dim * n, channels, dim * sizeof *channels);
@@ -506,27 +502,17 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
 /// Add a corner to the face of the result that is being made.
 static bool add_corner(adaptive_work *work, uint32_t number)
 {
-    void *faces = work->faces;
-    if (work->corner_count >= BAT_MESH_NONE - 1 ||
-        !array_grow(&faces, &work->corner_capacity, work->corner_count + 1, sizeof *work->faces))
-        return false;
-    work->faces = faces;
-    work->faces[work->corner_count++] = number;
-    return true;
+    return work->corner_count < BAT_MESH_NONE - 1 &&
+           ARRAY_ADD(work->faces, work->corner_capacity, work->corner_count, number);
 }
 
 static bool end_face(adaptive_work *work, uint32_t source)
 {
-    void *offsets = work->offsets, *sources = work->sources;
-    if (!array_grow(&offsets, &work->offset_capacity, work->face_count + 2, sizeof *work->offsets))
+    if (!ARRAY_GROW(work->offsets, work->offset_capacity, work->face_count + 2) ||
+        !ARRAY_ADD(work->sources, work->source_capacity, work->face_count, source))
         return false;
-    work->offsets = offsets;
-    if (!array_grow(&sources, &work->source_capacity, work->face_count + 1, sizeof *work->sources))
-        return false;
-    work->sources = sources;
-    work->sources[work->face_count] = source;
     work->offsets[0] = 0;
-    work->offsets[++work->face_count] = (uint32_t)work->corner_count;
+    work->offsets[work->face_count] = (uint32_t)work->corner_count;
     return true;
 }
 
@@ -539,12 +525,7 @@ typedef struct number_list
 
 static bool list_add(number_list *list, uint32_t number)
 {
-    void *numbers = list->numbers;
-    if (!array_grow(&numbers, &list->capacity, list->count + 1, sizeof *list->numbers))
-        return false;
-    list->numbers = numbers;
-    list->numbers[list->count++] = number;
-    return true;
+    return ARRAY_ADD(list->numbers, list->capacity, list->count, number);
 }
 
 /// List the vertices on a half-edge, of all finer levels.
