@@ -107,17 +107,6 @@ BAT_API bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_poin
 BAT_API bat_status bat_mesh_midpoints(const bat_mesh *coarse, size_t levels, bat_mesh_point **points, size_t *count,
                                       bat_error *error);
 
-/// The images on the fine mesh of the vertices of bat_mesh_midpoints(): the training targets of a learned scheme (Liu et al.
-/// 2020, section 4).
-///
-/// @param fine, coarse the meshes of the map
-/// @param positions    receives 3 numbers a vertex, on the fine mesh's faces
-/// @param normals      receives unit normals of the fine mesh there, interpolated between the area-weighted normals of its
-///                     vertices; zero on a face without area. May be null
-/// @return BAT_OK, BAT_INVALID_ARGUMENT for a map of other meshes, BAT_TOO_LARGE, BAT_NO_MEMORY
-BAT_API bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
-                                        double *positions, double *normals, bat_error *error);
-
 /// Transfer texture coordinates and channels of the fine mesh to a refinement of the coarse one, through the map.
 ///
 /// A vertex on a seam of the texture gets several texture coordinates. A face across a seam takes the texture of the side
@@ -125,8 +114,8 @@ BAT_API bat_status bat_mesh_map_targets(const bat_mesh_map *map, const bat_mesh 
 ///
 /// @param refined the coarse mesh (levels = 0), or its refinement by a scheme that splits faces in four; its texture and
 ///                channels are replaced
-/// @return as bat_mesh_map_targets(); also BAT_INVALID_ARGUMENT for other numbers of vertices or faces in `refined`.
-///         `refined` is untouched on failure
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for a map of other meshes, or for other numbers of vertices or faces in `refined`;
+///         BAT_TOO_LARGE; BAT_NO_MEMORY. `refined` is untouched on failure
 BAT_API bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse,
                                          size_t levels, bat_mesh *refined, bat_error *error);
 

@@ -10,6 +10,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_measure.h"
 #include "batten/research/mesh_shapes.h"
+#include "research/train/mesh_targets.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -97,7 +98,7 @@ static bat_status trial_make(probe *p, size_t index, bat_error *error)
             break;
         double *targets = p->targets[index][level] = memory_array(count, 3 * sizeof *targets);
         status = targets == NULL ? error_memory(error, count * 3 * sizeof *targets)
-                                 : bat_mesh_map_targets(map, p->shape, coarse, level + 1, targets, NULL, error);
+                                 : mesh_map_targets(map, p->shape, coarse, level + 1, targets, NULL, error);
     }
     bat_mesh_map_free(map);
     return status;

@@ -6,6 +6,7 @@
 #include "base/threads.h"
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_refine.h"
+#include "research/train/mesh_targets.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -33,7 +34,7 @@ static bat_status map_targets(const bat_mesh *shape, const bat_mesh_map *map, me
     for (size_t level = 0; level <= pair->levels.count; level++)
         pair->target[level] = pair->memory;
     pair->normals = pair->memory + numbers;
-    return bat_mesh_map_targets(map, shape, &pair->coarse, pair->levels.count, pair->memory, pair->memory + numbers, error);
+    return mesh_map_targets(map, shape, &pair->coarse, pair->levels.count, pair->memory, pair->memory + numbers, error);
 }
 
 /// Loop's refinements of the coarse mesh, level after level.

@@ -3,6 +3,7 @@
 #include "mesh_flap_helpers.h"
 
 #include "research/train/mesh_pairs.h"
+#include "research/train/mesh_targets.h"
 
 static const mesh_pair_plan PLAN = {
     .levels = 2, .min_vertices = 20, .max_vertices = 40, .min_normal = 0.2, .min_quality = 0.2};
@@ -40,9 +41,28 @@ static void targets_lie_on_the_shape(void **state)
             double length = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
             check_near(length, 1, 0.01);
             check_near((p[0] * n[0] + p[1] * n[1] + p[2] * n[2]) / length, 1, 0.01);
+            check_near(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-14);
         }
         mesh_pair_free(&pair);
     }
+    bat_mesh_free(&shape);
+}
+
+/// A map has no targets for other meshes.
+static void targets_are_of_the_map_s_meshes(void **state)
+{
+    (void)state;
+    bat_mesh shape = ball(4), coarse;
+    bat_mesh_map *map = NULL;
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.vertices = 40;
+    double positions[3] = {0};
+    check_status(bat_mesh_decimate(&shape, &options, &coarse, &map, NULL), BAT_OK);
+    check_status(mesh_map_targets(map, &coarse, &coarse, 1, positions, NULL, NULL), BAT_INVALID_ARGUMENT);
+    check_status(mesh_map_targets(map, &shape, &shape, 1, positions, NULL, NULL), BAT_INVALID_ARGUMENT);
+    assert_true(positions[0] == 0);
+    bat_mesh_map_free(map);
+    bat_mesh_free(&coarse);
     bat_mesh_free(&shape);
 }
 
@@ -131,9 +151,8 @@ static void making_pairs_can_be_stopped(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(targets_lie_on_the_shape),
-        cmocka_unit_test(targets_of_loop_are_its_levels),
-        cmocka_unit_test(fresh_pairs_come_in_turn),
+        cmocka_unit_test(targets_lie_on_the_shape),       cmocka_unit_test(targets_are_of_the_map_s_meshes),
+        cmocka_unit_test(targets_of_loop_are_its_levels), cmocka_unit_test(fresh_pairs_come_in_turn),
         cmocka_unit_test(making_pairs_can_be_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
