@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector3.h"
+#include "mesh/refine/level.h"
 #include "research/learn/parameters.h"
 
 #include <assert.h>
@@ -329,7 +330,7 @@ static void star_back(const composition *p, const vector_gradients *to, size_t e
         unsigned j = 0;
         do
         {
-            double weight = share * learned_star_weight(stop - begin, j);
+            double weight = share * butterfly_weight(stop - begin, j);
             add3(to->position[flap[f].corner[1]], weight, g);
             add3(to->position[v], -weight, g);
             f = f + 1 == stop ? begin : f + 1;

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "linalg/vector3.h"
+#include "mesh/refine/level.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -19,7 +20,6 @@ enum
     RING = 16    ///< edges of a vertex that are measured side by side
 };
 
-static const double PI = 3.14159265358979323846;
 /// Normals whose sum is shorter than this share of the sum of their lengths have no mean: faces are folded there.
 static const double MIN_NORMAL = 1e-3;
 /// Heights below this share of a length have no clear sign.
@@ -77,32 +77,13 @@ bool learned_at_boundary(const mesh_flaps *flaps, size_t vertex)
 
 // Rings
 
-/// The weight of neighbour j of a vertex of valence n, for the new vertex on the edge to neighbour 0, as in
-/// mesh/refine/butterfly.c. Regular vertices have the same rule.
-static double star_weight(unsigned valence, unsigned j)
-{
-    if (valence == 2)
-        return j == 0 ? 3.0 / 8 : -1.0 / 8;
-    if (valence == 3)
-        return j == 0 ? 5.0 / 12 : -1.0 / 12;
-    if (valence == 4)
-        return j == 0 ? 3.0 / 8 : j == 2 ? -1.0 / 8 : 0;
-    double angle = 2 * PI * j / valence;
-    return (0.25 + cos(angle) + 0.5 * cos(2 * angle)) / valence;
-}
-
 typedef double star_table[TABLED][TABLED];
 
 static void fill_table(star_table table)
 {
     for (unsigned n = 2; n < TABLED; n++)
         for (unsigned j = 0; j < n; j++)
-            table[n][j] = star_weight(n, j);
-}
-
-double learned_star_weight(unsigned valence, unsigned j)
-{
-    return star_weight(valence, j);
+            table[n][j] = butterfly_weight(n, j);
 }
 
 /// The edges of a vertex: vectors, squares and lengths, side by side.
@@ -257,7 +238,7 @@ static inline void add_star(const learned_geometry *g, const star_table table, u
     }
     do
     {
-        double weight = valence < TABLED ? table[valence][j] : star_weight(valence, j);
+        double weight = valence < TABLED ? table[valence][j] : butterfly_weight(valence, j);
         const double *to = place(g, flap[f].corner[1]);
         for (int c = 0; c < 3; c++)
             sum[c] += weight * (to[c] - own[c]);

@@ -61,9 +61,6 @@ void learned_geometry_free(learned_geometry *geometry);
 /// Whether a vertex is on the boundary. Its half-flaps must be there.
 bool learned_at_boundary(const mesh_flaps *flaps, size_t vertex);
 
-/// The weight of neighbour j of a vertex, counted from the edge's other end, in the edge's star.
-double learned_star_weight(unsigned valence, unsigned j);
-
 /// The candidate vectors of a vertex. The last two are the sum over its ring and that sum's normal part.
 /// @param ring the weighted sum of the differences to the neighbours
 void learned_vertex_candidates(const learned_geometry *geometry, size_t vertex, const double ring[3],

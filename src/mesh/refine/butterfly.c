@@ -17,9 +17,7 @@ enum
 
 static const double PI = 3.14159265358979323846;
 
-/// The weight of neighbour j of an irregular interior vertex of valence n, for the new vertex on the edge to neighbour 0:
-/// (1/4 + cos(2 pi j / n) + cos(4 pi j / n) / 2) / n for n > 4. The vertex itself has the weight 3/4.
-static double neighbour_weight(unsigned valence, unsigned j)
+double butterfly_weight(unsigned valence, unsigned j)
 {
     if (valence == 2)
         return j == 0 ? 3.0 / 8 : -1.0 / 8;
@@ -53,7 +51,7 @@ static double boundary_own_weight(unsigned faces, unsigned i)
 typedef struct butterfly_job
 {
     const mesh_rows *rows;
-    double weights[TABLED][TABLED]; ///< neighbour_weight() by valence and neighbour
+    double weights[TABLED][TABLED]; ///< butterfly_weight() by valence and neighbour
 } butterfly_job;
 
 static inline const double *row_of(const mesh_rows *rows, uint32_t vertex, size_t dim)
@@ -108,7 +106,7 @@ static void add_inner(const butterfly_job *job, uint32_t half_edge, unsigned val
     uint32_t h = half_edge;
     for (unsigned j = 0; j < valence; j++)
     {
-        double weight = valence < TABLED ? job->weights[valence][j] : neighbour_weight(valence, j);
+        double weight = valence < TABLED ? job->weights[valence][j] : butterfly_weight(valence, j);
         add_row(to, share * weight, row_of(rows, mesh_end(faces, h), dim), dim);
         h = bat_mesh_next_around(rows->level->links, h);
     }
@@ -214,7 +212,7 @@ void butterfly_rule(const mesh_rows *rows, int threads)
     butterfly_job job = {.rows = rows};
     for (unsigned valence = 1; valence < TABLED; valence++)
         for (unsigned j = 0; j < valence; j++)
-            job.weights[valence][j] = neighbour_weight(valence, j);
+            job.weights[valence][j] = butterfly_weight(valence, j);
     memcpy(rows->to, rows->from, links->vertex_count * rows->dim * sizeof *rows->to);
     mesh_share(edge_range, &job, links->face_count, threads);
 }

@@ -54,6 +54,10 @@ typedef void mesh_rule(const mesh_rows *rows, int threads);
 
 mesh_rule midpoint_rule, loop_rule, butterfly_rule, catmull_clark_rule;
 
+/// The weight of neighbour j of an irregular interior vertex of valence n, for the new vertex on the edge to neighbour 0:
+/// (1/4 + cos(2 pi j / n) + cos(4 pi j / n) / 2) / n for n > 4. The vertex itself has the weight 3/4.
+double butterfly_weight(unsigned valence, unsigned j);
+
 /// The work on the elements begin, …, end - 1.
 typedef void mesh_range(const void *job, size_t begin, size_t end);
 
