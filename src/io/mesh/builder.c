@@ -11,6 +11,9 @@
 void mesh_builder_free(mesh_builder *builder)
 {
     label_table_free(&builder->labels);
+    point_table_free(&builder->points);
+    point_table_free(&builder->texture_table);
+    free(builder->texture_keys);
     bat_mesh_free(&builder->mesh);
     *builder = (mesh_builder){0};
 }
@@ -39,6 +42,36 @@ double *mesh_builder_channels(mesh_builder *builder)
     if (!ARRAY_GROW(builder->mesh.channels, builder->channel_capacity, end))
         return NULL;
     return builder->mesh.channels + end - builder->mesh.channel_count;
+}
+
+uint32_t mesh_builder_merge(mesh_builder *builder, const double position[3])
+{
+    builder->points.points = builder->mesh.positions;
+    uint32_t found = point_table_find(&builder->points, position), added = (uint32_t)builder->mesh.vertex_count;
+    if (found != BAT_MESH_NONE)
+        return found;
+    double *made = builder->mesh.vertex_count < BAT_MESH_NONE - 1 ? mesh_builder_vertex(builder) : NULL;
+    if (made == NULL)
+        return BAT_MESH_NONE;
+    memcpy(made, position, 3 * sizeof *made);
+    builder->points.points = builder->mesh.positions;
+    return point_table_add(&builder->points, added) ? added : BAT_MESH_NONE;
+}
+
+uint32_t mesh_builder_merge_texture(mesh_builder *builder, uint32_t vertex, double u, double v)
+{
+    const double key[3] = {vertex, u, v};
+    uint32_t found = point_table_find(&builder->texture_table, key);
+    size_t count = builder->mesh.texture_count;
+    if (found != BAT_MESH_NONE)
+        return found;
+    double *made = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(builder) : NULL;
+    if (made == NULL || !ARRAY_GROW(builder->texture_keys, builder->texture_key_capacity, 3 * count + 3))
+        return BAT_MESH_NONE;
+    memcpy(builder->texture_keys + 3 * count, key, sizeof key);
+    memcpy(made, key + 1, 2 * sizeof *made);
+    builder->texture_table.points = builder->texture_keys;
+    return point_table_add(&builder->texture_table, (uint32_t)count) ? (uint32_t)count : BAT_MESH_NONE;
 }
 
 bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count)
@@ -274,6 +307,9 @@ static bat_mesh take_mesh(mesh_builder *builder)
     mesh.labels = builder->labels.labels;
     mesh.label_count = builder->labels.count;
     free(builder->labels.slots);
+    point_table_free(&builder->points);
+    point_table_free(&builder->texture_table);
+    free(builder->texture_keys);
     if (mesh.channel_count == 0)
     {
         free(mesh.channel_names);

@@ -4,6 +4,7 @@
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
 #include "io/mesh/label_table.h"
+#include "mesh/point_table.h"
 
 /// @file
 /// Construction of a mesh from the faces of a file.
@@ -16,9 +17,13 @@ typedef struct mesh_builder
     size_t corner_count, corner_capacity, texture_corner_capacity, offset_capacity, face_label_capacity;
     size_t crease_capacity, mark_capacity;
     label_table labels;
-    uint32_t label; ///< of further faces
-    bool labelled;  ///< whether faces have labels
-    bool faceless;  ///< a mesh without faces is allowed
+    uint32_t label;       ///< of further faces
+    bool labelled;        ///< whether faces have labels
+    bool faceless;        ///< a mesh without faces is allowed
+    point_table points;   ///< of the vertices that mesh_builder_merge() added
+    double *texture_keys; ///< for each texture coordinate of mesh_builder_merge_texture(): its vertex and the coordinate
+    size_t texture_key_capacity;
+    point_table texture_table;
 } mesh_builder;
 
 void mesh_builder_free(mesh_builder *builder);
@@ -28,6 +33,11 @@ void mesh_builder_free(mesh_builder *builder);
 double *mesh_builder_vertex(mesh_builder *builder);
 double *mesh_builder_texture(mesh_builder *builder);
 double *mesh_builder_channels(mesh_builder *builder);
+
+/// The vertex at a position, which is added where there is none. BAT_MESH_NONE when out of memory or of indices.
+uint32_t mesh_builder_merge(mesh_builder *builder, const double position[3]);
+/// The same of a texture coordinate of a vertex; no texture coordinate may be added otherwise.
+uint32_t mesh_builder_merge_texture(mesh_builder *builder, uint32_t vertex, double u, double v);
 
 /// Set the names of the channels, once. False when out of memory.
 bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count);

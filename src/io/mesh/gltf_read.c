@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
-#include "mesh/point_table.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,12 +27,8 @@ typedef struct gltf_reader
     const bat_mesh_read_options *options;
     char **materials;
     size_t material_count;
-    size_t colours;       ///< numbers of a colour: 0, 3 or 4
-    size_t colourless;    ///< primitives without colours, where others have some
-    point_table points;   ///< the vertices of the current instance
-    double *texture_keys; ///< for each texture coordinate in the builder: its vertex and the coordinate
-    size_t texture_key_capacity;
-    point_table texture_table;
+    size_t colours;    ///< numbers of a colour: 0, 3 or 4
+    size_t colourless; ///< primitives without colours, where others have some
     gltf_tally tally;
 } gltf_reader;
 
@@ -64,9 +59,6 @@ static void reader_free(gltf_reader *reader)
     for (size_t i = 0; i < reader->material_count; i++)
         free(reader->materials[i]);
     free(reader->materials);
-    free(reader->texture_keys);
-    point_table_free(&reader->points);
-    point_table_free(&reader->texture_table);
     mesh_builder_free(&reader->builder);
     gltf_close(&reader->document);
 }
@@ -142,30 +134,21 @@ static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, si
         return gltf_fault(primitive->place, error, "a vertex is not finite in the scene");
     colour_of(reader, primitive, local, colour);
     reader->tally.vertices++;
-    *vertex = point_table_find(&reader->points, image);
-    if (*vertex != BAT_MESH_NONE)
-    {
-        reader->tally.joined++;
-        if (reader->colours > 0 &&
-            memcmp(builder->mesh.channels + *vertex * reader->colours, colour, reader->colours * sizeof *colour) != 0)
-            reader->tally.recoloured++;
-        primitive->vertices[local] = *vertex;
-        return BAT_OK;
-    }
     if (builder->mesh.vertex_count >= BAT_MESH_NONE - 1)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the scene has more than %zu vertices",
                          (size_t)BAT_MESH_NONE - 1);
-    *vertex = (uint32_t)builder->mesh.vertex_count;
-    double *position = mesh_builder_vertex(builder);
-    double *channels = reader->colours > 0 && position != NULL ? mesh_builder_channels(builder) : NULL;
-    if (position == NULL || (reader->colours > 0 && channels == NULL))
+    size_t before = builder->mesh.vertex_count;
+    *vertex = primitive->vertices[local] = mesh_builder_merge(builder, image);
+    double *channels = reader->colours > 0 && builder->mesh.vertex_count > before ? mesh_builder_channels(builder) : NULL;
+    if (*vertex == BAT_MESH_NONE || (channels == NULL && reader->colours > 0 && *vertex == before))
         return no_memory(reader, error);
-    memcpy(position, image, sizeof image);
     if (channels != NULL)
         memcpy(channels, colour, reader->colours * sizeof *channels);
-    reader->points.points = builder->mesh.positions;
-    primitive->vertices[local] = *vertex;
-    return point_table_add(&reader->points, *vertex) ? BAT_OK : no_memory(reader, error);
+    else if (reader->colours > 0)
+        reader->tally.recoloured +=
+            memcmp(builder->mesh.channels + *vertex * reader->colours, colour, reader->colours * sizeof *colour) != 0;
+    reader->tally.joined += *vertex < before;
+    return BAT_OK;
 }
 
 /// Find or add the texture coordinate of a vertex. In glTF, v counts downwards.
@@ -175,22 +158,10 @@ static bat_status find_texture(gltf_reader *reader, gltf_primitive *primitive, s
     *texture = primitive->texture.numbers != NULL ? primitive->textures[local] : BAT_MESH_NONE;
     if (*texture != BAT_MESH_NONE || primitive->texture.numbers == NULL)
         return BAT_OK;
-    size_t count = reader->builder.mesh.texture_count;
     const double *given = primitive->texture.numbers + 2 * local;
-    const double key[3] = {vertex, given[0], 1 - given[1]};
-    *texture = point_table_find(&reader->texture_table, key);
+    *texture = mesh_builder_merge_texture(&reader->builder, vertex, given[0], 1 - given[1]);
     if (*texture == BAT_MESH_NONE)
-    {
-        double *place = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(&reader->builder) : NULL;
-        if (place == NULL || !ARRAY_GROW(reader->texture_keys, reader->texture_key_capacity, 3 * count + 3))
-            return no_memory(reader, error);
-        reader->texture_table.points = reader->texture_keys;
-        memcpy(reader->texture_keys + 3 * count, key, sizeof key);
-        memcpy(place, key + 1, 2 * sizeof *place);
-        *texture = (uint32_t)count;
-        if (!point_table_add(&reader->texture_table, *texture))
-            return no_memory(reader, error);
-    }
+        return no_memory(reader, error);
     primitive->textures[local] = *texture;
     return BAT_OK;
 }
@@ -393,7 +364,7 @@ static bat_status read_instance(gltf_reader *reader, const gltf_instance *instan
     json_t *mesh = NULL;
     const json_t *primitives = NULL;
     bat_status status = primitives_of(reader, instance->mesh, &mesh, &primitives, error);
-    point_table_free(&reader->points);
+    point_table_free(&reader->builder.points);
     for (size_t i = 0; i < json_array_size(primitives) && status == BAT_OK; i++)
         status = read_primitive(reader, instance, mesh, json_array_get(primitives, i), error);
     return status;

@@ -2,7 +2,6 @@
 #include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
 #include "io/mesh/ply_labels.h"
-#include "mesh/point_table.h"
 
 /// @file
 /// Reader of PLY in text and both binary encodings. Vertex properties without another meaning become channels.
@@ -40,21 +39,16 @@ typedef struct ply_reader
     word_scan first_face; ///< the position of the first face
     uint32_t *face;       ///< the corners of the current face
     size_t face_capacity;
-    double *texture_keys; ///< for each texture coordinate in the builder: its vertex and the coordinate
-    size_t texture_key_capacity;
-    point_table texture_table;
 } ply_reader;
 
 static void reader_free(ply_reader *reader)
 {
     ply_header_free(&reader->header);
     mesh_builder_free(&reader->builder);
-    point_table_free(&reader->texture_table);
     free(reader->places);
     free(reader->row);
     free(reader->labels);
     free(reader->face);
-    free(reader->texture_keys);
 }
 
 static bat_status no_memory(const ply_reader *reader, bat_error *error)
@@ -325,23 +319,6 @@ static bat_status read_corners(ply_reader *reader, const ply_element *element, s
     return BAT_OK;
 }
 
-/// The index of a vertex's texture coordinate, which is added if it is new. BAT_MESH_NONE when out of memory.
-static uint32_t number_texture(ply_reader *reader, uint32_t vertex, const double place[2])
-{
-    const double key[3] = {vertex, place[0], place[1]};
-    uint32_t found = point_table_find(&reader->texture_table, key);
-    if (found != BAT_MESH_NONE)
-        return found;
-    size_t count = reader->builder.mesh.texture_count;
-    double *texture = count < BAT_MESH_NONE - 1 ? mesh_builder_texture(&reader->builder) : NULL;
-    if (texture == NULL || !ARRAY_GROW(reader->texture_keys, reader->texture_key_capacity, 3 * count + 3))
-        return BAT_MESH_NONE;
-    reader->texture_table.points = reader->texture_keys;
-    memcpy(reader->texture_keys + 3 * count, key, sizeof key);
-    memcpy(texture, place, 2 * sizeof *texture);
-    return point_table_add(&reader->texture_table, (uint32_t)count) ? (uint32_t)count : BAT_MESH_NONE;
-}
-
 /// Read the texture coordinates of a face's corners, or an empty list, and add the corners.
 static bat_status read_texture(ply_reader *reader, const ply_element *element, size_t row, word_scan place, size_t size,
                                bat_error *error)
@@ -363,7 +340,7 @@ static bat_status read_texture(ply_reader *reader, const ply_element *element, s
             if (!ply_number(&reader->source, property->type, &texture[k]))
                 return number_fault(reader, element, row, property, error);
         if (length > 0)
-            number = number_texture(reader, reader->face[i], texture);
+            number = mesh_builder_merge_texture(&reader->builder, reader->face[i], texture[0], texture[1]);
         if ((length > 0 && number == BAT_MESH_NONE) || !mesh_builder_corner(&reader->builder, reader->face[i], number))
             return no_memory(reader, error);
     }

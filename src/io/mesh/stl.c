@@ -3,7 +3,6 @@
 #include "io/common/number_text.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
-#include "mesh/point_table.h"
 
 #include <float.h>
 #include <math.h>
@@ -20,37 +19,16 @@ enum
     TRIANGLE_SIZE = 50 ///< a normal, three vertices, two bytes of attributes
 };
 
-/// The state of a reader. Corners with equal coordinates become one vertex.
-typedef struct stl_reader
+static bat_status no_memory(const mesh_builder *builder, bat_error *error)
 {
-    mesh_builder builder;
-    point_table table; ///< of the builder's positions
-} stl_reader;
-
-static bat_status no_memory(const stl_reader *reader, bat_error *error)
-{
-    return error_memory(error, reader->builder.position_capacity * sizeof(double));
+    return error_memory(error, builder->position_capacity * sizeof(double));
 }
 
-static bool add_corner(stl_reader *reader, const double point[3])
+/// Add a corner. Corners with equal coordinates become one vertex.
+static bool add_corner(mesh_builder *builder, const double point[3])
 {
-    mesh_builder *builder = &reader->builder;
-    reader->table.points = builder->mesh.positions;
-    uint32_t vertex = point_table_find(&reader->table, point);
-    if (vertex == BAT_MESH_NONE)
-    {
-        if (builder->mesh.vertex_count >= BAT_MESH_NONE - 1)
-            return false;
-        vertex = (uint32_t)builder->mesh.vertex_count;
-        double *position = mesh_builder_vertex(builder);
-        if (position == NULL)
-            return false;
-        memcpy(position, point, 3 * sizeof *position);
-        reader->table.points = builder->mesh.positions;
-        if (!point_table_add(&reader->table, vertex))
-            return false;
-    }
-    return mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
+    uint32_t vertex = mesh_builder_merge(builder, point);
+    return vertex != BAT_MESH_NONE && mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
 }
 
 static uint32_t little_endian(const char *bytes)
@@ -96,7 +74,7 @@ bool mesh_stl_resembles(const file_text *text)
     return is_binary(text) || begins_as_text(text);
 }
 
-static bat_status read_binary_triangle(stl_reader *reader, const char *bytes, size_t index, bat_error *error)
+static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes, size_t index, bat_error *error)
 {
     for (size_t c = 0; c < 3; c++)
     {
@@ -107,13 +85,13 @@ static bat_status read_binary_triangle(stl_reader *reader, const char *bytes, si
             if (!isfinite(point[k]))
                 return error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index);
         }
-        if (!add_corner(reader, point))
-            return no_memory(reader, error);
+        if (!add_corner(builder, point))
+            return no_memory(builder, error);
     }
-    return mesh_builder_end_face(&reader->builder, 3) ? BAT_OK : no_memory(reader, error);
+    return mesh_builder_end_face(builder, 3) ? BAT_OK : no_memory(builder, error);
 }
 
-static bat_status read_binary(stl_reader *reader, const file_text *text, bat_error *error)
+static bat_status read_binary(mesh_builder *builder, const file_text *text, bat_error *error)
 {
     if (text->size < HEADER_SIZE + COUNT_SIZE)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
@@ -124,11 +102,11 @@ static bat_status read_binary(stl_reader *reader, const file_text *text, bat_err
                          "the header gives %zu triangles, but the file holds %zu bytes, enough for %zu%s", count, data,
                          data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
     // A closed mesh has about half as many vertices as faces.
-    if (!mesh_builder_reserve(&reader->builder, count / 2, count) || !point_table_reserve(&reader->table, count / 2))
-        return no_memory(reader, error);
+    if (!mesh_builder_reserve(builder, count / 2, count) || !point_table_reserve(&builder->points, count / 2))
+        return no_memory(builder, error);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-        status = read_binary_triangle(reader, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, error);
+        status = read_binary_triangle(builder, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, error);
     return status;
 }
 
@@ -146,10 +124,10 @@ static bat_status expect(word_scan *scan, size_t index, const char *first, const
                      second != NULL ? second : "");
 }
 
-static bat_status read_text_vertex(stl_reader *reader, word_scan *scan, bat_error *error)
+static bat_status read_text_vertex(mesh_builder *builder, word_scan *scan, bat_error *error)
 {
     static const char three[] = "a vertex has 3 coordinates";
-    size_t index = reader->builder.mesh.face_count;
+    size_t index = builder->mesh.face_count;
     bat_status status = expect(scan, index, "vertex", NULL, error);
     if (status != BAT_OK)
         return status;
@@ -159,28 +137,28 @@ static bat_status read_text_vertex(stl_reader *reader, word_scan *scan, bat_erro
             return scan_number_fault(scan, index, three, error);
     if (!scan_line_done(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "%s", three);
-    return add_corner(reader, point) ? BAT_OK : no_memory(reader, error);
+    return add_corner(builder, point) ? BAT_OK : no_memory(builder, error);
 }
 
 /// Read a facet after its first word. Its normal follows from its corners and is skipped.
-static bat_status read_text_facet(stl_reader *reader, word_scan *scan, bat_error *error)
+static bat_status read_text_facet(mesh_builder *builder, word_scan *scan, bat_error *error)
 {
-    size_t index = reader->builder.mesh.face_count;
+    size_t index = builder->mesh.face_count;
     (void)scan_next_line(scan);
     bat_status status = expect(scan, index, "outer", "loop", error);
     for (int c = 0; c < 3 && status == BAT_OK; c++)
-        status = read_text_vertex(reader, scan, error);
+        status = read_text_vertex(builder, scan, error);
     if (status == BAT_OK)
         status = expect(scan, index, "endloop", NULL, error);
     if (status == BAT_OK)
         status = expect(scan, index, "endfacet", NULL, error);
-    if (status == BAT_OK && !mesh_builder_end_face(&reader->builder, 3))
-        status = no_memory(reader, error);
+    if (status == BAT_OK && !mesh_builder_end_face(builder, 3))
+        status = no_memory(builder, error);
     return status;
 }
 
 /// Read one or more solids. Their names are skipped.
-static bat_status read_text(stl_reader *reader, const file_text *text, bat_error *error)
+static bat_status read_text(mesh_builder *builder, const file_text *text, bat_error *error)
 {
     word_scan scan = word_scan_start(text->data, text->size);
     bat_status status = BAT_OK;
@@ -189,7 +167,7 @@ static bat_status read_text(stl_reader *reader, const file_text *text, bat_error
         status = expect(&scan, BAT_NO_INDEX, "solid", NULL, error);
         (void)scan_next_line(&scan);
         while (status == BAT_OK && scan_next_content(&scan) && skip_word(&scan, "facet"))
-            status = read_text_facet(reader, &scan, error);
+            status = read_text_facet(builder, &scan, error);
         if (status == BAT_OK)
             status = expect(&scan, BAT_NO_INDEX, "endsolid", NULL, error);
         (void)scan_next_line(&scan);
@@ -211,17 +189,16 @@ static size_t line_of_facet(const file_text *text, size_t facet)
 
 bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
-    stl_reader reader = {0};
+    mesh_builder builder = {0};
     bool binary = is_binary(text) || !begins_as_text(text);
-    bat_status status = binary ? read_binary(&reader, text, error) : read_text(&reader, text, error);
-    point_table_free(&reader.table);
+    bat_status status = binary ? read_binary(&builder, text, error) : read_text(&builder, text, error);
     if (status != BAT_OK)
     {
-        mesh_builder_free(&reader.builder);
+        mesh_builder_free(&builder);
         return status;
     }
     bat_error found = {.index = BAT_NO_INDEX};
-    status = mesh_builder_finish(&reader.builder, options, mesh, &found);
+    status = mesh_builder_finish(&builder, options, mesh, &found);
     if (status != BAT_OK && !binary && found.index != BAT_NO_INDEX)
         found.line = line_of_facet(text, found.index);
     if (status != BAT_OK && error != NULL)
