@@ -79,7 +79,7 @@ bat_status mesh_labels_carry(const bat_mesh *from, const uint32_t *sources, size
     return copied ? BAT_OK : error_memory(error, count * sizeof *to->face_labels);
 }
 
-bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error)
+bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error)
 {
     bat_mesh names = {.channel_names = from->channel_names, .channel_count = from->channel_count}, copy;
     bat_status status = bat_mesh_copy(&names, &copy, error);
@@ -87,6 +87,14 @@ bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, ba
         return status;
     to->channel_names = copy.channel_names;
     to->channel_count = copy.channel_count;
+    return BAT_OK;
+}
+
+bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error)
+{
+    bat_status status = channels_name(from, to, error);
+    if (status != BAT_OK)
+        return status;
     to->channels = memory_array(vertices, from->channel_count * sizeof *to->channels);
     return to->channels != NULL ? BAT_OK : error_memory(error, vertices * from->channel_count * sizeof *to->channels);
 }

@@ -25,6 +25,9 @@ enum
 char **mesh_label_name(bat_mesh_label *label, int index);
 const char *mesh_label_text(const bat_mesh_label *label, int index);
 
+/// Give a mesh the names of another one's channels.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error);
 /// Give a mesh the names of another one's channels, and room for their values at `vertices` vertices.
 /// @param to receives channels, channel_names and channel_count, which it must not have yet; bat_mesh_free() releases what
 ///           was made, also on failure

@@ -1,7 +1,6 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
-#include "io/mesh/ply_labels.h"
 
 /// @file
 /// Reader of PLY in text and both binary encodings. Vertex properties without another meaning become channels.

@@ -1,7 +1,6 @@
 #include "base/error.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
-#include "io/mesh/ply_labels.h"
 #include "mesh/sides.h"
 
 #include <math.h>

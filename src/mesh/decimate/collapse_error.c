@@ -1,4 +1,5 @@
 #include "mesh/decimate/collapse_error.h"
+
 #include "linalg/vector3.h"
 
 #include <math.h>
@@ -201,4 +202,363 @@ bool error_faces_stay_valid(const error_vertex *vertices, const collapse_ring *r
             return false;
     }
     return true;
+}
+
+// Linear constraints on the new vertex, from volume preservation to the optimization of the shape (1998, section 4). All
+// positions are relative to the middle of the edge.
+
+/// The squared cosine and sine of 1 degree, the angle above which constraints are independent (1998, section 4.1).
+static const double SQUARED_COSINE = 0.99969541350954785, SQUARED_SINE = 0.00030458649045213;
+/// Gradients shorter than this share of the matrix are rounding errors.
+static const double GRADIENT_ROUNDING = 1e-10;
+/// The weights of the volume and of the boundary (1999, section 3).
+static const double VOLUME_WEIGHT = 0.5, BOUNDARY_WEIGHT = 0.5;
+/// The largest distance of the new vertex from the middle, relative to the edge's length.
+static const double MAX_MOVE = 4;
+
+/// A position nearer to an end than this share of the edge's length is that end.
+static const double SAME = 1e-9;
+
+/// Up to three independent equations row . d = right.
+typedef struct constraints
+{
+    double row[3][3], right[3];
+    int count;
+} constraints;
+
+/// Three edges along a boundary or crease: those before, at and after the edge.
+typedef struct curve_chain
+{
+    double point[4][3]; ///< relative to the middle
+    int edges;          ///< 0 away from curves
+} curve_chain;
+
+void memoryless_vertex_set(const collapse_mesh *mesh, error_vertex *vertices, uint32_t vertex)
+{
+    error_vertex *sums = &vertices[vertex];
+    quadric planes = {0};
+    uint32_t first = mesh->first[vertex], h = first;
+    if (first == BAT_MESH_NONE)
+    {
+        sums->planes = planes;
+        return;
+    }
+    double from[3], to[3], normal[3];
+    vector3_subtract(vertices[mesh->corner[bat_mesh_next(h)]].position, sums->position, from);
+    do
+    {
+        uint32_t previous = bat_mesh_previous(h);
+        vector3_subtract(vertices[mesh->corner[previous]].position, sums->position, to);
+        vector3_cross(from, to, normal);
+        quadric_add_plane(&planes, normal, 1);
+        planes.x += normal[0];
+        planes.y += normal[1];
+        planes.z += normal[2];
+        memcpy(from, to, sizeof from);
+        h = mesh->twin[previous];
+    } while (h != BAT_MESH_NONE && h != first);
+    sums->planes = planes;
+}
+
+/// Add an equation if it is independent of the others (1998, section 4.1).
+static void add_constraint(constraints *all, const double *row, double right, double smallest)
+{
+    double square = vector3_dot(row, row);
+    if (!(square > smallest * smallest))
+        return;
+    double normal[3] = {0}, along;
+    switch (all->count)
+    {
+    case 0:
+        break;
+    case 1:
+        along = vector3_dot(all->row[0], row);
+        if (along * along > square * SQUARED_COSINE)
+            return;
+        break;
+    case 2:
+        vector3_cross(all->row[0], all->row[1], normal);
+        along = vector3_dot(normal, row);
+        if (along * along <= vector3_dot(normal, normal) * square * SQUARED_SINE)
+            return;
+        break;
+    default:
+        return;
+    }
+    double scale = 1 / sqrt(square);
+    for (int c = 0; c < 3; c++)
+        all->row[all->count][c] = scale * row[c];
+    all->right[all->count++] = scale * right;
+}
+
+static void multiply(const quadric *q, const double *d, double *product)
+{
+    product[0] = q->xx * d[0] + q->xy * d[1] + q->xz * d[2];
+    product[1] = q->xy * d[0] + q->yy * d[1] + q->yz * d[2];
+    product[2] = q->xz * d[0] + q->yz * d[1] + q->zz * d[2];
+}
+
+/// Add the equations that minimize d^T A d + 2 b^T d within the constraints that are there (1998, section 4.2).
+static void add_minimum(constraints *all, const quadric *q)
+{
+    const double gradient[3] = {q->x, q->y, q->z};
+    double smallest = GRADIENT_ROUNDING * quadric_weight(q), direction[2][3] = {{0}}, row[3];
+    if (!(smallest > 0))
+        return;
+    if (all->count == 0)
+    {
+        const double rows[3][3] = {{q->xx, q->xy, q->xz}, {q->xy, q->yy, q->yz}, {q->xz, q->yz, q->zz}};
+        for (int c = 0; c < 3; c++)
+            add_constraint(all, rows[c], -gradient[c], smallest);
+        return;
+    }
+    int directions = 3 - all->count;
+    if (directions == 2)
+    {
+        const double *a = all->row[0];
+        int least = fabs(a[0]) < fabs(a[1]) ? 0 : 1;
+        least = fabs(a[2]) < fabs(a[least]) ? 2 : least;
+        double axis[3] = {0};
+        axis[least] = 1;
+        vector3_cross(a, axis, direction[0]);
+        vector3_cross(a, direction[0], direction[1]);
+    }
+    else if (directions == 1)
+        vector3_cross(all->row[0], all->row[1], direction[0]);
+    for (int k = 0; k < directions; k++)
+    {
+        multiply(q, direction[k], row);
+        add_constraint(all, row, -vector3_dot(direction[k], gradient), smallest);
+    }
+}
+
+/// Solve three equations by Cramer's rule.
+static void solve(const constraints *all, double *d)
+{
+    double product[3][3];
+    for (int k = 0; k < 3; k++)
+        vector3_cross(all->row[(k + 1) % 3], all->row[(k + 2) % 3], product[k]);
+    double determinant = vector3_dot(all->row[0], product[0]);
+    for (int c = 0; c < 3; c++)
+        d[c] = (all->right[0] * product[0][c] + all->right[1] * product[1][c] + all->right[2] * product[2][c]) / determinant;
+}
+
+/// |along|^2 I - along along^T, the matrix of the squared length of along x d (1998, section 4.3), and along x normal.
+static void add_edge_area(quadric *sum, const double *along, const double *normal, double weight)
+{
+    double square = vector3_dot(along, along), gradient[3];
+    vector3_cross(along, normal, gradient);
+    sum->xx += weight * (square - along[0] * along[0]);
+    sum->yy += weight * (square - along[1] * along[1]);
+    sum->zz += weight * (square - along[2] * along[2]);
+    sum->xy -= weight * along[0] * along[1];
+    sum->xz -= weight * along[0] * along[2];
+    sum->yz -= weight * along[1] * along[2];
+    sum->x += weight * gradient[0];
+    sum->y += weight * gradient[1];
+    sum->z += weight * gradient[2];
+}
+
+/// The vertex next to `vertex` on its curve, on the other side than `other`; BAT_MESH_NONE at the end of a curve.
+static uint32_t next_on_curve(const collapse_mesh *mesh, uint32_t vertex, uint32_t other)
+{
+    uint32_t first = mesh->first[vertex], h = first, found = BAT_MESH_NONE;
+    do
+    {
+        uint32_t previous = bat_mesh_previous(h);
+        const uint32_t edge[2] = {h, previous}, end[2] = {mesh->corner[bat_mesh_next(h)], mesh->corner[previous]};
+        for (int k = 0; k < 2; k++)
+            if (end[k] != other && end[k] != found && collapse_edge_is_curve(mesh, mesh->edge[edge[k]]))
+            {
+                if (found != BAT_MESH_NONE)
+                    return BAT_MESH_NONE;
+                found = end[k];
+            }
+        h = mesh->twin[previous];
+    } while (h != BAT_MESH_NONE && h != first);
+    return found;
+}
+
+/// The curve's edges around an edge of it.
+static curve_chain chain_of(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *middle)
+{
+    curve_chain chain = {.edges = 0};
+    if (!collapse_edge_is_curve(mesh, edge))
+        return chain;
+    uint32_t h = mesh->half_edge[edge], i = mesh->corner[h], j = mesh->corner[bat_mesh_next(h)];
+    const uint32_t vertex[4] = {next_on_curve(mesh, i, j), i, j, next_on_curve(mesh, j, i)};
+    int count = 0;
+    for (int k = 0; k < 4; k++)
+        if (vertex[k] != BAT_MESH_NONE)
+            vector3_subtract(vertices[vertex[k]].position, middle, chain.point[count++]);
+    chain.edges = count - 1;
+    return chain;
+}
+
+/// The sum of squared areas between the chain's edges and a point, by twice the sum's matrix about the middle, and the
+/// preservation of their sum. `constant` receives its value at the middle.
+static quadric chain_areas(const curve_chain *chain, constraints *all)
+{
+    quadric sum = {0}, whole = {0};
+    double total[3] = {0}, total_normal[3] = {0}, along[3], normal[3];
+    for (int k = 0; k < chain->edges; k++)
+    {
+        vector3_subtract(chain->point[k + 1], chain->point[k], along);
+        vector3_cross(chain->point[k + 1], chain->point[k], normal);
+        add_edge_area(&sum, along, normal, 1);
+        sum.constant += vector3_dot(normal, normal);
+        for (int c = 0; c < 3; c++)
+        {
+            total[c] += along[c];
+            total_normal[c] += normal[c];
+        }
+    }
+    add_edge_area(&whole, total, total_normal, 1);
+    add_minimum(all, &whole);
+    return sum;
+}
+
+/// The sums of both ends, with the faces that they share counted once.
+static quadric faces_of_edge(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *half)
+{
+    uint32_t h = mesh->half_edge[edge];
+    const error_vertex *a = &vertices[mesh->corner[h]], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
+    double of_a[3], of_b[3], along[3], aside[3], normal[3];
+    multiply(&a->planes, half, of_a);
+    multiply(&b->planes, half, of_b);
+    quadric sum = quadric_sum(&a->planes, &b->planes);
+    sum.x = of_a[0] - of_b[0];
+    sum.y = of_a[1] - of_b[1];
+    sum.z = of_a[2] - of_b[2];
+    sum.constant = vector3_dot(half, of_a) + vector3_dot(half, of_b);
+    vector3_subtract(b->position, a->position, along);
+    for (uint32_t side = h; side != BAT_MESH_NONE; side = side == h ? mesh->twin[h] : BAT_MESH_NONE)
+    {
+        vector3_subtract(vertices[mesh->corner[bat_mesh_previous(side)]].position, a->position, aside);
+        vector3_cross(along, aside, normal);
+        quadric_add_plane(&sum, normal, -1);
+    }
+    return sum;
+}
+
+/// The volume stays: the sum of the normals times d equals that at the middle.
+static void preserve_volume(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge, const double *half,
+                            double smallest, constraints *all)
+{
+    uint32_t h = mesh->half_edge[edge];
+    const error_vertex *a = &vertices[mesh->corner[h]], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
+    const double of_a[3] = {a->planes.x, a->planes.y, a->planes.z}, of_b[3] = {b->planes.x, b->planes.y, b->planes.z};
+    double along[3], aside[3], normal[3], sum[3];
+    for (int c = 0; c < 3; c++)
+        sum[c] = of_a[c] + of_b[c];
+    vector3_subtract(b->position, a->position, along);
+    for (uint32_t side = h; side != BAT_MESH_NONE; side = side == h ? mesh->twin[h] : BAT_MESH_NONE)
+    {
+        double sign = side == h ? -1 : 1;
+        vector3_subtract(vertices[mesh->corner[bat_mesh_previous(side)]].position, a->position, aside);
+        vector3_cross(along, aside, normal);
+        for (int c = 0; c < 3; c++)
+            sum[c] += sign * normal[c];
+    }
+    add_constraint(all, sum, vector3_dot(of_b, half) - vector3_dot(of_a, half), smallest);
+}
+
+/// The squared distances from the vertices around an edge.
+static quadric neighbours_of_edge(const collapse_mesh *mesh, const error_vertex *vertices, uint32_t edge,
+                                  const double *middle)
+{
+    uint32_t h = mesh->half_edge[edge];
+    const uint32_t ends[2] = {mesh->corner[h], mesh->corner[bat_mesh_next(h)]};
+    quadric sum = {0};
+    for (int end = 0; end < 2; end++)
+    {
+        uint32_t first = mesh->first[ends[end]], at = first;
+        do
+        {
+            uint32_t neighbour = mesh->corner[bat_mesh_next(at)];
+            if (neighbour != ends[1 - end])
+            {
+                double to[3];
+                vector3_subtract(vertices[neighbour].position, middle, to);
+                sum.xx++;
+                sum.yy++;
+                sum.zz++;
+                sum.x -= to[0];
+                sum.y -= to[1];
+                sum.z -= to[2];
+            }
+            at = mesh->twin[bat_mesh_previous(at)];
+        } while (at != BAT_MESH_NONE && at != first);
+    }
+    return sum;
+}
+
+/// The position middle + offset; an end of the edge where it is that but for rounding errors, so that corners stay exactly.
+static void place_at(const error_vertex *a, const error_vertex *b, const double *half, const double *middle,
+                     const double *offset, double *position)
+{
+    double from_a = 0, from_b = 0, square = SAME * SAME * vector3_dot(half, half);
+    for (int c = 0; c < 3; c++)
+    {
+        from_a += (offset[c] + half[c]) * (offset[c] + half[c]);
+        from_b += (offset[c] - half[c]) * (offset[c] - half[c]);
+        position[c] = middle[c] + offset[c];
+    }
+    if (from_a <= square || from_b <= square)
+        memcpy(position, from_a <= from_b ? a->position : b->position, sizeof a->position);
+}
+
+error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *vertices, const attributes *fields,
+                                 uint32_t edge, uint32_t kept)
+{
+    uint32_t h = mesh->half_edge[edge], i = mesh->corner[h];
+    const error_vertex *a = &vertices[i], *b = &vertices[mesh->corner[bat_mesh_next(h)]];
+    double half[3], middle[3], offset[3] = {0};
+    for (int c = 0; c < 3; c++)
+    {
+        half[c] = (b->position[c] - a->position[c]) / 2;
+        middle[c] = a->position[c] + half[c];
+    }
+    constraints all = {.count = 0};
+    double square = 4 * vector3_dot(half, half);
+    quadric error = faces_of_edge(mesh, vertices, edge, half);
+    double weight = quadric_weight(&error);
+    curve_chain chain = chain_of(mesh, vertices, edge, middle);
+    if (chain.edges > 0)
+    {
+        quadric areas = chain_areas(&chain, &all);
+        double share = 9 * BOUNDARY_WEIGHT / VOLUME_WEIGHT * square;
+        double *to = &error.xx, *from = &areas.xx;
+        for (size_t k = 0; k < sizeof error / sizeof *to; k++)
+            to[k] += share * from[k];
+    }
+    error_placement placed;
+    if (kept == BAT_MESH_NONE)
+    {
+        preserve_volume(mesh, vertices, edge, half, GRADIENT_ROUNDING * sqrt(fmax(weight, 0)), &all);
+        if (all.count < 3)
+            add_minimum(&all, &error);
+        if (all.count < 3)
+        {
+            quadric neighbours = neighbours_of_edge(mesh, vertices, edge, middle);
+            add_minimum(&all, &neighbours);
+        }
+        if (all.count == 3)
+            solve(&all, offset);
+        if (all.count < 3 || !(vector3_dot(offset, offset) <= MAX_MOVE * MAX_MOVE * square))
+            memset(offset, 0, sizeof offset);
+        place_at(a, b, half, middle, offset, placed.position);
+    }
+    else
+    {
+        for (int c = 0; c < 3; c++)
+            offset[c] = kept == i ? -half[c] : half[c];
+        memcpy(placed.position, vertices[kept].position, sizeof placed.position);
+    }
+    placed.error = fmax(quadric_error(&error, offset), 0) + LENGTH_SHARE * weight * square;
+    quadric of_values;
+    double of_weights;
+    if (attributes_error(fields, mesh, edge, half, kept, &of_values, &of_weights) && of_weights > 0)
+        placed.error += fmax(quadric_error(&of_values, offset), 0) * weight / of_weights;
+    return placed;
 }

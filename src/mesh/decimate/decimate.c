@@ -13,7 +13,6 @@
 #include "mesh/decimate/edge_queue.h"
 #include "mesh/decimate/flatten.h"
 #include "mesh/decimate/map.h"
-#include "mesh/decimate/memoryless.h"
 #include "mesh/decimate/tolerance.h"
 #include "mesh/labels.h"
 

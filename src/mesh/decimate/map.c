@@ -1,5 +1,6 @@
 #include "mesh/decimate/map.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -48,36 +49,20 @@ bat_status map_make(size_t fine_faces, bat_mesh_map **map, bat_error *error)
     return BAT_OK;
 }
 
-/// Reallocate an array for `room` elements. False when out of memory.
-static bool grow(void **array, size_t size, size_t room)
+/// Release unused memory of an array. False when that fails; the array then remains.
+static bool shrink(void **array, size_t size, size_t count)
 {
-    void *grown = realloc(*array, room * size);
-    if (grown != NULL)
-        *array = grown;
-    return grown != NULL;
+    void *made = realloc(*array, count * size);
+    if (made != NULL)
+        *array = made;
+    return made != NULL;
 }
 
 static bool reserve(bat_mesh_map *map, size_t entries, size_t points)
 {
-    if (map->collapse_count == map->collapse_room)
-    {
-        map->collapse_room = map->collapse_room * 2 + 256;
-        if (!grow((void **)&map->collapses, sizeof *map->collapses, map->collapse_room))
-            return false;
-    }
-    if (map->entry_count + entries > map->entry_room)
-    {
-        map->entry_room = map->entry_room * 2 + entries + 1024;
-        if (!grow((void **)&map->half_edge, sizeof *map->half_edge, map->entry_room))
-            return false;
-    }
-    if (map->point_count + points > map->point_room)
-    {
-        map->point_room = map->point_room * 2 + points + 1024;
-        if (!grow((void **)&map->points, 2 * sizeof *map->points, map->point_room))
-            return false;
-    }
-    return true;
+    return ARRAY_GROW(map->collapses, map->collapse_room, map->collapse_count + 1) &&
+           ARRAY_GROW(map->half_edge, map->entry_room, map->entry_count + entries) &&
+           ARRAY_GROW(map->points, map->point_room, 2 * (map->point_count + points));
 }
 
 bat_status map_append(bat_mesh_map *map, const collapse_ring *ring, const double (*flat)[2], bat_error *error)
@@ -139,9 +124,9 @@ bat_status map_finish(bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *c
     if (status != BAT_OK)
         return status;
     // If shrinking fails, the larger arrays remain.
-    (void)(map->collapse_count > 0 && grow((void **)&map->collapses, sizeof *map->collapses, map->collapse_count) &&
-           grow((void **)&map->half_edge, sizeof *map->half_edge, map->entry_count) &&
-           grow((void **)&map->points, 2 * sizeof *map->points, map->point_count));
+    (void)(map->collapse_count > 0 && shrink((void **)&map->collapses, sizeof *map->collapses, map->collapse_count) &&
+           shrink((void **)&map->half_edge, sizeof *map->half_edge, map->entry_count) &&
+           shrink((void **)&map->points, 2 * sizeof *map->points, map->point_count));
     map_link(map);
     map->fine_vertices = fine->vertex_count;
     map->fine_digest = map_digest(fine);

@@ -406,37 +406,6 @@ static bat_status split_step(const refinement *work, const mesh_scheme *scheme, 
     return status == BAT_OK ? split_level(work, scheme, last, next, error) : status;
 }
 
-/// One level of square-root-three subdivision, number `level`.
-static bat_status sqrt3_step(const refinement *work, size_t level, bool last, refined_level *next, bat_error *error)
-{
-    const bat_mesh *mesh = &work->now.mesh;
-    int threads = work->plan->options.threads;
-    size_t channels = mesh->channel_count;
-    sqrt3_plan plan;
-    bat_status status = sqrt3_plan_make(mesh->faces, &work->now.links, level % 2 == 1, &plan, error);
-    if (status != BAT_OK)
-        return status;
-    next->mesh.vertex_count = plan.vertex_count;
-    next->mesh.face_count = 3 * mesh->face_count;
-    next->mesh.positions = memory_array(plan.vertex_count, 3 * sizeof *next->mesh.positions);
-    next->mesh.faces = memory_array(next->mesh.face_count, 3 * sizeof *next->mesh.faces);
-    if (channels > 0)
-        next->mesh.channels = memory_array(plan.vertex_count, channels * sizeof *next->mesh.channels);
-    if (next->mesh.positions == NULL || next->mesh.faces == NULL || (channels > 0 && next->mesh.channels == NULL))
-        status = error_memory(error, next->mesh.face_count * 3 * sizeof *next->mesh.faces);
-    else
-    {
-        sqrt3_rule(&plan, mesh->positions, next->mesh.positions, 3, threads);
-        if (channels > 0)
-            sqrt3_rule(&plan, mesh->channels, next->mesh.channels, channels, threads);
-        sqrt3_faces(&plan, threads, next->mesh.faces);
-    }
-    sqrt3_plan_free(&plan);
-    if (status == BAT_OK && !last)
-        status = bat_mesh_connect(&next->mesh, &next->links, error);
-    return status;
-}
-
 /// Compute the positions of all vertices of `next`, the last learned level, by the learned rule.
 static bat_status learn_positions(const refinement *work, refined_level *next, bat_error *error)
 {
@@ -503,8 +472,12 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         status = sharpness_chaikin(&now, &work->now.child_sharpness, error);
     if (status == BAT_OK && !scheme->turns)
         status = sharp_list_make(&now, &work->now.sharp, error);
-    if (status == BAT_OK)
-        status = scheme->turns ? sqrt3_step(work, level, last, &next, error) : split_step(work, scheme, last, &next, error);
+    if (status == BAT_OK && scheme->turns)
+        status = sqrt3_refine(&work->now.mesh, &work->now.links, level % 2 == 1, plan->options.threads, &next.mesh, error);
+    else if (status == BAT_OK)
+        status = split_step(work, scheme, last, &next, error);
+    if (status == BAT_OK && scheme->turns && !last)
+        status = bat_mesh_connect(&next.mesh, &next.links, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
     if (status != BAT_OK)
@@ -607,15 +580,6 @@ static bat_status run_levels(refinement *work, bat_error *error)
     return status;
 }
 
-static bat_status copy_names(const bat_mesh *coarse, bat_mesh *fine, bat_error *error)
-{
-    bat_mesh names = {.channel_names = coarse->channel_names, .channel_count = coarse->channel_count}, copy;
-    bat_status status = bat_mesh_copy(&names, &copy, error);
-    if (status == BAT_OK)
-        fine->channel_names = copy.channel_names;
-    return status;
-}
-
 /// Hand the limit normals to the caller.
 static void give_normals(refinement *work)
 {
@@ -679,7 +643,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
     if (status == BAT_OK)
         status = leave_out(&work, sides, error);
     if (status == BAT_OK)
-        status = copy_names(coarse, &work.now.mesh, error);
+        status = channels_name(coarse, &work.now.mesh, error);
     if (status == BAT_OK && work.now.sides.quads)
         status = number_quads(&work.now.mesh, error);
     if (status == BAT_OK)
@@ -784,8 +748,7 @@ static bat_status refine_adaptively(const bat_mesh *coarse, const mesh_sides *si
     bat_status status = adaptive_refine(coarse, sides, options, &made, error);
     if (status != BAT_OK)
         return status;
-    made.channel_count = coarse->channel_count;
-    status = copy_names(coarse, &made, error);
+    status = channels_name(coarse, &made, error);
     if (status == BAT_OK)
         *fine = made;
     else

@@ -12,6 +12,16 @@
 
 static const double PI = 3.14159265358979323846;
 
+/// One level of square-root-three subdivision.
+typedef struct sqrt3_plan
+{
+    const uint32_t *faces;
+    const bat_mesh_connectivity *links;
+    uint32_t *new_vertex; ///< for each face: its first new vertex
+    size_t vertex_count;  ///< the number of vertices of the next level
+    bool cut;             ///< whether boundary edges are trisected
+} sqrt3_plan;
+
 /// The boundary half-edge of a face whose edge is trisected; BAT_MESH_NONE for a face that gets an interior vertex.
 static uint32_t cut_edge(const sqrt3_plan *plan, uint32_t face)
 {
@@ -21,8 +31,8 @@ static uint32_t cut_edge(const sqrt3_plan *plan, uint32_t face)
     return BAT_MESH_NONE;
 }
 
-bat_status sqrt3_plan_make(const uint32_t *faces, const bat_mesh_connectivity *links, bool cut, sqrt3_plan *plan,
-                           bat_error *error)
+static bat_status sqrt3_plan_make(const uint32_t *faces, const bat_mesh_connectivity *links, bool cut, sqrt3_plan *plan,
+                                  bat_error *error)
 {
     *plan = (sqrt3_plan){.faces = faces, .links = links, .cut = cut};
     plan->new_vertex = memory_array(links->face_count, sizeof *plan->new_vertex);
@@ -36,12 +46,6 @@ bat_status sqrt3_plan_make(const uint32_t *faces, const bat_mesh_connectivity *l
     }
     plan->vertex_count = next;
     return BAT_OK;
-}
-
-void sqrt3_plan_free(sqrt3_plan *plan)
-{
-    free(plan->new_vertex);
-    *plan = (sqrt3_plan){0};
 }
 
 /// The new vertex in the face of a half-edge, at the end of the edge that crosses it.
@@ -79,7 +83,8 @@ static void faces_range(const void *context, size_t begin, size_t end)
     }
 }
 
-void sqrt3_faces(const sqrt3_plan *plan, int threads, uint32_t *fine)
+/// Write the 3 x face_count faces of the next level.
+static void sqrt3_faces(const sqrt3_plan *plan, int threads, uint32_t *fine)
 {
     faces_job job = {plan, fine};
     mesh_share(faces_range, &job, plan->links->face_count, threads);
@@ -192,9 +197,37 @@ static void face_range(const void *context, size_t begin, size_t end)
     }
 }
 
-void sqrt3_rule(const sqrt3_plan *plan, const double *from, double *to, size_t dim, int threads)
+/// Compute the values at the vertices of the next level.
+static void sqrt3_rule(const sqrt3_plan *plan, const double *from, double *to, size_t dim, int threads)
 {
     rows_job job = {plan, from, to, dim};
     mesh_share(vertex_range, &job, plan->links->vertex_count, threads);
     mesh_share(face_range, &job, plan->links->face_count, threads);
+}
+
+bat_status sqrt3_refine(const bat_mesh *mesh, const bat_mesh_connectivity *links, bool cut, int threads, bat_mesh *fine,
+                        bat_error *error)
+{
+    size_t channels = mesh->channel_count;
+    sqrt3_plan plan;
+    bat_status status = sqrt3_plan_make(mesh->faces, links, cut, &plan, error);
+    if (status != BAT_OK)
+        return status;
+    fine->vertex_count = plan.vertex_count;
+    fine->face_count = 3 * mesh->face_count;
+    fine->positions = memory_array(plan.vertex_count, 3 * sizeof *fine->positions);
+    fine->faces = memory_array(fine->face_count, 3 * sizeof *fine->faces);
+    if (channels > 0)
+        fine->channels = memory_array(plan.vertex_count, channels * sizeof *fine->channels);
+    if (fine->positions == NULL || fine->faces == NULL || (channels > 0 && fine->channels == NULL))
+        status = error_memory(error, fine->face_count * 3 * sizeof *fine->faces);
+    else
+    {
+        sqrt3_rule(&plan, mesh->positions, fine->positions, 3, threads);
+        if (channels > 0)
+            sqrt3_rule(&plan, mesh->channels, fine->channels, channels, threads);
+        sqrt3_faces(&plan, threads, fine->faces);
+    }
+    free(plan.new_vertex);
+    return status;
 }
