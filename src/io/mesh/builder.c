@@ -306,7 +306,7 @@ static bat_mesh take_mesh(mesh_builder *builder)
     mesh.face_labels = trim(mesh.face_labels, labels, sizeof *mesh.face_labels);
     mesh.labels = builder->labels.labels;
     mesh.label_count = builder->labels.count;
-    free(builder->labels.slots);
+    key_map_free(&builder->labels.numbers);
     point_table_free(&builder->points);
     point_table_free(&builder->texture_table);
     free(builder->texture_keys);

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /// @file
-/// A hash table with linear probing; its keys are the names of labels.
+/// Labels by the hashes of their names.
 
 static void label_free(bat_mesh_label *label)
 {
@@ -19,73 +19,45 @@ void label_table_free(label_table *table)
     for (size_t i = 0; i < table->count; i++)
         label_free(&table->labels[i]);
     free(table->labels);
-    free(table->slots);
+    key_map_free(&table->numbers);
     *table = (label_table){0};
 }
 
-static uint64_t hash_names(const label_name names[MESH_LABEL_NAMES])
+static uint64_t hash_label(const bat_mesh_label *label)
 {
     uint64_t hash = HASH_BEGIN;
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
     {
-        hash = hash_bytes(hash, &names[k].size, sizeof names[k].size);
-        if (names[k].begin != NULL)
-            hash = hash_bytes(hash, names[k].begin, names[k].size);
+        const char *text = mesh_label_text(label, k);
+        size_t size = text != NULL ? strlen(text) : SIZE_MAX;
+        hash = hash_bytes(hash, &size, sizeof size);
+        if (text != NULL)
+            hash = hash_bytes(hash, text, size);
     }
     return hash;
 }
 
-static bool has_names(const bat_mesh_label *label, const label_name names[MESH_LABEL_NAMES])
+static bool same_label(const bat_mesh_label *a, const bat_mesh_label *b)
 {
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
     {
-        const char *text = mesh_label_text(label, k);
-        if ((text == NULL) != (names[k].begin == NULL))
-            return false;
-        if (text != NULL && (strlen(text) != names[k].size || memcmp(text, names[k].begin, names[k].size) != 0))
+        const char *x = mesh_label_text(a, k), *y = mesh_label_text(b, k);
+        if ((x == NULL) != (y == NULL) || (x != NULL && strcmp(x, y) != 0))
             return false;
     }
     return true;
 }
 
-/// Put a label number into its slot.
-static void put(label_table *table, uint32_t number)
+/// The place of a label's number in the map, UINT32_MAX for a new label. Labels of equal hashes follow one another. Null
+/// when out of memory.
+static uint32_t *place_of(label_table *table, const bat_mesh_label *label)
 {
-    label_name names[MESH_LABEL_NAMES] = {{0}};
-    for (int k = 0; k < MESH_LABEL_NAMES; k++)
+    for (uint64_t key = hash_label(label);; key++)
     {
-        const char *text = mesh_label_text(&table->labels[number], k);
-        if (text != NULL)
-            names[k] = (label_name){text, strlen(text)};
+        uint32_t *place = key_map_at(&table->numbers, key != KEY_MAP_NO_KEY ? key : 0);
+        if (place == NULL || *place == UINT32_MAX || same_label(&table->labels[*place], label))
+            return place;
     }
-    size_t slot = (size_t)hash_names(names) & (table->slot_count - 1);
-    while (table->slots[slot] != BAT_MESH_NONE)
-        slot = (slot + 1) & (table->slot_count - 1);
-    table->slots[slot] = number;
-}
-
-/// Keep at least half of the slots empty. False when out of memory.
-static bool reserve_slots(label_table *table, size_t count)
-{
-    enum
-    {
-        FIRST_SLOTS = 16
-    };
-    size_t wanted = table->slot_count > 0 ? table->slot_count : FIRST_SLOTS;
-    while (wanted / 2 < count)
-        wanted *= 2;
-    if (wanted == table->slot_count)
-        return true;
-    uint32_t *slots = memory_array(wanted, sizeof *slots);
-    if (slots == NULL)
-        return false;
-    memset(slots, 0xff, wanted * sizeof *slots);
-    free(table->slots);
-    table->slots = slots;
-    table->slot_count = wanted;
-    for (uint32_t i = 0; i < table->count; i++)
-        put(table, i);
-    return true;
 }
 
 /// The number of bytes of the UTF-8 character at `at` (RFC 3629); 0 for none.
@@ -131,28 +103,20 @@ char *label_name_copy(label_name name)
 uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_NAMES])
 {
     bat_mesh_label label = {0};
-    label_name copies[MESH_LABEL_NAMES] = {{0}};
-    bool room = reserve_slots(table, table->count + 1) && ARRAY_GROW(table->labels, table->capacity, table->count + 1);
+    bool room = ARRAY_GROW(table->labels, table->capacity, table->count + 1);
     for (int k = 0; k < MESH_LABEL_NAMES && room; k++)
-    {
-        if (names[k].begin == NULL)
-            continue;
-        char *copy = label_name_copy(names[k]);
-        room = copy != NULL;
-        *mesh_label_name(&label, k) = copy;
-        copies[k] = (label_name){copy, room ? strlen(copy) : 0};
-    }
-    uint32_t found = BAT_MESH_NONE;
-    for (size_t slot = room ? (size_t)hash_names(copies) & (table->slot_count - 1) : 0;
-         room && found == BAT_MESH_NONE && table->slots[slot] != BAT_MESH_NONE; slot = (slot + 1) & (table->slot_count - 1))
-        if (has_names(&table->labels[table->slots[slot]], copies))
-            found = table->slots[slot];
-    if (!room || found != BAT_MESH_NONE)
+        if (names[k].begin != NULL)
+        {
+            *mesh_label_name(&label, k) = label_name_copy(names[k]);
+            room = mesh_label_text(&label, k) != NULL;
+        }
+    uint32_t *place = room ? place_of(table, &label) : NULL;
+    if (place == NULL || *place != UINT32_MAX)
     {
         label_free(&label);
-        return found;
+        return place != NULL ? *place : BAT_MESH_NONE;
     }
-    table->labels[table->count] = label;
-    put(table, (uint32_t)table->count);
-    return (uint32_t)table->count++;
+    *place = (uint32_t)table->count;
+    table->labels[table->count++] = label;
+    return *place;
 }

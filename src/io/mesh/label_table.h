@@ -1,6 +1,7 @@
 #ifndef IO_MESH_LABEL_TABLE_H
 #define IO_MESH_LABEL_TABLE_H
 
+#include "mesh/key_map.h"
 #include "mesh/labels.h"
 
 /// @file
@@ -13,13 +14,12 @@ typedef struct label_name
     size_t size;
 } label_name;
 
-/// A hash table of labels. All zero: empty.
+/// Labels without repetition. All zero: empty.
 typedef struct label_table
 {
     bat_mesh_label *labels;
     size_t count, capacity;
-    uint32_t *slots; ///< label numbers; BAT_MESH_NONE marks an empty slot
-    size_t slot_count;
+    key_map numbers; ///< by hashes of labels
 } label_table;
 
 /// A copy of a name in UTF-8, up to its first zero byte. Other bytes are taken for Latin-1, and control characters become
