@@ -357,12 +357,12 @@ static void test_normals_point_outwards(void **state)
 static void test_ring_weights(void **state)
 {
     (void)state;
-    check_near(loop_ring_weight(3), 3.0 / 16, 1e-16);
-    check_near(loop_ring_weight(4), (40 - 9) / 64.0 / 4, 1e-16);
-    check_near(loop_ring_weight(6), 1.0 / 16, 0);
+    check_near(loop_smooth_mask(3).ring, 3.0 / 16, 1e-16);
+    check_near(loop_smooth_mask(4).ring, (40 - 9) / 64.0 / 4, 1e-16);
+    check_near(loop_smooth_mask(6).ring, 1.0 / 16, 0);
     // The tabulated weight of a regular vertex is that of the formula.
     double root = 3 + 2 * cos(6.283185307179586 / 6);
-    check_near(loop_ring_weight(6), (40 - root * root) / 64 / 6, 1e-16);
+    check_near(loop_smooth_mask(6).ring, (40 - root * root) / 64 / 6, 1e-16);
 }
 
 int main(void)

@@ -481,7 +481,7 @@ static bat_status call_mesh_decimate(const void *options, digest *result, bat_er
     bat_mesh_free(&fine);
     if (status == BAT_OK)
     {
-        *result = digest_of_mesh(&coarse) + mesh_map_size(map).collapses;
+        *result = digest_of_mesh(&coarse) + map->collapse_count;
         bat_mesh_map_free(map);
         return status;
     }

@@ -147,12 +147,6 @@ bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_me
     return BAT_OK;
 }
 
-mesh_map_sizes mesh_map_size(const bat_mesh_map *map)
-{
-    return (mesh_map_sizes){map->fine_vertices, map->fine_faces, map->coarse_vertices, map->coarse_faces,
-                            map->collapse_count};
-}
-
 // Carrying points
 
 /// Find the face of a fan that contains a point of the plane: the faces from the apex to ring[k] and ring[k + 1], for

@@ -96,15 +96,4 @@ bat_status map_inspect(const bat_mesh_map *map, bat_error *error);
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error);
 
-/// The numbers of vertices and faces of the meshes of a map.
-typedef struct mesh_map_sizes
-{
-    size_t fine_vertices, fine_faces;
-    size_t coarse_vertices, coarse_faces;
-    size_t collapses;
-} mesh_map_sizes;
-
-/// The sizes of a map.
-mesh_map_sizes mesh_map_size(const bat_mesh_map *map);
-
 #endif

@@ -18,7 +18,8 @@
 /// "Piecewise smooth surface reconstruction" (1994). One rule differs: the vertex of a crease edge is always its midpoint,
 /// so every crease is a cubic B-spline. Semi-sharp creases blend the rules of two levels as OpenSubdiv does.
 
-double loop_ring_weight(unsigned valence)
+/// The weight b of each neighbour in Loop's rule for a smooth vertex (Loop, 1987).
+static double ring_weight(unsigned valence)
 {
     enum
     {
@@ -32,7 +33,7 @@ double loop_ring_weight(unsigned valence)
 
 vertex_mask loop_smooth_mask(unsigned valence)
 {
-    double ring = loop_ring_weight(valence);
+    double ring = ring_weight(valence);
     return (vertex_mask){.own = 1 - valence * ring, .ring = ring};
 }
 
@@ -255,12 +256,12 @@ void loop_rule(const mesh_rows *rows, int threads)
 // B-splines with (1, 4, 1) / 6.
 
 /// The weight w of each neighbour in the limit position of a smooth vertex.
-static double limit_ring_weight(unsigned valence)
+static double limit_weight(unsigned valence)
 {
-    return 1 / (valence + 3 / (8 * loop_ring_weight(valence)));
+    return 1 / (valence + 3 / (8 * ring_weight(valence)));
 }
 
-/// The limit weights around a dart, whose sharp edge leads to neighbour 0. With b = loop_ring_weight() and weight 1 for the
+/// The limit weights around a dart, whose sharp edge leads to neighbour 0. With b = ring_weight() and weight 1 for the
 /// vertex, 5 w_i - w_(i-1) - w_(i+1) = 8 b for 0 < i < n, without the terms w_0 and w_n, and w_0 = 2 b + (w_1 + w_(n-1))
 /// / 4.
 typedef struct dart_weights
@@ -280,7 +281,7 @@ static double dart_weight(const dart_weights *dart, unsigned i)
 
 static dart_weights dart_make(unsigned valence)
 {
-    dart_weights dart = {valence, loop_ring_weight(valence), 1};
+    dart_weights dart = {valence, ring_weight(valence), 1};
     for (unsigned i = 0; i < valence; i++)
         dart.total += dart_weight(&dart, i);
     return dart;
@@ -293,7 +294,7 @@ static void inner_limit(const mesh_rows *rows, uint32_t vertex, const sharp_vert
     bool is_dart = sharp->kind == SHARP_DART;
     unsigned valence = mesh_valence(level, vertex);
     dart_weights dart = is_dart ? dart_make(valence) : (dart_weights){0};
-    double ring = is_dart ? 0 : limit_ring_weight(valence);
+    double ring = is_dart ? 0 : limit_weight(valence);
     double own = is_dart ? 1 / dart.total : 1 - valence * ring;
     uint32_t h = is_dart ? mesh_half_edge_to(level, vertex, sharp->ends[0]) : level->links->first[vertex];
     const double *from = rows->from + vertex * dim;
@@ -358,7 +359,7 @@ static void side_normal(const normal_job *job, uint32_t half_edge, unsigned face
 
 static void multiply_dart(unsigned valence, const double *row, double *product)
 {
-    double ring = loop_ring_weight(valence);
+    double ring = ring_weight(valence);
     const double *from = row + 1;
     double *to = product + 1;
     product[0] = row[0] * (1 - valence * ring) + from[0] / 2;

@@ -9,9 +9,6 @@
 /// Compute the limit positions of a level's vertices on Loop's surface; `to` has as many rows as `from`.
 void loop_limit(const mesh_rows *rows, int threads);
 
-/// The weight b of each neighbour in Loop's rule for a smooth vertex (Loop, 1987).
-double loop_ring_weight(unsigned valence);
-
 /// The weights of Loop's rule for a smooth vertex.
 vertex_mask loop_smooth_mask(unsigned valence);
 
