@@ -72,23 +72,8 @@ static void add_whole(iges_file *file, size_t value, char delimiter)
 /// Real numbers need a decimal point, those of double precision the letter D.
 static void add_real(iges_file *file, double value, char delimiter)
 {
-    char digits[NUMBER_SIZE], text[NUMBER_SIZE + 2];
-    size_t made = 0;
-    bool point = false;
-    const char *end = number_write(digits, value);
-    for (const char *c = digits; c < end; c++)
-    {
-        point = point || *c == '.';
-        if (*c == 'e' && !point)
-        {
-            text[made++] = '.';
-            point = true;
-        }
-        text[made++] = *c == 'e' ? 'D' : *c;
-    }
-    if (!point)
-        text[made++] = '.';
-    text[made] = '\0';
+    char text[NUMBER_SIZE];
+    *model_real(text, value, 'D') = '\0';
     add_text(file, text, delimiter);
 }
 
@@ -271,21 +256,14 @@ static bat_status write_trimmed(iges_file *file, const trimmed_model *model, uns
 static unsigned append_global(text_buffer *text, bat_surface_unit unit, const trimmed_model *model)
 {
     static const char *const UNITS[] = {"2,2HMM", "2,2HMM", "6,1HM", "1,4HINCH"}; // by bat_surface_unit
-    // The digits of a power of ten, without the locale's separator.
     char tolerance[NUMBER_SIZE], name[32], global[400];
-    *number_write(tolerance, model->tolerance) = '\0';
-    char *exponent = strchr(tolerance, 'e');
+    *model_real(tolerance, model->tolerance, 'D') = '\0';
     (void)snprintf(name, sizeof name, "batten %d.%d.%d", BAT_VERSION_MAJOR, BAT_VERSION_MINOR, BAT_VERSION_PATCH);
-    char digits[NUMBER_SIZE + 8];
-    if (exponent != NULL)
-        (void)snprintf(digits, sizeof digits, "%.*s.D%s", (int)(exponent - tolerance), tolerance, exponent + 1);
-    else
-        (void)snprintf(digits, sizeof digits, "%s%s", tolerance, strchr(tolerance, '.') != NULL ? "" : ".");
     (void)snprintf(
         global, sizeof global,
         "1H,,1H;,7Hsurface,12Hsurface.iges,%zuH%s,%zuH%s,32,38,6,308,15,7Hsurface,1.,%s,1,0.,15H19700101.000000,%s,"
         "0.,6Hbatten,6Hbatten,11,0,15H19700101.000000;",
-        strlen(name), name, strlen(name), name, UNITS[unit], digits);
+        strlen(name), name, strlen(name), name, UNITS[unit], tolerance);
     unsigned records = 0;
     for (size_t at = 0; at < strlen(global); at += COLUMNS)
         append_record(text, global + at, 'G', ++records);

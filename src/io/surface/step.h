@@ -2,46 +2,64 @@
 #define IO_SURFACE_STEP_H
 
 #include "batten/spline.h"
-#include "io/common/block_writer.h"
-#include "io/surface/shell.h"
 #include "surface/spline/tensor_surface.h"
 
 /// @file
-/// STEP files of surfaces: the clear-text encoding of ISO 10303-21 with numbered entities, and the geometry and topology of
-/// the file.
+/// The geometry and topology of a STEP file: patches, and the vertices, edges and loops of the rectangles that they are in
+/// the square.
 
-/// A STEP file during writing. All zero except for `sink`: no entities yet.
-typedef struct step_text
+/// A rectangle on a lattice.
+typedef struct shell_face
 {
-    text_sink *sink;
-    text_buffer text; ///< text that is not in the sink yet
-    size_t line;      ///< the start of its last line
-    uint32_t count;   ///< the number of entities, which is the number of the last one
-    bool separate;    ///< the next item of a list needs a comma before it
-} step_text;
+    uint64_t low[2], high[2];
+} shell_face;
 
-/// Append text without real numbers.
-void step_plain(step_text *step, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/// Append a real number; STEP requires a decimal point.
-void step_real(step_text *step, double value);
+/// A straight edge between two neighbouring vertices on a line.
+typedef struct shell_edge
+{
+    uint32_t from, to;  ///< vertices, in the direction of increasing u or v
+    uint32_t direction; ///< 0: along u; 1: along v
+    uint32_t faces[2];  ///< the second is SHELL_NONE on the border of the square
+    uint32_t sides[2];  ///< the side of each face: 0 v = low, 1 u = high, 2 v = high, 3 u = low
+} shell_edge;
 
-/// Begin an entity: `#number=text`. Returns its number.
-uint32_t step_begin(step_text *step, const char *text);
-/// End an entity: `text;`. Passes the text to the sink when there is enough.
-bat_status step_end(step_text *step, const char *text, bat_error *error);
+#define SHELL_NONE UINT32_MAX
 
-/// Lists: `(`, items separated by commas, `)`. Long lines are broken.
-void step_list_begin(step_text *step);
-void step_list_reference(step_text *step, uint32_t entity);
-void step_list_real(step_text *step, double value);
-void step_list_whole(step_text *step, size_t value);
-void step_list_end(step_text *step);
+/// An edge in the loop of a face.
+typedef struct shell_use
+{
+    uint32_t edge;
+    bool backward; ///< against its direction
+} shell_use;
 
-/// Write a CARTESIAN_POINT with 2 or 3 coordinates. Returns its number.
-uint32_t step_point(step_text *step, const double *point, size_t dimension);
+/// The topology; release it with shell_free().
+typedef struct surface_shell
+{
+    size_t vertex_count;
+    uint64_t *vertices; ///< vertex_count x 2: all corners of faces, each once, sorted by v and then u
+    size_t edge_count;
+    shell_edge *edges;
+    size_t face_count;
+    size_t *loops;   ///< face_count + 1: the start of each face's loop
+    shell_use *uses; ///< counter-clockwise from the lower left corner
+} surface_shell;
 
-/// Write the remaining text and release it.
-bat_status step_finish(step_text *step, bat_status status, bat_error *error);
+/// Compute the topology of rectangles that tile a square: vertices, edges between neighbouring vertices, and the loop of
+/// edges around each face.
+/// @return BAT_OK; BAT_TOO_LARGE beyond 2^29 faces; BAT_NO_MEMORY
+bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error);
+void shell_free(surface_shell *shell);
+
+/// The clamped knot vector of a part of the domain, with the same interior knots.
+/// @param cut release it with knot_vector_free()
+bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_knot_vector *cut, bat_error *error);
+
+/// Compute the control points over a refined knot vector or a part of it, by blossoms (Goldman, 1990). Unchanged points keep
+/// all their bits.
+/// @param control points of `dimension` coordinates for the functions of `knots`
+/// @param result  the same for the functions of `cut`
+bat_status cut_control(const bat_knot_vector *knots, const bat_knot_vector *cut, const double *control, size_t dimension,
+                       double *result, bat_error *error);
 
 /// The patches of a surface and their topology. Release it with step_model_free().
 typedef struct step_model

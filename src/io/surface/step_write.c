@@ -1,16 +1,147 @@
+#include "base/error.h"
+#include "base/memory.h"
+#include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
 #include "io/surface/trimmed_model.h"
 #include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"
 
-#include "base/error.h"
-#include "base/memory.h"
-
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /// @file
-/// A spline surface as an open shell of B-spline faces, in the schema AP242 of ISO 10303.
+/// A spline surface as an open shell of B-spline faces, in the schema AP242 of ISO 10303: the clear-text encoding of ISO
+/// 10303-21 with numbered entities.
+
+enum
+{
+    LONG_LINE = 100,
+    FULL_TEXT = 1 << 16
+};
+
+/// A STEP file during writing. All zero except for `sink` and `error`: no entities yet.
+typedef struct step_text
+{
+    text_sink *sink;
+    bat_error *error;
+    bat_status status; ///< of the sink
+    text_buffer text;  ///< text that is not in the sink yet
+    size_t line;       ///< the start of its last line
+    uint32_t count;    ///< the number of entities, which is the number of the last one
+    bool separate;     ///< the next item of a list needs a comma before it
+} step_text;
+
+static void write_out(step_text *step)
+{
+    if (step->status == BAT_OK)
+        step->status = sink_write(step->sink, &step->text, step->error);
+    step->text.size = 0;
+}
+
+static void append_formatted(step_text *step, const char *format, va_list arguments)
+{
+    char text[512];
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    text_append_string(&step->text, text);
+}
+
+/// Append text without real numbers.
+__attribute__((format(printf, 2, 3))) static void append(step_text *step, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    append_formatted(step, format, arguments);
+    va_end(arguments);
+}
+
+/// Begin an entity: `#number=text`. Returns its number.
+static uint32_t begin_entity(step_text *step, const char *text)
+{
+    step->line = step->text.size;
+    append(step, "#%u=%s", (unsigned)++step->count, text);
+    return step->count;
+}
+
+/// End an entity: `text;`. Passes the text to the sink when there is enough.
+static void end_entity(step_text *step, const char *text)
+{
+    append(step, "%s;\n", text);
+    if (step->text.failed || step->text.size >= FULL_TEXT)
+        write_out(step);
+}
+
+/// Write an entity without lists of unknown length. Returns its number.
+__attribute__((format(printf, 2, 3))) static uint32_t write_entity(step_text *step, const char *format, ...)
+{
+    va_list arguments;
+    uint32_t entity = begin_entity(step, "");
+    va_start(arguments, format);
+    append_formatted(step, format, arguments);
+    va_end(arguments);
+    end_entity(step, "");
+    return entity;
+}
+
+/// Append a real number; STEP requires a decimal point.
+static void append_real(step_text *step, double value)
+{
+    char *out = text_reserve(&step->text, NUMBER_TEXT_SIZE + 1);
+    if (out != NULL)
+        text_advance(&step->text, model_real(out, value, 'E'));
+}
+
+// Lists: `(`, items separated by commas, `)`. Long lines are broken.
+
+static void begin_list(step_text *step)
+{
+    text_append_string(&step->text, "(");
+    step->separate = false;
+}
+
+static void begin_item(step_text *step)
+{
+    if (step->separate)
+        text_append_string(&step->text, ",");
+    step->separate = true;
+    if (step->text.size - step->line < LONG_LINE)
+        return;
+    text_append_string(&step->text, "\n");
+    step->line = step->text.size;
+}
+
+static void end_list(step_text *step)
+{
+    text_append_string(&step->text, ")");
+    step->separate = true;
+}
+
+static void append_reference(step_text *step, uint32_t entity)
+{
+    begin_item(step);
+    append(step, "#%u", (unsigned)entity);
+}
+
+/// Append a list of entities.
+static void append_references(step_text *step, const uint32_t *entities, size_t count)
+{
+    begin_list(step);
+    for (size_t i = 0; i < count; i++)
+        append_reference(step, entities[i]);
+    end_list(step);
+}
+
+/// Append a list of entities whose numbers are `stride` apart.
+static void append_range(step_text *step, uint32_t first, size_t count, size_t stride)
+{
+    begin_list(step);
+    for (size_t i = 0; i < count; i++)
+        append_reference(step, first + (uint32_t)(i * stride));
+    end_list(step);
+}
+
+// Entities
 
 /// Numbers of entities to which others refer.
 typedef struct step_entities
@@ -20,85 +151,88 @@ typedef struct step_entities
     size_t face_count;
 } step_entities;
 
+/// Write a CARTESIAN_POINT with 2 or 3 coordinates. Returns its number.
+static uint32_t write_point(step_text *step, const double *point, size_t dimension)
+{
+    uint32_t entity = begin_entity(step, "CARTESIAN_POINT('',");
+    begin_list(step);
+    for (size_t c = 0; c < dimension; c++)
+    {
+        begin_item(step);
+        append_real(step, point[c]);
+    }
+    end_list(step);
+    end_entity(step, ")");
+    return entity;
+}
+
 static void write_header(step_text *step)
 {
-    step_plain(step,
-               "ISO-10303-21;\nHEADER;\n"
-               "FILE_DESCRIPTION(('spline surface as an open shell'),'2;1');\n"
-               "FILE_NAME('surface','1970-01-01T00:00:00',(''),(''),'batten %d.%d.%d','batten','');\n",
-               BAT_VERSION_MAJOR, BAT_VERSION_MINOR, BAT_VERSION_PATCH);
-    step_plain(step, "FILE_SCHEMA(('AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }'));\nENDSEC;\n"
-                     "DATA;\n");
+    append(step,
+           "ISO-10303-21;\nHEADER;\n"
+           "FILE_DESCRIPTION(('spline surface as an open shell'),'2;1');\n"
+           "FILE_NAME('surface','1970-01-01T00:00:00',(''),(''),'batten %d.%d.%d','batten','');\n",
+           BAT_VERSION_MAJOR, BAT_VERSION_MINOR, BAT_VERSION_PATCH);
+    append(step, "FILE_SCHEMA(('AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }'));\nENDSEC;\n"
+                 "DATA;\n");
 }
 
 /// Write the product whose shape is the surface.
-static bat_status write_product(step_text *step, step_entities *entities, bat_error *error)
+static void write_product(step_text *step, step_entities *entities)
 {
-    uint32_t application = step_begin(step, "APPLICATION_CONTEXT('managed model based 3d engineering');\n");
-    (void)step_begin(step, "APPLICATION_PROTOCOL_DEFINITION('international standard',");
-    step_plain(step, "'ap242_managed_model_based_3d_engineering',2014,#%u);\n", application);
-    uint32_t context = step_begin(step, "PRODUCT_CONTEXT('',");
-    step_plain(step, "#%u,'mechanical');\n", application);
-    uint32_t product = step_begin(step, "PRODUCT('surface','surface','',");
-    step_plain(step, "(#%u));\n", context);
-    (void)step_begin(step, "PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,");
-    step_plain(step, "(#%u));\n", product);
-    uint32_t formation = step_begin(step, "PRODUCT_DEFINITION_FORMATION('','',");
-    step_plain(step, "#%u);\n", product);
-    uint32_t design = step_begin(step, "PRODUCT_DEFINITION_CONTEXT('part definition',");
-    step_plain(step, "#%u,'design');\n", application);
-    uint32_t definition = step_begin(step, "PRODUCT_DEFINITION('design','',");
-    step_plain(step, "#%u,#%u);\n", formation, design);
-    entities->definition_shape = step_begin(step, "PRODUCT_DEFINITION_SHAPE('','',");
-    step_plain(step, "#%u)", definition);
-    return step_end(step, "", error);
+    uint32_t application = write_entity(step, "APPLICATION_CONTEXT('managed model based 3d engineering')");
+    (void)write_entity(step,
+                       "APPLICATION_PROTOCOL_DEFINITION('international standard',"
+                       "'ap242_managed_model_based_3d_engineering',2014,#%u)",
+                       application);
+    uint32_t context = write_entity(step, "PRODUCT_CONTEXT('',#%u,'mechanical')", application);
+    uint32_t product = write_entity(step, "PRODUCT('surface','surface','',(#%u))", context);
+    (void)write_entity(step, "PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,(#%u))", product);
+    uint32_t formation = write_entity(step, "PRODUCT_DEFINITION_FORMATION('','',#%u)", product);
+    uint32_t design = write_entity(step, "PRODUCT_DEFINITION_CONTEXT('part definition',#%u,'design')", application);
+    uint32_t definition = write_entity(step, "PRODUCT_DEFINITION('design','',#%u,#%u)", formation, design);
+    entities->definition_shape = write_entity(step, "PRODUCT_DEFINITION_SHAPE('','',#%u)", definition);
 }
 
 /// Write the unit of length. Returns its number.
 static uint32_t write_length_unit(step_text *step, bat_surface_unit unit)
 {
-    uint32_t metric =
-        step_begin(step, unit == BAT_SURFACE_UNIT_METRE ? "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT($,.METRE.));\n"
-                                                        : "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.));\n");
+    uint32_t metric = write_entity(step, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(%s,.METRE.))",
+                                   unit == BAT_SURFACE_UNIT_METRE ? "$" : ".MILLI.");
     if (unit != BAT_SURFACE_UNIT_INCH)
         return metric;
-    uint32_t measure = step_begin(step, "LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),");
-    step_plain(step, "#%u);\n", metric);
-    uint32_t dimension = step_begin(step, "DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);\n");
-    uint32_t inch = step_begin(step, "(CONVERSION_BASED_UNIT('INCH',");
-    step_plain(step, "#%u)LENGTH_UNIT()NAMED_UNIT(#%u));\n", measure, dimension);
-    return inch;
+    uint32_t measure = write_entity(step, "LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#%u)", metric);
+    uint32_t dimension = write_entity(step, "DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.)");
+    return write_entity(step, "(CONVERSION_BASED_UNIT('INCH',#%u)LENGTH_UNIT()NAMED_UNIT(#%u))", measure, dimension);
 }
 
 /// Write the units, the tolerance, and the placement at the origin.
-static bat_status write_context(step_text *step, bat_surface_unit unit, double tolerance, step_entities *entities,
-                                bat_error *error)
+static void write_context(step_text *step, bat_surface_unit unit, double tolerance, step_entities *entities)
 {
     static const double origin[3] = {0, 0, 0};
     uint32_t length = write_length_unit(step, unit);
-    uint32_t angle = step_begin(step, "(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.));\n");
-    uint32_t solid = step_begin(step, "(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT());\n");
-    uint32_t uncertainty = step_begin(step, "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
-    step_real(step, tolerance);
-    step_plain(step, "),#%u,'distance_accuracy_value','points closer than this are one');\n", length);
-    entities->context = step_begin(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(3)");
-    step_plain(step,
-               "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#%u))GLOBAL_UNIT_ASSIGNED_CONTEXT((#%u,#%u,#%u))"
-               "REPRESENTATION_CONTEXT('','3D'));\n",
-               uncertainty, length, angle, solid);
-    uint32_t place = step_point(step, origin, 3);
-    uint32_t axis = step_begin(step, "DIRECTION('',(0.,0.,1.));\n");
-    uint32_t across = step_begin(step, "DIRECTION('',(1.,0.,0.));\n");
-    entities->placement = step_begin(step, "AXIS2_PLACEMENT_3D('',");
-    step_plain(step, "#%u,#%u,#%u)", place, axis, across);
-    return step_end(step, "", error);
+    uint32_t angle = write_entity(step, "(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
+    uint32_t solid = write_entity(step, "(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
+    uint32_t uncertainty = begin_entity(step, "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
+    append_real(step, tolerance);
+    append(step, "),#%u,'distance_accuracy_value','points closer than this are one'", length);
+    end_entity(step, ")");
+    entities->context = write_entity(step,
+                                     "(GEOMETRIC_REPRESENTATION_CONTEXT(3)"
+                                     "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#%u))"
+                                     "GLOBAL_UNIT_ASSIGNED_CONTEXT((#%u,#%u,#%u))REPRESENTATION_CONTEXT('','3D'))",
+                                     uncertainty, length, angle, solid);
+    uint32_t place = write_point(step, origin, 3);
+    uint32_t axis = write_entity(step, "DIRECTION('',(0.,0.,1.))");
+    uint32_t across = write_entity(step, "DIRECTION('',(1.,0.,0.))");
+    entities->placement = write_entity(step, "AXIS2_PLACEMENT_3D('',#%u,#%u,#%u)", place, axis, across);
 }
 
 /// Write the points of a spline. Returns the number of the first.
 static uint32_t write_points(step_text *step, const double *points, size_t count, size_t dimension)
 {
     for (size_t i = 0; i < count; i++)
-        (void)step_point(step, points + dimension * i, dimension);
+        (void)write_point(step, points + dimension * i, dimension);
     return step->count - (uint32_t)count + 1;
 }
 
@@ -111,71 +245,34 @@ static size_t multiplicity(const bat_knot_vector *knots, size_t at)
     return count;
 }
 
-static void write_multiplicities(step_text *step, const bat_knot_vector *knots)
+/// Append the list of the different knots, or of their multiplicities.
+static void append_knots(step_text *step, const bat_knot_vector *knots, bool multiplicities)
 {
-    step_list_begin(step);
+    begin_list(step);
     for (size_t i = 0; i < knots->count; i += multiplicity(knots, i))
-        step_list_whole(step, multiplicity(knots, i));
-    step_list_end(step);
-    step_plain(step, ",");
-}
-
-static void write_knots(step_text *step, const bat_knot_vector *knots)
-{
-    step_list_begin(step);
-    for (size_t i = 0; i < knots->count; i += multiplicity(knots, i))
-        step_list_real(step, knots->knots[i]);
-    step_list_end(step);
-    step_plain(step, ",");
+    {
+        begin_item(step);
+        if (multiplicities)
+            append(step, "%zu", multiplicity(knots, i));
+        else
+            append_real(step, knots->knots[i]);
+    }
+    end_list(step);
+    append(step, ",");
 }
 
 static uint32_t write_curve(step_text *step, const bat_knot_vector *knots, const double *control, size_t dimension)
 {
     size_t count = knot_vector_functions(knots);
     uint32_t first = write_points(step, control, count, dimension);
-    uint32_t curve = step_begin(step, "B_SPLINE_CURVE_WITH_KNOTS('',");
-    step_plain(step, "%d,", knots->degree);
-    step_list_begin(step);
-    for (size_t i = 0; i < count; i++)
-        step_list_reference(step, first + (uint32_t)i);
-    step_list_end(step);
-    step_plain(step, ",.UNSPECIFIED.,.F.,.F.,");
-    write_multiplicities(step, knots);
-    write_knots(step, knots);
-    step_plain(step, ".UNSPECIFIED.);\n");
+    uint32_t curve = begin_entity(step, "B_SPLINE_CURVE_WITH_KNOTS('',");
+    append(step, "%d,", knots->degree);
+    append_range(step, first, count, 1);
+    append(step, ",.UNSPECIFIED.,.F.,.F.,");
+    append_knots(step, knots, true);
+    append_knots(step, knots, false);
+    end_entity(step, ".UNSPECIFIED.)");
     return curve;
-}
-
-static bat_status write_vertices(step_text *step, const step_model *model, step_entities *entities, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    for (size_t v = 0; v < model->shell.vertex_count && status == BAT_OK; v++)
-    {
-        if (model->same[v] != v)
-            continue;
-        uint32_t point = step_point(step, model->points + 3 * v, 3);
-        entities->vertices[v] = step_begin(step, "VERTEX_POINT('',");
-        step_plain(step, "#%u)", point);
-        status = step_end(step, "", error);
-    }
-    return status;
-}
-
-static bat_status write_edges(step_text *step, const step_model *model, step_entities *entities, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    for (size_t e = 0; e < model->shell.edge_count && status == BAT_OK; e++)
-    {
-        if (model->collapsed[e])
-            continue;
-        const shell_edge *edge = &model->shell.edges[e];
-        uint32_t curve = write_curve(step, &model->knots[e], model->control[e], 3);
-        entities->edges[e] = step_begin(step, "EDGE_CURVE('',");
-        step_plain(step, "#%u,#%u,#%u,.T.)", entities->vertices[model->same[edge->from]],
-                   entities->vertices[model->same[edge->to]], curve);
-        status = step_end(step, "", error);
-    }
-    return status;
 }
 
 /// Write the surface of a face. STEP lists points with v varying fastest.
@@ -183,23 +280,42 @@ static uint32_t write_surface(step_text *step, const tensor_surface *patch)
 {
     size_t columns = knot_vector_functions(&patch->knots[0]), rows = knot_vector_functions(&patch->knots[1]);
     uint32_t first = write_points(step, patch->control, columns * rows, 3);
-    uint32_t surface = step_begin(step, "B_SPLINE_SURFACE_WITH_KNOTS('',");
-    step_plain(step, "%d,%d,(", patch->knots[0].degree, patch->knots[1].degree);
+    uint32_t surface = begin_entity(step, "B_SPLINE_SURFACE_WITH_KNOTS('',");
+    append(step, "%d,%d,(", patch->knots[0].degree, patch->knots[1].degree);
     for (size_t i = 0; i < columns; i++)
     {
-        step_plain(step, i > 0 ? "," : "");
-        step_list_begin(step);
-        for (size_t j = 0; j < rows; j++)
-            step_list_reference(step, first + (uint32_t)(j * columns + i));
-        step_list_end(step);
+        append(step, i > 0 ? "," : "");
+        append_range(step, first + (uint32_t)i, rows, columns);
     }
-    step_plain(step, "),.UNSPECIFIED.,.F.,.F.,.F.,");
-    write_multiplicities(step, &patch->knots[0]);
-    write_multiplicities(step, &patch->knots[1]);
-    write_knots(step, &patch->knots[0]);
-    write_knots(step, &patch->knots[1]);
-    step_plain(step, ".UNSPECIFIED.);\n");
+    append(step, "),.UNSPECIFIED.,.F.,.F.,.F.,");
+    for (int k = 0; k < 4; k++)
+        append_knots(step, &patch->knots[k % 2], k < 2);
+    end_entity(step, ".UNSPECIFIED.)");
     return surface;
+}
+
+static void write_vertices(step_text *step, const step_model *model, step_entities *entities)
+{
+    for (size_t v = 0; v < model->shell.vertex_count; v++)
+        if (model->same[v] == v)
+        {
+            uint32_t point = write_point(step, model->points + 3 * v, 3);
+            entities->vertices[v] = write_entity(step, "VERTEX_POINT('',#%u)", point);
+        }
+}
+
+static void write_edges(step_text *step, const step_model *model, step_entities *entities)
+{
+    for (size_t e = 0; e < model->shell.edge_count; e++)
+    {
+        if (model->collapsed[e])
+            continue;
+        const shell_edge *edge = &model->shell.edges[e];
+        uint32_t curve = write_curve(step, &model->knots[e], model->control[e], 3);
+        entities->edges[e] =
+            write_entity(step, "EDGE_CURVE('',#%u,#%u,#%u,.T.)", entities->vertices[model->same[edge->from]],
+                         entities->vertices[model->same[edge->to]], curve);
+    }
 }
 
 /// Write the loop of a face. Returns 0 when all of its edges are collapsed.
@@ -210,66 +326,43 @@ static uint32_t write_loop(step_text *step, const step_model *model, const step_
     for (size_t i = shell->loops[face]; i < shell->loops[face + 1]; i++)
     {
         const shell_use *use = &shell->uses[i];
-        if (model->collapsed[use->edge])
-            continue;
-        (void)step_begin(step, "ORIENTED_EDGE('',*,*,");
-        step_plain(step, "#%u,%s);\n", entities->edges[use->edge], use->backward ? ".F." : ".T.");
+        if (!model->collapsed[use->edge])
+            (void)write_entity(step, "ORIENTED_EDGE('',*,*,#%u,%s)", entities->edges[use->edge],
+                               use->backward ? ".F." : ".T.");
     }
-    uint32_t last = step->count;
-    if (last < first)
+    uint32_t end = step->count + 1;
+    if (end == first)
         return 0;
-    uint32_t loop = step_begin(step, "EDGE_LOOP('',");
-    step_list_begin(step);
-    for (uint32_t edge = first; edge <= last; edge++)
-        step_list_reference(step, edge);
-    step_list_end(step);
-    step_plain(step, ");\n");
+    uint32_t loop = begin_entity(step, "EDGE_LOOP('',");
+    append_range(step, first, end - first, 1);
+    end_entity(step, ")");
     return loop;
 }
 
-static bat_status write_faces(step_text *step, const step_model *model, step_entities *entities, bat_error *error)
+static void write_faces(step_text *step, const step_model *model, step_entities *entities)
 {
-    bat_status status = BAT_OK;
-    for (size_t f = 0; f < model->shell.face_count && status == BAT_OK; f++)
+    for (size_t f = 0; f < model->shell.face_count; f++)
     {
         uint32_t loop = write_loop(step, model, entities, f);
         if (loop == 0)
             continue;
-        uint32_t bound = step_begin(step, "FACE_OUTER_BOUND('',");
-        step_plain(step, "#%u,.T.);\n", loop);
+        uint32_t bound = write_entity(step, "FACE_OUTER_BOUND('',#%u,.T.)", loop);
         uint32_t surface = write_surface(step, &model->patches[f]);
-        entities->faces[entities->face_count++] = step_begin(step, "ADVANCED_FACE('',");
-        step_plain(step, "(#%u),#%u,.T.)", bound, surface);
-        status = step_end(step, "", error);
+        entities->faces[entities->face_count++] = write_entity(step, "ADVANCED_FACE('',(#%u),#%u,.T.)", bound, surface);
     }
-    return status;
 }
 
 static void write_shell(step_text *step, const step_entities *entities)
 {
-    uint32_t shell = step_begin(step, "OPEN_SHELL('',");
-    step_list_begin(step);
-    for (size_t f = 0; f < entities->face_count; f++)
-        step_list_reference(step, entities->faces[f]);
-    step_list_end(step);
-    step_plain(step, ");\n");
-    uint32_t model = step_begin(step, "SHELL_BASED_SURFACE_MODEL('',");
-    step_plain(step, "(#%u));\n", shell);
-    uint32_t shape = step_begin(step, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',");
-    step_plain(step, "(#%u,#%u),#%u);\n", entities->placement, model, entities->context);
-    (void)step_begin(step, "SHAPE_DEFINITION_REPRESENTATION(");
-    step_plain(step, "#%u,#%u);\nENDSEC;\nEND-ISO-10303-21;\n", entities->definition_shape, shape);
-}
-
-static bat_status make_entities(const step_model *model, step_entities *entities, bat_error *error)
-{
-    const surface_shell *shell = &model->shell;
-    *entities = (step_entities){.vertices = memory_array(shell->vertex_count, sizeof(uint32_t)),
-                                .edges = memory_array(shell->edge_count, sizeof(uint32_t)),
-                                .faces = memory_array(shell->face_count, sizeof(uint32_t))};
-    if (entities->vertices == NULL || entities->edges == NULL || entities->faces == NULL)
-        return error_memory(error, (shell->vertex_count + shell->edge_count + shell->face_count) * sizeof(uint32_t));
-    return BAT_OK;
+    uint32_t shell = begin_entity(step, "OPEN_SHELL('',");
+    append_references(step, entities->faces, entities->face_count);
+    end_entity(step, ")");
+    uint32_t model = write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
+    uint32_t shape = write_entity(step, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#%u,#%u),#%u)", entities->placement,
+                                  model, entities->context);
+    (void)write_entity(step, "SHAPE_DEFINITION_REPRESENTATION(#%u,#%u)", entities->definition_shape, shape);
+    append(step, "ENDSEC;\nEND-ISO-10303-21;\n");
+    write_out(step);
 }
 
 /// Check that 32 bits can number the entities.
@@ -295,127 +388,100 @@ static bat_status check_count(const step_model *model, bat_error *error)
 static uint32_t write_parameter_curve(step_text *step, const bat_spline_curve *piece, uint32_t surface, uint32_t planar)
 {
     uint32_t curve = write_curve(step, &piece->knots, piece->control, 2);
-    uint32_t definition = step_begin(step, "DEFINITIONAL_REPRESENTATION('',");
-    step_plain(step, "(#%u),#%u);\n", curve, planar);
-    uint32_t parameter_curve = step_begin(step, "PCURVE('',");
-    step_plain(step, "#%u,#%u);\n", surface, definition);
-    return parameter_curve;
+    uint32_t definition = write_entity(step, "DEFINITIONAL_REPRESENTATION('',(#%u),#%u)", curve, planar);
+    return write_entity(step, "PCURVE('',#%u,#%u)", surface, definition);
 }
 
 /// Write the edges of a loop and the bound of the face. Returns the number of the bound.
 static uint32_t write_trimming_loop(step_text *step, const trimmed_model *model, size_t loop, uint32_t surface,
-                                    uint32_t planar, uint32_t *vertices, uint32_t *edges)
+                                    uint32_t planar, const step_entities *entities)
 {
     size_t begin = model->trim->loops[loop], count = model->trim->loops[loop + 1] - begin;
+    uint32_t *vertices = entities->vertices, *edges = entities->edges;
     for (size_t i = 0; i < count; i++)
     {
-        uint32_t point = step_point(step, model->images[begin + i].control, 3);
-        vertices[i] = step_begin(step, "VERTEX_POINT('',");
-        step_plain(step, "#%u);\n", point);
+        uint32_t point = write_point(step, model->images[begin + i].control, 3);
+        vertices[i] = write_entity(step, "VERTEX_POINT('',#%u)", point);
     }
     for (size_t i = 0; i < count; i++)
     {
         const bat_spline_curve *image = &model->images[begin + i];
         uint32_t space = write_curve(step, &image->knots, image->control, 3);
         uint32_t flat = write_parameter_curve(step, &model->trim->pieces[begin + i], surface, planar);
-        uint32_t both = step_begin(step, "SURFACE_CURVE('',");
-        step_plain(step, "#%u,(#%u),.CURVE_3D.);\n", space, flat);
-        uint32_t edge = step_begin(step, "EDGE_CURVE('',");
-        step_plain(step, "#%u,#%u,#%u,.T.);\n", vertices[i], vertices[(i + 1) % count], both);
-        edges[i] = step_begin(step, "ORIENTED_EDGE('',*,*,");
-        step_plain(step, "#%u,.T.);\n", edge);
+        uint32_t both = write_entity(step, "SURFACE_CURVE('',#%u,(#%u),.CURVE_3D.)", space, flat);
+        uint32_t edge = write_entity(step, "EDGE_CURVE('',#%u,#%u,#%u,.T.)", vertices[i], vertices[(i + 1) % count], both);
+        edges[i] = write_entity(step, "ORIENTED_EDGE('',*,*,#%u,.T.)", edge);
     }
-    uint32_t path = step_begin(step, "EDGE_LOOP('',");
-    step_list_begin(step);
-    for (size_t i = 0; i < count; i++)
-        step_list_reference(step, edges[i]);
-    step_list_end(step);
-    step_plain(step, ");\n");
-    uint32_t bound = step_begin(step, loop == 0 ? "FACE_OUTER_BOUND(''," : "FACE_BOUND('',");
-    step_plain(step, "#%u,.T.);\n", path);
-    return bound;
+    uint32_t path = begin_entity(step, "EDGE_LOOP('',");
+    append_references(step, edges, count);
+    end_entity(step, ")");
+    return write_entity(step, "%s('',#%u,.T.)", loop == 0 ? "FACE_OUTER_BOUND" : "FACE_BOUND", path);
 }
 
-/// Write the face of a trimmed surface.
-static bat_status write_trimmed_face(step_text *step, const trimmed_model *model, uint32_t *face, bat_error *error)
+/// Write the face of a trimmed surface. Its bounds take the places of faces before it does.
+static void write_trimmed_face(step_text *step, const trimmed_model *model, step_entities *entities)
 {
     size_t loops = model->trim->loop_count;
-    uint32_t *vertices = memory_array(model->piece_count, sizeof *vertices);
-    uint32_t *edges = memory_array(model->piece_count, sizeof *edges);
-    uint32_t *bounds = memory_array(loops, sizeof *bounds);
-    bat_status status = BAT_OK;
-    if (vertices == NULL || edges == NULL || bounds == NULL)
-        status = error_memory(error, model->piece_count * 2 * sizeof *edges);
-    if (status == BAT_OK)
-    {
-        uint32_t surface = write_surface(step, &model->surface);
-        uint32_t planar = step_begin(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
-                                           "REPRESENTATION_CONTEXT('','2D'));\n");
-        for (size_t l = 0; l < loops; l++)
-            bounds[l] = write_trimming_loop(step, model, l, surface, planar, vertices, edges);
-        *face = step_begin(step, "ADVANCED_FACE('',");
-        step_list_begin(step);
-        for (size_t l = 0; l < loops; l++)
-            step_list_reference(step, bounds[l]);
-        step_list_end(step);
-        step_plain(step, ",#%u,.T.)", surface);
-        status = step_end(step, "", error);
-    }
-    free(vertices);
-    free(edges);
-    free(bounds);
-    return status;
+    uint32_t surface = write_surface(step, &model->surface);
+    uint32_t planar = write_entity(step, "(GEOMETRIC_REPRESENTATION_CONTEXT(2)PARAMETRIC_REPRESENTATION_CONTEXT()"
+                                         "REPRESENTATION_CONTEXT('','2D'))");
+    for (size_t l = 0; l < loops; l++)
+        entities->faces[l] = write_trimming_loop(step, model, l, surface, planar, entities);
+    uint32_t face = begin_entity(step, "ADVANCED_FACE('',");
+    append_references(step, entities->faces, loops);
+    append(step, ",#%u", surface);
+    end_entity(step, ",.T.)");
+    entities->faces[0] = face;
+    entities->face_count = 1;
 }
 
-static bat_status write_trimmed(const bat_spline_surface *surface, bat_surface_unit unit, text_sink *sink, bat_error *error)
+static bat_status make_entities(size_t vertices, size_t edges, size_t faces, step_entities *entities, bat_error *error)
 {
-    trimmed_model model = {0};
-    uint32_t face = 0;
-    step_entities entities = {.faces = &face, .face_count = 1};
-    step_text step = {.sink = sink};
-    bat_status status = trimmed_model_make(surface, &model, error);
-    write_header(&step);
-    if (status == BAT_OK)
-        status = write_product(&step, &entities, error);
-    if (status == BAT_OK)
-        status = write_context(&step, unit, model.tolerance, &entities, error);
-    if (status == BAT_OK)
-        status = write_trimmed_face(&step, &model, &face, error);
-    if (status == BAT_OK)
-        write_shell(&step, &entities);
-    trimmed_model_free(&model);
-    return step_finish(&step, status, error);
+    *entities = (step_entities){.vertices = memory_array(vertices, sizeof(uint32_t)),
+                                .edges = memory_array(edges, sizeof(uint32_t)),
+                                .faces = memory_array(faces, sizeof(uint32_t))};
+    if (entities->vertices == NULL || entities->edges == NULL || entities->faces == NULL)
+        return error_memory(error, (vertices + edges + faces) * sizeof(uint32_t));
+    return BAT_OK;
 }
 
 bat_status surface_step_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
                               bat_error *error)
 {
-    if (surface->trim.loop_count > 0)
-        return write_trimmed(surface, options->unit, sink, error);
     step_model model = {0};
+    trimmed_model trimmed = {0};
     step_entities entities = {0};
-    step_text step = {.sink = sink};
-    bat_status status = step_model_make(surface, &model, error);
-    if (status == BAT_OK)
+    step_text step = {.sink = sink, .error = error};
+    bool is_trimmed = surface->trim.loop_count > 0;
+    bat_status status = is_trimmed ? trimmed_model_make(surface, &trimmed, error) : step_model_make(surface, &model, error);
+    if (status == BAT_OK && !is_trimmed)
         status = check_count(&model, error);
     if (status == BAT_OK)
-        status = make_entities(&model, &entities, error);
-    write_header(&step);
+        status =
+            is_trimmed
+                ? make_entities(trimmed.piece_count, trimmed.piece_count, surface->trim.loop_count, &entities, error)
+                : make_entities(model.shell.vertex_count, model.shell.edge_count, model.shell.face_count, &entities, error);
     if (status == BAT_OK)
-        status = write_product(&step, &entities, error);
-    if (status == BAT_OK)
-        status = write_context(&step, options->unit, model.tolerance, &entities, error);
-    if (status == BAT_OK)
-        status = write_vertices(&step, &model, &entities, error);
-    if (status == BAT_OK)
-        status = write_edges(&step, &model, &entities, error);
-    if (status == BAT_OK)
-        status = write_faces(&step, &model, &entities, error);
-    if (status == BAT_OK)
+    {
+        write_header(&step);
+        write_product(&step, &entities);
+        write_context(&step, options->unit, is_trimmed ? trimmed.tolerance : model.tolerance, &entities);
+        if (is_trimmed)
+            write_trimmed_face(&step, &trimmed, &entities);
+        else
+        {
+            write_vertices(&step, &model, &entities);
+            write_edges(&step, &model, &entities);
+            write_faces(&step, &model, &entities);
+        }
         write_shell(&step, &entities);
+        status = step.status;
+    }
+    text_free(&step.text);
     free(entities.vertices);
     free(entities.edges);
     free(entities.faces);
     step_model_free(&model);
-    return step_finish(&step, status, error);
+    trimmed_model_free(&trimmed);
+    return status;
 }

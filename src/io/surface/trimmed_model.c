@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "io/common/number_text.h"
 #include "surface/trim/region.h"
 
 #include <math.h>
@@ -42,6 +43,24 @@ double model_tolerance(const tensor_surface *patches, size_t count)
     for (int c = 0; c < 3; c++)
         diagonal = hypot(diagonal, high[c] - low[c]);
     return pow(10, smallest_digit + (diagonal > 0 && isfinite(diagonal) ? floor(log10(diagonal)) : 0));
+}
+
+char *model_real(char *out, double value, char letter)
+{
+    char digits[NUMBER_TEXT_SIZE];
+    const char *end = number_write(digits, value);
+    bool point = false;
+    for (const char *c = digits; c < end; c++)
+    {
+        point = point || *c == '.';
+        if (*c == 'e' && !point)
+            *out++ = '.';
+        point = point || *c == 'e';
+        *out++ = *c == 'e' ? letter : *c;
+    }
+    if (!point)
+        *out++ = '.';
+    return out;
 }
 
 /// Refine every cell to the finest level.

@@ -25,4 +25,10 @@ void trimmed_model_free(trimmed_model *model);
 /// The power of ten below the diagonal of the box of control points, times 1e-7.
 double model_tolerance(const tensor_surface *patches, size_t count);
 
+/// Write a real number, which has a decimal point in CAD files.
+/// @param out    has room for NUMBER_TEXT_SIZE + 1 characters
+/// @param letter of the exponent
+/// @return the end of the text
+char *model_real(char *out, double value, char letter);
+
 #endif

@@ -15,24 +15,8 @@ typedef struct tensor_surface
     size_t dimension; ///< at least 1
 } tensor_surface;
 
-/// Check both knot vectors, the dimension, and that control points are finite.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_INVALID_POINT with the control point
-bat_status tensor_surface_check(const tensor_surface *surface, bat_error *error);
-
-/// Copy a surface.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status tensor_surface_copy(const tensor_surface *surface, tensor_surface *copy, bat_error *error);
-
 /// Free what a surface owns and make it empty.
 void tensor_surface_free(tensor_surface *surface);
-
-/// Evaluate a surface and its derivatives.
-/// @param parameters  count x 2, in the domain
-/// @param derivatives 0: positions; 1: also S_u, S_v; 2: also S_uu, S_uv, S_vv
-/// @param values      receives count x (1, 3 or 6) x dimension, in that order
-/// @return BAT_OK or BAT_INVALID_POINT with the parameter that is not in the domain
-bat_status tensor_surface_evaluate(const tensor_surface *surface, const double *parameters, size_t count, int derivatives,
-                                   double *values, bat_error *error);
 
 /// Split a surface into tensor-product patches: rectangles of cells of one level. Each is the B-spline surface of that level
 /// over its part of the square, with clamped knots in the coordinates of the square. Neighbouring patches meet exactly; a
