@@ -6,7 +6,6 @@
 #include "timing.h"
 
 #include "batten/surface_fit.h"
-#include "surface/fit/fit_solve.h"
 #include "surface/fit/system.h"
 
 #include <math.h>

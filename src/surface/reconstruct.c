@@ -18,8 +18,8 @@
 #include "surface/chart.h"
 #include "surface/cloud/advancing_front.h"
 #include "surface/cloud/boundary.h"
-#include "surface/cloud/canonical_order.h"
 #include "surface/cloud/part.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,7 +12,7 @@
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
 #include "linalg/vector3.h"
-#include "surface/cloud/noise.h"
+#include "surface/cloud/local_plane.h"
 #include "surface/parameterize/star.h"
 #include "surface/trim/region.h"
 

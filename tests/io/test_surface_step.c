@@ -6,7 +6,6 @@
 #include "tensor_helpers.h"
 
 #include "io/surface/step.h"
-#include "io/surface/trimmed_model.h"
 
 /// An entity: its keyword and the text between its parentheses.
 typedef struct entity

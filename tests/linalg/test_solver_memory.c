@@ -4,7 +4,7 @@
 #include "surface_fit_helpers.h"
 
 #include "linalg/average_system.h"
-#include "surface/fit/fit_solve.h"
+#include "surface/fit/system.h"
 
 #include <SuiteSparse_config.h>
 

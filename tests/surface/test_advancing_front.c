@@ -3,8 +3,7 @@
 #include "cloud_helpers.h"
 
 #include "surface/cloud/advancing_front.h"
-#include "surface/cloud/canonical_order.h"
-#include "surface/cloud/tube_cut.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 
 #include "surface_fit_helpers.h"
 
-#include "surface/virtual_points.h"
+#include "surface/candidate.h"
 
 /// A bent sheet.
 static void sheet(double u, double v, double *point)

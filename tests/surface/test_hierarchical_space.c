@@ -1,6 +1,5 @@
 #include "hierarchical_helpers.h"
 
-#include "surface/spline/box_tree.h"
 #include "surface/spline/hierarchical_space.h"
 
 /// Areas raised in any order against an array of levels; the tree's depth stays within its bound.

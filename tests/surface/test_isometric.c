@@ -4,7 +4,7 @@
 
 #include "batten/cloud_parameterize.h"
 #include "surface/cloud/advancing_front.h"
-#include "surface/cloud/canonical_order.h"
+#include "surface/cloud/spatial_order.h"
 #include "surface/parameterize/dirichlet.h"
 
 static const double PI = 3.14159265358979323846;

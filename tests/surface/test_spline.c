@@ -3,7 +3,7 @@
 #include "batten/spline.h"
 #include "surface/spline/knot_vector.h"
 
-#include "surface/spline/uniform_basis.h"
+#include "surface/spline/hierarchical_space.h"
 #include "tensor_helpers.h"
 
 #include <float.h>

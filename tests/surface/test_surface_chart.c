@@ -2,7 +2,6 @@
 
 #include "patch_clouds.h"
 
-#include "surface/network/biharmonic_extension.h"
 #include "surface/network/chart_network.h"
 
 // Helpers

@@ -2,7 +2,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/surface/step.h"
-#include "io/surface/trimmed_model.h"
 #include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"
 

@@ -32,13 +32,6 @@ typedef struct surface_tessellation
 /// @return BAT_OK; BAT_TOO_LARGE beyond 2^32 - 1 vertices or lattice points along a side; BAT_NO_MEMORY
 bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples, surface_tessellation *tessellation,
                               bat_error *error);
-/// Set positions and normals of vertices with parameters.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status tessellation_evaluate(const bat_spline_surface *surface, surface_tessellation *tessellation, bat_error *error);
-/// Replace the tessellation of a surface by that of the part within its trimming curves.
-/// @param samples see surface_tessellate()
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status tessellation_cut(const bat_spline_surface *surface, size_t samples, surface_tessellation *made, bat_error *error);
 void tessellation_free(surface_tessellation *tessellation);
 
 #endif

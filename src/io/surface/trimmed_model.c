@@ -1,4 +1,4 @@
-#include "io/surface/trimmed_model.h"
+#include "io/surface/step.h"
 #include "surface/spline/hierarchical_space.h"
 #include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"

@@ -1,6 +1,7 @@
 #ifndef SURFACE_CLOUD_ADVANCING_FRONT_H
 #define SURFACE_CLOUD_ADVANCING_FRONT_H
 
+#include "batten/base.h"
 #include "batten/cloud.h"
 
 /// @file
@@ -23,11 +24,19 @@ typedef struct advancing_front_options
 } advancing_front_options;
 
 /// Triangulate a cloud.
-/// @param cloud   made in canonical order (canonical_order.h); its boundary and its triangles are not used
+/// @param cloud   made in canonical order (spatial_order.h); its boundary and its triangles are not used
 /// @param disc    receives a cloud with the same points, a boundary, and triangles
 /// @return BAT_OK; BAT_NO_CONVERGENCE where the points have no such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` is
 ///         untouched on failure
 bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,
                                        bat_cloud *disc, bat_error *error);
+
+// Cut a tube into a disc.
+
+/// Remove the shortest strip of triangles from one boundary loop to the other.
+/// @param faces  *count x 3, consistently oriented; the others keep their order
+/// @param points number of vertices
+/// @return BAT_OK; BAT_NO_CONVERGENCE where there are not two loops, or a loop visits a point twice; BAT_NO_MEMORY
+bat_status tube_cut(uint32_t *faces, size_t *count, size_t points, bat_error *error);
 
 #endif

@@ -1,11 +1,11 @@
 /// @file
-/// Alpha-shape boundaries in tangent planes; see alpha_boundary.h.
+/// Alpha-shape boundaries in tangent planes; see boundary.h.
 ///
 /// In the tangent plane, a neighbour at distance d < 2 alpha and direction t blocks the centre directions t - acos(d / (2
 /// alpha)) to t + acos(d / (2 alpha)). The complement of all blocked intervals are the free arcs; a point is on the boundary
 /// if it has any.
 
-#include "surface/cloud/alpha_boundary.h"
+#include "surface/cloud/boundary.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"

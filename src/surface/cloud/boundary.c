@@ -1,6 +1,6 @@
 /// @file
 /// Detection of the boundary loop of a cloud (bat_cloud_find_boundary): the longest closed polygon of the alpha-shape
-/// boundary (alpha_boundary.h) that is not a gap between points. In noisy clouds, where points overlap, the loop is searched
+/// boundary (alpha_boundary.c) that is not a gap between points. In noisy clouds, where points overlap, the loop is searched
 /// in a random subset whose spacing exceeds the noise, with its points moved to local quadratic fits. In scan lines it is
 /// searched in an even sample.
 
@@ -12,12 +12,8 @@
 #include "base/threads.h"
 #include "batten/cloud.h"
 #include "linalg/vector3.h"
-#include "surface/cloud/alpha_boundary.h"
-#include "surface/cloud/canonical_order.h"
-#include "surface/cloud/diagnosis.h"
-#include "surface/cloud/even_sample.h"
-#include "surface/cloud/local_quadratic.h"
-#include "surface/cloud/noise.h"
+#include "surface/cloud/local_plane.h"
+#include "surface/cloud/part.h"
 #include "surface/cloud/spatial_order.h"
 
 #include <math.h>

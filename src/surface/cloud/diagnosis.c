@@ -1,13 +1,13 @@
 /// @file
-/// Tests of what a cloud is; see diagnosis.h.
+/// Tests of what a cloud is; see boundary.h.
 
-#include "surface/cloud/diagnosis.h"
+#include "surface/cloud/boundary.h"
 
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "surface/cloud/local_quadratic.h"
+#include "surface/cloud/local_plane.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,13 +25,10 @@ static const double MIN_ROUND = 0.25;
 
 bat_status diagnose_line(const double *points, size_t count, bat_error *error)
 {
-    neighbour_list all = {.entries = memory_array(count, sizeof *all.entries), .count = count};
-    if (all.entries == NULL)
-        return error_memory(error, count * sizeof *all.entries);
-    for (size_t i = 0; i < count; i++)
-        all.entries[i] = (neighbour){0, (uint32_t)i};
-    local_plane plane = local_plane_fit(points, &all);
-    free(all.entries);
+    local_plane plane;
+    bat_status status = local_plane_fit_all(points, count, &plane, error);
+    if (status != BAT_OK)
+        return status;
     const double *variance = plane.variance;
     bool exact = variance[1] <= MAX_LINE * variance[0];
     bool scattered = variance[1] <= MAX_SCATTERED_LINE * variance[0] && variance[2] >= MIN_ROUND * variance[1];

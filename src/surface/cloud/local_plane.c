@@ -3,10 +3,14 @@
 
 #include "surface/cloud/local_plane.h"
 
+#include "base/ascending.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "linalg/symmetric.h"
 #include "linalg/vector3.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 local_plane local_plane_fit(const double *points, const neighbour_list *list)
@@ -40,6 +44,18 @@ local_plane local_plane_fit(const double *points, const neighbour_list *list)
     }
     vector3_cross(plane.axes[0], plane.axes[1], plane.axes[2]);
     return plane;
+}
+
+bat_status local_plane_fit_all(const double *points, size_t count, local_plane *plane, bat_error *error)
+{
+    neighbour_list all = {.entries = memory_array(count, sizeof *all.entries), .count = count};
+    if (all.entries == NULL)
+        return error_memory(error, count * sizeof *all.entries);
+    for (size_t i = 0; i < count; i++)
+        all.entries[i] = (neighbour){0, (uint32_t)i};
+    *plane = local_plane_fit(points, &all);
+    free(all.entries);
+    return BAT_OK;
 }
 
 void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2])
@@ -103,4 +119,157 @@ bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, 
             near->count == tree->count)
             return BAT_OK;
     }
+}
+
+// Quadratic polynomials by normal equations
+
+enum
+{
+    TERMS = LOCAL_QUADRATIC_TERMS
+};
+
+/// Pivots below this fraction of the diagonal entry are skipped.
+static const double MIN_PIVOT = 1e-9;
+
+/// Solve the normal equations in place by Cholesky's method. Terms that the points do not determine get 0.
+static void solve(double matrix[TERMS][TERMS], double *right)
+{
+    bool determined[TERMS];
+    for (int j = 0; j < TERMS; j++)
+    {
+        double diagonal = matrix[j][j];
+        for (int k = 0; k < j; k++)
+            matrix[j][j] -= determined[k] ? matrix[j][k] * matrix[j][k] : 0;
+        determined[j] = matrix[j][j] > MIN_PIVOT * diagonal;
+        if (!determined[j])
+            continue;
+        matrix[j][j] = sqrt(matrix[j][j]);
+        for (int i = j + 1; i < TERMS; i++)
+        {
+            for (int k = 0; k < j; k++)
+                matrix[i][j] -= determined[k] ? matrix[i][k] * matrix[j][k] : 0;
+            matrix[i][j] /= matrix[j][j];
+        }
+    }
+    for (int j = 0; j < TERMS; j++)
+    {
+        for (int k = 0; k < j; k++)
+            right[j] -= determined[k] ? matrix[j][k] * right[k] : 0;
+        right[j] = determined[j] ? right[j] / matrix[j][j] : 0;
+    }
+    for (int j = TERMS; j-- > 0;)
+    {
+        for (int i = j + 1; i < TERMS; i++)
+            right[j] -= determined[j] && determined[i] ? matrix[i][j] * right[i] : 0;
+        right[j] = determined[j] ? right[j] / matrix[j][j] : 0;
+    }
+}
+
+/// The terms at a point, and its height above the plane.
+static double terms_at(const local_quadratic *quadratic, const double point[3], double terms[TERMS])
+{
+    const local_plane *plane = &quadratic->plane;
+    double height = 0, foot[2];
+    local_plane_project(plane, plane->centre, point, foot);
+    for (int k = 0; k < 3; k++)
+        height += (point[k] - plane->centre[k]) * plane->axes[2][k];
+    double x = foot[0] / quadratic->scale, y = foot[1] / quadratic->scale;
+    const double values[TERMS] = {1, x, y, x * x, x * y, y * y};
+    for (int k = 0; k < TERMS; k++)
+        terms[k] = values[k];
+    return height;
+}
+
+local_quadratic local_quadratic_fit(const double *points, const neighbour_list *near, const local_plane *plane)
+{
+    local_quadratic quadratic = {.plane = *plane, .scale = sqrt(plane->variance[0])};
+    double matrix[TERMS][TERMS] = {{0}};
+    for (size_t i = 0; i < near->count; i++)
+    {
+        double terms[TERMS], height = terms_at(&quadratic, points + 3 * (size_t)near->entries[i].item, terms);
+        for (int a = 0; a < TERMS; a++)
+        {
+            quadratic.terms[a] += terms[a] * height;
+            for (int b = 0; b <= a; b++)
+                matrix[a][b] += terms[a] * terms[b];
+        }
+    }
+    solve(matrix, quadratic.terms);
+    return quadratic;
+}
+
+double local_quadratic_height(const local_quadratic *quadratic, const double point[3])
+{
+    double terms[TERMS], height = terms_at(quadratic, point, terms);
+    for (int k = 0; k < TERMS; k++)
+        height -= quadratic->terms[k] * terms[k];
+    return height;
+}
+
+// Noise by local quadratic fits
+
+enum
+{
+    MIN_POINTS = 24,
+    MAX_POINTS = 1536,
+    MAX_PLACES = 1000
+};
+
+/// Neighbourhoods grow until the residual variance is at most this share of the smaller variance along the plane: in smaller
+/// ones the plane follows the noise. Where none is so flat, as in thin parts, the flattest counts.
+static const double MAX_FLATNESS = 0.02;
+
+/// The variance of the neighbours' heights about a quadratic polynomial, by the median of its distribution.
+static double variance_at(const double *points, const neighbour_list *near, const local_plane *plane)
+{
+    local_quadratic quadratic = local_quadratic_fit(points, near, plane);
+    double squares = 0;
+    for (size_t i = 0; i < near->count; i++)
+    {
+        double height = local_quadratic_height(&quadratic, points + 3 * (size_t)near->entries[i].item);
+        squares += height * height;
+    }
+    double freedom = (double)near->count - LOCAL_QUADRATIC_TERMS, root = 1 - 2 / (9 * freedom);
+    return squares / (freedom * root * root * root);
+}
+
+bat_status noise_estimate(const double *points, const neighbour_tree *tree, double *sigma, bat_error *error)
+{
+    size_t stride = tree->count / MAX_PLACES + 1, made = 0;
+    double *variances = memory_array(tree->count / stride + 1, sizeof *variances);
+    if (variances == NULL)
+        return error_memory(error, tree->count * sizeof *variances);
+    neighbour_list near = {0};
+    bat_status status = BAT_OK;
+    *sigma = 0;
+    for (size_t i = stride / 2; i < tree->count && status == BAT_OK && tree->count >= MIN_POINTS; i += stride)
+    {
+        double flattest = INFINITY, least = 0;
+        for (size_t wanted = MIN_POINTS; status == BAT_OK; wanted *= 2)
+        {
+            status = neighbours_nearest(tree, points + 3 * i, wanted, &near, error);
+            if (status != BAT_OK)
+                break;
+            local_plane plane = local_plane_fit(points, &near);
+            double variance = plane.variance[1] > 0 ? variance_at(points, &near, &plane) : 0;
+            double flatness = plane.variance[1] > 0 ? variance / plane.variance[1] : 0;
+            if (flatness < flattest)
+            {
+                flattest = flatness;
+                least = variance;
+            }
+            if (flatness <= MAX_FLATNESS || wanted >= MAX_POINTS || 4 * near.count >= tree->count)
+                break;
+        }
+        if (status == BAT_OK)
+            variances[made++] = least;
+    }
+    if (status == BAT_OK && made > 0)
+    {
+        qsort(variances, made, sizeof *variances, ascending);
+        *sigma = sqrt(variances[made / 2]);
+    }
+    neighbour_list_free(&near);
+    free(variances);
+    return status;
 }

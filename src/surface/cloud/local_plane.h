@@ -4,8 +4,8 @@
 #include "surface/cloud/neighbours.h"
 
 /// @file
-/// Planes fitted to neighbourhoods of points, by total least squares (principal component analysis), and the choice of
-/// neighbourhoods.
+/// Planes fitted to neighbourhoods of points, by total least squares (principal component analysis), the choice of
+/// neighbourhoods, quadratic polynomials over planes, and the noise of a cloud.
 
 /// A plane through the mean of some points, spanned by their two principal axes of largest variance.
 typedef struct local_plane
@@ -18,6 +18,10 @@ typedef struct local_plane
 /// Fit a plane to the listed points, at least one.
 /// @param points coordinates, 3 for each point; squares of differences must not overflow
 local_plane local_plane_fit(const double *points, const neighbour_list *list);
+
+/// Fit a plane to all points.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status local_plane_fit_all(const double *points, size_t count, local_plane *plane, bat_error *error);
 
 /// Coordinates of the projection of a point to the plane, relative to an origin.
 void local_plane_project(const local_plane *plane, const double origin[3], const double point[3], double foot[2]);
@@ -53,5 +57,38 @@ enum
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, const double place[3], size_t wanted,
                               neighbour_list *near, local_plane *plane, bat_error *error);
+
+// Quadratic polynomials over tangent planes, by least squares.
+
+enum
+{
+    LOCAL_QUADRATIC_TERMS = 6 ///< of a quadratic polynomial of two variables
+};
+
+/// Heights z = t_0 + t_1 x + t_2 y + t_3 x^2 + t_4 x y + t_5 y^2 above a plane, with x and y relative to its centre and in
+/// units of `scale`.
+typedef struct local_quadratic
+{
+    local_plane plane;
+    double scale;
+    double terms[LOCAL_QUADRATIC_TERMS]; ///< those that the points do not determine are 0
+} local_quadratic;
+
+/// Fit a polynomial to the listed points.
+/// @param plane with positive variance along its first axis
+local_quadratic local_quadratic_fit(const double *points, const neighbour_list *near, const local_plane *plane);
+
+/// The height of a point above the polynomial, along the plane's normal.
+double local_quadratic_height(const local_quadratic *quadratic, const double point[3]);
+
+// Noise of a cloud, from residuals of local quadratic fits.
+
+/// Estimate the standard deviation of a coordinate. Quadratic polynomials over local tangent planes are fitted to the
+/// neighbours of up to 1,000 points. The estimate is the root of the median of their residual variances, divided by the
+/// degrees of freedom and by the median of the distribution of chi squared (Wilson and Hilferty, 1931), so that creases and
+/// outliers in less than half of the neighbourhoods do not count.
+/// @param points of the tree
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status noise_estimate(const double *points, const neighbour_tree *tree, double *sigma, bat_error *error);
 
 #endif

@@ -3,11 +3,13 @@
 
 #include "surface/cloud/spatial_order.h"
 
-#include "surface/cloud/local_plane.h"
-
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/distributed.h"
+#include "batten/surface.h"
+#include "surface/cloud/local_plane.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,5 +77,117 @@ bat_status spatial_order_make(const bat_cloud *cloud, spatial_order *order, bat_
         spatial_order_free(order);
     free(points);
     free(numbers);
+    return status;
+}
+
+// Canonical order
+
+/// A point with its sort keys.
+typedef struct sort_entry
+{
+    double squared; ///< distance from the centre
+    double at[3];
+    size_t item;
+} sort_entry;
+
+static int compare_entries(const void *a, const void *b)
+{
+    const sort_entry *p = a, *q = b;
+    if (p->squared != q->squared)
+        return p->squared < q->squared ? -1 : 1;
+    for (int k = 0; k < 3; k++)
+        if (p->at[k] != q->at[k])
+            return p->at[k] < q->at[k] ? -1 : 1;
+    return (p->item > q->item) - (p->item < q->item);
+}
+
+static void find_centre(const double *points, size_t count, double centre[3])
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < 3 * count; i++)
+    {
+        low[i % 3] = fmin(low[i % 3], points[i]);
+        high[i % 3] = fmax(high[i % 3], points[i]);
+    }
+    for (int k = 0; k < 3; k++)
+        centre[k] = low[k] * 0.5 + high[k] * 0.5;
+}
+
+double bat_surface_chart_order(const double point[3], const double centre[3])
+{
+    double x = point[0] * 0.5 - centre[0] * 0.5, y = point[1] * 0.5 - centre[1] * 0.5, z = point[2] * 0.5 - centre[2] * 0.5;
+    return hypot(hypot(x, y), z);
+}
+
+bat_status canonical_order_find(const double *points, size_t count, size_t *order, bat_error *error)
+{
+    sort_entry *entries = memory_array(count, sizeof *entries);
+    if (entries == NULL)
+        return error_memory(error, count * sizeof *entries);
+    double centre[3];
+    find_centre(points, count, centre);
+    for (size_t i = 0; i < count; i++)
+    {
+        const double *at = points + 3 * i;
+        entries[i] = (sort_entry){bat_surface_chart_order(at, centre), {at[0], at[1], at[2]}, i};
+    }
+    qsort(entries, count, sizeof *entries, compare_entries);
+    for (size_t i = 0; i < count; i++)
+        order[i] = entries[i].item;
+    free(entries);
+    return BAT_OK;
+}
+
+/// The order of the cloud's points after sorting: the loop from its first point in the canonical order, then the others.
+static void arrange(const bat_cloud *cloud, const size_t *sorted, size_t *order)
+{
+    size_t loop = cloud->boundary_count, begin = 0, made = loop;
+    bool found = cloud->has_corners || loop == 0;
+    for (size_t k = 0; k < cloud->count; k++)
+    {
+        size_t point = sorted[k];
+        if (point >= loop)
+            order[made++] = point;
+        else if (!found)
+        {
+            begin = point;
+            found = true;
+        }
+    }
+    for (size_t k = 0; k < loop; k++)
+        order[k] = (begin + k) % loop;
+}
+
+bat_status canonical_order_apply(bat_cloud *cloud, bat_error *error)
+{
+    size_t count = cloud->count;
+    size_t *sorted = memory_array(count, sizeof *sorted), *order = memory_array(count, sizeof *order),
+           *places = memory_array(count, sizeof *places);
+    double *scratch = memory_array(count, 3 * sizeof *scratch);
+    bat_status status = BAT_OK;
+    if (sorted == NULL || order == NULL || places == NULL || scratch == NULL)
+        status = error_memory(error, count * 3 * sizeof *scratch);
+    if (status == BAT_OK)
+        status = canonical_order_find(cloud->points, count, sorted, error);
+    if (status == BAT_OK)
+    {
+        arrange(cloud, sorted, order);
+        memcpy(scratch, cloud->points, count * 3 * sizeof *scratch);
+        for (size_t i = 0; i < count; i++)
+        {
+            memcpy(cloud->points + 3 * i, scratch + 3 * order[i], 3 * sizeof *scratch);
+            places[order[i]] = i;
+            sorted[i] = cloud_input_index(cloud, order[i]);
+        }
+        for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
+            cloud->triangles[k] = (uint32_t)places[cloud->triangles[k]];
+        free(cloud->order);
+        cloud->order = sorted;
+        sorted = NULL;
+    }
+    free(sorted);
+    free(order);
+    free(places);
+    free(scratch);
     return status;
 }

@@ -1,10 +1,10 @@
 /// @file
 /// The adaptive fitting loop of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et
 /// al. (2014):
-///     repeat  fit: solve (G + 2 lambda M) c = b  (system.h, smoothing.h)
+///     repeat  fit: solve (G + 2 lambda M) c = b  (system.h)
 ///             correct: move parameters to foot points  (foot_points.h)
 ///             stop if the tolerance or the budget is reached
-///             mark and refine cells  (marking.h)
+///             mark and refine cells  (marking.c)
 /// The default criterion for lambda is restricted likelihood. With `robust`, points are re-weighted after every measurement.
 
 #include "base/choice.h"
@@ -14,10 +14,7 @@
 #include "base/option.h"
 #include "batten/surface_fit.h"
 #include "surface/fit/loop.h"
-#include "surface/fit/marking.h"
-#include "surface/fit/robust.h"
-#include "surface/fit/smoothing.h"
-#include "surface/fit/state.h"
+#include "surface/fit/system.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include <math.h>

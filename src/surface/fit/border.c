@@ -1,7 +1,7 @@
 /// @file
-/// Border curves of a fit; see border.h.
+/// Border curves of a fit; see loop.h.
 
-#include "surface/fit/border.h"
+#include "surface/fit/loop.h"
 #include "surface/fit/system.h"
 
 #include "base/error.h"

@@ -2,14 +2,81 @@
 #define SURFACE_FIT_LOOP_H
 
 #include "batten/surface_fit.h"
-
-#include "surface/fit/border.h"
-#include "surface/fit/fit_solve.h"
 #include "surface/fit/foot_points.h"
+#include "surface/fit/points.h"
 #include "surface/fit/system.h"
 
 /// @file
 /// What the adaptive loop (adaptive.c) works on.
+
+// Border curves of a fit. A smoothing spline with a weight of its own is fitted to the boundary points of each side. The
+// boundary points themselves become free points of the surface; samples of the curves, at equidistant parameters, hold its
+// border.
+//
+// A sample holds the surface only in the direction m that is tangent to the surface and normal to its border. After a
+// correction its target is
+//     S(t) + m (m . (c(s) - S(t)) + offset),   c(s): the foot of S(t) on the border curve,
+// so that neither the parameter along the side nor the height of a rough loop is imposed on the surface. The boundary loop
+// of points at random places runs inside the edge of the sheet. `offset` is the mean distance from its curve to the edge.
+
+enum
+{
+    FIT_BORDER_SIDES = 4 ///< v = 0, u = 1, v = 1, u = 0
+};
+
+/// The border curve of a side, and what its points tell.
+typedef struct fit_border_side
+{
+    bat_spline_surface curve; ///< constant in its second parameter
+    size_t count;             ///< boundary points
+    double *points;           ///< count x dimension
+    double *at;               ///< count x 2: their parameters on the curve, (t, 0)
+    size_t first, samples;    ///< of all samples
+    double offset;            ///< from the curve to the edge, outwards
+} fit_border_side;
+
+/// The border of a fit; empty without. Release it with fit_border_free().
+typedef struct bat_surface_border fit_border;
+struct bat_surface_border
+{
+    size_t dimension, samples;
+    size_t boundary_count;
+    uint8_t *side; ///< boundary_count: a side of each boundary point
+    fit_border_side sides[FIT_BORDER_SIDES];
+    double *points; ///< samples x dimension: places on the curves; the last four are the corners
+    double *at;     ///< samples x 2: parameters on the surface
+    double *foot;   ///< samples x 2: parameters on the curves, (s, 0)
+    double *target; ///< samples x dimension: places less the centre of the points, after an update
+    bool moved;     ///< there was an update
+};
+
+/// Fit the border curves. The border stays empty where a side has too few points.
+bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_border *border,
+                           bat_error *error);
+void fit_border_free(fit_border *border);
+
+/// As fit_points_make() for the points and the samples, whose numbers follow those of the points.
+bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
+                             bat_error *error);
+/// As fit_points_make_part(), for data that have the samples.
+bat_status fit_border_points_part(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
+                                  const uint32_t *numbers, bool centred, fit_points *points, bat_error *error);
+
+/// Whether a boundary point takes part in the fit of the surface: in rough loops, which run inside the edge. Those that lie
+/// on the edge are represented by their curve; the surface would follow the noise of half of them.
+static inline bool fit_border_takes(const fit_border *border, size_t point)
+{
+    return border->sides[border->side[point]].offset > 0;
+}
+
+/// Move the targets of the samples. Requires parameters that were corrected on this surface. Every process moves all.
+bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error);
+
+/// Bytes of what updates have changed.
+size_t fit_border_state_size(const fit_border *border);
+void fit_border_save(const fit_border *border, char *bytes);
+/// Take up what fit_border_save() has written, in the points too.
+void fit_border_load(fit_border *border, const char *bytes, fit_points *points);
 
 /// The round with the least expected distance of new points.
 typedef struct fit_best
@@ -52,5 +119,46 @@ typedef struct fit_loop
     size_t count;
     double begin, reported; ///< start time in seconds, and the progress last reported
 } fit_loop;
+
+// Marking of cells for refinement in the adaptive loop.
+
+/// How to select the cells to refine.
+typedef struct fit_marking
+{
+    double tolerance; ///< cells with a point at a larger distance are marked; 0: mark the cells with a fixed share of the
+                      ///< total squared error
+    size_t budget;    ///< maximum number of functions after refinement; 0: unlimited
+    size_t fewest;    ///< cells with fewer points are not refined
+    int neighbours;   ///< number of rings of cells refined around a marked cell
+} fit_marking;
+
+/// Refine the marked cells, and rings of active cells of the same level around them. Cells are ranked by the weighted sum of
+/// squared distances of their points. If the budget does not allow all marked cells, only the highest-ranked ones are
+/// refined.
+/// @param refined receives the refined space; null when there is nothing to refine or nothing fits the budget
+bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
+                           bat_hierarchical_space **refined, bat_error *error);
+
+// Weights of points with outliers among them.
+
+/// One step of iteratively re-weighted least squares with Tukey's biweight (Beaton and Tukey, 1974):
+///     w_i = (1 - t^2)^2 for t < 1, else 0,   t = d_i / (4.685 s_i),   s_i = 1.4826 max(median of all d, median of the
+///     neighbours' d).
+/// The second median is that of the neighbours in Morton order. It prevents that a feature which the surface is still too
+/// stiff to follow is taken for outliers.
+/// @param outliers receives the number of points of weight 0
+/// @param size     the largest absolute coordinate of all points
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error);
+
+// The state of an adaptive fit between two rounds, which the caller keeps (`save` and `load` of bat_surface_fit_backend).
+
+/// Keep the state. Nothing is done without `save`.
+/// @return BAT_OK, BAT_NO_MEMORY, or the failures of `save`
+bat_status fit_state_save(const fit_loop *loop, bat_error *error);
+
+/// Take up the state of an earlier call, where there is one.
+/// @return BAT_OK; BAT_BAD_FILE where it is not one of this fit; BAT_NO_MEMORY; the failures of `load`
+bat_status fit_state_load(fit_loop *loop, bat_error *error);
 
 #endif

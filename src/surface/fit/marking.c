@@ -5,7 +5,7 @@
 /// point beyond it are marked. Without one, the smallest set of cells with  sum e_c >= BULK_SHARE * total  is marked:
 /// Doerfler, "A convergent adaptive algorithm for Poisson's equation" (1996).
 
-#include "surface/fit/marking.h"
+#include "surface/fit/loop.h"
 
 #include "base/error.h"
 #include "base/memory.h"

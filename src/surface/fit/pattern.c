@@ -1,12 +1,12 @@
 /// @file
-/// Assembly of sparse symmetric matrices over the cells of a hierarchical space; see pattern.h.
+/// Assembly of sparse symmetric matrices over the cells of a hierarchical space; see system.h.
 ///
 ///     K = sum over cells c of E_c^T K_c E_c,   E_c selects the functions that are active on cell c.
 ///
 /// Cells are processed in batches. All threads compute the contributions of a batch. Each thread then adds those of its own
 /// functions, cell by cell. Every entry is therefore summed in the same order for any number of threads.
 
-#include "surface/fit/pattern.h"
+#include "surface/fit/system.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"

@@ -13,7 +13,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "surface/fit/foot_points.h"
-#include "surface/fit/smoothing.h"
 
 #include <float.h>
 #include <math.h>

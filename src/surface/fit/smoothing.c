@@ -1,5 +1,5 @@
 /// @file
-/// Choice of the smoothing weight lambda; see smoothing.h. With K = G + 2 lambda M, define
+/// Choice of the smoothing weight lambda; see system.h. With K = G + 2 lambda M, define
 ///
 ///     c = K^-1 b,   J = c^T M c,   R = x^T W x - b^T c - 2 lambda J,   dR/dlambda = 8 lambda (M c)^T K^-1 (M c),
 ///     T = trace of the influence matrix  ~  mean over z of z^T W^1/2 A y,   y = K^-1 A^T W^1/2 z,
@@ -16,7 +16,7 @@
 /// is the dimension of the null space of M, which contains 1, u and v. The slope of each criterion changes sign at the best
 /// weight, so that log10 lambda is bracketed and found by regula falsi.
 
-#include "surface/fit/smoothing.h"
+#include "surface/fit/system.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,7 +1,7 @@
 /// @file
-/// States of adaptive fits; see state.h.
+/// States of adaptive fits; see loop.h.
 
-#include "surface/fit/state.h"
+#include "surface/fit/loop.h"
 
 #include "base/clock.h"
 #include "base/error.h"

@@ -1,7 +1,7 @@
 #ifndef SURFACE_FIT_SYSTEM_H
 #define SURFACE_FIT_SYSTEM_H
 
-#include "surface/fit/pattern.h"
+#include "batten/spline.h"
 #include "surface/fit/points.h"
 
 /// @file
@@ -9,8 +9,49 @@
 ///     (G + 2 lambda M) c = b,   G = A^T W A,   b = A^T W x,
 ///     M_ij = integral over [0, 1]^2 of B_i,uu B_j,uu + B_i,uv B_j,uv + B_i,vv B_j,vv.
 /// A holds the values of the functions B_j at the parameters of the points, W the weights, x the points. M is the thin-plate
-/// matrix: c^T M c is the energy J of eq. (5) of Giannelli et al. (2023). G and M have the same sparsity pattern
-/// (pattern.h).
+/// matrix: c^T M c is the energy J of eq. (5) of Giannelli et al. (2023). G and M have the same sparsity pattern.
+
+// Sparsity pattern of the Gram matrix of a space, and assembly of matrices with this pattern.
+//
+// Entry (i, j) belongs to the pattern when functions i and j both do not vanish on some cell.
+
+/// The lower triangle of a symmetric matrix in compressed columns: diagonal first, rows ascending. Release it with
+/// fit_pattern_free().
+typedef struct fit_pattern
+{
+    size_t functions;
+    int *first; ///< functions + 1
+    int *row;
+} fit_pattern;
+
+bat_status fit_pattern_make(const bat_hierarchical_space *space, int threads, fit_pattern *pattern, bat_error *error);
+void fit_pattern_free(fit_pattern *pattern);
+
+/// The contribution of a cell: a symmetric active x active matrix (only its lower triangle is read), and active x columns
+/// right-hand sides.
+typedef struct fit_cell_work
+{
+    /// Compute the contribution of a cell to `matrix` (null if not requested) and `right` (null without columns).
+    void (*fill)(const void *context, size_t cell, double *scratch, double *matrix, double *right);
+    /// In place of `fill` where several processes have the data; all of them take part. The first receives the contributions
+    /// of cells begin to end - 1, each `matrix`, then `right`.
+    /// @param place   offset of each cell in `numbers`
+    /// @param numbers null in other processes
+    bat_status (*collect)(const void *context, size_t begin, size_t end, const size_t *place, double *numbers,
+                          bat_error *error);
+    const void *context;
+    bool square;       ///< whether a matrix is requested
+    size_t scratch;    ///< size of the workspace of `fill`, in numbers
+    size_t columns;    ///< number of right-hand sides
+    double operations; ///< estimated arithmetic operations of `fill` for all cells
+    double *values;    ///< entries of the matrix, receives the sum over all cells
+    double *right;     ///< functions x columns, receives the sum; null if not requested
+} fit_cell_work;
+
+/// Sum the contributions of all cells. Processes after the first have no pattern, and no sums. The order of summation does
+/// not depend on the number of threads.
+bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
+                           int threads, bat_error *error);
 
 enum
 {
@@ -72,5 +113,54 @@ bat_status spline_fit(const bat_hierarchical_space *space, const bat_surface_fit
 /// @param moved receives the number of changed parameters; may be null
 /// @return as spline_fit()
 bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error);
+
+// Sparse symmetric positive definite systems of one pattern.
+
+typedef struct fit_solver fit_solver;
+
+/// Order and analyse a pattern, which must outlive the solver.
+bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error);
+/// The same by the solver of a backend, where it has one; the backend must outlive it. Of the processes of a group, the
+/// first alone has a solver; the others attend.
+bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
+                               fit_solver **solver, bat_error *error);
+/// Does nothing to null.
+void fit_solver_free(fit_solver *solver);
+
+/// Factor the matrix K of these values. One thread works, so that the result does not depend on their number.
+/// @param pivot receives the least pivot of Cholesky's method over the diagonal entry it came from: from 1, when functions
+/// have
+///              nothing in common, down to about the unit roundoff for a singular matrix, and 0 where the method broke off
+bat_status fit_solver_factor(fit_solver *solver, const double *values, double *pivot, bat_error *error);
+
+/// Solve by the last factorization, whose pivot must be above 0.
+/// @param right    functions x columns
+/// @param solution receives as many; may be `right`
+bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *right, double *solution, bat_error *error);
+
+// Solution of the normal equations for a smoothing weight lambda, and the choice of lambda by restricted maximum
+// likelihood, generalized cross-validation with unknown or given noise.
+
+/// The criterion and the start of a search for lambda.
+typedef struct fit_weight_search
+{
+    bat_surface_smoothing smoothing;
+    double noise;  ///< root of the variance to assume, for BAT_SURFACE_SMOOTHING_NOISE
+    double spread; ///< ratio of the variance to assume to that of residuals: above 1 after parameter correction
+    double lambda; ///< the given weight, or the start of the search; 0: no estimate is known
+    int trials;    ///< maximum number of weights to evaluate, at least 1
+    bat_progress progress;
+} fit_weight_search;
+
+/// Solve (G + 2 lambda M) c = b. If the matrix is singular in double precision, lambda is increased until it is not.
+/// @param lambda  receives the weight used
+/// @param control functions x dimension
+bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double *lambda, double *control, bat_error *error);
+
+/// Search for the best weight and solve with it.
+/// @param lambda receives the weight
+/// @param trace  receives the estimated trace of the influence matrix; NaN for a given weight
+bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
+                           double *trace, double *control, bat_error *error);
 
 #endif

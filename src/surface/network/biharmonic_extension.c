@@ -1,10 +1,10 @@
 /// @file
-/// Biharmonic extension of boundary parameters (see biharmonic_extension.h), by a dense system.
+/// Biharmonic extension of boundary parameters, by a dense system.
 ///
 /// The noise of the loop is estimated from the deviation of each point from the cubic through two neighbours on either side.
 /// With interpolation weights g_k, the deviation x_i - sum g_k x_k has standard deviation noise sqrt(1 + sum g_k^2).
 
-#include "surface/network/biharmonic_extension.h"
+#include "surface/network/chart_network.h"
 
 #include "base/ascending.h"
 #include "base/error.h"

@@ -7,7 +7,6 @@
 #include "base/memory.h"
 #include "batten/cloud_parameterize.h"
 #include "learn/blas.h"
-#include "surface/network/biharmonic_extension.h"
 
 #include <math.h>
 #include <stdio.h>

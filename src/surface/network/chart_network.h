@@ -1,21 +1,91 @@
 #ifndef SURFACE_NETWORK_CHART_NETWORK_H
 #define SURFACE_NETWORK_CHART_NETWORK_H
 
+#include "batten/base.h"
 #include "batten/cloud.h"
 #include "surface/network/model.h"
-#include "surface/network/polynomial_patch.h"
 
 /// @file
 /// Parameterization by a chart and a small network.
 ///
-/// A chart consists of initial parameters u of the interior points (biharmonic_extension.h), and of the Gauss-Newton steps
-/// to their foot points on the polynomial patch (polynomial_patch.h). The network maps the features of the patch to
+/// A chart consists of initial parameters u of the interior points, and of the Gauss-Newton steps
+/// to their foot points on the polynomial patch. The network maps the features of the patch to
 /// coefficients q and a gate, which give the parameters
 ///     u' = u + gate * step(x, u) + bubble(u) sum over a, b <= CHART_DEGREE of q_ab P_a(2 u - 1) P_b(2 v - 1),
 ///     bubble(u) = 16 u (1 - u) v (1 - v).
 /// The bubble vanishes on the boundary. The steps remove noise tangential to the surface. The polynomial deforms the chart
 /// so that splines of low degree fit well. The network has four layers with GELU activation, independent of the number of
 /// points.
+
+// Least-squares polynomial patch through a cloud with parameters: features for a network, and foot points.
+//     X(u, v) = sum over a, b <= PATCH_DEGREE of c_ab P_a(2 u - 1) P_b(2 v - 1)
+// P_a is the Legendre polynomial of degree a. A small penalty on (a^2 + b^2)^2 |c_ab|^2 makes the fit unique where there
+// are few points.
+
+enum
+{
+    PATCH_DEGREE = 6,
+    PATCH_TERMS = (PATCH_DEGREE + 1) * (PATCH_DEGREE + 1), ///< term (a, b) has index a (PATCH_DEGREE + 1) + b
+    PATCH_FEATURES = 3 * (PATCH_TERMS - 1)                 ///< number of features of a patch
+};
+
+/// A patch.
+typedef struct polynomial_patch
+{
+    double terms[PATCH_TERMS][3]; ///< coefficients c_ab
+    double residual;              ///< root mean square of |X(u_i) - x_i|
+} polynomial_patch;
+
+/// The Legendre polynomials of degrees 0 to `degree` (at least 1) at 2 t - 1.
+void legendre_polynomials(double t, int degree, double *values);
+
+/// Fit a patch.
+/// @param points     count x 3, in the unit box, at least one
+/// @param parameters count x 2
+/// @param noise      standard deviation of a coordinate; increases the penalty
+/// @return BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE for parameters that are not finite
+bat_status polynomial_patch_fit(const double *points, const double *parameters, size_t count, double noise,
+                                polynomial_patch *descriptor, bat_error *error);
+
+/// One Gauss-Newton step from a point's parameters towards its foot on the patch.
+void polynomial_patch_step(const polynomial_patch *descriptor, const double point[3], const double parameter[2],
+                           double step[2]);
+
+/// The coefficients except c_00, in a normalized frame: the first axis is along c_10, the second in the plane of c_10 and
+/// c_01, and |c_10 x c_01| = 1. They are invariant under translation, rotation and scaling of the cloud. Under reflection
+/// the third coordinates change sign.
+/// @param features receives PATCH_FEATURES numbers
+/// @return false when c_10 and c_01 are parallel or zero; `features` is then undefined
+bool polynomial_patch_features(const polynomial_patch *descriptor, double *features);
+
+// Extension of the parameters on the boundary loop to space by a biharmonic smoothing spline,
+//     f(x) = a + B x - sum_k w_k |x - x_k|,   f(x_i) + lambda w_i = u_i,   sum_k w_k = 0,   sum_k w_k x_k = 0.
+// The kernel |x| is that of the biharmonic spline in space (Duchon 1977; Wahba 1990, section 2.4). lambda grows with the
+// noise of the loop, so that f smooths noisy loops instead of interpolating them.
+
+/// The spline f.
+typedef struct biharmonic_extension
+{
+    double *centres; ///< count x 3: the x_k, relative to `middle`
+    double *weights; ///< (count + 4) x 2: w, a, B
+    size_t count;
+    double middle[3]; ///< mean of the loop
+    double
+        noise; ///< estimated standard deviation of a coordinate of the loop's points; about three quarters of the true one
+} biharmonic_extension;
+
+/// Compute the spline.
+/// @param cloud    in the unit box
+/// @param boundary cloud->boundary_count x 2
+/// @return BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE when the system is singular
+bat_status biharmonic_extension_make(const bat_cloud *cloud, const double *boundary, biharmonic_extension *extension,
+                                     bat_error *error);
+void biharmonic_extension_free(biharmonic_extension *extension);
+/// Evaluate the spline, clamped to the unit square.
+/// @param points     count x 3
+/// @param parameters receives count x 2, in [0, 1]
+void biharmonic_extension_evaluate(const biharmonic_extension *extension, const double *points, size_t count,
+                                   double *parameters);
 
 enum
 {

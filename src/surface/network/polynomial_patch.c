@@ -2,7 +2,7 @@
 /// Penalized least squares for the coefficients of a patch, by normal equations:
 ///     (A^T A / n + diag(cost (a^2 + b^2)^2)) c = A^T x / n,   cost = ORDER_COST + NOISE_COST noise^2 / n
 
-#include "surface/network/polynomial_patch.h"
+#include "surface/network/chart_network.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -3,10 +3,10 @@
 
 #include "surface/parameterize/averages.h"
 
-#include "linalg/average_system.h"
-
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
+#include "linalg/average_system.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -128,5 +128,149 @@ bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const
     if (status == BAT_OK)
         write_solution(cloud, &problem, parameters);
     problem_free(&problem);
+    return status;
+}
+
+// Stretch minimization by iterated re-weighting.
+
+/// Relative regularization of the normal matrix of the parameter differences, for nearly collinear neighbourhoods.
+static const double RIDGE = 1e-6;
+/// Minimum relative decrease of the total stretch in a round.
+static const double MIN_REDUCTION = 0.01;
+/// Lower bound of the stretch at a point, relative to the total stretch.
+static const double MIN_STRETCH = 1e-6;
+
+enum
+{
+    MAX_ROUNDS = 10
+};
+
+/// The stretch at a point: root of half the squared Frobenius norm of the least-squares derivative.
+static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t row, const double *parameters)
+{
+    size_t point = cloud->boundary_count + row;
+    double uu = 0, uv = 0, vv = 0, xu[3] = {0}, xv[3] = {0};
+    for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+    {
+        size_t other = rows->columns[e];
+        double u = parameters[2 * other] - parameters[2 * point], v = parameters[2 * other + 1] - parameters[2 * point + 1];
+        uu += u * u;
+        uv += u * v;
+        vv += v * v;
+        for (size_t d = 0; d < 3; d++)
+        {
+            double x = cloud->points[3 * other + d] - cloud->points[3 * point + d];
+            xu[d] += x * u;
+            xv[d] += x * v;
+        }
+    }
+    double minimum = RIDGE * (uu + vv);
+    uu += minimum;
+    vv += minimum;
+    double determinant = uu * vv - uv * uv, squares = 0;
+    for (size_t d = 0; d < 3; d++)
+    {
+        double a = (vv * xu[d] - uv * xv[d]) / determinant, b = (uu * xv[d] - uv * xu[d]) / determinant;
+        squares += a * a + b * b;
+    }
+    return sqrt(squares / 2);
+}
+
+/// Stretch at all interior points. Where the parameters of a neighbourhood coincide, as in deep shapes, the largest stretch
+/// of the others is used.
+/// @return the total stretch
+static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch)
+{
+    size_t interior = cloud->count - cloud->boundary_count;
+    double greatest = 0, sum = 0, *at = stretch + cloud->boundary_count;
+    for (size_t row = 0; row < interior; row++)
+    {
+        at[row] = stretch_at(cloud, rows, row, parameters);
+        if (isfinite(at[row]))
+            greatest = fmax(greatest, at[row]);
+    }
+    for (size_t row = 0; row < interior; row++)
+    {
+        at[row] = isfinite(at[row]) ? at[row] : greatest;
+        sum += at[row] * at[row];
+    }
+    return interior > 0 ? sqrt(sum / (double)interior) : 0;
+}
+
+/// Stretch at all points. A boundary point receives the mean over the rows in which it occurs.
+/// @param energy receives the total stretch
+static bat_status measure(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch,
+                          double *energy, bat_error *error)
+{
+    size_t boundary_count = cloud->boundary_count;
+    size_t *uses = calloc(boundary_count, sizeof *uses);
+    if (uses == NULL)
+        return error_memory(error, boundary_count * sizeof *uses);
+    *energy = measure_interior(cloud, rows, parameters, stretch);
+    memset(stretch, 0, boundary_count * sizeof *stretch);
+    for (size_t row = 0; row < rows->row_count; row++)
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            if (rows->columns[e] < boundary_count)
+            {
+                stretch[rows->columns[e]] += stretch[boundary_count + row];
+                uses[rows->columns[e]]++;
+            }
+    for (size_t k = 0; k < boundary_count; k++)
+        stretch[k] = uses[k] > 0 ? stretch[k] / (double)uses[k] : 1;
+    free(uses);
+    return BAT_OK;
+}
+
+/// Divide the weights by the stretch at the neighbour, and rescale the rows.
+static void reweight(const double *stretch, double minimum, sparse_rows *rows)
+{
+    for (size_t row = 0; row < rows->row_count; row++)
+    {
+        double sum = 0;
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            sum += rows->values[e] /= fmax(stretch[rows->columns[e]], minimum);
+        for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
+            rows->values[e] /= sum;
+    }
+}
+
+/// One round.
+/// @param stretch stretch at all points, before and after the round
+/// @param energy  receives the total stretch; infinite if the solver does not converge
+static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double minimum,
+                                     double *stretch, double *parameters, double *energy, bat_error *error)
+{
+    reweight(stretch, minimum, rows);
+    bat_status status = averages_solve(cloud, rows, NULL, solver, parameters, error);
+    *energy = INFINITY;
+    if (status == BAT_NO_CONVERGENCE)
+        return BAT_OK;
+    return status == BAT_OK ? measure(cloud, rows, parameters, stretch, energy, error) : status;
+}
+
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+                            bat_error *error)
+{
+    double *stretch = memory_array(cloud->count, sizeof *stretch), *next = memory_array(cloud->count, 2 * sizeof *next);
+    double energy = 0, reduced;
+    bat_status status = stretch != NULL && next != NULL ? measure(cloud, rows, parameters, stretch, &energy, error)
+                                                        : error_memory(error, cloud->count * 2 * sizeof *next);
+    if (status == BAT_OK)
+        memcpy(next, parameters, 2 * cloud->count * sizeof *next);
+    for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
+    {
+        if (!progress_goes_on(solver.progress, (double)round / MAX_ROUNDS))
+        {
+            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+            break;
+        }
+        status = reweight_and_solve(cloud, rows, solver, MIN_STRETCH * energy, stretch, next, &reduced, error);
+        if (status != BAT_OK || !(reduced < (1 - MIN_REDUCTION) * energy))
+            break;
+        energy = reduced;
+        memcpy(parameters, next, 2 * cloud->count * sizeof *parameters);
+    }
+    free(stretch);
+    free(next);
     return status;
 }

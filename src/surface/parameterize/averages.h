@@ -25,4 +25,31 @@ typedef struct average_solver
 bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_solver solver,
                           double *parameters, bat_error *error);
 
+// Stretch minimization: Yoshizawa, Belyaev and Seidel, "A fast and simple stretch-minimizing mesh parameterization" (2004),
+// for clouds.
+//
+// With s_k the stretch at point k, weights are updated by  w_ik <- w_ik / s_k  (rows rescaled to sum 1). The parameters are
+// then solved for again. This is repeated while the total stretch decreases. The stretch at a point is the root mean square
+// of the singular values of the derivative dx/du, fitted to the neighbours of its row by least squares. The total stretch
+// is the root mean square over the interior.
+
+/// Minimize the stretch of parameters.
+/// @param rows       weights that the parameters satisfy; changed by every round, including a last one that is rejected
+/// @param parameters count x 2
+/// @return see averages_solve()
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+                            bat_error *error);
+
+// Parameters of least distortion. The points are triangulated in given parameters (Floater and Reimers, 2001). Then the
+// symmetric Dirichlet energy of the triangles is minimized (dirichlet.h). The triangles of a mesh are its own, with new
+// points in the middles of edges that join boundary points through the interior.
+
+/// Minimize the distortion of parameters.
+/// @param cloud      points in spatial order, scaled to unit size, with a boundary
+/// @param rows       weights that the parameters satisfy; changed where points crowd, which are spread first
+/// @param parameters count x 2, in [0, 1]^2; unchanged where they have no triangulation without degenerate triangles
+/// @return see averages_solve()
+bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+                              bat_error *error);
+
 #endif

@@ -1,14 +1,13 @@
 /// @file
-/// Triangles of clouds and meshes, and where their minimization begins; see isometric.h.
+/// Triangles of clouds and meshes, and where their minimization begins; see averages.h.
 
-#include "surface/parameterize/isometric.h"
+#include "surface/parameterize/averages.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
 #include "surface/parameterize/dirichlet.h"
-#include "surface/parameterize/stretch.h"
 #include "surface/parameterize/weights.h"
 
 #include <math.h>
@@ -297,7 +296,7 @@ static void make_uniform(sparse_rows *rows)
 }
 
 /// Even out the parameters by averages over the triangles, which turn no triangle over (Floater, 2003), with weights divided
-/// by the stretch (stretch.h). Rounding may prevent this where points crowd: uniform weights crowd less, and else the given
+/// by the stretch. Rounding may prevent this where points crowd: uniform weights crowd less, and else the given
 /// parameters stay.
 static bat_status even_out(isometric_problem *problem, average_solver solver, bat_error *error)
 {

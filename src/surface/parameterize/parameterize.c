@@ -8,8 +8,6 @@
 
 #include "surface/cloud/spatial_order.h"
 #include "surface/parameterize/averages.h"
-#include "surface/parameterize/isometric.h"
-#include "surface/parameterize/stretch.h"
 #include "surface/parameterize/weights.h"
 
 #include "base/choice.h"

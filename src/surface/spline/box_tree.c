@@ -1,7 +1,7 @@
 /// @file
-/// k-d tree of boxes with levels; see box_tree.h.
+/// k-d tree of boxes with levels; see hierarchical_space.h.
 
-#include "surface/spline/box_tree.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"

@@ -1,7 +1,7 @@
 /// @file
-/// Set operations on sorted runs of grid cells; see run_set.h. Union, difference and support take linear time.
+/// Set operations on sorted runs of grid cells; see hierarchical_space.h. Union, difference and support take linear time.
 
-#include "surface/spline/run_set.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include "base/array_grow.h"
 

@@ -3,7 +3,7 @@
 /// insertion:
 ///     B_i(coarse) = sum_j R_ij B_j(fine),   R by inserting the midpoints of all cells (Boehm, 1980; The NURBS Book, A5.1).
 
-#include "surface/spline/uniform_basis.h"
+#include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
 #include "base/memory.h"

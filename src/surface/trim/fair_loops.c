@@ -1,5 +1,5 @@
 /// @file
-/// Trimming curves; see fair_loops.h.
+/// Trimming curves through the loops of an outline: corners, and cubic splines of least squares between them.
 ///
 /// The roughness of a loop is the median over its corners of the root mean square residual of a parabola that is fitted to
 /// the nearest corners along the loop. A corner of the curve is where straight lines through the points before and after
@@ -7,12 +7,13 @@
 /// corners, or all points of a loop without corners, are fitted by a cubic spline with as few spans as bring the residuals
 /// down to the roughness.
 
-#include "surface/trim/fair_loops.h"
 #include "surface/spline/knot_vector.h"
+#include "surface/trim/trimming.h"
 
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "linalg/vector2.h"
 #include "surface/trim/region.h"
 
@@ -53,6 +54,7 @@ static const double SPAN_POINTS[2] = {2, 8};
 /// A loop in the chart.
 typedef struct fair_loop
 {
+    memory_pool pool;
     size_t count;
     double (*points)[2];
     double spacing;   ///< median of its points
@@ -65,15 +67,6 @@ typedef struct fair_loop
     double (*places)[2]; ///< count: of corners, on the curve
     double *turns;       ///< count
 } fair_loop;
-
-static void fair_loop_free(fair_loop *loop)
-{
-    free(loop->points);
-    free(loop->at);
-    free(loop->corner);
-    free(loop->places);
-    free(loop->turns);
-}
 
 /// A point at a distance along the loop, which is cyclic.
 static const double *point_at(const fair_loop *loop, size_t index, ptrdiff_t step)
@@ -387,14 +380,16 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
     bat_status status = knot_vector_uniform(DEGREE, spans, &curve->knots, error);
     if (status != BAT_OK)
         return status;
-    double *matrix = calloc(unknowns * unknowns, sizeof *matrix), *right = calloc(2 * unknowns, sizeof *right);
+    memory_pool pool = {0};
+    double *matrix = memory_pool_zeros(&pool, unknowns * unknowns, sizeof *matrix);
+    double *right = memory_pool_zeros(&pool, 2 * unknowns, sizeof *right);
     curve->control = memory_array(functions, 2 * sizeof *curve->control);
-    if (matrix == NULL || right == NULL || curve->control == NULL)
+    status = curve->control == NULL ? error_memory(error, functions * 2 * sizeof *right) : memory_pool_check(&pool, error);
+    if (status != BAT_OK)
     {
-        free(matrix);
-        free(right);
+        memory_pool_free(&pool);
         spline_curve_free(curve);
-        return error_memory(error, unknowns * unknowns * sizeof *matrix);
+        return status;
     }
     static const double differences[] = {1, -2, 1}, none[2] = {0, 0};
     for (size_t i = 0; i < piece->count; i++)
@@ -419,8 +414,7 @@ static bat_status fit_spans(const fair_piece *piece, size_t spans, bat_spline_cu
             curve->control[2 * i + d] = value;
         }
     }
-    free(matrix);
-    free(right);
+    memory_pool_free(&pool);
     residuals[0] = residuals[1] = 0;
     for (size_t i = 0; i < piece->count; i++)
     {
@@ -633,18 +627,19 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
 {
     const uint32_t *corners = loops->corners + loops->first[number];
     size_t count = loops->first[number + 1] - loops->first[number];
-    *loop = (fair_loop){.count = count,
-                        .points = memory_array(count, sizeof *loop->points),
-                        .at = memory_array(count + 1, sizeof *loop->at),
-                        .corner = memory_array(count, sizeof *loop->corner),
-                        .places = memory_array(count, sizeof *loop->places),
-                        .turns = memory_array(count, sizeof *loop->turns)};
-    if (loop->points == NULL || loop->at == NULL || loop->corner == NULL || loop->places == NULL || loop->turns == NULL)
-        return error_memory(error, count * 5 * sizeof(double));
+    *loop = (fair_loop){.count = count};
+    loop->points = memory_pool_array(&loop->pool, count, sizeof *loop->points);
+    loop->at = memory_pool_array(&loop->pool, count + 1, sizeof *loop->at);
+    loop->corner = memory_pool_array(&loop->pool, count, sizeof *loop->corner);
+    loop->places = memory_pool_array(&loop->pool, count, sizeof *loop->places);
+    loop->turns = memory_pool_array(&loop->pool, count, sizeof *loop->turns);
+    bat_status status = memory_pool_check(&loop->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < count; i++)
         for (size_t d = 0; d < 2; d++)
             loop->points[i][d] = parameters[2 * (size_t)corners[i] + d] * sides[d];
-    bat_status status = measure_loop(loop, corners, spacing, noise, error);
+    status = measure_loop(loop, corners, spacing, noise, error);
     if (status == BAT_OK)
         find_corners(loop);
     return status;
@@ -665,7 +660,7 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
         status = loop_make(loops, l, sides, parameters, spacing, noise, &loop, error);
         if (status == BAT_OK)
             status = plain ? fit_points(&loop, trim, error) : fit_loop(&loop, trim, error);
-        fair_loop_free(&loop);
+        memory_pool_free(&loop.pool);
     }
     if (status == BAT_OK)
         scale_curves(sides, trim);

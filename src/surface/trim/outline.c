@@ -1,12 +1,14 @@
 /// @file
-/// Outline and holes of a chart; see outline.h. Triangles of the Delaunay triangulation whose circumcircle is larger than
-/// RADIUS spacings are empty. Empty triangles that are connected with the outside are outside; other components are gaps
-/// between points, which are filled, or holes.
+/// Outline and holes of a chart: the boundary of an alpha shape (Edelsbrunner, Kirkpatrick and Seidel, "On the shape of a
+/// set of points in the plane", 1983), with a radius that follows the local spacing. Triangles of the Delaunay triangulation
+/// whose circumcircle is larger than RADIUS spacings are empty. Empty triangles that are connected with the outside are
+/// outside; other components are gaps between points, which are filled, or holes.
 
-#include "surface/trim/outline.h"
+#include "surface/trim/trimming.h"
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "linalg/vector2.h"
 #include "linalg/vector3.h"
 #include "mesh/key_map.h"
@@ -30,6 +32,7 @@ typedef struct outline_work
     const cloud_geometry *geometry;
     const planar_chart *chart;
     planar_triangles triangles;
+    memory_pool pool;
     uint32_t *opposite; ///< 3 triangles: the same side of the neighbour; NONE on the hull. Side s of triangle t is 3 t + s,
                         ///< from corner s to the next one
     double *radius;     ///< of circumcircles, in spacings
@@ -37,16 +40,6 @@ typedef struct outline_work
     uint32_t *stack;
     uint32_t *part; ///< of each triangle; NONE for not visited
 } outline_work;
-
-static void work_free(outline_work *work)
-{
-    planar_triangles_free(&work->triangles);
-    free(work->opposite);
-    free(work->radius);
-    free(work->solid);
-    free(work->stack);
-    free(work->part);
-}
 
 void outline_free(outline_loops *loops)
 {
@@ -113,16 +106,15 @@ static bat_status work_make(outline_work *work, bat_error *error)
     size_t count = work->triangles.count;
     if (status != BAT_OK)
         return status;
-    work->opposite = memory_array(count, 3 * sizeof *work->opposite);
-    work->radius = memory_array(count, sizeof *work->radius);
-    work->solid = memory_array(count, sizeof *work->solid);
-    work->stack = memory_array(count, sizeof *work->stack);
-    work->part = memory_array(count, sizeof *work->part);
-    if (work->opposite == NULL || work->radius == NULL || work->solid == NULL || work->stack == NULL || work->part == NULL)
-        return error_memory(error, count * 6 * sizeof *work->opposite);
-    for (size_t t = 0; t < count; t++)
+    work->opposite = memory_pool_array(&work->pool, count, 3 * sizeof *work->opposite);
+    work->radius = memory_pool_array(&work->pool, count, sizeof *work->radius);
+    work->solid = memory_pool_array(&work->pool, count, sizeof *work->solid);
+    work->stack = memory_pool_array(&work->pool, count, sizeof *work->stack);
+    work->part = memory_pool_array(&work->pool, count, sizeof *work->part);
+    status = memory_pool_check(&work->pool, error);
+    for (size_t t = 0; t < count && status == BAT_OK; t++)
         measure_triangle(work, t);
-    return connect(work, error);
+    return status == BAT_OK ? connect(work, error) : status;
 }
 
 /// A component of triangles that are all solid, or all not.
@@ -390,13 +382,11 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
     size_t points = work->geometry->order.cloud.count, sides = 3 * work->triangles.count, borders = 0;
     for (uint32_t s = 0; s < sides; s++)
         borders += is_border(work, s);
-    size_t *last = memory_array(points, sizeof *last);
-    bool *visited = calloc(sides, sizeof *visited);
-    uint32_t *corners = memory_array(borders, sizeof *corners);
-    traced_loop *traced = memory_array(borders, sizeof *traced);
-    bat_status status = BAT_OK;
-    if (last == NULL || visited == NULL || corners == NULL || traced == NULL)
-        status = error_memory(error, borders * sizeof *traced);
+    size_t *last = memory_pool_array(&work->pool, points, sizeof *last);
+    bool *visited = memory_pool_zeros(&work->pool, sides, sizeof *visited);
+    uint32_t *corners = memory_pool_array(&work->pool, borders, sizeof *corners);
+    traced_loop *traced = memory_pool_array(&work->pool, borders, sizeof *traced);
+    bat_status status = memory_pool_check(&work->pool, error);
     if (status == BAT_OK)
     {
         for (size_t i = 0; i < points; i++)
@@ -408,10 +398,6 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
         if (status == BAT_OK)
             loops->area = solid_area(work);
     }
-    free(last);
-    free(visited);
-    free(corners);
-    free(traced);
     return status;
 }
 
@@ -428,6 +414,7 @@ bat_status outline_find(const cloud_geometry *geometry, const planar_chart *char
     }
     if (status == BAT_OK)
         status = find_loops(&work, fill, loops, error);
-    work_free(&work);
+    memory_pool_free(&work.pool);
+    planar_triangles_free(&work.triangles);
     return status;
 }

@@ -1,10 +1,17 @@
 /// @file
-/// Charts with free boundary; see planar_chart.h.
+/// Charts with free boundary: places of the points of a cloud in a rectangle, with little distortion. A cloud whose normals
+/// are within MAX_TILT of one direction is projected along it, and so is one that is flat as a whole. Other clouds get the
+/// places u that minimize
+///     sum over neighbours i, j of |u_j - u_i - R_i p_ij|^2,
+/// where p_ij is the projection of x_j - x_i to the tangent plane of x_i, with the length of x_j - x_i, and R_i a rotation:
+/// the energy of Sorkine and Alexa, "As-rigid-as-possible surface modeling" (2007), from the tangent planes that are
+/// unrolled along a tree.
 
-#include "surface/trim/planar_chart.h"
+#include "surface/trim/trimming.h"
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "linalg/multifrontal.h"
 #include "linalg/vector2.h"
 #include "linalg/vector3.h"
@@ -39,20 +46,6 @@ void planar_chart_free(planar_chart *chart)
 }
 
 // Projection
-
-/// Fit a plane to all points. False when out of memory.
-static bool fit_plane(const cloud_geometry *geometry, local_plane *plane)
-{
-    size_t count = geometry->order.cloud.count;
-    neighbour_list all = {.entries = memory_array(count, sizeof *all.entries), .count = count};
-    if (all.entries == NULL)
-        return false;
-    for (size_t i = 0; i < count; i++)
-        all.entries[i] = (neighbour){.item = (uint32_t)i};
-    *plane = local_plane_fit(geometry->order.cloud.points, &all);
-    free(all.entries);
-    return true;
-}
 
 /// Turn a vector so that its largest coordinate is positive.
 static void set_direction(const double vector[3], double direction[3])
@@ -118,6 +111,7 @@ typedef struct chart_link
 typedef struct unrolling
 {
     const cloud_geometry *geometry;
+    memory_pool pool;
     uint32_t *nodes; ///< node_count: points
     size_t node_count;
     neighbour_tree tree; ///< of the nodes
@@ -132,14 +126,8 @@ typedef struct unrolling
 
 static void unrolling_free(unrolling *work)
 {
-    free(work->nodes);
+    memory_pool_free(&work->pool);
     neighbour_tree_free(&work->tree);
-    free(work->positions);
-    free(work->links);
-    free(work->first);
-    free(work->angle);
-    free(work->turn);
-    free(work->places);
     multifrontal_free(work->solver);
 }
 
@@ -161,15 +149,16 @@ static bat_status choose_nodes(unrolling *work, bat_error *error)
 {
     size_t count = work->geometry->order.cloud.count;
     work->node_count = count < NODES ? count : NODES;
-    work->nodes = memory_array(work->node_count, sizeof *work->nodes);
-    work->positions = memory_array(work->node_count, 3 * sizeof *work->positions);
-    work->first = calloc(work->node_count + 2, sizeof *work->first);
-    work->angle = calloc(work->node_count, sizeof *work->angle);
-    work->turn = calloc(work->node_count, sizeof *work->turn);
-    work->places = calloc(work->node_count, sizeof *work->places);
-    if (work->nodes == NULL || work->positions == NULL || work->first == NULL || work->angle == NULL || work->turn == NULL ||
-        work->places == NULL)
-        return error_memory(error, work->node_count * 3 * sizeof *work->positions);
+    work->nodes = memory_pool_array(&work->pool, work->node_count, sizeof *work->nodes);
+    work->positions = memory_pool_array(&work->pool, work->node_count, 3 * sizeof *work->positions);
+    work->links = memory_pool_array(&work->pool, work->node_count, 2 * LINKS * sizeof *work->links);
+    work->first = memory_pool_zeros(&work->pool, work->node_count + 2, sizeof *work->first);
+    work->angle = memory_pool_zeros(&work->pool, work->node_count, sizeof *work->angle);
+    work->turn = memory_pool_zeros(&work->pool, work->node_count, sizeof *work->turn);
+    work->places = memory_pool_zeros(&work->pool, work->node_count, sizeof *work->places);
+    bat_status status = memory_pool_check(&work->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < work->node_count; i++)
     {
         // The points are in spatial order, so that an even choice is even in space.
@@ -193,9 +182,6 @@ static bat_status make_links(unrolling *work, bat_error *error)
     size_t count = 0, kept = 0;
     neighbour_list near = {0};
     bat_status status = BAT_OK;
-    work->links = memory_array(work->node_count, 2 * LINKS * sizeof *work->links);
-    if (work->links == NULL)
-        return error_memory(error, work->node_count * 2 * LINKS * sizeof *work->links);
     for (size_t i = 0; i < work->node_count && status == BAT_OK; i++)
     {
         status = neighbours_nearest(&work->tree, work->positions + 3 * i, LINKS + 1, &near, error);
@@ -245,10 +231,12 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
     for (size_t k = 0; k < 3 * work->node_count; k++)
         mean[k % 3] += work->positions[k] / (double)work->node_count;
     neighbour_list near = {0};
-    uint32_t *queue = memory_array(work->node_count, sizeof *queue);
-    bool *reached = calloc(work->node_count + 1, sizeof *reached);
-    bat_status status = queue == NULL || reached == NULL ? error_memory(error, work->node_count * sizeof *queue)
-                                                         : neighbours_nearest(&work->tree, mean, 1, &near, error);
+    memory_pool pool = {0};
+    uint32_t *queue = memory_pool_array(&pool, work->node_count, sizeof *queue);
+    bool *reached = memory_pool_zeros(&pool, work->node_count, sizeof *reached);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = neighbours_nearest(&work->tree, mean, 1, &near, error);
     size_t head = 0, tail = 0;
     if (status == BAT_OK)
     {
@@ -276,8 +264,7 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
                            "the cloud has several pieces, the largest of about %.0f %% of the points; give each alone",
                            100 * fmax((double)tail, (double)(work->node_count - tail)) / (double)work->node_count);
     neighbour_list_free(&near);
-    free(queue);
-    free(reached);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -285,16 +272,12 @@ static bat_status unroll_tree(unrolling *work, bat_error *error)
 static bat_status make_solver(unrolling *work, bat_error *error)
 {
     size_t count = work->node_count - 1, links = work->first[work->node_count], made = 0;
-    int *first = memory_array(count + 1, sizeof *first), *row = memory_array(links + count, sizeof *row);
-    double *values = memory_array(links + count, sizeof *values);
-    if (first == NULL || row == NULL || values == NULL)
-    {
-        free(first);
-        free(row);
-        free(values);
-        return error_memory(error, (links + count) * sizeof *values);
-    }
-    for (size_t i = 0; i < count; i++)
+    memory_pool pool = {0};
+    int *first = memory_pool_array(&pool, count + 1, sizeof *first);
+    int *row = memory_pool_array(&pool, links + count, sizeof *row);
+    double *values = memory_pool_array(&pool, links + count, sizeof *values), pivot = 0;
+    bat_status status = memory_pool_check(&pool, error);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         first[i] = (int)made;
         row[made] = (int)i;
@@ -306,17 +289,17 @@ static bat_status make_solver(unrolling *work, bat_error *error)
                 values[made++] = -1;
             }
     }
-    first[count] = (int)made;
     const symmetric_pattern pattern = {count, first, row};
-    double pivot = 0;
-    bat_status status = multifrontal_make(&pattern, true, &work->solver, error);
+    if (status == BAT_OK)
+    {
+        first[count] = (int)made;
+        status = multifrontal_make(&pattern, true, &work->solver, error);
+    }
     if (status == BAT_OK)
         status = multifrontal_factor(work->solver, values, NULL, &pivot, error);
     if (status == BAT_OK && !(pivot > 0))
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the chart of the cloud is singular");
-    free(first);
-    free(row);
-    free(values);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -512,12 +495,14 @@ static void best_axis(const double (*hull)[2], size_t count, double axis[2])
 static bat_status set_rectangle(const cloud_geometry *geometry, double margin, planar_chart *chart, bat_error *error)
 {
     size_t count = geometry->order.cloud.count;
-    double(*sorted)[2] = memory_array(count, sizeof *sorted), (*hull)[2] = memory_array(count + 1, 2 * sizeof *hull);
-    if (sorted == NULL || hull == NULL)
+    memory_pool pool = {0};
+    double(*sorted)[2] = memory_pool_array(&pool, count, sizeof *sorted);
+    double(*hull)[2] = memory_pool_array(&pool, count + 1, 2 * sizeof *hull);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status != BAT_OK)
     {
-        free(sorted);
-        free(hull);
-        return error_memory(error, count * 3 * sizeof *hull);
+        memory_pool_free(&pool);
+        return status;
     }
     memcpy(sorted, chart->places, count * sizeof *sorted);
     qsort(sorted, count, sizeof *sorted, compare_places);
@@ -525,8 +510,7 @@ static bat_status set_rectangle(const cloud_geometry *geometry, double margin, p
     double axis[2], low[2], high[2], wide = margin * geometry->middle_spacing;
     best_axis((const double(*)[2])hull, corners, axis);
     box_of((const double(*)[2])hull, corners, axis, low, high);
-    free(sorted);
-    free(hull);
+    memory_pool_free(&pool);
     if (!(high[1] - low[1] > MIN_RATIO * (high[0] - low[0])))
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                          "the points are nearly on a line, which has no surface");
@@ -548,7 +532,7 @@ bat_status planar_chart_make(const cloud_geometry *geometry, double margin, plan
     *chart = (planar_chart){.places = memory_array(count, sizeof *chart->places)};
     if (chart->places == NULL)
         return error_memory(error, count * sizeof *chart->places);
-    bat_status status = fit_plane(geometry, &plane) ? BAT_OK : error_memory(error, count * sizeof(neighbour));
+    bat_status status = local_plane_fit_all(geometry->order.cloud.points, count, &plane, error);
     if (status == BAT_OK && plane.variance[2] <= FLAT * FLAT * plane.variance[1])
     {
         set_direction(plane.axes[2], chart->direction);

@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "surface/trim/fair_loops.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,52 @@
 #ifndef SURFACE_TRIM_TRIMMING_H
 #define SURFACE_TRIM_TRIMMING_H
 
-#include "surface/trim/outline.h"
+#include "surface/verdict.h"
 
 /// @file
 /// Trimmed surfaces: the chart of a cloud, its outline and holes, and the trimming curves of a fit over the chart's
 /// rectangle.
+
+/// A chart.
+typedef struct planar_chart
+{
+    double (*places)[2]; ///< [count of the cloud], in units of the scaled cloud, from 0 to `sides`
+    double sides[2];     ///< of the rectangle, the longer one first
+    double direction[3]; ///< of the projection; zero for an unrolled cloud
+} planar_chart;
+
+/// Make a chart.
+/// @param margin of the rectangle around the points, in spacings
+/// @return BAT_OK; BAT_NO_CONVERGENCE for points that are on a line or have no chart; BAT_NO_MEMORY
+bat_status planar_chart_make(const cloud_geometry *geometry, double margin, planar_chart *chart, bat_error *error);
+void planar_chart_free(planar_chart *chart);
+
+/// Closed polygons through points of a chart. Release them with outline_free().
+typedef struct outline_loops
+{
+    uint32_t *corners; ///< points, in the numbers of the chart
+    size_t *first;     ///< count + 1: the first corner of each loop
+    size_t count;      ///< the outline comes first, counter-clockwise; then holes, clockwise, the largest area first
+    bool *filled;      ///< count: whether a hole is to be closed
+    double area;       ///< of the surface within, in units of the scaled cloud
+} outline_loops;
+
+/// Find the loops.
+/// @param fill holes of at most this diameter are to be closed, in units of the scaled cloud
+/// @return BAT_OK; BAT_NO_CONVERGENCE for points in several pieces; BAT_NO_MEMORY
+bat_status outline_find(const cloud_geometry *geometry, const planar_chart *chart, double fill, outline_loops *loops,
+                        bat_error *error);
+void outline_free(outline_loops *loops);
+
+/// Fit trimming curves to loops. Points inside a patch that was scanned at random places end before the true edge. Their
+/// loops are rough, and the curves lie outside of them by OFFSET times the roughness. Points on the edge are met.
+/// @param sides      of the rectangle that the square stands for, in units of the scaled cloud
+/// @param parameters of the points, count x 2
+/// @param spacing    of the points, in units of the scaled cloud
+/// @param noise      standard deviation of a coordinate, in units of the scaled cloud
+/// @return BAT_OK or BAT_NO_MEMORY; `trim` is empty on failure
+bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters,
+                           const double *spacing, double noise, bat_spline_trim *trim, bat_error *error);
 
 /// What is known of a trimmed surface before the fit.
 typedef struct surface_trimming
