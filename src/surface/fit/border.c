@@ -37,16 +37,8 @@ static const double NOISE_RATIO = 0.75;
 void fit_border_free(fit_border *border)
 {
     for (int s = 0; s < FIT_BORDER_SIDES; s++)
-    {
         bat_spline_surface_free(&border->sides[s].curve);
-        free(border->sides[s].points);
-        free(border->sides[s].at);
-    }
-    free(border->side);
-    free(border->points);
-    free(border->at);
-    free(border->foot);
-    free(border->target);
+    memory_pool_free(&border->pool);
     *border = (fit_border){0};
 }
 
@@ -73,21 +65,21 @@ static void set_parameter(int side, double t, double *at)
 }
 
 /// Copy the boundary points of a side.
-static bat_status gather_side(const bat_surface_fit_data *data, int number, fit_border_side *side, bat_error *error)
+static bat_status gather_side(const bat_surface_fit_data *data, int number, fit_border *border, bat_error *error)
 {
     size_t dimension = data->dimension;
-    side->points = memory_array(data->boundary_count, dimension * sizeof *side->points);
-    side->at = memory_array(data->boundary_count, 2 * sizeof *side->at);
-    if (side->points == NULL || side->at == NULL)
-        return error_memory(error, data->boundary_count * (dimension + 2) * sizeof *side->points);
-    for (size_t i = 0; i < data->boundary_count; i++)
+    fit_border_side *side = &border->sides[number];
+    side->points = memory_pool_array(&border->pool, data->boundary_count, dimension * sizeof *side->points);
+    side->at = memory_pool_array(&border->pool, data->boundary_count, 2 * sizeof *side->at);
+    bat_status status = memory_pool_check(&border->pool, error);
+    for (size_t i = 0; i < data->boundary_count && status == BAT_OK; i++)
         if (is_on_side(data->parameters + 2 * i, number))
         {
             memcpy(side->points + side->count * dimension, data->points + i * dimension, dimension * sizeof(double));
             side->at[2 * side->count] = data->parameters[2 * i + along_of(number)];
             side->at[2 * side->count++ + 1] = 0;
         }
-    return BAT_OK;
+    return status;
 }
 
 /// Fit a curve to the points of a side, and move their parameters along it. The curve is a surface that is linear across;
@@ -95,9 +87,10 @@ static bat_status gather_side(const bat_surface_fit_data *data, int number, fit_
 static bat_status fit_side(size_t dimension, const bat_surface_fit_options *options, fit_border_side *side, bat_error *error)
 {
     size_t count = side->count;
-    double *points = memory_array(count, 2 * dimension * sizeof *points), *at = memory_array(count, 4 * sizeof *at);
-    bat_status status =
-        points == NULL || at == NULL ? error_memory(error, count * 2 * (dimension + 2) * sizeof *at) : BAT_OK;
+    memory_pool pool = {0};
+    double *points = memory_pool_array(&pool, count, 2 * dimension * sizeof *points);
+    double *at = memory_pool_array(&pool, count, 4 * sizeof *at);
+    bat_status status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         memcpy(points, side->points, count * dimension * sizeof *points);
@@ -125,8 +118,7 @@ static bat_status fit_side(size_t dimension, const bat_surface_fit_options *opti
         status = bat_surface_fit(&data, &curve, &side->curve, NULL, error);
         memcpy(side->at, at, 2 * count * sizeof *at);
     }
-    free(points);
-    free(at);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -140,16 +132,14 @@ static bat_status place_samples(fit_border *border, bat_error *error)
         border->sides[s].samples = SAMPLES_PER_POINT * border->sides[s].count - 1;
         total += border->sides[s].samples;
     }
-    border->points = memory_array(total, dimension * sizeof *border->points);
-    border->at = memory_array(total, 2 * sizeof *border->at);
-    border->foot = calloc(total, 2 * sizeof *border->foot);
-    border->target = calloc(total, dimension * sizeof *border->target);
-    if (border->points == NULL || border->at == NULL || border->foot == NULL || border->target == NULL)
-        return error_memory(error, total * (2 * dimension + 4) * sizeof *border->points);
+    double *place = memory_pool_array(&border->pool, dimension, sizeof *place);
+    border->points = memory_pool_zeros(&border->pool, total, dimension * sizeof *border->points);
+    border->at = memory_pool_array(&border->pool, total, 2 * sizeof *border->at);
+    border->foot = memory_pool_zeros(&border->pool, total, 2 * sizeof *border->foot);
+    border->target = memory_pool_zeros(&border->pool, total, dimension * sizeof *border->target);
+    bat_status status = memory_pool_check(&border->pool, error);
     border->samples = total;
-    bat_status status = BAT_OK;
     size_t corners = total - CORNERS;
-    memset(border->points + corners * dimension, 0, CORNERS * dimension * sizeof *border->points);
     for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
     {
         fit_border_side *side = &border->sides[s];
@@ -168,13 +158,10 @@ static bat_status place_samples(fit_border *border, bat_error *error)
             double corner[2];
             set_parameter(s, e, corner);
             size_t number = corners + (size_t)(corner[0] + 2 * corner[1]);
-            double *place = memory_array(dimension, sizeof *place);
-            status = place == NULL ? error_memory(error, dimension * sizeof *place)
-                                   : bat_spline_surface_evaluate(&side->curve, ends[e], 1, 0, place, error);
+            status = bat_spline_surface_evaluate(&side->curve, ends[e], 1, 0, place, error);
             for (size_t d = 0; d < dimension && status == BAT_OK; d++)
                 border->points[number * dimension + d] += 0.5 * place[d];
             memcpy(border->at + 2 * number, corner, sizeof corner);
-            free(place);
         }
     }
     return status;
@@ -183,10 +170,9 @@ static bat_status place_samples(fit_border *border, bat_error *error)
 bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options, fit_border *border,
                            bat_error *error)
 {
-    *border = (fit_border){.dimension = data->dimension,
-                           .boundary_count = data->boundary_count,
-                           .side = memory_array(data->boundary_count, sizeof *border->side)};
-    bat_status status = border->side != NULL ? BAT_OK : error_memory(error, data->boundary_count);
+    *border = (fit_border){.dimension = data->dimension, .boundary_count = data->boundary_count};
+    border->side = memory_pool_array(&border->pool, data->boundary_count, sizeof *border->side);
+    bat_status status = memory_pool_check(&border->pool, error);
     bool enough = true;
     for (size_t i = 0; i < data->boundary_count && status == BAT_OK; i++)
         for (int s = FIT_BORDER_SIDES - 1; s >= 0; s--)
@@ -194,7 +180,7 @@ bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_f
                 border->side[i] = (uint8_t)s;
     for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
     {
-        status = gather_side(data, s, &border->sides[s], error);
+        status = gather_side(data, s, border, error);
         enough = enough && border->sides[s].count >= MIN_SIDE_POINTS;
     }
     for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK && enough; s++)
@@ -236,8 +222,10 @@ bat_status fit_border_points(const fit_border *border, const bat_surface_fit_dat
     if (samples + guides == 0)
         return fit_points_make(data, NULL, centred, points, error);
     size_t count = data->count + samples + guides;
-    double *all = memory_array(count, dimension * sizeof *all), *at = memory_array(count, 2 * sizeof *at);
-    bat_status status = all == NULL || at == NULL ? error_memory(error, count * (dimension + 2) * sizeof *all) : BAT_OK;
+    memory_pool pool = {0};
+    double *all = memory_pool_array(&pool, count, dimension * sizeof *all);
+    double *at = memory_pool_array(&pool, count, 2 * sizeof *at);
+    bat_status status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
         double *end = append(all, data->points, data->count, dimension);
@@ -253,12 +241,10 @@ bat_status fit_border_points(const fit_border *border, const bat_surface_fit_dat
                                        .slides = data->slides};
         status = fit_points_make(&joined, NULL, centred, points, error);
     }
-    free(all);
-    free(at);
-    if (status != BAT_OK)
-        return status;
-    set_samples(points, data->count, data->count + samples);
-    return BAT_OK;
+    memory_pool_free(&pool);
+    if (status == BAT_OK)
+        set_samples(points, data->count, data->count + samples);
+    return status;
 }
 
 bat_status fit_border_points_part(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
@@ -317,6 +303,7 @@ static bool frame_at(const fit_nets *nets, int side, const double *at, double *s
 /// Buffers of an update.
 typedef struct border_update
 {
+    memory_pool pool;
     fit_border *border;
     const fit_nets *nets;
     const double *centre;
@@ -468,16 +455,12 @@ static void move_samples(const fit_border *border, fit_points *points)
 bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error)
 {
     size_t dimension = border->dimension, samples = border->samples;
-    border_update update = {.border = border,
-                            .nets = nets,
-                            .centre = points->centre,
-                            .scratch = memory_array(fit_nets_scratch(nets), sizeof(double)),
-                            .values = memory_array(3 * dimension, sizeof(double)),
-                            .feet = memory_array(samples, dimension * sizeof(double)),
-                            .distances = memory_array(samples, sizeof(double))};
-    bat_status status = BAT_OK;
-    if (update.scratch == NULL || update.values == NULL || update.feet == NULL || update.distances == NULL)
-        status = error_memory(error, samples * dimension * sizeof(double));
+    border_update update = {.border = border, .nets = nets, .centre = points->centre};
+    update.scratch = memory_pool_array(&update.pool, fit_nets_scratch(nets), sizeof(double));
+    update.values = memory_pool_array(&update.pool, 3 * dimension, sizeof(double));
+    update.feet = memory_pool_array(&update.pool, samples, dimension * sizeof(double));
+    update.distances = memory_pool_array(&update.pool, samples, sizeof(double));
+    bat_status status = memory_pool_check(&update.pool, error);
     for (int s = 0; s < FIT_BORDER_SIDES && status == BAT_OK; s++)
     {
         status = measure_offset(&update, s, error);
@@ -492,10 +475,7 @@ bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_point
     for (size_t row = 0; row < points->count && status == BAT_OK; row++)
         if (points->number[row] >= points->own && points->number[row] < points->guides)
             points->distance[row] = update.distances[points->number[row] - points->own];
-    free(update.scratch);
-    free(update.values);
-    free(update.feet);
-    free(update.distances);
+    memory_pool_free(&update.pool);
     return status;
 }
 

@@ -317,6 +317,7 @@ static size_t find_wrong_feet(const fit_points *points, double mean, far_point *
 /// The points that restart, the same in all processes. Rows count the points of all of them.
 typedef struct wrong_feet
 {
+    memory_pool pool;
     size_t count;
     far_point outlying[2 * MAX_WRONG_FEET];
     size_t width;   ///< numbers of a point: coordinates, then the parameter
@@ -473,12 +474,11 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
         return status;
     mean /= (double)points->total;
     size_t width = points->dimension + 2;
-    wrong_feet wrong = {.width = width,
-                        .points = memory_array(MAX_WRONG_FEET, width * sizeof(double)),
-                        .starts = memory_array(MAX_WRONG_FEET, 2 * sizeof(double))};
-    if (wrong.points == NULL || wrong.starts == NULL)
-        status = error_memory(error, MAX_WRONG_FEET * width * sizeof(double));
-    else
+    wrong_feet wrong = {.width = width};
+    wrong.points = memory_pool_array(&wrong.pool, MAX_WRONG_FEET, width * sizeof(double));
+    wrong.starts = memory_pool_array(&wrong.pool, MAX_WRONG_FEET, 2 * sizeof(double));
+    status = memory_pool_check(&wrong.pool, error);
+    if (status == BAT_OK)
         wrong.count = find_wrong_feet(points, mean, wrong.outlying);
     for (size_t k = 0; k < wrong.count; k++)
         wrong.outlying[k].row += points->before;
@@ -493,8 +493,7 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
     if (status == BAT_OK)
         status = group_sum_counts(points->group, &count, 1, error);
     *moved = (size_t)count;
-    free(wrong.points);
-    free(wrong.starts);
+    memory_pool_free(&wrong.pool);
     return status;
 }
 

@@ -39,6 +39,7 @@ typedef struct fit_border_side
 typedef struct bat_surface_border fit_border;
 struct bat_surface_border
 {
+    memory_pool pool; ///< all arrays, those of the sides too
     size_t dimension, samples;
     size_t boundary_count;
     uint8_t *side; ///< boundary_count: a side of each boundary point

@@ -352,10 +352,12 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
     *refined = NULL;
     if (marking->budget > 0 && bat_hierarchical_space_functions(space) >= marking->budget)
         return BAT_OK;
-    ranked_cell *ranked = memory_array(points->cells, sizeof *ranked);
-    double *scores = memory_array(points->cells, sizeof *scores);
-    bat_status status = ranked == NULL || scores == NULL ? error_memory(error, points->cells * sizeof *ranked)
-                                                         : score_cells(space, points, marking, scores, error);
+    memory_pool pool = {0};
+    ranked_cell *ranked = memory_pool_array(&pool, points->cells, sizeof *ranked);
+    double *scores = memory_pool_array(&pool, points->cells, sizeof *scores);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = score_cells(space, points, marking, scores, error);
     size_t count = status == BAT_OK ? rank_cells(scores, points->cells, ranked) : 0;
     size_t wanted = marking->tolerance > 0 ? count : bulk_of(ranked, count);
     mark_choice choice = {space, ranked, marking->neighbours};
@@ -366,7 +368,6 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
         bat_hierarchical_space_free(*refined);
         *refined = NULL;
     }
-    free(ranked);
-    free(scores);
+    memory_pool_free(&pool);
     return status;
 }

@@ -176,19 +176,17 @@ static bat_status subtract_centre(fit_points *points, bat_error *error)
 static bat_status allocate(fit_points *points, bat_error *error)
 {
     size_t count = points->count;
-    points->number = memory_array(count, sizeof *points->number);
-    points->position = memory_array(count * points->dimension, sizeof *points->position);
-    points->parameter = memory_array(count, 2 * sizeof *points->parameter);
-    points->weight = memory_array(count, sizeof *points->weight);
-    points->distance = calloc(count, sizeof *points->distance);
-    points->freedom = memory_array(count, sizeof *points->freedom);
-    points->centre = calloc(points->dimension, sizeof *points->centre);
-    points->order = memory_array(count, sizeof *points->order);
-    points->cell = memory_array(count, sizeof *points->cell);
-    bool complete = points->number != NULL && points->position != NULL && points->parameter != NULL &&
-                    points->weight != NULL && points->distance != NULL && points->freedom != NULL &&
-                    points->centre != NULL && points->order != NULL && points->cell != NULL;
-    return complete ? BAT_OK : error_memory(error, count * points->dimension * sizeof *points->position);
+    memory_pool *pool = &points->pool;
+    points->number = memory_pool_array(pool, count, sizeof *points->number);
+    points->position = memory_pool_array(pool, count * points->dimension, sizeof *points->position);
+    points->parameter = memory_pool_array(pool, count, 2 * sizeof *points->parameter);
+    points->weight = memory_pool_array(pool, count, sizeof *points->weight);
+    points->distance = memory_pool_zeros(pool, count, sizeof *points->distance);
+    points->freedom = memory_pool_array(pool, count, sizeof *points->freedom);
+    points->centre = memory_pool_zeros(pool, points->dimension, sizeof *points->centre);
+    points->order = memory_pool_array(pool, count, sizeof *points->order);
+    points->cell = memory_pool_array(pool, count, sizeof *points->cell);
+    return memory_pool_check(pool, error);
 }
 
 /// Copy the points in the order of `number`.
@@ -273,15 +271,7 @@ bat_status fit_points_check_part(const bat_group *group, const bat_surface_fit_d
 
 void fit_points_free(fit_points *points)
 {
-    free(points->number);
-    free(points->position);
-    free(points->parameter);
-    free(points->weight);
-    free(points->distance);
-    free(points->freedom);
-    free(points->centre);
-    free(points->order);
-    free(points->cell);
+    memory_pool_free(&points->pool);
     free(points->first);
     free(points->spread);
     *points = (fit_points){0};

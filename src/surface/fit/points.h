@@ -1,6 +1,7 @@
 #ifndef SURFACE_FIT_POINTS_H
 #define SURFACE_FIT_POINTS_H
 
+#include "base/memory_pool.h"
 #include "batten/surface_fit.h"
 #include "surface/group.h"
 
@@ -51,6 +52,7 @@ typedef enum fit_freedom
 /// Points in Morton order; row r is the caller's point number[r]. Release it with fit_points_free().
 typedef struct fit_points
 {
+    memory_pool pool;       ///< the arrays of `count` or `dimension`
     const bat_group *group; ///< the processes that have all points; null: all are here
     bool is_part;           ///< whether rows are in the caller's order, those of samples too
     size_t total;           ///< number of points of all processes

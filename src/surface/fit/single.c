@@ -11,7 +11,6 @@
 #include "surface/fit/system.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "surface/fit/foot_points.h"
 
 #include <float.h>
@@ -43,6 +42,7 @@ typedef struct single_fit
     fit_points points;
     fit_system system;
     fit_solver *solver;
+    memory_pool pool;
     double *residual;   ///< count x dimension
     double *change;     ///< functions x dimension
     double *thin_plate; ///< functions x dimension
@@ -53,9 +53,7 @@ static void single_free(single_fit *fit)
     fit_points_free(&fit->points);
     fit_system_free(&fit->system);
     fit_solver_free(fit->solver);
-    free(fit->residual);
-    free(fit->change);
-    free(fit->thin_plate);
+    memory_pool_free(&fit->pool);
 }
 
 static bat_status single_make(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
@@ -76,11 +74,10 @@ static bat_status single_make(const bat_hierarchical_space *space, const bat_sur
     if (status != BAT_OK)
         return status;
     size_t numbers = fit->system.functions * data->dimension;
-    fit->residual = memory_array(data->count * data->dimension, sizeof *fit->residual);
-    fit->change = memory_array(numbers, sizeof *fit->change);
-    fit->thin_plate = memory_array(numbers, sizeof *fit->thin_plate);
-    bool complete = fit->residual != NULL && fit->change != NULL && fit->thin_plate != NULL;
-    return complete ? BAT_OK : error_memory(error, numbers * sizeof *fit->change);
+    fit->residual = memory_pool_array(&fit->pool, data->count * data->dimension, sizeof *fit->residual);
+    fit->change = memory_pool_array(&fit->pool, numbers, sizeof *fit->change);
+    fit->thin_plate = memory_pool_array(&fit->pool, numbers, sizeof *fit->thin_plate);
+    return memory_pool_check(&fit->pool, error);
 }
 
 /// Compute the residuals of all points.

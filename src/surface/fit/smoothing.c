@@ -19,7 +19,6 @@
 #include "surface/fit/system.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <float.h>
 #include <math.h>
@@ -57,6 +56,7 @@ typedef struct weight_trial
 /// Workspace of a search.
 typedef struct weight_workspace
 {
+    memory_pool pool;
     const fit_system *system;
     fit_solver *solver;
     double *values;        ///< entries of K
@@ -69,25 +69,14 @@ typedef struct weight_workspace
 static bat_status workspace_make(const fit_system *system, fit_solver *solver, weight_workspace *workspace, bat_error *error)
 {
     size_t entries = (size_t)system->pattern.first[system->functions], functions = system->functions;
-    *workspace = (weight_workspace){.system = system,
-                                    .solver = solver,
-                                    .values = memory_array(entries, sizeof(double)),
-                                    .solution = memory_array(functions * system->columns, sizeof(double)),
-                                    .plate_product = memory_array(functions * system->columns, sizeof(double)),
-                                    .answer = memory_array(functions * system->dimension, sizeof(double)),
-                                    .product = memory_array(functions * system->dimension, sizeof(double))};
-    bool complete = workspace->values != NULL && workspace->solution != NULL && workspace->plate_product != NULL &&
-                    workspace->answer != NULL && workspace->product != NULL;
-    return complete ? BAT_OK : error_memory(error, entries * sizeof(double));
-}
-
-static void workspace_free(weight_workspace *workspace)
-{
-    free(workspace->values);
-    free(workspace->solution);
-    free(workspace->plate_product);
-    free(workspace->answer);
-    free(workspace->product);
+    memory_pool *pool = &workspace->pool;
+    *workspace = (weight_workspace){.system = system, .solver = solver};
+    workspace->values = memory_pool_array(pool, entries, sizeof(double));
+    workspace->solution = memory_pool_array(pool, functions * system->columns, sizeof(double));
+    workspace->plate_product = memory_pool_array(pool, functions * system->columns, sizeof(double));
+    workspace->answer = memory_pool_array(pool, functions * system->dimension, sizeof(double));
+    workspace->product = memory_pool_array(pool, functions * system->dimension, sizeof(double));
+    return memory_pool_check(pool, error);
 }
 
 static bat_status factor(const weight_workspace *workspace, double lambda, double *pivot, bat_error *error)
@@ -166,7 +155,7 @@ bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double
         copy_coordinates(system, system->right, workspace.answer);
         status = fit_solver_solve(solver, system->dimension, workspace.answer, control, error);
     }
-    workspace_free(&workspace);
+    memory_pool_free(&workspace.pool);
     return status;
 }
 
@@ -373,6 +362,6 @@ bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const f
     bat_status status = workspace_make(system, solver, &workspace, error);
     if (status == BAT_OK)
         status = run_search(&workspace, search, lambda, trace, control, error);
-    workspace_free(&workspace);
+    memory_pool_free(&workspace.pool);
     return status;
 }

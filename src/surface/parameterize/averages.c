@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "linalg/average_system.h"
 
@@ -18,6 +19,7 @@ static const uint32_t FIXED = UINT32_MAX;
 /// The unknowns and the linear system.
 typedef struct average_problem
 {
+    memory_pool pool;
     uint32_t *numbers; ///< index of each point of the cloud among the unknowns, or FIXED
     uint32_t *points;  ///< count: points of the unknowns
     size_t count;
@@ -28,27 +30,23 @@ typedef struct average_problem
 
 static void problem_free(average_problem *problem)
 {
-    free(problem->numbers);
-    free(problem->points);
-    free(problem->constant);
-    free(problem->solution);
+    memory_pool_free(&problem->pool);
     sparse_rows_free(&problem->weights);
 }
 
 static bat_status number_unknowns(const bat_cloud *cloud, const bool *moved, average_problem *problem, bat_error *error)
 {
-    problem->numbers = memory_array(cloud->count, sizeof *problem->numbers);
-    problem->points = memory_array(cloud->count, sizeof *problem->points);
-    if (problem->numbers == NULL || problem->points == NULL)
-        return error_memory(error, cloud->count * 2 * sizeof *problem->points);
-    for (size_t i = 0; i < cloud->count; i++)
+    problem->numbers = memory_pool_array(&problem->pool, cloud->count, sizeof *problem->numbers);
+    problem->points = memory_pool_array(&problem->pool, cloud->count, sizeof *problem->points);
+    bat_status status = memory_pool_check(&problem->pool, error);
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
     {
         bool unknown = i >= cloud->boundary_count && (moved == NULL || moved[i]);
         problem->numbers[i] = unknown ? (uint32_t)problem->count : FIXED;
         if (unknown)
             problem->points[problem->count++] = (uint32_t)i;
     }
-    return BAT_OK;
+    return status;
 }
 
 static bat_status allocate_system(const bat_cloud *cloud, const sparse_rows *rows, average_problem *problem,
@@ -60,10 +58,10 @@ static bat_status allocate_system(const bat_cloud *cloud, const sparse_rows *row
         size_t row = problem->points[n] - cloud->boundary_count;
         entries += rows->starts[row + 1] - rows->starts[row];
     }
-    problem->constant = memory_array(problem->count, 2 * sizeof(double));
-    problem->solution = memory_array(problem->count, 2 * sizeof(double));
+    problem->constant = memory_pool_array(&problem->pool, problem->count, 2 * sizeof(double));
+    problem->solution = memory_pool_array(&problem->pool, problem->count, 2 * sizeof(double));
     if (problem->constant == NULL || problem->solution == NULL)
-        return error_memory(error, problem->count * 4 * sizeof(double));
+        return memory_pool_check(&problem->pool, error);
     return sparse_rows_make(problem->count, problem->count, entries, &problem->weights, error);
 }
 
@@ -251,10 +249,12 @@ static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, 
 bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                             bat_error *error)
 {
-    double *stretch = memory_array(cloud->count, sizeof *stretch), *next = memory_array(cloud->count, 2 * sizeof *next);
-    double energy = 0, reduced;
-    bat_status status = stretch != NULL && next != NULL ? measure(cloud, rows, parameters, stretch, &energy, error)
-                                                        : error_memory(error, cloud->count * 2 * sizeof *next);
+    memory_pool pool = {0};
+    double *stretch = memory_pool_array(&pool, cloud->count, sizeof *stretch);
+    double *next = memory_pool_array(&pool, cloud->count, 2 * sizeof *next), energy = 0, reduced;
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = measure(cloud, rows, parameters, stretch, &energy, error);
     if (status == BAT_OK)
         memcpy(next, parameters, 2 * cloud->count * sizeof *next);
     for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
@@ -270,7 +270,6 @@ bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_s
         energy = reduced;
         memcpy(parameters, next, 2 * cloud->count * sizeof *parameters);
     }
-    free(stretch);
-    free(next);
+    memory_pool_free(&pool);
     return status;
 }

@@ -54,14 +54,7 @@ static const int FIXED = -1;
 
 void dirichlet_free(dirichlet_map *map)
 {
-    free(map->triangles);
-    free(map->parameters);
-    free(map->next);
-    free(map->unknown);
-    free(map->first);
-    free(map->row);
-    free(map->values);
-    free(map->direction);
+    memory_pool_free(&map->pool);
     multifrontal_free(map->solver);
     *map = (dirichlet_map){0};
 }
@@ -92,9 +85,9 @@ bat_status dirichlet_measure(const double *points, const uint32_t *triangles, si
                              bat_error *error)
 {
     map->triangle_count = triangle_count;
-    map->triangles = memory_array(triangle_count, sizeof *map->triangles);
+    map->triangles = memory_pool_array(&map->pool, triangle_count, sizeof *map->triangles);
     if (map->triangles == NULL)
-        return error_memory(error, triangle_count * sizeof *map->triangles);
+        return memory_pool_check(&map->pool, error);
     double total = 0;
     for (size_t t = 0; t < triangle_count; t++)
     {
@@ -188,18 +181,16 @@ static int unknown_of(const dirichlet_map *map, const dirichlet_triangle *triang
     return map->unknown[2 * (size_t)triangle->corners[a / 2] + (size_t)(a % 2)];
 }
 
-/// The lower triangle of the pattern by columns. False when out of memory.
-static bool make_pattern(dirichlet_map *map)
+/// The lower triangle of the pattern by columns.
+static bat_status make_pattern(dirichlet_map *map, bat_error *error)
 {
     size_t columns = map->unknowns;
-    int *fill = calloc(columns + 1, sizeof *fill);
-    map->first = calloc(columns + 1, sizeof *map->first);
-    map->row = memory_array(map->triangle_count, DIRICHLET_ENTRIES * sizeof *map->row);
-    if (fill == NULL || map->first == NULL || map->row == NULL)
-    {
-        free(fill);
-        return false;
-    }
+    int *fill = memory_pool_zeros(&map->pool, columns + 1, sizeof *fill);
+    map->first = memory_pool_zeros(&map->pool, columns + 1, sizeof *map->first);
+    map->row = memory_pool_array(&map->pool, map->triangle_count, DIRICHLET_ENTRIES * sizeof *map->row);
+    bat_status status = memory_pool_check(&map->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (int pass = 0; pass < 2; pass++)
     {
         for (size_t t = 0; t < map->triangle_count; t++)
@@ -236,8 +227,7 @@ static bool make_pattern(dirichlet_map *map)
         begin = end;
     }
     map->first[columns] = made;
-    free(fill);
-    return true;
+    return BAT_OK;
 }
 
 /// The index of an entry of the pattern.
@@ -288,19 +278,21 @@ static void number_unknowns(dirichlet_map *map)
 
 bat_status dirichlet_prepare(dirichlet_map *map, bat_error *error)
 {
-    map->unknown = memory_array(map->point_count, 2 * sizeof *map->unknown);
+    map->unknown = memory_pool_array(&map->pool, map->point_count, 2 * sizeof *map->unknown);
     if (map->unknown == NULL)
-        return error_memory(error, map->point_count * 2 * sizeof *map->unknown);
+        return memory_pool_check(&map->pool, error);
     number_unknowns(map);
     if (map->unknowns == 0)
         return BAT_OK;
-    if (!make_pattern(map))
-        return error_memory(error, map->triangle_count * sizeof *map->triangles);
+    bat_status status = make_pattern(map, error);
+    if (status != BAT_OK)
+        return status;
     set_entries(map);
-    map->values = memory_array((size_t)map->first[map->unknowns], sizeof *map->values);
-    map->direction = memory_array(map->unknowns, sizeof *map->direction);
-    if (map->values == NULL || map->direction == NULL)
-        return error_memory(error, map->unknowns * sizeof *map->values);
+    map->values = memory_pool_array(&map->pool, (size_t)map->first[map->unknowns], sizeof *map->values);
+    map->direction = memory_pool_array(&map->pool, map->unknowns, sizeof *map->direction);
+    status = memory_pool_check(&map->pool, error);
+    if (status != BAT_OK)
+        return status;
     const symmetric_pattern pattern = {map->unknowns, map->first, map->row};
     return multifrontal_make(&pattern, true, &map->solver, error);
 }

@@ -1,6 +1,7 @@
 #ifndef SURFACE_PARAMETERIZE_DIRICHLET_H
 #define SURFACE_PARAMETERIZE_DIRICHLET_H
 
+#include "base/memory_pool.h"
 #include "linalg/multifrontal.h"
 
 /// @file
@@ -29,6 +30,7 @@ typedef struct dirichlet_triangle
 /// A map, its matrix and its solver. All zero: empty. Release it with dirichlet_free().
 typedef struct dirichlet_map
 {
+    memory_pool pool; ///< all arrays
     dirichlet_triangle *triangles;
     size_t triangle_count;
     size_t point_count, boundary_count; ///< points of the boundary come first

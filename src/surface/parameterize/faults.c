@@ -10,6 +10,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/threads.h"
 #include "batten/cloud_parameterize.h"
 #include "linalg/vector2.h"
@@ -212,28 +213,19 @@ static const double COINCIDENCE = 1e12;
 /// Faults by point, in spatial order.
 typedef struct parameter_faults
 {
+    memory_pool pool;
     bool *folded;     ///< count each; on the boundary only `outside` may be true
     bool *outside;    ///< not in the unit square, or NaN
     bool *coincident; ///< equal to those of another point, rounded to twelve decimals
 } parameter_faults;
 
-static void parameter_faults_free(parameter_faults *faults)
-{
-    free(faults->folded);
-    free(faults->outside);
-    free(faults->coincident);
-    *faults = (parameter_faults){0};
-}
-
 static bat_status parameter_faults_make(size_t count, parameter_faults *faults, bat_error *error)
 {
-    *faults = (parameter_faults){.folded = memory_array(count, sizeof(bool)),
-                                 .outside = memory_array(count, sizeof(bool)),
-                                 .coincident = memory_array(count, sizeof(bool))};
-    if (faults->folded != NULL && faults->outside != NULL && faults->coincident != NULL)
-        return BAT_OK;
-    parameter_faults_free(faults);
-    return error_memory(error, 3 * count);
+    *faults = (parameter_faults){0};
+    faults->folded = memory_pool_array(&faults->pool, count, sizeof(bool));
+    faults->outside = memory_pool_array(&faults->pool, count, sizeof(bool));
+    faults->coincident = memory_pool_array(&faults->pool, count, sizeof(bool));
+    return memory_pool_check(&faults->pool, error);
 }
 
 /// Check a cloud: bat_cloud_check(), and a known boundary.
@@ -358,7 +350,7 @@ bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *para
     if (status == BAT_OK)
         status = parameter_faults_find(&finder, ordered, &faults, report, error);
     fold_finder_free(&finder);
-    parameter_faults_free(&faults);
+    memory_pool_free(&faults.pool);
     free(ordered);
     return status;
 }
@@ -378,6 +370,7 @@ enum
 /// State of a repair, in the order of the finder.
 typedef struct repair
 {
+    memory_pool pool;
     const fold_finder *finder;
     sparse_rows rows; ///< the weights w_ik
     parameter_faults faults;
@@ -392,29 +385,25 @@ typedef struct repair
 static void repair_free(repair *work)
 {
     sparse_rows_free(&work->rows);
-    parameter_faults_free(&work->faults);
-    free(work->moved);
-    free(work->current);
-    free(work->best);
-    free(work->uniform);
+    memory_pool_free(&work->faults.pool);
+    memory_pool_free(&work->pool);
 }
 
 static bat_status repair_make(const fold_finder *finder, repair *work, bat_error *error)
 {
     const bat_cloud *cloud = &finder->order.cloud;
     size_t count = cloud->count;
-    *work = (repair){.finder = finder,
-                     .moved = memory_array(count, sizeof *work->moved),
-                     .current = memory_array(count, 2 * sizeof *work->current),
-                     .best = memory_array(count, 2 * sizeof *work->best),
-                     .uniform = memory_array(count, 2 * sizeof *work->uniform)};
-    if (work->moved == NULL || work->current == NULL || work->best == NULL || work->uniform == NULL)
-        return error_memory(error, count * 6 * sizeof *work->current);
-    memset(work->moved, 0, count * sizeof *work->moved);
+    *work = (repair){.finder = finder};
+    work->moved = memory_pool_zeros(&work->pool, count, sizeof *work->moved);
+    work->current = memory_pool_array(&work->pool, count, 2 * sizeof *work->current);
+    work->best = memory_pool_array(&work->pool, count, 2 * sizeof *work->best);
+    work->uniform = memory_pool_array(&work->pool, count, 2 * sizeof *work->uniform);
+    bat_status status = memory_pool_check(&work->pool, error);
     bat_cloud_parameterize_options options = bat_cloud_parameterize_defaults();
     if (cloud->triangle_count > 0)
         options.method = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE;
-    bat_status status = parameter_faults_make(count, &work->faults, error);
+    if (status == BAT_OK)
+        status = parameter_faults_make(count, &work->faults, error);
     if (status == BAT_OK)
         status = weights_make(cloud, &finder->order.tree, &options, &work->rows, error);
     return status;

@@ -337,10 +337,11 @@ static bat_status problem_make(const bat_cloud *cloud, const double *parameters,
     dirichlet_map *map = &problem->map;
     map->point_count = count;
     map->boundary_count = problem->part.boundary_count;
-    map->parameters = memory_array(count, 2 * sizeof(double));
-    map->next = memory_array(count, 2 * sizeof(double));
-    if (map->parameters == NULL || map->next == NULL)
-        return error_memory(error, count * 2 * sizeof(double));
+    map->parameters = memory_pool_array(&map->pool, count, 2 * sizeof(double));
+    map->next = memory_pool_array(&map->pool, count, 2 * sizeof(double));
+    status = memory_pool_check(&map->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < count; i++)
         memcpy(map->parameters + 2 * i,
                problem->members[i] == NEW_POINT ? MIDDLE : parameters + 2 * (size_t)problem->members[i],

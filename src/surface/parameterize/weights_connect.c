@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,33 +67,25 @@ bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows
 /// The nearest connected points of every unconnected point.
 typedef struct link_table
 {
+    memory_pool pool;
     uint32_t *points; ///< count: the unconnected points
     neighbour *links; ///< count x LINKS
     size_t count;
     size_t link_count; ///< links of each point
 } link_table;
 
-static void link_table_free(link_table *table)
-{
-    free(table->points);
-    free(table->links);
-}
-
 static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t joined_count, link_table *table,
                              bat_error *error)
 {
     size_t count = cloud->count - joined_count, end = 0;
-    *table = (link_table){.points = memory_array(count, sizeof *table->points),
-                          .links = memory_array(count, LINKS * sizeof *table->links),
-                          .count = 0,
-                          .link_count = joined_count < LINKS ? joined_count : LINKS};
-    double *points = memory_array(joined_count, 3 * sizeof *points);
-    uint32_t *numbers = memory_array(joined_count, sizeof *numbers);
+    *table = (link_table){.link_count = joined_count < LINKS ? joined_count : LINKS};
+    table->points = memory_pool_array(&table->pool, count, sizeof *table->points);
+    table->links = memory_pool_array(&table->pool, count, LINKS * sizeof *table->links);
+    double *points = memory_pool_array(&table->pool, joined_count, 3 * sizeof *points);
+    uint32_t *numbers = memory_pool_array(&table->pool, joined_count, sizeof *numbers);
     neighbour_tree tree = {0};
     neighbour_list near = {0};
-    bat_status status = BAT_OK;
-    if (table->points == NULL || table->links == NULL || points == NULL || numbers == NULL)
-        status = error_memory(error, cloud->count * sizeof *table->links);
+    bat_status status = memory_pool_check(&table->pool, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
         if (joined[i])
         {
@@ -115,8 +108,6 @@ static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t 
         }
     neighbour_tree_free(&tree);
     neighbour_list_free(&near);
-    free(points);
-    free(numbers);
     return status;
 }
 
@@ -132,11 +123,10 @@ static uint32_t find_part(uint32_t *parts, uint32_t i)
 static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, const bool *joined, const link_table *table,
                                bool *chosen, bat_error *error)
 {
-    uint32_t *parts = memory_array(cloud->count, sizeof *parts);
-    double *minimum = memory_array(cloud->count, sizeof *minimum);
-    bat_status status = BAT_OK;
-    if (parts == NULL || minimum == NULL)
-        status = error_memory(error, cloud->count * sizeof *minimum);
+    memory_pool pool = {0};
+    uint32_t *parts = memory_pool_array(&pool, cloud->count, sizeof *parts);
+    double *minimum = memory_pool_array(&pool, cloud->count, sizeof *minimum);
+    bat_status status = memory_pool_check(&pool, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
     {
         parts[i] = (uint32_t)i;
@@ -156,8 +146,7 @@ static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, 
     }
     for (size_t k = 0; k < table->count && status == BAT_OK; k++)
         chosen[k] = table->links[k * LINKS].squared <= LINK_REACH * minimum[find_part(parts, table->points[k])];
-    free(parts);
-    free(minimum);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -216,7 +205,7 @@ bat_status weights_join(const bat_cloud *cloud, sparse_rows *rows, bat_error *er
             status = add_links(cloud, &table, chosen, rows, error);
         if (status == BAT_OK)
             status = mark_joined(cloud, rows, joined, &joined_count, error);
-        link_table_free(&table);
+        memory_pool_free(&table.pool);
     }
     free(joined);
     return status;

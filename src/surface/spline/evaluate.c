@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/threads.h"
 
 #include <math.h>
@@ -174,28 +175,22 @@ void bat_spline_surface_free(bat_spline_surface *surface)
 /// Points sorted by the cells that contain them.
 typedef struct cell_points
 {
+    memory_pool pool;
     uint32_t *cell; ///< cell of every point
     size_t *order;  ///< the points, cell by cell
     size_t *begin;  ///< cells + 1
 } cell_points;
 
-static void cell_points_free(cell_points *points)
-{
-    free(points->cell);
-    free(points->order);
-    free(points->begin);
-}
-
 static bat_status cell_points_make(const bat_hierarchical_space *space, const double *parameters, size_t count, int threads,
                                    cell_points *points, bat_error *error)
 {
-    *points = (cell_points){memory_array(count, sizeof *points->cell), memory_array(count, sizeof *points->order),
-                            calloc(space->cell_count + 1, sizeof *points->begin)};
-    if (points->cell == NULL || points->order == NULL || points->begin == NULL)
-    {
-        cell_points_free(points);
-        return error_memory(error, count * sizeof *points->order);
-    }
+    *points = (cell_points){0};
+    points->cell = memory_pool_array(&points->pool, count, sizeof *points->cell);
+    points->order = memory_pool_array(&points->pool, count, sizeof *points->order);
+    points->begin = memory_pool_zeros(&points->pool, space->cell_count + 1, sizeof *points->begin);
+    bat_status status = memory_pool_check(&points->pool, error);
+    if (status != BAT_OK)
+        return status;
     (void)threads;
 #pragma omp parallel for num_threads(threads) schedule(static)
     for (size_t i = 0; i < count; i++)
@@ -262,8 +257,8 @@ bat_status bat_spline_surface_evaluate(const bat_spline_surface *surface, const 
         for (size_t c = 0; c < space->cell_count; c++)
             evaluate_cell(surface, c, &points, parameters, derivatives, scratch + (size_t)threads_current() * scratch_size,
                           values);
-        cell_points_free(&points);
     }
+    memory_pool_free(&points.pool);
     free(scratch);
     return status;
 }

@@ -13,6 +13,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -126,6 +127,7 @@ typedef struct run_hints
 /// The rows of the current cell.
 typedef struct cell_rows
 {
+    memory_pool pool;
     double *values;      ///< max_rows x locals
     uint32_t *indices;   ///< of the functions
     uint32_t *supported; ///< numbers of the local functions in the set of supported functions
@@ -336,12 +338,13 @@ static bool extract_level(bat_hierarchical_space *space, size_t level, const ref
 static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error *error)
 {
     size_t locals = hierarchical_locals(space), max_rows = space->levels * locals;
-    cell_rows rows = {.values = memory_array(max_rows * locals, sizeof *rows.values),
-                      .indices = memory_array(max_rows, sizeof *rows.indices),
-                      .supported = memory_array(locals, sizeof *rows.supported),
-                      .selected = memory_array(locals, sizeof *rows.selected)};
+    cell_rows rows = {0};
+    rows.values = memory_pool_array(&rows.pool, max_rows * locals, sizeof *rows.values);
+    rows.indices = memory_pool_array(&rows.pool, max_rows, sizeof *rows.indices);
+    rows.supported = memory_pool_array(&rows.pool, locals, sizeof *rows.supported);
+    rows.selected = memory_pool_array(&rows.pool, locals, sizeof *rows.selected);
     refined_rows levels[2] = {{0}};
-    bool made = rows.values != NULL && rows.indices != NULL && rows.supported != NULL && rows.selected != NULL;
+    bool made = rows.pool.missing == 0;
     for (size_t l = 0; l < space->levels && made; l++)
         made = extract_level(space, l, &levels[(l + 1) % 2], &rows, &levels[l % 2]);
     for (size_t k = 0; k < 2; k++)
@@ -350,10 +353,7 @@ static bat_status hierarchical_extract(bat_hierarchical_space *space, bat_error 
         free(levels[k].indices);
         free(levels[k].first);
     }
-    free(rows.values);
-    free(rows.indices);
-    free(rows.supported);
-    free(rows.selected);
+    memory_pool_free(&rows.pool);
     return made ? BAT_OK : error_memory(error, (space->extraction_count + max_rows * locals) * sizeof *rows.values);
 }
 

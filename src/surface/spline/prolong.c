@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,6 +47,7 @@ static const hierarchical_cell *cell_containing(const bat_hierarchical_space *sp
 /// Workspace for the truncated basis.
 typedef struct prolong_workspace
 {
+    memory_pool pool;
     double *local;  ///< locals x dimension
     double *rows;   ///< dimension x locals
     bool *computed; ///< functions of the refined space with known coefficient
@@ -101,16 +103,15 @@ static bat_status make_truncated(const bat_hierarchical_space *space, const bat_
                                  const double *coarse, size_t dimension, double *fine, bat_error *error)
 {
     size_t size = hierarchical_locals(space) * dimension;
-    prolong_workspace workspace = {.local = memory_array(size, sizeof *workspace.local),
-                                   .rows = memory_array(size, sizeof *workspace.rows),
-                                   .computed = calloc(refined->function_count, sizeof *workspace.computed)};
-    bool made = workspace.local != NULL && workspace.rows != NULL && workspace.computed != NULL;
-    if (made)
+    prolong_workspace workspace = {0};
+    workspace.local = memory_pool_array(&workspace.pool, size, sizeof *workspace.local);
+    workspace.rows = memory_pool_array(&workspace.pool, size, sizeof *workspace.rows);
+    workspace.computed = memory_pool_zeros(&workspace.pool, refined->function_count, sizeof *workspace.computed);
+    bat_status status = memory_pool_check(&workspace.pool, error);
+    if (status == BAT_OK)
         prolong_truncated(space, refined, coarse, dimension, fine, &workspace);
-    free(workspace.local);
-    free(workspace.rows);
-    free(workspace.computed);
-    return made ? BAT_OK : error_memory(error, 2 * size * sizeof *workspace.rows + refined->function_count);
+    memory_pool_free(&workspace.pool);
+    return status;
 }
 
 /// The children of function i in one direction are 2 i - degree to 2 i + 1, clipped to the grid. Returns the first.
