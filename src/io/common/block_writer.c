@@ -58,6 +58,34 @@ bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format
     return outcome;
 }
 
+/// Lines of equal weight.
+typedef struct lines_job
+{
+    size_t count;
+    line_format *format;
+    const void *context;
+} lines_job;
+
+enum
+{
+    LINES_PER_BLOCK = 1 << 12
+};
+
+static bat_status format_lines(const void *context, size_t block, text_buffer *text, bat_error *error)
+{
+    (void)error; // the sink reports a lack of memory
+    const lines_job *job = context;
+    for (size_t line = block * LINES_PER_BLOCK; line < job->count && line / LINES_PER_BLOCK == block; line++)
+        job->format(job->context, line, text);
+    return BAT_OK;
+}
+
+bat_status lines_write(text_sink *sink, size_t count, line_format *format, const void *context, bat_error *error)
+{
+    const lines_job job = {count, format, context};
+    return blocks_write(sink, count / LINES_PER_BLOCK + (count % LINES_PER_BLOCK > 0), 0, format_lines, &job, error);
+}
+
 bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,
                       block_cut *cut, bat_error *error)
 {

@@ -27,6 +27,12 @@ typedef bat_status block_format(const void *context, size_t block, text_buffer *
 bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format *format, const void *context,
                         bat_error *error);
 
+/// Append the text of a line.
+typedef void line_format(const void *context, size_t row, text_buffer *text);
+
+/// blocks_write() of `count` lines, by the default number of threads.
+bat_status lines_write(text_sink *sink, size_t count, line_format *format, const void *context, bat_error *error);
+
 /// A partition of jobs into blocks of similar weight: block b has the jobs starts[b], …, starts[b + 1] - 1.
 typedef struct block_cut
 {

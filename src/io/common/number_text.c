@@ -2,6 +2,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -379,4 +380,32 @@ const char *text_excerpt(char excerpt[EXCERPT_SIZE], const char *begin, const ch
         excerpt[size++] = *begin >= ' ' && *begin <= '~' ? *begin : '?';
     excerpt[size] = '\0';
     return excerpt;
+}
+
+void text_append_number(text_buffer *text, double value, char after)
+{
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
+    if (out == NULL)
+        return;
+    out = number_write(out, value);
+    *out++ = after;
+    text_advance(text, out);
+}
+
+void text_append_count(text_buffer *text, size_t count, const char *after)
+{
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    if (out != NULL)
+        text_advance(text, number_write_fixed(out, (int64_t)count, 0));
+    text_append_string(text, after);
+}
+
+void text_append_format(text_buffer *text, const char *format, ...)
+{
+    char made[512];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(made, sizeof made, format, arguments);
+    va_end(arguments);
+    text_append_string(text, made);
 }

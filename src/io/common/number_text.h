@@ -1,6 +1,7 @@
 #ifndef IO_COMMON_NUMBER_TEXT_H
 #define IO_COMMON_NUMBER_TEXT_H
 
+#include "base/text_buffer.h"
 #include "batten/base.h"
 
 /// @file
@@ -17,6 +18,14 @@ char *number_write(char *out, double value);
 
 /// Write `units` * 10^-decimals without trailing zeros, for |units| < 10^18 and 0 <= decimals <= 18. Returns the end.
 char *number_write_fixed(char *out, int64_t units, int decimals);
+
+/// Append a finite number, then the character `after`.
+void text_append_number(text_buffer *text, double value, char after);
+/// Append a whole number, then `after`.
+void text_append_count(text_buffer *text, size_t count, const char *after);
+/// Append a text of at most 511 characters without floating-point numbers, because printf() would use the locale's decimal
+/// separator.
+void text_append_format(text_buffer *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /// 10^decimals for 0 <= decimals <= 18.
 int64_t number_power_of_ten(int decimals);

@@ -1,4 +1,5 @@
 #include "io/common/file_text.h"
+#include "io/curve/csv.h"
 #include "io/surface/cloud_formats.h"
 
 #include <ctype.h>
@@ -126,96 +127,57 @@ typedef struct csv_layout
     bool has_names;   ///< the first row contains names
 } csv_layout;
 
-/// A field of a row, without surrounding blanks and quotes.
-typedef struct field
+static bat_status split_row(const file_text *text, const text_line *line, char separator, csv_field *fields, size_t *count,
+                            bat_error *error)
 {
-    const char *begin, *end;
-} field;
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
-}
-
-/// The field that begins at *at. *at advances to the next field, or becomes null after the last.
-static field next_field(const char **at, const char *end, char separator)
-{
-    const char *stop = *at;
-    while (stop < end && (separator == ' ' ? !is_blank(*stop) : *stop != separator))
-        stop++;
-    field found = {*at, stop};
-    while (separator == ' ' && stop + 1 < end && is_blank(stop[1]))
-        stop++;
-    *at = stop < end ? stop + 1 : NULL;
-    while (found.begin < found.end && is_blank(*found.begin))
-        found.begin++;
-    while (found.end > found.begin && is_blank(found.end[-1]))
-        found.end--;
-    if (found.end - found.begin >= 2 && *found.begin == '"' && found.end[-1] == '"')
-        found = (field){found.begin + 1, found.end - 1};
-    return found;
-}
-
-static char find_separator(const text_line *line)
-{
-    for (const char *candidate = ",;\t"; *candidate != '\0'; candidate++)
-        if (memchr(line->begin, *candidate, (size_t)(line->end - line->begin)) != NULL)
-            return *candidate;
-    return ' ';
+    const char *fault = csv_split(text, line, separator, fields, count);
+    for (size_t i = 0; fault == NULL && i < *count; i++)
+        fields[i] = csv_unquoted(fields[i]);
+    return fault == NULL ? BAT_OK : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", fault);
 }
 
 /// Find the columns from the first row: those named x, y and z if all exist, else the first three.
-static csv_layout find_layout(const text_line *line)
+static bat_status find_layout(const file_text *text, const text_line *line, csv_layout *layout, bat_error *error)
 {
     static const char *const names[] = {"x", "y", "z"};
-    csv_layout layout = {.separator = find_separator(line), .places = {0, 1, 2}, .has_names = true};
+    csv_field fields[BAT_SPACE_MAX_DIM];
     size_t places[3] = {SIZE_MAX, SIZE_MAX, SIZE_MAX};
-    for (const char *at = line->begin; at != NULL; layout.columns++)
+    *layout = (csv_layout){.separator = csv_find_separator(line), .places = {0, 1, 2}, .has_names = true};
+    bat_status status = split_row(text, line, layout->separator, fields, &layout->columns, error);
+    for (size_t i = 0; i < layout->columns && status == BAT_OK; i++)
     {
-        field name = next_field(&at, line->end, layout.separator);
-        layout.has_names = layout.has_names && !number_resembles(name.begin, name.end);
+        layout->has_names = layout->has_names && !number_resembles(fields[i].begin, fields[i].end);
         for (size_t k = 0; k < 3; k++)
-            if (name.end - name.begin == 1 && strncasecmp(name.begin, names[k], 1) == 0 && places[k] == SIZE_MAX)
-                places[k] = layout.columns;
+            if (fields[i].end - fields[i].begin == 1 && strncasecmp(fields[i].begin, names[k], 1) == 0 &&
+                places[k] == SIZE_MAX)
+                places[k] = i;
     }
-    if (layout.has_names && places[0] != SIZE_MAX && places[1] != SIZE_MAX && places[2] != SIZE_MAX)
-        memcpy(layout.places, places, sizeof places);
-    return layout;
+    if (layout->has_names && places[0] != SIZE_MAX && places[1] != SIZE_MAX && places[2] != SIZE_MAX)
+        memcpy(layout->places, places, sizeof places);
+    return status;
 }
 
-/// Read a field if it is a coordinate.
-static bat_status read_field(const csv_layout *layout, size_t column, field value, size_t index, size_t line, double *point,
-                             bat_error *error)
+static bat_status read_row(const file_text *text, const csv_layout *layout, const text_line *line, point_listing *listing,
+                           bat_error *error)
 {
-    for (size_t k = 0; k < 3; k++)
-    {
-        if (layout->places[k] != column)
-            continue;
-        if (value.begin == value.end)
-            return error_set(error, BAT_BAD_FILE, index, line, "column %zu is empty", column + 1);
-        if (number_scan(value.begin, value.end, &point[k]) != value.end)
-            return cloud_number_fault(value.begin, value.end, index, line, error);
-    }
-    return BAT_OK;
-}
-
-static bat_status read_row(const csv_layout *layout, const text_line *line, point_listing *listing, bat_error *error)
-{
-    size_t index = listing->count, column = 0;
+    csv_field fields[BAT_SPACE_MAX_DIM];
+    size_t index = listing->count, columns = 0;
     double *point = listing_next(listing);
     if (point == NULL)
         return error_memory(error, listing->capacity * sizeof *point);
-    for (const char *at = line->begin; at != NULL; column++)
+    bat_status status = split_row(text, line, layout->separator, fields, &columns, error);
+    for (size_t k = 0; k < 3 && status == BAT_OK && layout->places[k] < columns; k++)
     {
-        field value = next_field(&at, line->end, layout->separator);
-        bat_status status = read_field(layout, column, value, index, line->number, point, error);
-        if (status != BAT_OK)
-            return status;
+        csv_field value = fields[layout->places[k]];
+        if (value.begin == value.end)
+            status = error_set(error, BAT_BAD_FILE, index, line->number, "column %zu is empty", layout->places[k] + 1);
+        else if (number_scan(value.begin, value.end, &point[k]) != value.end)
+            status = cloud_number_fault(value.begin, value.end, index, line->number, error);
     }
-    if (column != layout->columns)
-        return error_set(error, BAT_BAD_FILE, index, line->number, "%zu columns where the first row has %zu", column,
-                         layout->columns);
-    return BAT_OK;
+    if (status == BAT_OK && columns != layout->columns)
+        status = error_set(error, BAT_BAD_FILE, index, line->number, "%zu columns where the first row has %zu", columns,
+                           layout->columns);
+    return status;
 }
 
 /// Advance to the next row.
@@ -233,13 +195,13 @@ bat_status cloud_csv_read(const file_text *text, point_listing *listing, bat_err
     bool more = next_row(text, &line);
     if (!more)
         return BAT_OK;
-    csv_layout layout = find_layout(&line);
-    if (layout.columns < 3)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "%zu columns, but a point has 3 coordinates",
-                         layout.columns);
-    bat_status status = BAT_OK;
+    csv_layout layout;
+    bat_status status = find_layout(text, &line, &layout, error);
+    if (status == BAT_OK && layout.columns < 3)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "%zu columns, but a point has 3 coordinates",
+                           layout.columns);
     for (more = layout.has_names ? next_row(text, &line) : more; more && status == BAT_OK; more = next_row(text, &line))
-        status = read_row(&layout, &line, listing, error);
+        status = read_row(text, &layout, &line, listing, error);
     return status;
 }
 
@@ -247,7 +209,8 @@ size_t cloud_csv_line_of_point(const file_text *text, size_t point)
 {
     text_line line = text_line_start(text);
     bool more = next_row(text, &line);
-    if (more && find_layout(&line).has_names)
+    csv_layout layout;
+    if (more && find_layout(text, &line, &layout, NULL) == BAT_OK && layout.has_names)
         point++;
     while (more && point-- > 0)
         more = next_row(text, &line);

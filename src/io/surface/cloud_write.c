@@ -9,13 +9,6 @@
 /// Writers of clouds. All formats are lines of text: comments or a header, a line for each point, and a line for each
 /// triangle in formats that have triangles.
 
-enum
-{
-    ROWS_PER_BLOCK = 1 << 14,
-    /// "3 " or "f " and three indices.
-    ROW_SIZE = 4 * (NUMBER_TEXT_SIZE + 1)
-};
-
 /// The syntax of a format's rows.
 typedef struct row_style
 {
@@ -38,57 +31,19 @@ typedef struct cloud_writer
     bool triangles; ///< write triangles in place of points
 } cloud_writer;
 
-static char *put_text(char *out, const char *text)
+static void append_row(const void *context, size_t row, text_buffer *text)
 {
-    size_t size = strlen(text);
-    memcpy(out, text, size);
-    return out + size;
-}
-
-static char *put_row(const cloud_writer *writer, size_t row, char *out)
-{
+    const cloud_writer *writer = context;
     const row_style *style = writer->style;
-    out = put_text(out, writer->triangles ? style->triangle : style->point);
+    text_append_string(text, writer->triangles ? style->triangle : style->point);
     for (size_t k = 0; k < 3; k++)
     {
+        const char after[2] = {k < 2 ? style->separator : '\n'};
         if (writer->triangles)
-            out = number_write_fixed(out, (int64_t)writer->cloud->triangles[3 * row + k] + style->first_index, 0);
+            text_append_count(text, (size_t)writer->cloud->triangles[3 * row + k] + style->first_index, after);
         else
-            out = number_write(out, writer->cloud->points[3 * row + k]);
-        *out++ = k < 2 ? style->separator : '\n';
+            text_append_number(text, writer->cloud->points[3 * row + k], *after);
     }
-    return out;
-}
-
-static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
-{
-    (void)error; // the sink reports a lack of memory
-    const cloud_writer *writer = context;
-    size_t count = writer->triangles ? writer->cloud->triangle_count : writer->cloud->count;
-    size_t begin = block * ROWS_PER_BLOCK, end = count - begin < ROWS_PER_BLOCK ? count : begin + ROWS_PER_BLOCK;
-    for (size_t row = begin; row < end; row++)
-    {
-        char *out = text_reserve(text, ROW_SIZE);
-        if (out == NULL)
-            return BAT_OK;
-        text_advance(text, put_row(writer, row, out));
-    }
-    return BAT_OK;
-}
-
-static bat_status write_rows(cloud_writer writer, text_sink *sink, bat_error *error)
-{
-    size_t count = writer.triangles ? writer.cloud->triangle_count : writer.cloud->count;
-    size_t blocks = count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0);
-    return blocks_write(sink, blocks, 0, format_block, &writer, error);
-}
-
-static void append_count(text_buffer *text, size_t count, const char *after)
-{
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out != NULL)
-        text_advance(text, number_write_fixed(out, (int64_t)count, 0));
-    text_append_string(text, after);
 }
 
 /// Append the comments that cloud_remarks_read() reads.
@@ -97,8 +52,8 @@ static void append_remarks(const bat_cloud *cloud, const row_style *style, text_
     if (cloud->boundary_count == 0)
         return;
     text_append_string(text, style->remark);
-    append_count(text, cloud->boundary_count, " boundary points first, in order around the loop, then ");
-    append_count(text, cloud->count - cloud->boundary_count, " interior points\n");
+    text_append_count(text, cloud->boundary_count, " boundary points first, in order around the loop, then ");
+    text_append_count(text, cloud->count - cloud->boundary_count, " interior points\n");
     if (!cloud->has_corners)
         return;
     text_append_string(text, style->remark);
@@ -106,7 +61,7 @@ static void append_remarks(const bat_cloud *cloud, const row_style *style, text_
     for (int k = 0; k < 4; k++)
     {
         text_append_string(text, " ");
-        append_count(text, cloud->corners[k], "");
+        text_append_count(text, cloud->corners[k], "");
     }
     text_append_string(text, "\n");
 }
@@ -122,11 +77,11 @@ static bat_status write_head(const bat_cloud *cloud, bat_cloud_format format, te
     if (format == BAT_CLOUD_FORMAT_PLY)
     {
         text_append_string(&text, "element vertex ");
-        append_count(&text, cloud->count, "\nproperty double x\nproperty double y\nproperty double z\n");
+        text_append_count(&text, cloud->count, "\nproperty double x\nproperty double y\nproperty double z\n");
         if (cloud->triangle_count > 0)
         {
             text_append_string(&text, "element face ");
-            append_count(&text, cloud->triangle_count, "\nproperty list uchar uint vertex_indices\n");
+            text_append_count(&text, cloud->triangle_count, "\nproperty list uchar uint vertex_indices\n");
         }
         text_append_string(&text, "end_header\n");
     }
@@ -140,9 +95,9 @@ bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sin
     const row_style *style = &STYLES[format];
     bat_status status = write_head(cloud, format, sink, error);
     if (status == BAT_OK)
-        status = write_rows((cloud_writer){cloud, style, false}, sink, error);
+        status = lines_write(sink, cloud->count, append_row, &(cloud_writer){cloud, style, false}, error);
     if (status == BAT_OK && style->triangle != NULL)
-        status = write_rows((cloud_writer){cloud, style, true}, sink, error);
+        status = lines_write(sink, cloud->triangle_count, append_row, &(cloud_writer){cloud, style, true}, error);
     return status;
 }
 

@@ -356,13 +356,11 @@ static const char *row_end(size_t row, size_t rows)
 static void append_head(text_buffer *text, const bat_spline_surface *surface)
 {
     bat_hierarchical_options options = bat_hierarchical_space_options(surface->space);
-    char head[512];
-    (void)snprintf(head, sizeof head,
-                   "{\n\"format\": \"batten surface\",\n\"version\": 1,\n\"degree\": [%d, %d],\n\"spans\": [%zu, %zu],\n"
-                   "\"truncated\": %s,\n\"admissible\": %d,\n\"dimension\": %zu,\n",
-                   options.degree[0], options.degree[1], options.spans[0], options.spans[1],
-                   options.truncated ? "true" : "false", options.admissible, surface->dimension);
-    text_append_string(text, head);
+    text_append_format(text,
+                       "{\n\"format\": \"batten surface\",\n\"version\": 1,\n\"degree\": [%d, %d],\n\"spans\": [%zu, %zu],\n"
+                       "\"truncated\": %s,\n\"admissible\": %d,\n\"dimension\": %zu,\n",
+                       options.degree[0], options.degree[1], options.spans[0], options.spans[1],
+                       options.truncated ? "true" : "false", options.admissible, surface->dimension);
 }
 
 static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *space, bat_error *error)
@@ -375,10 +373,8 @@ static bat_status append_boxes(text_buffer *text, const bat_hierarchical_space *
     text_append_string(text, "\"boxes\": [\n");
     for (size_t i = 0; i < count; i++)
     {
-        char row[128];
-        (void)snprintf(row, sizeof row, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", boxes[i].level,
-                       boxes[i].low[0], boxes[i].low[1], boxes[i].high[0], boxes[i].high[1], row_end(i, count));
-        text_append_string(text, row);
+        text_append_format(text, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", boxes[i].level,
+                           boxes[i].low[0], boxes[i].low[1], boxes[i].high[0], boxes[i].high[1], row_end(i, count));
     }
     text_append_string(text, "],\n");
     free(boxes);
@@ -392,10 +388,8 @@ static void append_functions(text_buffer *text, const bat_hierarchical_space *sp
     for (size_t i = 0; i < count; i++)
     {
         bat_spline_function function = hierarchical_space_function(space, i);
-        char row[64];
-        (void)snprintf(row, sizeof row, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", function.level, function.i, function.j,
-                       row_end(i, count));
-        text_append_string(text, row);
+        text_append_format(text, "[%" PRIu32 ", %" PRIu32 ", %" PRIu32 "%s", function.level, function.i, function.j,
+                           row_end(i, count));
     }
     text_append_string(text, "],\n");
 }
@@ -423,9 +417,7 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
         {
             const bat_spline_curve *piece = &trim->pieces[i];
             size_t functions = knot_vector_functions(&piece->knots);
-            char head[64];
-            (void)snprintf(head, sizeof head, "{\"degree\": %d, \"knots\": ", piece->knots.degree);
-            text_append_string(text, head);
+            text_append_format(text, "{\"degree\": %d, \"knots\": ", piece->knots.degree);
             append_numbers(text, piece->knots.knots, piece->knots.count);
             text_append_string(text, ", \"control\": [");
             for (size_t k = 0; k < functions; k++)

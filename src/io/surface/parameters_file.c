@@ -35,14 +35,8 @@ static void append_row(text_buffer *text, const double *row)
         text_append_string(text, "nan nan\n");
         return;
     }
-    char *out = text_reserve(text, 2 * (NUMBER_TEXT_SIZE + 1));
-    if (out == NULL)
-        return;
-    out = number_write(out, row[0]);
-    *out++ = ' ';
-    out = number_write(out, row[1]);
-    *out++ = '\n';
-    text_advance(text, out);
+    text_append_number(text, row[0], ' ');
+    text_append_number(text, row[1], '\n');
 }
 
 bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, const double *parameters, bat_error *error)

@@ -39,34 +39,18 @@ static void write_out(step_text *step)
     step->text.size = 0;
 }
 
-static void append_formatted(step_text *step, const char *format, va_list arguments)
-{
-    char text[512];
-    (void)vsnprintf(text, sizeof text, format, arguments);
-    text_append_string(&step->text, text);
-}
-
-/// Append text without real numbers.
-__attribute__((format(printf, 2, 3))) static void append(step_text *step, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    append_formatted(step, format, arguments);
-    va_end(arguments);
-}
-
 /// Begin an entity: `#number=text`. Returns its number.
 static uint32_t begin_entity(step_text *step, const char *text)
 {
     step->line = step->text.size;
-    append(step, "#%u=%s", (unsigned)++step->count, text);
+    text_append_format(&step->text, "#%u=%s", (unsigned)++step->count, text);
     return step->count;
 }
 
 /// End an entity: `text;`. Passes the text to the sink when there is enough.
 static void end_entity(step_text *step, const char *text)
 {
-    append(step, "%s;\n", text);
+    text_append_format(&step->text, "%s;\n", text);
     if (step->text.failed || step->text.size >= FULL_TEXT)
         write_out(step);
 }
@@ -74,11 +58,12 @@ static void end_entity(step_text *step, const char *text)
 /// Write an entity without lists of unknown length. Returns its number.
 __attribute__((format(printf, 2, 3))) static uint32_t write_entity(step_text *step, const char *format, ...)
 {
+    char text[512];
     va_list arguments;
-    uint32_t entity = begin_entity(step, "");
     va_start(arguments, format);
-    append_formatted(step, format, arguments);
+    (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    uint32_t entity = begin_entity(step, text);
     end_entity(step, "");
     return entity;
 }
@@ -119,7 +104,7 @@ static void end_list(step_text *step)
 static void append_reference(step_text *step, uint32_t entity)
 {
     begin_item(step);
-    append(step, "#%u", (unsigned)entity);
+    text_append_format(&step->text, "#%u", (unsigned)entity);
 }
 
 /// Append a list of entities.
@@ -167,13 +152,14 @@ static uint32_t write_point(step_text *step, const double *point, size_t dimensi
 
 static void write_header(step_text *step)
 {
-    append(step,
-           "ISO-10303-21;\nHEADER;\n"
-           "FILE_DESCRIPTION(('spline surface as an open shell'),'2;1');\n"
-           "FILE_NAME('surface','1970-01-01T00:00:00',(''),(''),'batten %d.%d.%d','batten','');\n",
-           BAT_VERSION_MAJOR, BAT_VERSION_MINOR, BAT_VERSION_PATCH);
-    append(step, "FILE_SCHEMA(('AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }'));\nENDSEC;\n"
-                 "DATA;\n");
+    text_append_format(&step->text,
+                       "ISO-10303-21;\nHEADER;\n"
+                       "FILE_DESCRIPTION(('spline surface as an open shell'),'2;1');\n"
+                       "FILE_NAME('surface','1970-01-01T00:00:00',(''),(''),'batten %d.%d.%d','batten','');\n",
+                       BAT_VERSION_MAJOR, BAT_VERSION_MINOR, BAT_VERSION_PATCH);
+    text_append_format(&step->text,
+                       "FILE_SCHEMA(('AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }'));\nENDSEC;\n"
+                       "DATA;\n");
 }
 
 /// Write the product whose shape is the surface.
@@ -214,7 +200,7 @@ static void write_context(step_text *step, bat_surface_unit unit, double toleran
     uint32_t solid = write_entity(step, "(NAMED_UNIT(*)SI_UNIT($,.STERADIAN.)SOLID_ANGLE_UNIT())");
     uint32_t uncertainty = begin_entity(step, "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(");
     append_real(step, tolerance);
-    append(step, "),#%u,'distance_accuracy_value','points closer than this are one'", length);
+    text_append_format(&step->text, "),#%u,'distance_accuracy_value','points closer than this are one'", length);
     end_entity(step, ")");
     entities->context = write_entity(step,
                                      "(GEOMETRIC_REPRESENTATION_CONTEXT(3)"
@@ -252,12 +238,12 @@ static void append_knots(step_text *step, const bat_knot_vector *knots, bool mul
     {
         begin_item(step);
         if (multiplicities)
-            append(step, "%zu", multiplicity(knots, i));
+            text_append_format(&step->text, "%zu", multiplicity(knots, i));
         else
             append_real(step, knots->knots[i]);
     }
     end_list(step);
-    append(step, ",");
+    text_append_string(&step->text, ",");
 }
 
 static uint32_t write_curve(step_text *step, const bat_knot_vector *knots, const double *control, size_t dimension)
@@ -265,9 +251,9 @@ static uint32_t write_curve(step_text *step, const bat_knot_vector *knots, const
     size_t count = knot_vector_functions(knots);
     uint32_t first = write_points(step, control, count, dimension);
     uint32_t curve = begin_entity(step, "B_SPLINE_CURVE_WITH_KNOTS('',");
-    append(step, "%d,", knots->degree);
+    text_append_format(&step->text, "%d,", knots->degree);
     append_range(step, first, count, 1);
-    append(step, ",.UNSPECIFIED.,.F.,.F.,");
+    text_append_format(&step->text, ",.UNSPECIFIED.,.F.,.F.,");
     append_knots(step, knots, true);
     append_knots(step, knots, false);
     end_entity(step, ".UNSPECIFIED.)");
@@ -280,13 +266,13 @@ static uint32_t write_surface(step_text *step, const tensor_surface *patch)
     size_t columns = knot_vector_functions(&patch->knots[0]), rows = knot_vector_functions(&patch->knots[1]);
     uint32_t first = write_points(step, patch->control, columns * rows, 3);
     uint32_t surface = begin_entity(step, "B_SPLINE_SURFACE_WITH_KNOTS('',");
-    append(step, "%d,%d,(", patch->knots[0].degree, patch->knots[1].degree);
+    text_append_format(&step->text, "%d,%d,(", patch->knots[0].degree, patch->knots[1].degree);
     for (size_t i = 0; i < columns; i++)
     {
-        append(step, i > 0 ? "," : "");
+        text_append_string(&step->text, i > 0 ? "," : "");
         append_range(step, first + (uint32_t)i, rows, columns);
     }
-    append(step, "),.UNSPECIFIED.,.F.,.F.,.F.,");
+    text_append_format(&step->text, "),.UNSPECIFIED.,.F.,.F.,.F.,");
     for (int k = 0; k < 4; k++)
         append_knots(step, &patch->knots[k % 2], k < 2);
     end_entity(step, ".UNSPECIFIED.)");
@@ -360,7 +346,7 @@ static void write_shell(step_text *step, const step_entities *entities)
     uint32_t shape = write_entity(step, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#%u,#%u),#%u)", entities->placement,
                                   model, entities->context);
     (void)write_entity(step, "SHAPE_DEFINITION_REPRESENTATION(#%u,#%u)", entities->definition_shape, shape);
-    append(step, "ENDSEC;\nEND-ISO-10303-21;\n");
+    text_append_format(&step->text, "ENDSEC;\nEND-ISO-10303-21;\n");
     write_out(step);
 }
 
@@ -428,7 +414,7 @@ static void write_trimmed_face(step_text *step, const trimmed_model *model, step
         entities->faces[l] = write_trimming_loop(step, model, l, surface, planar, entities);
     uint32_t face = begin_entity(step, "ADVANCED_FACE('',");
     append_references(step, entities->faces, loops);
-    append(step, ",#%u", surface);
+    text_append_format(&step->text, ",#%u", surface);
     end_entity(step, ",.T.)");
     entities->faces[0] = face;
     entities->face_count = 1;

@@ -9,55 +9,16 @@
 /// @file
 /// Tessellated surfaces as OBJ triangles and as VTK polygons with data points. Rows are formatted on all threads.
 
-/// Append the text of a row, with its line break.
-typedef void row_text(const void *context, size_t row, text_buffer *text);
-
-enum
-{
-    ROWS_PER_BLOCK = 1 << 12
-};
-
-typedef struct rows_job
-{
-    size_t count;
-    row_text *append;
-    const void *context;
-} rows_job;
-
-static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
-{
-    (void)error; // the sink reports a lack of memory
-    const rows_job *job = context;
-    size_t begin = block * ROWS_PER_BLOCK, left = job->count - begin;
-    size_t end = begin + (left < ROWS_PER_BLOCK ? left : ROWS_PER_BLOCK);
-    for (size_t row = begin; row < end; row++)
-        job->append(job->context, row, text);
-    return BAT_OK;
-}
-
-static bat_status rows_write(text_sink *sink, size_t count, row_text *append, const void *context, bat_error *error)
-{
-    const rows_job job = {count, append, context};
-    return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), 0, format_block, &job, error);
-}
-
 /// Append numbers, separated by blanks, and a line break.
-static void rows_append_numbers(text_buffer *text, const double *numbers, size_t count)
+static void append_numbers(text_buffer *text, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-    {
-        char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
-        if (out == NULL)
-            return;
-        out = number_write(out, numbers[i]);
-        *out++ = i + 1 < count ? ' ' : '\n';
-        text_advance(text, out);
-    }
+        text_append_number(text, numbers[i], i + 1 < count ? ' ' : '\n');
 }
 
-/// Write a formatted text without floating-point numbers, because printf() would use the locale's decimal separator.
-__attribute__((format(printf, 3, 4))) static bat_status rows_heading(text_sink *sink, bat_error *error, const char *format,
-                                                                     ...)
+/// Write a text without floating-point numbers.
+__attribute__((format(printf, 3, 4))) static bat_status write_heading(text_sink *sink, bat_error *error, const char *format,
+                                                                      ...)
 {
     char line[256];
     text_buffer text = {0};
@@ -83,24 +44,20 @@ static void append_row(const void *context, size_t row, text_buffer *text)
 {
     const obj_rows *rows = context;
     text_append_string(text, rows->keyword);
-    rows_append_numbers(text, rows->numbers + row * rows->width, rows->width);
+    append_numbers(text, rows->numbers + row * rows->width, rows->width);
 }
 
 static void append_triangle(const void *context, size_t row, text_buffer *text)
 {
     const surface_tessellation *tessellation = context;
-    char *out = text_reserve(text, 9 * (NUMBER_TEXT_SIZE + 1) + 2);
-    if (out == NULL)
-        return;
-    *out++ = 'f';
+    text_append_string(text, "f");
     for (size_t h = 3 * row; h < 3 * row + 3; h++)
         for (int use = 0; use < 3; use++)
         {
-            *out++ = use == 0 ? ' ' : '/';
-            out = number_write_fixed(out, (int64_t)tessellation->triangles[h] + 1, 0);
+            text_append_string(text, use == 0 ? " " : "/");
+            text_append_count(text, (size_t)tessellation->triangles[h] + 1, "");
         }
-    *out++ = '\n';
-    text_advance(text, out);
+    text_append_string(text, "\n");
 }
 
 bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
@@ -113,9 +70,9 @@ bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surfac
     const obj_rows rows[] = {
         {"v ", tessellation.positions, 3}, {"vt ", tessellation.parameters, 2}, {"vn ", tessellation.normals, 3}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows && status == BAT_OK; i++)
-        status = rows_write(sink, tessellation.vertex_count, append_row, &rows[i], error);
+        status = lines_write(sink, tessellation.vertex_count, append_row, &rows[i], error);
     if (status == BAT_OK)
-        status = rows_write(sink, tessellation.triangle_count, append_triangle, &tessellation, error);
+        status = lines_write(sink, tessellation.triangle_count, append_triangle, &tessellation, error);
     tessellation_free(&tessellation);
     return status;
 }
@@ -131,21 +88,14 @@ static void append_point(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
     size_t vertices = content->surface->grid_count;
-    rows_append_numbers(
+    append_numbers(
         text, row < vertices ? content->surface->positions + 3 * row : content->options->points + 3 * (row - vertices), 3);
 }
 
 static void append_counted(text_buffer *text, const uint64_t *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-    {
-        char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
-        if (out == NULL)
-            return;
-        out = number_write_fixed(out, (int64_t)numbers[i], 0);
-        *out++ = i + 1 < count ? ' ' : '\n';
-        text_advance(text, out);
-    }
+        text_append_count(text, (size_t)numbers[i], i + 1 < count ? " " : "\n");
 }
 
 static void append_data_vertex(const void *context, size_t row, text_buffer *text)
@@ -193,7 +143,7 @@ static void append_error(const void *context, size_t row, text_buffer *text)
     const vtk_content *content = context;
     size_t vertices = content->surface->grid_count;
     static const double none = 0;
-    rows_append_numbers(text, row < vertices ? &none : content->options->errors + (row - vertices), 1);
+    append_numbers(text, row < vertices ? &none : content->options->errors + (row - vertices), 1);
 }
 
 static bat_status write_geometry(const vtk_content *content, text_sink *sink, bat_error *error)
@@ -201,18 +151,18 @@ static bat_status write_geometry(const vtk_content *content, text_sink *sink, ba
     size_t points = content->options->point_count, polygons = polygon_count(content);
     size_t corners = content->surface->quad_count > 0 ? 4 : 3;
     size_t all = content->surface->grid_count + points;
-    bat_status status = rows_heading(
+    bat_status status = write_heading(
         sink, error, "# vtk DataFile Version 3.0\nbatten surface\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n", all);
     if (status == BAT_OK)
-        status = rows_write(sink, all, append_point, content, error);
+        status = lines_write(sink, all, append_point, content, error);
     if (status == BAT_OK && points > 0)
-        status = rows_heading(sink, error, "VERTICES %zu %zu\n", points, 2 * points);
+        status = write_heading(sink, error, "VERTICES %zu %zu\n", points, 2 * points);
     if (status == BAT_OK)
-        status = rows_write(sink, points, append_data_vertex, content, error);
+        status = lines_write(sink, points, append_data_vertex, content, error);
     if (status == BAT_OK)
-        status = rows_heading(sink, error, "POLYGONS %zu %zu\n", polygons, (corners + 1) * polygons);
+        status = write_heading(sink, error, "POLYGONS %zu %zu\n", polygons, (corners + 1) * polygons);
     if (status == BAT_OK)
-        status = rows_write(sink, polygons, append_polygon, content, error);
+        status = lines_write(sink, polygons, append_polygon, content, error);
     return status;
 }
 
@@ -220,13 +170,13 @@ static bat_status write_fields(const vtk_content *content, text_sink *sink, bat_
 {
     size_t points = content->options->point_count, cells = points + polygon_count(content);
     size_t all = content->surface->grid_count + points;
-    bat_status status = rows_heading(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
+    bat_status status = write_heading(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
     if (status == BAT_OK)
-        status = rows_write(sink, cells, append_level, content, error);
+        status = lines_write(sink, cells, append_level, content, error);
     if (status != BAT_OK || points == 0 || content->options->errors == NULL)
         return status;
-    status = rows_heading(sink, error, "POINT_DATA %zu\nSCALARS error double 1\nLOOKUP_TABLE default\n", all);
-    return status == BAT_OK ? rows_write(sink, all, append_error, content, error) : status;
+    status = write_heading(sink, error, "POINT_DATA %zu\nSCALARS error double 1\nLOOKUP_TABLE default\n", all);
+    return status == BAT_OK ? lines_write(sink, all, append_error, content, error) : status;
 }
 
 bat_status surface_vtk_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
