@@ -107,6 +107,28 @@ static size_t slot_begin(size_t slots, size_t pieces, size_t s)
     return s * pieces / slots;
 }
 
+group_items group_items_of(const bat_group *group, size_t count)
+{
+    size_t rank = group_rank(group), ranks = group_count(group);
+    size_t each = count / ranks, more = count % ranks;
+    size_t begin = rank * each + (rank < more ? rank : more);
+    return (group_items){begin, begin + each + (rank < more ? 1 : 0)};
+}
+
+bat_status group_collect(const bat_group *group, void *items, size_t size, size_t count, bat_status status, bat_error *error)
+{
+    size_t rank = group_rank(group), last = group_count(group) - 1;
+    group_items share = group_items_of(group, count);
+    status = bat_group_agree(group, status, error);
+    if (last == 0 || status != BAT_OK)
+        return status;
+    if (rank > 0 && share.begin > 0)
+        status = group->receive(group->context, rank - 1, items, share.begin * size, error);
+    if (status == BAT_OK && rank < last && share.end > 0)
+        status = group->send(group->context, rank + 1, items, share.end * size, error);
+    return status == BAT_OK ? group_broadcast(group, last, items, count * size, error) : status;
+}
+
 group_items learn_own_pieces(const bat_group *group, size_t slots, size_t pieces)
 {
     size_t count = count_slots(slots, pieces);

@@ -25,6 +25,22 @@ typedef struct learn_piece
     bat_random random; ///< a stream of this piece's own
 } learn_piece;
 
+/// Items begin … end - 1 of a list.
+typedef struct group_items
+{
+    size_t begin, end;
+} group_items;
+
+/// The items of this process among `count`: the ranks have consecutive items, and numbers that differ by at most 1.
+group_items group_items_of(const bat_group *group, size_t count);
+
+/// Collect the items that the processes made: each has those of its share, and receives all others. The first failure as by
+/// bat_group_agree().
+/// @param items  count x size bytes
+/// @param status,error of this process; where it failed its items are not used
+bat_status group_collect(const bat_group *group, void *items, size_t size, size_t count, bat_status status,
+                         bat_error *error);
+
 /// What is trained, and on what. All functions but `piece_loss` are called from the calling thread. In a group every process
 /// calls them, `piece_loss` for its own pieces alone; `validate` may share its work (group_collect()), but gives every
 /// process the same metrics.

@@ -8,9 +8,11 @@
 
 #include "surface/candidate.h"
 
+#include "base/ascending.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "linalg/vector2.h"
 #include "surface/cloud/neighbours.h"
 #include "surface/fit/system.h"
@@ -142,12 +144,11 @@ enum
 };
 
 /// Parameters of the corners and the centre of all cells.
-static double *sample_cells(const bat_hierarchical_space *space, size_t cells)
+static void sample_cells(const bat_hierarchical_space *space, size_t cells, double *parameters)
 {
     static const double CELL_POINTS[CELL_SAMPLES][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {0.5, 0.5}};
     bat_hierarchical_options options = bat_hierarchical_space_options(space);
-    double *parameters = memory_array(cells, CELL_SAMPLES * 2 * sizeof *parameters);
-    for (size_t c = 0; c < cells && parameters != NULL; c++)
+    for (size_t c = 0; c < cells; c++)
     {
         bat_spline_box cell = bat_hierarchical_space_cell(space, c);
         for (size_t s = 0; s < CELL_SAMPLES; s++)
@@ -155,7 +156,6 @@ static double *sample_cells(const bat_hierarchical_space *space, size_t cells)
                 parameters[2 * (c * CELL_SAMPLES + s) + d] =
                     fmin((cell.low[d] + CELL_POINTS[s][d]) / ldexp((double)options.spans[d], (int)cell.level), 1);
     }
-    return parameters;
 }
 
 static bat_status farthest_sample(const double *positions, size_t count, const neighbour_tree *tree, double *distance,
@@ -184,26 +184,22 @@ static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const d
     bat_status status = neighbour_tree_build(points, count, &tree, error);
     if (status != BAT_OK)
         return status;
-    double *parameters = sample_cells(surface->space, cells), *positions = memory_array(samples, 3 * sizeof *positions);
-    if (parameters == NULL || positions == NULL)
-        status = error_memory(error, samples * 5 * sizeof *positions);
+    memory_pool pool = {0};
+    double *parameters = memory_pool_array(&pool, samples, 2 * sizeof *parameters);
+    double *positions = memory_pool_array(&pool, samples, 3 * sizeof *positions);
+    status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        sample_cells(surface->space, cells, parameters);
     if (status == BAT_OK)
         status = bat_spline_surface_evaluate(surface, parameters, samples, 0, positions, error);
     if (status == BAT_OK)
         status = farthest_sample(positions, samples, &tree, distance, error);
-    free(parameters);
-    free(positions);
+    memory_pool_free(&pool);
     neighbour_tree_free(&tree);
     return status;
 }
 
 // Fits
-
-static int compare_numbers(const void *a, const void *b)
-{
-    double first = *(const double *)a, second = *(const double *)b;
-    return (first > second) - (first < second);
-}
 
 /// The median of the squared distances, which is insensitive to outliers.
 static bat_status median_squared(const double *distances, size_t count, double *median, bat_error *error)
@@ -212,13 +208,12 @@ static bat_status median_squared(const double *distances, size_t count, double *
     if (sorted == NULL)
         return error_memory(error, count * sizeof *sorted);
     memcpy(sorted, distances, count * sizeof *sorted);
-    qsort(sorted, count, sizeof *sorted, compare_numbers);
+    qsort(sorted, count, sizeof *sorted, ascending);
     *median = sorted[count / 2] * sorted[count / 2];
     free(sorted);
     return BAT_OK;
 }
 
-/// Store the metrics of a fit in the candidate's report.
 static bat_status record_metrics(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
                                  const bat_spline_surface *surface, const bat_surface_fit_report *fit,
                                  bat_surface_candidate *report, bat_error *error)
@@ -287,6 +282,7 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
 /// A random sample of a cloud's points with their parameters, boundary points first.
 typedef struct cloud_sample
 {
+    memory_pool pool;
     double *points, *parameters;
     size_t count, boundary_count;
 } cloud_sample;
@@ -297,10 +293,12 @@ static bat_status draw_sample(const bat_cloud *cloud, const double *parameters, 
                               bat_error *error)
 {
     bat_random random = bat_random_seed(1);
-    *sample =
-        (cloud_sample){memory_array(cloud->count, 3 * sizeof(double)), memory_array(cloud->count, 2 * sizeof(double)), 0, 0};
-    if (sample->points == NULL || sample->parameters == NULL)
-        return error_memory(error, cloud->count * 5 * sizeof(double));
+    *sample = (cloud_sample){0};
+    sample->points = memory_pool_array(&sample->pool, cloud->count, 3 * sizeof(double));
+    sample->parameters = memory_pool_array(&sample->pool, cloud->count, 2 * sizeof(double));
+    bat_status status = memory_pool_check(&sample->pool, error);
+    if (status != BAT_OK)
+        return status;
     double share = (double)wanted / (double)cloud->count;
     for (size_t i = 0; i < cloud->count; i++)
     {
@@ -339,8 +337,7 @@ bat_status surface_candidate_fit_sample(const bat_cloud *cloud, const bat_surfac
         status = record_metrics(&data, options, &surface, &fit, &candidate->report, &failure);
     bat_spline_surface_free(&surface);
     bat_surface_fit_report_free(&fit);
-    free(sample.points);
-    free(sample.parameters);
+    memory_pool_free(&sample.pool);
     return record_failure(status, &failure, candidate, error);
 }
 

@@ -179,7 +179,6 @@ static const double REACH = 1.5;
 /// and up to this share of that distance off its tangent plane.
 static const double OFF_PLANE = 0.5;
 
-/// The numbers of a frame.
 typedef struct loop_frame
 {
     double place[3], outward[3], normal[3], reach;

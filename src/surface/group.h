@@ -24,15 +24,6 @@ static inline size_t group_count(const bat_group *group)
     return group != NULL ? group->count : 1;
 }
 
-/// Items begin … end - 1 of a list.
-typedef struct group_items
-{
-    size_t begin, end;
-} group_items;
-
-/// The items of this process among `count`: the ranks have consecutive items, and numbers that differ by at most 1.
-group_items group_items_of(const bat_group *group, size_t count);
-
 static inline bool group_is_first(const bat_group *group)
 {
     return group_rank(group) == 0;
@@ -55,12 +46,5 @@ bat_status group_sum_counts(const bat_group *group, uint64_t *numbers, size_t co
 bat_status group_sum_before(const bat_group *group, uint64_t number, uint64_t *sum, bat_error *error);
 /// The largest over ranks of each number; every rank receives them.
 bat_status group_largest(const bat_group *group, double *numbers, size_t count, bat_error *error);
-
-/// Collect the items that the processes made: each has those of its share, and receives all others. The first failure as by
-/// bat_group_agree().
-/// @param items  count x size bytes
-/// @param status,error of this process; where it failed its items are not used
-bat_status group_collect(const bat_group *group, void *items, size_t size, size_t count, bat_status status,
-                         bat_error *error);
 
 #endif

@@ -121,7 +121,6 @@ static bat_status surface_reconstruct_options_check(const void *opaque, bat_erro
 const bat_options_table bat_surface_reconstruct_fields = {"bat_surface_reconstruct_options",
                                                           surface_reconstruct_options_check};
 
-/// The state of a reconstruction.
 typedef struct reconstruction
 {
     bat_cloud *cloud;
@@ -195,7 +194,6 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     return bat_cloud_boundary_parameters(cloud, work->options->sides, work->boundary, error);
 }
 
-/// Make the chart of a trimmed surface.
 static bat_status make_trimming(reconstruction *work, bat_error *error)
 {
     bat_status status = trimming_make(&work->geometry, work->options->fill_holes, &work->trimming, error);
@@ -215,7 +213,6 @@ static bool fits_all_points(const reconstruction *work)
     return work->part.members == NULL && (work->kind_count == 1 || work->cloud->count <= BAT_SURFACE_ALL_POINTS);
 }
 
-/// The points that are parameterized.
 static const bat_cloud *parameterized(const reconstruction *work)
 {
     return work->part.members != NULL ? &work->part.cloud : work->cloud;
@@ -345,7 +342,6 @@ static bat_status check_best(const reconstruction *work, bat_error *error)
     return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
 }
 
-/// The budget of the last fit.
 static size_t last_budget(const reconstruction *work)
 {
     const bat_surface_fit_options *fit = &work->options->fit;
@@ -460,7 +456,6 @@ static void reconstruction_free(reconstruction *work)
     trimming_free(&work->trimming);
 }
 
-/// Find the best candidate.
 static bat_status find_best(reconstruction *work, bat_error *error)
 {
     double begin = clock_seconds();

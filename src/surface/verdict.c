@@ -8,12 +8,14 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/parameterize/star.h"
+#include "surface/parameterize/weights.h"
 #include "surface/trim/region.h"
 
 #include <math.h>
@@ -65,27 +67,6 @@ void cloud_geometry_free(cloud_geometry *geometry)
     *geometry = (cloud_geometry){0};
 }
 
-/// Workspace of one thread.
-typedef struct star_scratch
-{
-    neighbour_list near;
-    double (*planar)[2];
-    double (*inverse)[2];
-    size_t capacity;
-} star_scratch;
-
-static bool star_scratch_reserve(star_scratch *scratch, size_t count)
-{
-    if (count <= scratch->capacity)
-        return true;
-    free(scratch->planar);
-    free(scratch->inverse);
-    scratch->planar = memory_array(count, sizeof *scratch->planar);
-    scratch->inverse = memory_array(count, sizeof *scratch->inverse);
-    scratch->capacity = scratch->planar != NULL && scratch->inverse != NULL ? count : 0;
-    return scratch->capacity > 0;
-}
-
 /// The part of the triangle of the origin, a and b that is nearest to the origin: the mixed area of Meyer, Desbrun,
 /// Schroeder and Barr, "Discrete differential-geometry operators" (2003). The parts of the corners of a triangle sum up to
 /// it. In a star whose neighbours lie on one circle with the origin, as in grids, they do not depend on the diagonals.
@@ -102,7 +83,7 @@ static double mixed_area(const double a[2], const double b[2])
 }
 
 /// The area of a point: its parts of its triangles in a Delaunay triangulation of its tangent plane.
-static double star_area(const star_scratch *scratch, size_t count, double spacing)
+static double star_area(const weight_scratch *scratch, size_t count, double spacing)
 {
     size_t ring[STAR_MAX_RING];
     bool closed;
@@ -119,14 +100,14 @@ static double star_area(const star_scratch *scratch, size_t count, double spacin
 }
 
 /// Spacing and area of a point. False when out of memory.
-static bool measure_point(cloud_geometry *geometry, size_t point, star_scratch *scratch, double *area)
+static bool measure_point(cloud_geometry *geometry, size_t point, weight_scratch *scratch, double *area)
 {
     const double *points = geometry->order.cloud.points, *here = points + 3 * point;
     const local_plane *plane = &geometry->oriented.planes[point];
     size_t reach = geometry->oriented.reach[point];
     if (neighbours_nearest(&geometry->order.tree, here, reach > SPACING_POINTS ? reach : SPACING_POINTS, &scratch->near,
                            NULL) != BAT_OK ||
-        !star_scratch_reserve(scratch, scratch->near.count))
+        weight_scratch_reserve(scratch, scratch->near.count, NULL) != BAT_OK)
         return false;
     size_t count = 0;
     double farthest = 0;
@@ -144,19 +125,16 @@ static bool measure_point(cloud_geometry *geometry, size_t point, star_scratch *
     return true;
 }
 
-/// Measure the points from `begin` to `end`. False when out of memory.
 static bool measure_block(cloud_geometry *geometry, size_t begin, size_t end, int threads, double *areas)
 {
     bool complete = true;
 #pragma omp parallel num_threads(threads_for(threads, (end - begin) / 256 + 1)) reduction(&& : complete)
     {
-        star_scratch scratch = {0};
+        weight_scratch scratch = {0};
 #pragma omp for schedule(dynamic, 256)
         for (size_t i = begin; i < end; i++)
             complete = complete && measure_point(geometry, i, &scratch, &areas[i]);
-        neighbour_list_free(&scratch.near);
-        free(scratch.planar);
-        free(scratch.inverse);
+        weight_scratch_free(&scratch);
     }
     return complete;
 }
@@ -270,9 +248,9 @@ bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, bat_progress
     return status;
 }
 
-/// Samples of a surface.
 typedef struct surface_samples
 {
+    memory_pool pool;
     double *parameters; ///< count x 2
     double *shares;     ///< count: areas in the square
     double *values;     ///< count x 9: place, S_u, S_v
@@ -282,26 +260,16 @@ typedef struct surface_samples
     size_t count;
 } surface_samples;
 
-static void samples_free(surface_samples *samples)
+static bat_status samples_reserve(surface_samples *samples, size_t count, bat_error *error)
 {
-    free(samples->parameters);
-    free(samples->shares);
-    free(samples->values);
-    free(samples->distances);
-    free(samples->cosines);
-    free(samples->nearest);
-}
-
-static bool samples_reserve(surface_samples *samples, size_t count)
-{
-    samples->parameters = memory_array(count, 2 * sizeof(double));
-    samples->shares = memory_array(count, sizeof(double));
-    samples->values = memory_array(count, 9 * sizeof(double));
-    samples->distances = memory_array(count, sizeof(double));
-    samples->cosines = memory_array(count, sizeof(double));
-    samples->nearest = memory_array(count, sizeof(uint32_t));
-    return samples->parameters != NULL && samples->shares != NULL && samples->values != NULL && samples->distances != NULL &&
-           samples->cosines != NULL && samples->nearest != NULL;
+    memory_pool *pool = &samples->pool;
+    samples->parameters = memory_pool_array(pool, count, 2 * sizeof(double));
+    samples->shares = memory_pool_array(pool, count, sizeof(double));
+    samples->values = memory_pool_array(pool, count, 9 * sizeof(double));
+    samples->distances = memory_pool_array(pool, count, sizeof(double));
+    samples->cosines = memory_pool_array(pool, count, sizeof(double));
+    samples->nearest = memory_pool_array(pool, count, sizeof(uint32_t));
+    return memory_pool_check(pool, error);
 }
 
 /// Samples in each direction of a cell, so that there are some for each point.
@@ -321,9 +289,9 @@ static bat_status set_samples(const bat_spline_surface *surface, size_t points, 
     const bat_hierarchical_space *space = surface->space;
     bat_hierarchical_options options = bat_hierarchical_space_options(space);
     size_t cells = bat_hierarchical_space_cells(space), side = side_of(space, points);
-    size_t *sides = memory_array(cells, sizeof *sides);
+    size_t *sides = memory_pool_array(&samples->pool, cells, sizeof *sides);
     if (sides == NULL)
-        return error_memory(error, cells * sizeof *sides);
+        return memory_pool_check(&samples->pool, error);
     double mean = sqrt(1 / (double)cells);
     for (size_t c = 0; c < cells; c++)
     {
@@ -334,8 +302,8 @@ static bat_status set_samples(const bat_spline_surface *surface, size_t points, 
         samples->count += sides[c] * sides[c];
     }
     size_t made = 0;
-    bool complete = samples_reserve(samples, samples->count);
-    for (size_t c = 0; complete && c < cells; c++)
+    bat_status status = samples_reserve(samples, samples->count, error);
+    for (size_t c = 0; status == BAT_OK && c < cells; c++)
     {
         bat_spline_box cell = bat_hierarchical_space_cell(space, c);
         double step[2];
@@ -350,8 +318,7 @@ static bat_status set_samples(const bat_spline_surface *surface, size_t points, 
             samples->shares[made] = step[0] * step[1] / (double)(sides[c] * sides[c]);
         }
     }
-    free(sides);
-    return complete ? BAT_OK : error_memory(error, samples->count * 16 * sizeof(double));
+    return status;
 }
 
 /// Distance and cosine of a sample; its share becomes its area.
@@ -392,7 +359,6 @@ static bat_status judge_check(const bat_surface_fit_options *options, bat_error 
     return progress_goes_on(options->progress, 1) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
 }
 
-/// A distance with its share of the area.
 typedef struct weighted_distance
 {
     double distance, area;
@@ -489,12 +455,10 @@ static bat_status triangle_strays(const cloud_geometry *geometry, double area, i
                            .faces = cloud->triangles,
                            .vertex_count = cloud->count,
                            .face_count = cloud->triangle_count};
-    double *places = memory_array(samples->count, 3 * sizeof *places), *distances = samples->distances;
-    samples->distances = memory_array(samples->count, sizeof *samples->distances);
-    bat_mesh_closest_point *closest = memory_array(samples->count, sizeof *closest);
-    bat_status status = BAT_OK;
-    if (places == NULL || samples->distances == NULL || closest == NULL)
-        status = error_memory(error, samples->count * sizeof *closest);
+    // The distances from the points are no longer needed.
+    double *places = memory_pool_array(&samples->pool, samples->count, 3 * sizeof *places);
+    bat_mesh_closest_point *closest = memory_pool_array(&samples->pool, samples->count, sizeof *closest);
+    bat_status status = memory_pool_check(&samples->pool, error);
     for (size_t s = 0; s < samples->count && status == BAT_OK; s++)
         unit_frame_place(&geometry->frame, samples->values + 9 * s, places + 3 * s);
     if (status == BAT_OK)
@@ -503,10 +467,6 @@ static bat_status triangle_strays(const cloud_geometry *geometry, double area, i
         samples->distances[s] = closest[s].distance;
     if (status == BAT_OK)
         status = quantile_of(samples, area, 0.99, strays, error);
-    free(places);
-    free(closest);
-    free(samples->distances);
-    samples->distances = distances;
     return status;
 }
 
@@ -597,11 +557,10 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
     verdict->fault = fault_of(geometry, verdict, strays, tail, options->tolerance);
-    samples_free(&samples);
+    memory_pool_free(&samples.pool);
     return status;
 }
 
-/// The fault of a surface as a sentence.
 static void surface_verdict_text(const bat_surface_verdict *verdict, char *text, size_t size)
 {
     switch (verdict->fault)

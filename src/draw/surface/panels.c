@@ -34,7 +34,6 @@
 static const draw_colour COLOUR_NEAR = {0.05, 0.17, 0.35};
 static const draw_colour COLOUR_FAR = {0.70, 0.79, 0.88};
 
-/// An image of a row's points or surface.
 typedef struct panel_image
 {
     const surface_row *row;

@@ -214,7 +214,6 @@ static bat_status trim_patch(const bat_spline_surface *surface, const patch_line
     return BAT_OK;
 }
 
-/// Make the grid of these lines.
 static bat_status make_patch(const bat_spline_surface *surface, const patch_lines lines[2], bat_mesh *mesh, bat_error *error)
 {
     const size_t steps[2] = {lines[0].steps, lines[1].steps};

@@ -51,7 +51,6 @@ static bat_status surface_picture_options_check(const void *opaque, bat_error *e
 
 const bat_options_table bat_surface_picture_fields = {"bat_surface_picture_options", surface_picture_options_check};
 
-/// Check that the parts of a row are consistent.
 static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
     const char *wrong = NULL;
@@ -70,7 +69,6 @@ static bat_status check_parts(const bat_surface_picture_row *row, size_t index, 
     return BAT_OK;
 }
 
-/// Check the numbers of a row's points.
 static bat_status check_points(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {
     size_t count = row->cloud->count, wrong = find_not_finite(row->cloud->points, 3 * count);
@@ -96,7 +94,6 @@ static bat_status check_surface(const bat_spline_surface *surface, size_t index,
     return BAT_OK;
 }
 
-/// Check that rows and options can be drawn.
 static bat_status surface_picture_check(const bat_surface_picture_row *rows, size_t count,
                                         const bat_surface_picture_options *options, bat_error *error)
 {
@@ -196,7 +193,6 @@ static void describe_row(surface_row *row)
         (void)snprintf(row->captions[SURFACE_PANEL_PLANE], SURFACE_CAPTION_SIZE, "parameters");
 }
 
-/// Remove the parts of the surface far from the points.
 static void cut_beyond_points(const bat_cloud *cloud, bat_mesh *patch)
 {
     double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
@@ -277,7 +273,6 @@ static void scene_end(surface_scene *scene)
     free(scene->rows);
 }
 
-/// Choose the panels and their captions.
 static void find_panels(const bat_surface_picture_row *rows, surface_scene *scene)
 {
     bool has_boundary = false;
@@ -341,7 +336,6 @@ static const char *panel_caption(const void *context, size_t index)
     return row_at(scene, index)->captions[kind_at(scene, index)];
 }
 
-/// Draw the title of a row above its panels.
 static void draw_title(const surface_scene *scene, cairo_t *cairo, const char *title, const double box[4])
 {
     char cut[256];

@@ -54,7 +54,6 @@ static int32_t coordinate(const unsigned char *bytes)
     return value;
 }
 
-/// What is needed of the header.
 typedef struct las_header
 {
     size_t format, record, begin;

@@ -46,7 +46,6 @@ static bat_status bad(size_t line, bat_error *error, const char *what)
     return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "%s", what);
 }
 
-/// Read the names of fields.
 static void read_fields(word_scan *scan, pcd_header *header)
 {
     static const char *const AXES[] = {"x", "y", "z"};
@@ -64,7 +63,6 @@ static void read_fields(word_scan *scan, pcd_header *header)
     }
 }
 
-/// Read a list of numbers, one for each field.
 static size_t read_list(word_scan *scan, pcd_header *header, bool sizes)
 {
     size_t made = 0;

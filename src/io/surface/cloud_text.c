@@ -118,7 +118,6 @@ size_t cloud_xyz_line_of_point(const file_text *text, size_t point)
     return scan.line;
 }
 
-/// The layout of a file, from its first row.
 typedef struct csv_layout
 {
     char separator;   ///< a comma, semicolon or tab, or a blank for runs of blanks
@@ -180,7 +179,6 @@ static bat_status read_row(const file_text *text, const csv_layout *layout, cons
     return status;
 }
 
-/// Advance to the next row.
 static bool next_row(const file_text *text, text_line *line)
 {
     while (text_line_next(text, line))

@@ -9,7 +9,6 @@
 /// Writers of clouds. All formats are lines of text: comments or a header, a line for each point, and a line for each
 /// triangle in formats that have triangles.
 
-/// The syntax of a format's rows.
 typedef struct row_style
 {
     const char *remark;   ///< the start of a comment

@@ -25,7 +25,6 @@ enum
 /// Use flags of directory entries: status numbers.
 static const char INDEPENDENT[] = "00000000", DEPENDENT[] = "00010000", PARAMETRIC[] = "00010500";
 
-/// A file during writing.
 typedef struct iges_file
 {
     text_buffer directory, parameters;

@@ -16,7 +16,6 @@
 /// @file
 /// The JSON format of spline surfaces: degrees, spans, boxes of refined cells, functions and control points.
 
-/// The state of a reader.
 typedef struct json_file
 {
     const file_text *text;
@@ -81,7 +80,6 @@ static bool whole(const json_t *value, uint64_t max_value, uint64_t *number)
     return json_is_integer(value) && integer >= 0 && *number <= max_value;
 }
 
-/// Read an array of `count` integers.
 static bool whole_row(const json_t *row, size_t count, uint64_t *numbers)
 {
     bool right = json_is_array(row) && json_array_size(row) == count;
@@ -220,7 +218,6 @@ static bat_status read_control(const json_file *file, bat_spline_surface *surfac
     return status;
 }
 
-/// Read an array of numbers into memory of its own.
 static bool read_numbers(const json_t *array, size_t count, double *numbers)
 {
     bool good = json_is_array(array) && json_array_size(array) == count;
@@ -347,7 +344,6 @@ static void append_number(text_buffer *text, double value)
         text_append_string(text, ".0");
 }
 
-/// The end of a row in an array of rows.
 static const char *row_end(size_t row, size_t rows)
 {
     return row + 1 < rows ? "],\n" : "]\n";
@@ -404,7 +400,6 @@ static void append_numbers(text_buffer *text, const double *numbers, size_t coun
     text_append_string(text, "]");
 }
 
-/// Append the trimming curves: an array of loops, each an array of curves.
 static void append_trim(text_buffer *text, const bat_spline_trim *trim)
 {
     if (trim->loop_count == 0)

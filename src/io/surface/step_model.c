@@ -24,7 +24,6 @@ typedef struct shell_point
     uint32_t vertex;
 } shell_point;
 
-/// The state of the construction.
 typedef struct shell_builder
 {
     const shell_face *faces;
@@ -305,7 +304,6 @@ static uint64_t span_width(const step_model *model, const shell_edge *edge, int 
     return (high[edge->direction] - low[edge->direction]) / span_count(&patch->knots[edge->direction]);
 }
 
-/// Copy the control points of a side of a patch.
 static void copy_side(const tensor_surface *patch, uint32_t side, double *control)
 {
     size_t columns = knot_vector_functions(&patch->knots[0]), rows = knot_vector_functions(&patch->knots[1]);

@@ -107,7 +107,6 @@ static void append_reference(step_text *step, uint32_t entity)
     text_append_format(&step->text, "#%u", (unsigned)entity);
 }
 
-/// Append a list of entities.
 static void append_references(step_text *step, const uint32_t *entities, size_t count)
 {
     begin_list(step);
@@ -162,7 +161,6 @@ static void write_header(step_text *step)
                        "DATA;\n");
 }
 
-/// Write the product whose shape is the surface.
 static void write_product(step_text *step, step_entities *entities)
 {
     uint32_t application = write_entity(step, "APPLICATION_CONTEXT('managed model based 3d engineering')");
@@ -179,7 +177,6 @@ static void write_product(step_text *step, step_entities *entities)
     entities->definition_shape = write_entity(step, "PRODUCT_DEFINITION_SHAPE('','',#%u)", definition);
 }
 
-/// Write the unit of length. Returns its number.
 static uint32_t write_length_unit(step_text *step, bat_surface_unit unit)
 {
     uint32_t metric = write_entity(step, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(%s,.METRE.))",
@@ -221,7 +218,6 @@ static uint32_t write_points(step_text *step, const double *points, size_t count
     return step->count - (uint32_t)count + 1;
 }
 
-/// The multiplicity of the knot at index `at`.
 static size_t multiplicity(const bat_knot_vector *knots, size_t at)
 {
     size_t count = 1;

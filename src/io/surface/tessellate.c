@@ -38,7 +38,6 @@ typedef struct lattice
 
 static const double max_vertices = UINT32_MAX;
 
-/// Reserve memory for `count` vertices.
 static bool reserve_places(lattice *grid, size_t count)
 {
     if (count <= grid->capacity)
@@ -507,7 +506,6 @@ static bat_status tessellation_evaluate(const bat_spline_surface *surface, surfa
     return status == BAT_OK ? repair_normals(surface, tessellation, error) : status;
 }
 
-/// Replace the vertices and triangles.
 static bat_status store(const bat_spline_surface *surface, const trim_region *region, const cut_points *cut,
                         const double (*places)[2], size_t count, surface_tessellation *made, bat_error *error)
 {

@@ -9,7 +9,6 @@
 /// @file
 /// Tessellated surfaces as OBJ triangles and as VTK polygons with data points. Rows are formatted on all threads.
 
-/// Append numbers, separated by blanks, and a line break.
 static void append_numbers(text_buffer *text, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -32,7 +31,6 @@ __attribute__((format(printf, 3, 4))) static bat_status write_heading(text_sink 
     return status;
 }
 
-/// Rows of a keyword and numbers.
 typedef struct obj_rows
 {
     const char *keyword; ///< with its blank

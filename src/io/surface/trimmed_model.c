@@ -63,7 +63,6 @@ char *model_real(char *out, double value, char letter)
     return out;
 }
 
-/// Refine every cell to the finest level.
 static bat_status refine_all(const bat_hierarchical_options *options, size_t levels, bat_hierarchical_space *space,
                              bat_error *error)
 {

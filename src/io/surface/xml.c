@@ -17,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/// The numbers of an element.
 typedef struct xml_numbers
 {
     double *values;
@@ -315,7 +314,6 @@ static bat_status bad_number(const xml_state *state, const char *begin, const ch
                      text_excerpt(excerpt, at, word_end));
 }
 
-/// Read the numbers of the open element.
 static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
 {
     const char *at = state->content.data, *begin = at, *end = at + state->content.size;
@@ -344,7 +342,6 @@ static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
     return status;
 }
 
-/// Read the four integers of a box.
 static bat_status read_box(const xml_state *state, surface_box *box)
 {
     xml_numbers numbers;
@@ -426,7 +423,6 @@ static void parse_pieces(xml_state *state, const file_text *text)
                                                             "%s", XML_ErrorString(code));
 }
 
-/// Check that the file contains a complete surface.
 static bat_status check_whole(const xml_state *state)
 {
     const xml_surface *surface = state->surface;
@@ -468,7 +464,6 @@ static const double knot_digits = 1e-6;
 /// Tolerance of knots, relative to a span.
 static const double span_share = 0.01;
 
-/// Whether all knots of a range are equal.
 static bool all_equal(const double *knots, size_t count)
 {
     for (size_t i = 1; i < count; i++)

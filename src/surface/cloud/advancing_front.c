@@ -14,6 +14,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "batten/mesh.h"
 #include "linalg/vector3.h"
@@ -61,14 +62,12 @@ static const double MIN_VOLUME = 1e-10;
 
 static const uint32_t NONE = UINT32_MAX;
 
-/// A triangle of the Delaunay triangulation.
 typedef struct front_triangle
 {
     uint32_t corners[3]; ///< ascending
     double radius;       ///< of the smallest empty ball through the corners
 } front_triangle;
 
-/// A side of a triangle of the Delaunay triangulation.
 typedef struct front_side
 {
     uint64_t key;
@@ -85,7 +84,6 @@ typedef struct front_edge
     bool alive;
 } front_edge;
 
-/// A candidate in the queue.
 typedef struct front_candidate
 {
     double grade; ///< the greatest is first
@@ -213,7 +211,6 @@ static double empty_radius(const double *points, const uint32_t corners[3], cons
     return sqrt(square + nearest * nearest);
 }
 
-/// Gather the triangles of tetrahedra, each once.
 static bat_status gather_triangles(front *work, const spatial_tetrahedra *tetrahedra, bat_error *error)
 {
     static const int SIDES[4][4] = {{1, 2, 3, 0}, {0, 2, 3, 1}, {0, 1, 3, 2}, {0, 1, 2, 3}};
@@ -655,7 +652,6 @@ static bat_status find_seeds(const front *work, const neighbour_tree *tree, fron
     return status;
 }
 
-/// Forget the surface.
 static void reset(front *work)
 {
     memset(work->first_out, 0xff, work->count * sizeof *work->first_out);
@@ -1003,7 +999,6 @@ bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_o
 
 // Cut of a tube
 
-/// The faces as a graph.
 typedef struct face_graph
 {
     const uint32_t *faces;
@@ -1071,7 +1066,6 @@ static uint32_t find_strip(face_graph *graph)
     return NONE;
 }
 
-/// Remove the faces of a strip.
 static void remove_strip(const face_graph *graph, uint32_t last, uint32_t *faces, size_t *count)
 {
     // The loops are no longer needed.
@@ -1094,14 +1088,15 @@ static void remove_strip(const face_graph *graph, uint32_t last, uint32_t *faces
 bat_status tube_cut(uint32_t *faces, size_t *count, size_t points, bat_error *error)
 {
     const bat_mesh mesh = {.faces = faces, .vertex_count = points, .face_count = *count};
+    memory_pool pool = {0};
     face_graph graph = {.faces = faces,
                         .count = *count,
-                        .loop = calloc(*count + 1, 3 * sizeof *graph.loop),
-                        .queue = memory_array(*count, sizeof *graph.queue),
-                        .from = memory_array(*count, sizeof *graph.from)};
-    bat_status status = graph.loop == NULL || graph.queue == NULL || graph.from == NULL
-                            ? error_memory(error, *count * sizeof *graph.queue)
-                            : bat_mesh_connect(&mesh, &graph.connectivity, error);
+                        .loop = memory_pool_zeros(&pool, *count, 3 * sizeof *graph.loop),
+                        .queue = memory_pool_array(&pool, *count, sizeof *graph.queue),
+                        .from = memory_pool_array(&pool, *count, sizeof *graph.from)};
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(&mesh, &graph.connectivity, error);
     bool is_tube = status == BAT_OK && number_loops(&graph) == 2;
     uint32_t last = is_tube ? find_strip(&graph) : NONE;
     if (status != BAT_NO_MEMORY && last == NONE)
@@ -1109,8 +1104,6 @@ bat_status tube_cut(uint32_t *faces, size_t *count, size_t points, bat_error *er
     if (status == BAT_OK)
         remove_strip(&graph, last, faces, count);
     bat_mesh_connectivity_free(&graph.connectivity);
-    free(graph.loop);
-    free(graph.queue);
-    free(graph.from);
+    memory_pool_free(&pool);
     return status;
 }

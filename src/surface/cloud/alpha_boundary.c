@@ -10,6 +10,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh.h"
@@ -261,7 +262,6 @@ void alpha_boundary_cycles_free(alpha_boundary_cycles *cycles)
     *cycles = (alpha_boundary_cycles){0};
 }
 
-/// State of the tracing of boundaries.
 typedef struct alpha_boundary_trace
 {
     alpha_boundary_search search;
@@ -369,67 +369,64 @@ static bat_status trace_from(alpha_boundary_trace *trace, uint32_t start, const 
     return BAT_OK;
 }
 
-static double distance_between(const double *points, uint32_t a, uint32_t b)
+/// The distance of two points; `context` is the array of points.
+static double distance_between(const void *context, uint32_t a, uint32_t b)
 {
-    double side[3];
-    vector3_subtract(points + 3 * (size_t)a, points + 3 * (size_t)b, side);
-    return sqrt(vector3_dot(side, side));
+    const double *points = context;
+    return vector3_distance(points + 3 * (size_t)a, points + 3 * (size_t)b);
 }
 
-/// The length of a closed polygon.
-static double length_of(const double *points, const uint32_t *line, size_t count)
+static double length_of(loop_step *step, const void *context, const uint32_t *line, size_t count)
 {
     double length = 0;
     for (size_t i = 0; i < count; i++)
-        length += distance_between(points, line[i], line[(i + 1) % count]);
+        length += step(context, line[i], line[(i + 1) % count]);
     return length;
 }
 
-/// Make a closed polygon simple: at every repeated point, keep the longer of the two parts. All entries of `last`, one for
-/// each point, are SIZE_MAX on entry and on return.
-static size_t cut_pinches(const double *points, uint32_t *line, size_t count, size_t *last)
+size_t loop_cut_pinches(loop_step *step, const void *context, uint32_t *line, size_t count, size_t *last)
 {
-    for (bool pinched = true; pinched;)
+    size_t i = 0;
+    while (i < count)
     {
-        pinched = false;
-        size_t i = 0;
-        while (i < count && last[line[i]] == SIZE_MAX)
+        size_t before = last[line[i]];
+        if (before == SIZE_MAX)
         {
             last[line[i]] = i;
             i++;
+            continue;
         }
-        size_t first = i < count ? last[line[i]] : 0, reached = i;
-        for (size_t k = 0; k < reached; k++)
+        double inner = length_of(step, context, line + before, i - before), all = length_of(step, context, line, count);
+        for (size_t k = 0; k < i; k++)
             last[line[k]] = SIZE_MAX;
-        if (i == count)
-            break;
-        pinched = true;
-        double inner = length_of(points, line + first, i - first), complete = length_of(points, line, count);
-        if (2 * inner > complete)
+        if (2 * inner > all)
         {
-            memmove(line, line + first, (i - first) * sizeof *line);
-            count = i - first;
+            memmove(line, line + before, (i - before) * sizeof *line);
+            count = i - before;
         }
         else
         {
-            memmove(line + first, line + i, (count - i) * sizeof *line);
-            count -= i - first;
+            memmove(line + before, line + i, (count - i) * sizeof *line);
+            count -= i - before;
         }
+        i = 0;
     }
+    for (size_t k = 0; k < count; k++)
+        last[line[k]] = SIZE_MAX;
     return count;
 }
 
-/// Store the cycle at the end of the path.
 static bat_status store_cycle(alpha_boundary_trace *trace, size_t begin, size_t *last, alpha_boundary_cycles *cycles,
                               bat_error *error)
 {
     uint32_t *line = trace->path + begin;
-    size_t count = cut_pinches(trace->search.points, line, trace->path_count - begin, last);
+    size_t count = loop_cut_pinches(distance_between, trace->search.points, line, trace->path_count - begin, last);
     if (count < MIN_CYCLE)
         return BAT_OK;
     const double *points = trace->search.points;
-    alpha_boundary_cycle cycle = {
-        .points = memory_array(count, sizeof *line), .count = count, .length = length_of(points, line, count)};
+    alpha_boundary_cycle cycle = {.points = memory_array(count, sizeof *line),
+                                  .count = count,
+                                  .length = length_of(distance_between, points, line, count)};
     void *memory = cycles->cycles;
     bool grown = array_grow(&memory, &cycles->capacity, cycles->count + 1, sizeof cycle);
     cycles->cycles = memory;
@@ -474,7 +471,6 @@ void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud)
     *cloud = (alpha_boundary_cloud){0};
 }
 
-/// Mark the points from `begin` to `end`.
 static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t end)
 {
     bool failed = false;
@@ -515,7 +511,6 @@ bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree 
     return BAT_OK;
 }
 
-/// Trace every boundary once.
 static bat_status trace_all(alpha_boundary_trace *trace, bool *on_boundary, size_t *last, alpha_boundary_cycles *cycles,
                             bat_error *error)
 {
@@ -552,19 +547,18 @@ bat_status alpha_boundary_cycles_find(const alpha_boundary_cloud *cloud, double 
                                              .planes = cloud->planes,
                                              .plane_points = cloud->plane_points},
                                   .scale = scale};
-    bool *on_boundary = memory_array(count, sizeof *on_boundary);
-    size_t *last = memory_array(count, sizeof *last);
-    bat_status status = BAT_OK;
-    if (on_boundary == NULL || last == NULL)
-        status = error_memory(error, count * sizeof *last);
-    else
-        memcpy(on_boundary, cloud->outer, count * sizeof *on_boundary);
+    memory_pool pool = {0};
+    bool *on_boundary = memory_pool_array(&pool, count, sizeof *on_boundary);
+    size_t *last = memory_pool_array(&pool, count, sizeof *last);
+    bat_status status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
+    {
+        memcpy(on_boundary, cloud->outer, count * sizeof *on_boundary);
         status = trace_all(&trace, on_boundary, last, cycles, error);
+    }
     alpha_boundary_search_free(&trace.search);
     key_map_free(&trace.steps);
     free(trace.path);
-    free(on_boundary);
-    free(last);
+    memory_pool_free(&pool);
     return status;
 }

@@ -8,6 +8,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/cloud.h"
@@ -189,7 +190,6 @@ static const double MAX_CLEAN = 0.4;
 static const double SMOOTH_REACH = 8;
 static const double PI = 3.14159265358979323846;
 
-/// Measure the noise and the median spacing.
 static bat_status measure_cloud(const double *points, const neighbour_tree *tree, loop_search *search, bat_error *error)
 {
     double spacings[MAX_SAMPLES];
@@ -240,47 +240,78 @@ static bat_status smooth_points(const double *points, const neighbour_tree *tree
 }
 
 /// Find the loop in points that are smoothed first. `density` is the ratio of the spacing to that of the cloud.
-static bat_status find_smooth_loop(const double *points, size_t count, double density, loop_search *search,
+static bat_status find_smooth_loop(const double *points, const neighbour_tree *tree, double density, loop_search *search,
                                    alpha_boundary_cycle *loop, bat_error *error)
 {
     double reach = SMOOTH_REACH * search->noise / (density * search->spacing), share = fmin(PI * reach * reach, SMOOTH_MAX);
-    size_t wanted = share < SMOOTH_MIN ? SMOOTH_MIN : (size_t)share;
+    size_t wanted = share < SMOOTH_MIN ? SMOOTH_MIN : (size_t)share, count = tree->count;
     double *smooth = memory_array(count, 3 * sizeof *smooth);
-    neighbour_tree tree = {0};
-    bat_status status =
-        smooth == NULL ? error_memory(error, count * 3 * sizeof *smooth) : neighbour_tree_build(points, count, &tree, error);
+    neighbour_tree moved = {0};
+    bat_status status = smooth == NULL
+                            ? error_memory(error, count * 3 * sizeof *smooth)
+                            : smooth_points(points, tree, wanted < count / 4 ? wanted : count / 4 + 1, smooth, error);
     if (status == BAT_OK)
-        status = smooth_points(points, &tree, wanted < count / 4 ? wanted : count / 4 + 1, smooth, error);
-    neighbour_tree_free(&tree);
+        status = neighbour_tree_build(smooth, count, &moved, error);
     if (status == BAT_OK)
-        status = neighbour_tree_build(smooth, count, &tree, error);
-    if (status == BAT_OK)
-        status = find_loop(smooth, &tree, search, loop, error);
-    neighbour_tree_free(&tree);
+        status = find_loop(smooth, &moved, search, loop, error);
+    neighbour_tree_free(&moved);
     free(smooth);
     return status;
 }
 
-/// Draw `wanted` of `count` points at random, with a fixed seed, in ascending order (selection sampling; Knuth, 1969).
-static void draw_sample(size_t count, size_t wanted, size_t *chosen)
+/// Some of the points, in which a loop is searched.
+typedef struct point_subset
+{
+    memory_pool pool;
+    bool *kept;     ///< of all points
+    size_t *chosen; ///< count: the points that are kept, ascending
+    double *points; ///< count x 3
+    size_t count;
+    neighbour_tree tree;
+} point_subset;
+
+/// Make room for marks in `kept`.
+static bat_status subset_begin(size_t all, point_subset *subset, bat_error *error)
+{
+    subset->kept = memory_pool_zeros(&subset->pool, all, sizeof *subset->kept);
+    subset->chosen = memory_pool_array(&subset->pool, all, sizeof *subset->chosen);
+    return memory_pool_check(&subset->pool, error);
+}
+
+/// Copy the points that are kept, and make their tree.
+static bat_status subset_take(const double *points, size_t all, point_subset *subset, bat_error *error)
+{
+    for (size_t i = 0; i < all; i++)
+        if (subset->kept[i])
+            subset->chosen[subset->count++] = i;
+    subset->points = memory_pool_array(&subset->pool, subset->count, 3 * sizeof *subset->points);
+    bat_status status = memory_pool_check(&subset->pool, error);
+    for (size_t i = 0; i < subset->count && status == BAT_OK; i++)
+        memcpy(subset->points + 3 * i, points + 3 * subset->chosen[i], 3 * sizeof *points);
+    return status == BAT_OK ? neighbour_tree_build(subset->points, subset->count, &subset->tree, error) : status;
+}
+
+/// Free a subset. Points of a loop that was found in it get their indices among all points.
+static void subset_end(point_subset *subset, bat_status status, alpha_boundary_cycle *loop)
+{
+    for (size_t i = 0; i < loop->count && status == BAT_OK; i++)
+        loop->points[i] = (uint32_t)subset->chosen[loop->points[i]];
+    neighbour_tree_free(&subset->tree);
+    memory_pool_free(&subset->pool);
+}
+
+/// Keep `wanted` of `count` points at random, with a fixed seed (selection sampling; Knuth, 1969).
+static void draw_sample(size_t count, size_t wanted, bool *kept)
 {
     bat_random random = bat_random_seed(count);
     size_t made = 0;
     for (size_t i = 0; i < count && made < wanted; i++)
-        if (bat_random_uniform(&random) * (double)(count - i) < (double)(wanted - made))
-            chosen[made++] = i;
+    {
+        kept[i] = bat_random_uniform(&random) * (double)(count - i) < (double)(wanted - made);
+        made += kept[i];
+    }
 }
 
-/// Copy the points with the given indices.
-static double *copy_points(const double *points, const size_t *chosen, size_t count)
-{
-    double *copy = memory_array(count, 3 * sizeof *copy);
-    for (size_t i = 0; i < count && copy != NULL; i++)
-        memcpy(copy + 3 * i, points + 3 * chosen[i], 3 * sizeof *copy);
-    return copy;
-}
-
-/// Find the loop in a random subset of `wanted` points.
 static bat_status find_loop_of_sample(const double *points, const neighbour_tree *tree, size_t wanted, loop_search *search,
                                       alpha_boundary_cycle *loop, bat_error *error)
 {
@@ -288,28 +319,19 @@ static bat_status find_loop_of_sample(const double *points, const neighbour_tree
     double density = sqrt((double)count / (double)wanted);
     bool noisy = search->noise > MAX_CLEAN * density * search->spacing;
     if (wanted == count)
-        return noisy ? find_smooth_loop(points, count, density, search, loop, error)
+        return noisy ? find_smooth_loop(points, tree, density, search, loop, error)
                      : find_loop(points, tree, search, loop, error);
-    size_t *chosen = memory_array(wanted, sizeof *chosen);
-    if (chosen == NULL)
-        return error_memory(error, wanted * sizeof *chosen);
-    draw_sample(count, wanted, chosen);
-    double *sample = copy_points(points, chosen, wanted);
-    neighbour_tree sparse = {0};
-    bat_status status = sample == NULL ? error_memory(error, wanted * 3 * sizeof *sample) : BAT_OK;
-    if (status == BAT_OK && noisy)
-        status = find_smooth_loop(sample, wanted, density, search, loop, error);
-    else if (status == BAT_OK)
+    point_subset sample = {0};
+    bat_status status = subset_begin(count, &sample, error);
+    if (status == BAT_OK)
     {
-        status = neighbour_tree_build(sample, wanted, &sparse, error);
-        if (status == BAT_OK)
-            status = find_loop(sample, &sparse, search, loop, error);
+        draw_sample(count, wanted, sample.kept);
+        status = subset_take(points, count, &sample, error);
     }
-    for (size_t i = 0; i < loop->count && status == BAT_OK; i++)
-        loop->points[i] = (uint32_t)chosen[loop->points[i]];
-    neighbour_tree_free(&sparse);
-    free(chosen);
-    free(sample);
+    if (status == BAT_OK)
+        status = noisy ? find_smooth_loop(sample.points, &sample.tree, density, search, loop, error)
+                       : find_loop(sample.points, &sample.tree, search, loop, error);
+    subset_end(&sample, status, loop);
     return status;
 }
 
@@ -352,31 +374,17 @@ static const double MAX_OUTLIERS = 0.02;
 static bat_status find_loop_of_piece(const double *points, const neighbour_tree *tree, bool all, loop_search *search,
                                      alpha_boundary_cycle *loop, bat_error *error)
 {
-    size_t count = tree->count, left = 0, made = 0;
-    bool *kept = memory_array(count, sizeof *kept);
-    size_t *chosen = memory_array(count, sizeof *chosen);
-    double *inliers = NULL;
-    neighbour_tree sparse = {0};
-    bat_status status = kept == NULL || chosen == NULL ? error_memory(error, count * sizeof *chosen)
-                                                       : diagnose_pieces(points, tree, kept, &left, error);
-    for (size_t i = 0; i < count && status == BAT_OK; i++)
-        if (kept[i])
-            chosen[made++] = i;
-    bool enough = (double)left > (all ? 0 : MAX_OUTLIERS * (double)count) && made >= MIN_BOUNDARY;
-    if (status == BAT_OK && enough)
-    {
-        inliers = copy_points(points, chosen, made);
-        status = inliers == NULL ? error_memory(error, made * 3 * sizeof *inliers)
-                                 : neighbour_tree_build(inliers, made, &sparse, error);
-    }
+    size_t count = tree->count, left = 0;
+    point_subset piece = {0};
+    bat_status status = subset_begin(count, &piece, error);
     if (status == BAT_OK)
-        status = enough ? find_loop_in_noise(inliers, &sparse, search, loop, error) : BAT_NO_CONVERGENCE;
-    for (size_t i = 0; i < loop->count && status == BAT_OK; i++)
-        loop->points[i] = (uint32_t)chosen[loop->points[i]];
-    neighbour_tree_free(&sparse);
-    free(inliers);
-    free(chosen);
-    free(kept);
+        status = diagnose_pieces(points, tree, piece.kept, &left, error);
+    bool enough = (double)left > (all ? 0 : MAX_OUTLIERS * (double)count) && count - left >= MIN_BOUNDARY;
+    if (status == BAT_OK && enough)
+        status = subset_take(points, count, &piece, error);
+    if (status == BAT_OK)
+        status = enough ? find_loop_in_noise(piece.points, &piece.tree, search, loop, error) : BAT_NO_CONVERGENCE;
+    subset_end(&piece, status, loop);
     return status;
 }
 
@@ -407,10 +415,9 @@ static bat_status find_loop_or_tell(const double *points, const neighbour_tree *
 static bat_status find_any_loop(const double *points, size_t count, loop_search *search, alpha_boundary_cycle *loop,
                                 bat_error *error)
 {
-    neighbour_tree tree = {0}, even = {0};
-    double radius = 0, *sample = NULL;
-    bool *kept = NULL;
-    size_t *chosen = NULL, made = 0;
+    neighbour_tree tree = {0};
+    point_subset even = {0};
+    double radius = 0;
     bat_status status = diagnose_line(points, count, error);
     if (status == BAT_OK)
         status = neighbour_tree_build(points, count, &tree, error);
@@ -420,28 +427,18 @@ static bat_status find_any_loop(const double *points, size_t count, loop_search 
         status = no_loop(error, "the points lie along a curve, or on lines too far apart; a surface needs points between");
     if (status == BAT_OK && radius > 0)
     {
-        kept = memory_array(count, sizeof *kept);
-        chosen = memory_array(count, sizeof *chosen);
-        status = kept == NULL || chosen == NULL ? error_memory(error, count * sizeof *chosen)
-                                                : even_sample_choose(points, &tree, radius, kept, error);
-        for (size_t i = 0; i < count && status == BAT_OK; i++)
-            if (kept[i])
-                chosen[made++] = i;
-        sample = status == BAT_OK ? copy_points(points, chosen, made) : NULL;
+        status = subset_begin(count, &even, error);
         if (status == BAT_OK)
-            status = sample == NULL ? error_memory(error, made * 3 * sizeof *sample)
-                                    : neighbour_tree_build(sample, made, &even, error);
+            status = even_sample_choose(points, &tree, radius, even.kept, error);
+        if (status == BAT_OK)
+            status = subset_take(points, count, &even, error);
+        if (status == BAT_OK)
+            status = find_loop_or_tell(even.points, &even.tree, search, loop, error);
+        subset_end(&even, status, loop);
     }
-    if (status == BAT_OK)
-        status = radius > 0 ? find_loop_or_tell(sample, &even, search, loop, error)
-                            : find_loop_or_tell(points, &tree, search, loop, error);
-    for (size_t i = 0; i < loop->count && status == BAT_OK && chosen != NULL; i++)
-        loop->points[i] = (uint32_t)chosen[loop->points[i]];
+    else if (status == BAT_OK)
+        status = find_loop_or_tell(points, &tree, search, loop, error);
     neighbour_tree_free(&tree);
-    neighbour_tree_free(&even);
-    free(sample);
-    free(kept);
-    free(chosen);
     return status;
 }
 
@@ -469,37 +466,22 @@ static void order_points(const alpha_boundary_cycle *loop, size_t count, bool *i
 /// Reorder the cloud so that the loop comes first.
 static bat_status reorder(bat_cloud *cloud, const alpha_boundary_cycle *loop, bat_error *error)
 {
-    size_t count = cloud->count;
-    bool *in_loop = memory_array(count, sizeof *in_loop);
-    size_t *order = memory_array(count, sizeof *order), *place = memory_array(count, sizeof *place);
-    double *points = memory_array(count, 3 * sizeof *points);
-    if (in_loop == NULL || order == NULL || place == NULL || points == NULL)
+    memory_pool pool = {0};
+    bool *in_loop = memory_pool_array(&pool, cloud->count, sizeof *in_loop);
+    size_t *order = memory_pool_array(&pool, cloud->count, sizeof *order);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
     {
-        free(in_loop);
-        free(order);
-        free(place);
-        free(points);
-        return error_memory(error, count * 3 * sizeof *points);
+        order_points(loop, cloud->count, in_loop, order);
+        status = cloud_permute(cloud, order, error);
     }
-    order_points(loop, count, in_loop, order);
-    for (size_t i = 0; i < count; i++)
+    if (status == BAT_OK)
     {
-        memcpy(points + 3 * i, cloud->points + 3 * order[i], 3 * sizeof *points);
-        place[order[i]] = i;
+        cloud->boundary_count = loop->count;
+        cloud->has_corners = false;
     }
-    for (size_t i = 0; i < 3 * cloud->triangle_count; i++)
-        cloud->triangles[i] = (uint32_t)place[cloud->triangles[i]];
-    for (size_t i = 0; i < count && cloud->order != NULL; i++)
-        order[i] = cloud->order[order[i]];
-    free(in_loop);
-    free(place);
-    free(cloud->points);
-    free(cloud->order);
-    cloud->points = points;
-    cloud->order = order;
-    cloud->boundary_count = loop->count;
-    cloud->has_corners = false;
-    return BAT_OK;
+    memory_pool_free(&pool);
+    return status;
 }
 
 /// Copy the points, scaled to unit size, in an order that does not depend on that of the cloud and in which near points are

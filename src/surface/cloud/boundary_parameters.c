@@ -11,6 +11,7 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "batten/cloud.h"
 #include "linalg/vector3.h"
 #include "surface/cloud/local_plane.h"
@@ -33,27 +34,13 @@ static inline double cloud_loop_length(const cloud_loop *loop)
     return loop->arc[loop->count];
 }
 
-/// @return BAT_OK or BAT_NO_MEMORY
-static bat_status cloud_loop_make(const double *points, size_t count, cloud_loop *loop, bat_error *error)
+/// @param arc count + 1; receives the arc lengths
+static cloud_loop cloud_loop_make(const double *points, size_t count, double *arc)
 {
-    cloud_loop made = {.points = points, .count = count, .arc = memory_array(count + 1, sizeof *made.arc)};
-    if (made.arc == NULL)
-        return error_memory(error, (count + 1) * sizeof *made.arc);
-    made.arc[0] = 0;
+    arc[0] = 0;
     for (size_t i = 0; i < count; i++)
-    {
-        double side[3];
-        vector3_subtract(points + 3 * ((i + 1) % count), points + 3 * i, side);
-        made.arc[i + 1] = made.arc[i] + sqrt(vector3_dot(side, side));
-    }
-    *loop = made;
-    return BAT_OK;
-}
-
-static void cloud_loop_free(cloud_loop *loop)
-{
-    free(loop->arc);
-    *loop = (cloud_loop){0};
+        arc[i + 1] = arc[i] + vector3_distance(points + 3 * ((i + 1) % count), points + 3 * i);
+    return (cloud_loop){points, count, arc};
 }
 
 /// The point at an arc length from point 0, taken modulo the total length.
@@ -102,13 +89,12 @@ static const double MAX_TURN = 2.0943951023931953; // 2 pi / 3
 /// Weight of the turning angle in space, which decides ties.
 static const double TURN_IN_SPACE = 0.1;
 
-/// State of the detection of corners.
 typedef struct corner_search
 {
+    memory_pool pool;
     cloud_loop loop;
-    double *points;  ///< points of the cloud, scaled to unit size
-    double *samples; ///< a subset of them
-    size_t sample_count;
+    double *points;      ///< points of the cloud, scaled to unit size
+    double *samples;     ///< a subset of them
     neighbour_tree tree; ///< of the samples
     neighbour_list near;
     double *sharpness; ///< sharpness of every point of the loop
@@ -116,37 +102,31 @@ typedef struct corner_search
 
 static void search_free(corner_search *search)
 {
-    cloud_loop_free(&search->loop);
+    memory_pool_free(&search->pool);
     neighbour_tree_free(&search->tree);
     neighbour_list_free(&search->near);
-    free(search->points);
-    free(search->samples);
-    free(search->sharpness);
 }
 
-/// Take every stride-th point of the cloud.
-static bat_status take_samples(const bat_cloud *cloud, corner_search *search, bat_error *error)
-{
-    size_t count = cloud->count, stride = count / MAX_SAMPLES + 1;
-    search->sample_count = (count + stride - 1) / stride;
-    search->samples = memory_array(search->sample_count, 3 * sizeof *search->samples);
-    if (search->samples == NULL)
-        return error_memory(error, count * 3 * sizeof *search->samples);
-    for (size_t i = 0; i < search->sample_count; i++)
-        memcpy(search->samples + 3 * i, search->points + 3 * i * stride, 3 * sizeof *search->samples);
-    return neighbour_tree_build(search->samples, search->sample_count, &search->tree, error);
-}
-
+/// Measure the loop, and take every stride-th point of the cloud.
 static bat_status search_begin(const bat_cloud *cloud, corner_search *search, bat_error *error)
 {
-    search->points = points_to_unit_size(cloud->points, cloud->count);
-    search->sharpness = memory_array(cloud->boundary_count, sizeof *search->sharpness);
-    if (search->points == NULL || search->sharpness == NULL)
-        return error_memory(error, cloud->count * 3 * sizeof *search->points);
-    bat_status status = cloud_loop_make(search->points, cloud->boundary_count, &search->loop, error);
-    if (status == BAT_OK && !(cloud_loop_length(&search->loop) > 0))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has no length");
-    return status == BAT_OK ? take_samples(cloud, search, error) : status;
+    size_t count = cloud->count, stride = count / MAX_SAMPLES + 1, samples = (count + stride - 1) / stride;
+    unit_frame frame = unit_frame_of(cloud->points, count);
+    double *arc = memory_pool_array(&search->pool, cloud->boundary_count + 1, sizeof *arc);
+    search->points = memory_pool_array(&search->pool, count, 3 * sizeof *search->points);
+    search->samples = memory_pool_array(&search->pool, samples, 3 * sizeof *search->samples);
+    search->sharpness = memory_pool_array(&search->pool, cloud->boundary_count, sizeof *search->sharpness);
+    bat_status status = memory_pool_check(&search->pool, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < count; i++)
+        unit_frame_place(&frame, cloud->points + 3 * i, search->points + 3 * i);
+    search->loop = cloud_loop_make(search->points, cloud->boundary_count, arc);
+    if (!(cloud_loop_length(&search->loop) > 0))
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has no length");
+    for (size_t i = 0; i < samples; i++)
+        memcpy(search->samples + 3 * i, search->points + 3 * i * stride, 3 * sizeof *search->samples);
+    return neighbour_tree_build(search->samples, samples, &search->tree, error);
 }
 
 /// Project a vector to the plane with a unit normal.
@@ -211,7 +191,6 @@ static bat_status measure_at(corner_search *search, size_t at, bat_error *error)
     return BAT_OK;
 }
 
-/// Candidates for corners.
 typedef struct candidate_set
 {
     size_t points[MAX_CANDIDATES];
@@ -244,7 +223,6 @@ static void choose_candidates(const corner_search *search, bool by_length, candi
     }
 }
 
-/// The cost of a side with a given share of the loop.
 static double side_cost(double share, double min_side)
 {
     double off = share - 1.0 / CORNERS;
@@ -303,7 +281,7 @@ static void choose_from(const candidate_set *set, size_t first, double min_side,
     }
 }
 
-static bat_status choose(const corner_search *search, size_t corners[CORNERS], bat_error *error)
+static bat_status choose(corner_search *search, size_t corners[CORNERS], bat_error *error)
 {
     // Fallbacks for very uneven points, of which no four are far apart.
     static const struct
@@ -311,14 +289,10 @@ static bat_status choose(const corner_search *search, size_t corners[CORNERS], b
         bool by_length;
         double min_side;
     } tries[] = {{true, MIN_SIDE}, {true, 0}, {false, 0}};
-    corner_choice *choice = memory_array(1, sizeof *choice);
-    candidate_set *set = memory_array(1, sizeof *set);
+    corner_choice *choice = memory_pool_array(&search->pool, 1, sizeof *choice);
+    candidate_set *set = memory_pool_array(&search->pool, 1, sizeof *set);
     if (choice == NULL || set == NULL)
-    {
-        free(choice);
-        free(set);
-        return error_memory(error, sizeof *choice + sizeof *set);
-    }
+        return memory_pool_check(&search->pool, error);
     choice->best = -INFINITY;
     for (size_t i = 0; i < sizeof tries / sizeof *tries && choice->best == -INFINITY; i++)
     {
@@ -328,8 +302,6 @@ static bat_status choose(const corner_search *search, size_t corners[CORNERS], b
     }
     for (int k = 0; k < CORNERS; k++)
         corners[k] = set->points[choice->corners[k]];
-    free(choice);
-    free(set);
     return BAT_OK;
 }
 
@@ -387,40 +359,22 @@ static bool corners_rise(const loop_rotation *turn, const size_t places[4], size
     return rotated[0] < rotated[1] && rotated[1] < rotated[2] && rotated[2] < rotated[3];
 }
 
-static void rotate_triangles(bat_cloud *cloud, const loop_rotation *turn)
+static bat_status rotate_loop(bat_cloud *cloud, const loop_rotation *turn, bat_error *error)
 {
-    for (size_t i = 0; i < 3 * cloud->triangle_count; i++)
-        if (cloud->triangles[i] < turn->count)
-            cloud->triangles[i] = (uint32_t)rotated_place(turn, cloud->triangles[i]);
-    for (size_t t = 0; t < cloud->triangle_count && turn->reversed; t++)
+    size_t *order = memory_array(cloud->count, sizeof *order);
+    if (order == NULL)
+        return error_memory(error, cloud->count * sizeof *order);
+    for (size_t i = 0; i < cloud->count; i++)
+        order[i < turn->count ? rotated_place(turn, i) : i] = i;
+    bat_status status = cloud_permute(cloud, order, error);
+    for (size_t t = 0; t < cloud->triangle_count && turn->reversed && status == BAT_OK; t++)
     {
         uint32_t *triangle = cloud->triangles + 3 * t, corner = triangle[1];
         triangle[1] = triangle[2];
         triangle[2] = corner;
     }
-}
-
-static bat_status rotate_loop(bat_cloud *cloud, const loop_rotation *turn, bat_error *error)
-{
-    size_t count = turn->count;
-    double *points = memory_array(count, 3 * sizeof *points);
-    size_t *order = memory_array(cloud->count, sizeof *order);
-    if (points == NULL || order == NULL)
-    {
-        free(points);
-        free(order);
-        return error_memory(error, cloud->count * 3 * sizeof *points);
-    }
-    for (size_t i = 0; i < cloud->count; i++)
-        order[i < count ? rotated_place(turn, i) : i] = cloud->order == NULL ? i : cloud->order[i];
-    for (size_t i = 0; i < count; i++)
-        memcpy(points + 3 * rotated_place(turn, i), cloud->points + 3 * i, 3 * sizeof *points);
-    memcpy(cloud->points, points, 3 * count * sizeof *points);
-    rotate_triangles(cloud, turn);
-    free(cloud->order);
-    free(points);
-    cloud->order = order;
-    return BAT_OK;
+    free(order);
+    return status;
 }
 
 bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_error *error)
@@ -460,13 +414,10 @@ const bat_family bat_cloud_sides_family = FAMILY("parameterization of sides", SI
 /// The parameter increment between consecutive points of the loop.
 static double step_between(const double *from, const double *to, bat_cloud_sides method)
 {
-    double side[3];
-    vector3_subtract(to, from, side);
-    double length = sqrt(vector3_dot(side, side));
+    double length = vector3_distance(from, to);
     return method <= BAT_CLOUD_SIDES_CHORD_LENGTH ? length : method == BAT_CLOUD_SIDES_CENTRIPETAL ? sqrt(length) : 1;
 }
 
-/// Set the parameters of a side, from one corner to the next.
 static void fill_side(const double *points, size_t count, size_t from, size_t to, int side, bat_cloud_sides method,
                       double *parameters)
 {

@@ -128,7 +128,6 @@ bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
     return status == BAT_OK ? check_distinct(cloud, error) : status;
 }
 
-/// A mesh under conversion.
 typedef struct mesh_patch
 {
     const bat_mesh *mesh;
@@ -216,7 +215,6 @@ static bat_status check_disk(const mesh_patch *patch, bat_error *error)
     return status;
 }
 
-/// Make the cloud from the new numbers.
 static bat_status make_cloud(mesh_patch *patch, bat_cloud *cloud, bat_error *error)
 {
     const bat_mesh *mesh = patch->mesh;

@@ -18,7 +18,6 @@ void planar_triangles_free(planar_triangles *triangles)
     *triangles = (planar_triangles){0};
 }
 
-/// Twice the signed area.
 static double doubled_area(const double (*planar)[2], const uint32_t corners[3])
 {
     const double *a = planar[corners[0]], *b = planar[corners[1]], *c = planar[corners[2]];

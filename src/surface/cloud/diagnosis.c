@@ -6,6 +6,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/threads.h"
 #include "surface/cloud/local_plane.h"
 
@@ -120,9 +121,9 @@ static const double MIN_PIECE = 0.05;
 static const double MIN_SCATTERED = 0.1;
 static const double SCATTERED_RATIO = 3;
 
-/// The graph of near neighbours.
 typedef struct piece_graph
 {
+    memory_pool pool;
     const double *points;
     const neighbour_tree *tree;
     uint32_t *links;  ///< count x LINKS
@@ -132,27 +133,16 @@ typedef struct piece_graph
     size_t *sizes;    ///< count: of components, at their roots
 } piece_graph;
 
-static void graph_free(piece_graph *graph)
-{
-    free(graph->links);
-    free(graph->lengths);
-    free(graph->reach);
-    free(graph->parent);
-    free(graph->sizes);
-}
-
 static bat_status graph_make(const double *points, const neighbour_tree *tree, piece_graph *graph, bat_error *error)
 {
     size_t count = tree->count;
-    *graph = (piece_graph){points,
-                           tree,
-                           memory_array(count, LINKS * sizeof *graph->links),
-                           memory_array(count, LINKS * sizeof *graph->lengths),
-                           memory_array(count, sizeof *graph->reach),
-                           memory_array(count, sizeof *graph->parent),
-                           memory_array(count, sizeof *graph->sizes)};
-    bool complete = graph->links != NULL && graph->lengths != NULL && graph->reach != NULL && graph->parent != NULL &&
-                    graph->sizes != NULL;
+    *graph = (piece_graph){.points = points, .tree = tree};
+    graph->links = memory_pool_array(&graph->pool, count, LINKS * sizeof *graph->links);
+    graph->lengths = memory_pool_array(&graph->pool, count, LINKS * sizeof *graph->lengths);
+    graph->reach = memory_pool_array(&graph->pool, count, sizeof *graph->reach);
+    graph->parent = memory_pool_array(&graph->pool, count, sizeof *graph->parent);
+    graph->sizes = memory_pool_array(&graph->pool, count, sizeof *graph->sizes);
+    bool complete = graph->pool.missing == 0;
 #pragma omp parallel num_threads(threads_for(0, count / 256 + 1)) if (complete) reduction(&& : complete)
     {
         neighbour_list near = {0};
@@ -389,6 +379,6 @@ bat_status diagnose_pieces(const double *points, const neighbour_tree *tree, boo
     }
     if (status == BAT_OK && (double)*left > MIN_PEEL * (double)tree->count)
         status = peel(&graph, kept, left, error);
-    graph_free(&graph);
+    memory_pool_free(&graph.pool);
     return status;
 }

@@ -23,7 +23,6 @@ enum
     FEW_ENTRIES = 48
 };
 
-/// A node with the range of its points.
 typedef struct node_range
 {
     size_t node, begin, end;
@@ -58,7 +57,6 @@ void neighbour_tree_free(neighbour_tree *tree)
     *tree = (neighbour_tree){0};
 }
 
-/// State of the construction.
 typedef struct tree_builder
 {
     neighbour_tree *tree;
@@ -162,7 +160,6 @@ static inline double box_squared(const neighbour_box *box, const double place[3]
     return gaps[0] * gaps[0] + gaps[1] * gaps[1] + gaps[2] * gaps[2];
 }
 
-/// The squared distances of the points of a leaf from a place.
 static inline void leaf_distances(const neighbour_tree *tree, size_t begin, size_t count, const double place[3],
                                   double squared[LEAF_ITEMS])
 {

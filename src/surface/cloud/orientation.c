@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "base/threads.h"
 
 #include <math.h>
@@ -179,14 +180,14 @@ bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tr
     size_t count = cloud->count;
     *oriented = (oriented_planes){.planes = memory_array(count, sizeof *oriented->planes),
                                   .reach = memory_array(count, sizeof *oriented->reach)};
-    uint32_t *links = memory_array(count, LINKS * sizeof *links);
-    double *votes = memory_array(count, sizeof *votes);
-    union_find forest = {.parent = memory_array(count, sizeof *forest.parent),
-                         .flips = memory_array(count, sizeof *forest.flips)};
-    bat_status status = BAT_OK;
-    if (oriented->planes == NULL || oriented->reach == NULL || links == NULL || votes == NULL || forest.parent == NULL ||
-        forest.flips == NULL)
-        status = error_memory(error, count * sizeof *oriented->planes);
+    memory_pool pool = {0};
+    uint32_t *links = memory_pool_array(&pool, count, LINKS * sizeof *links);
+    double *votes = memory_pool_array(&pool, count, sizeof *votes);
+    union_find forest = {.parent = memory_pool_array(&pool, count, sizeof *forest.parent),
+                         .flips = memory_pool_array(&pool, count, sizeof *forest.flips)};
+    bat_status status = oriented->planes == NULL || oriented->reach == NULL
+                            ? error_memory(error, count * sizeof *oriented->planes)
+                            : memory_pool_check(&pool, error);
     if (status == BAT_OK)
         status = fit_planes(cloud, tree, oriented, links, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
@@ -200,9 +201,6 @@ bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tr
         flip_planes(cloud, links, &forest, votes, oriented);
     else
         oriented_planes_free(oriented);
-    free(links);
-    free(votes);
-    free(forest.parent);
-    free(forest.flips);
+    memory_pool_free(&pool);
     return status;
 }

@@ -60,7 +60,6 @@ static bat_status choose_even(const bat_cloud *cloud, bool *chosen, bool *is_nee
     return status;
 }
 
-/// Copy the chosen points.
 static bat_status copy_chosen(const bat_cloud *cloud, const bool *chosen, cloud_part *part, bat_error *error)
 {
     size_t count = 0, made = 0;

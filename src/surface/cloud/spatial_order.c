@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "batten/distributed.h"
 #include "batten/surface.h"
 #include "surface/cloud/local_plane.h"
@@ -82,7 +83,6 @@ bat_status spatial_order_make(const bat_cloud *cloud, spatial_order *order, bat_
 
 // Canonical order
 
-/// A point with its sort keys.
 typedef struct sort_entry
 {
     double squared; ///< distance from the centre
@@ -158,36 +158,47 @@ static void arrange(const bat_cloud *cloud, const size_t *sorted, size_t *order)
         order[k] = (begin + k) % loop;
 }
 
-bat_status canonical_order_apply(bat_cloud *cloud, bat_error *error)
+bat_status cloud_permute(bat_cloud *cloud, const size_t *order, bat_error *error)
 {
     size_t count = cloud->count;
-    size_t *sorted = memory_array(count, sizeof *sorted), *order = memory_array(count, sizeof *order),
-           *places = memory_array(count, sizeof *places);
-    double *scratch = memory_array(count, 3 * sizeof *scratch);
-    bat_status status = BAT_OK;
-    if (sorted == NULL || order == NULL || places == NULL || scratch == NULL)
-        status = error_memory(error, count * 3 * sizeof *scratch);
-    if (status == BAT_OK)
-        status = canonical_order_find(cloud->points, count, sorted, error);
+    memory_pool pool = {0};
+    size_t *places = memory_pool_array(&pool, count, sizeof *places);
+    double *points = memory_pool_array(&pool, count, 3 * sizeof *points);
+    size_t *inputs = memory_array(count, sizeof *inputs);
+    bat_status status = inputs == NULL ? error_memory(error, count * sizeof *inputs) : memory_pool_check(&pool, error);
     if (status == BAT_OK)
     {
-        arrange(cloud, sorted, order);
-        memcpy(scratch, cloud->points, count * 3 * sizeof *scratch);
+        memcpy(points, cloud->points, count * 3 * sizeof *points);
         for (size_t i = 0; i < count; i++)
         {
-            memcpy(cloud->points + 3 * i, scratch + 3 * order[i], 3 * sizeof *scratch);
+            memcpy(cloud->points + 3 * i, points + 3 * order[i], 3 * sizeof *points);
             places[order[i]] = i;
-            sorted[i] = cloud_input_index(cloud, order[i]);
+            inputs[i] = cloud_input_index(cloud, order[i]);
         }
         for (size_t k = 0; k < 3 * cloud->triangle_count; k++)
             cloud->triangles[k] = (uint32_t)places[cloud->triangles[k]];
         free(cloud->order);
-        cloud->order = sorted;
-        sorted = NULL;
+        cloud->order = inputs;
     }
-    free(sorted);
-    free(order);
-    free(places);
-    free(scratch);
+    else
+        free(inputs);
+    memory_pool_free(&pool);
+    return status;
+}
+
+bat_status canonical_order_apply(bat_cloud *cloud, bat_error *error)
+{
+    memory_pool pool = {0};
+    size_t *sorted = memory_pool_array(&pool, cloud->count, sizeof *sorted);
+    size_t *order = memory_pool_array(&pool, cloud->count, sizeof *order);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = canonical_order_find(cloud->points, cloud->count, sorted, error);
+    if (status == BAT_OK)
+    {
+        arrange(cloud, sorted, order);
+        status = cloud_permute(cloud, order, error);
+    }
+    memory_pool_free(&pool);
     return status;
 }

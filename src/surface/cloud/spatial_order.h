@@ -14,6 +14,11 @@ static inline size_t cloud_input_index(const bat_cloud *cloud, size_t point)
     return cloud->order != NULL ? cloud->order[point] : point;
 }
 
+/// Change the numbers of points, also in the triangles. The boundary and the corners are the caller's.
+/// @param order the old number of each point
+/// @return BAT_OK or BAT_NO_MEMORY; the cloud is untouched on failure
+bat_status cloud_permute(bat_cloud *cloud, const size_t *order, bat_error *error);
+
 /// A renumbered cloud.
 typedef struct spatial_order
 {

@@ -438,7 +438,6 @@ static bat_status measure_distances(fit_loop *loop, double reach, bat_error *err
     return status;
 }
 
-/// Set up the system of the current space.
 static bat_status begin_round(fit_loop *loop, bat_error *error)
 {
     size_t functions = bat_hierarchical_space_functions(loop->space);
@@ -497,7 +496,6 @@ static void distance_terms(const void *context, size_t row, double *sums)
     sums[1] += distance <= loop->options->tolerance;
 }
 
-/// The largest distance, and the number of its point.
 typedef struct worst_point
 {
     double distance;
@@ -692,7 +690,6 @@ static bat_status run(fit_loop *loop, bat_error *error)
     return status;
 }
 
-/// Move the surface, the parameters and the report to the caller.
 static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_spline_surface *surface,
                                bat_surface_fit_report *report, bat_error *error)
 {

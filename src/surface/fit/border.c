@@ -64,7 +64,6 @@ static void set_parameter(int side, double t, double *at)
     at[1 - along_of(side)] = level_of(side);
 }
 
-/// Copy the boundary points of a side.
 static bat_status gather_side(const bat_surface_fit_data *data, int number, fit_border *border, bat_error *error)
 {
     size_t dimension = data->dimension;
@@ -122,7 +121,6 @@ static bat_status fit_side(size_t dimension, const bat_surface_fit_options *opti
     return status;
 }
 
-/// Place the samples on the curves.
 static bat_status place_samples(fit_border *border, bat_error *error)
 {
     size_t dimension = border->dimension, total = CORNERS;
@@ -207,7 +205,6 @@ static void set_samples(fit_points *points, size_t own, size_t guides)
         }
 }
 
-/// Append `count` rows of numbers.
 static double *append(double *to, const double *rows, size_t count, size_t width)
 {
     if (count > 0)
@@ -300,7 +297,6 @@ static bool frame_at(const fit_nets *nets, int side, const double *at, double *s
     return true;
 }
 
-/// Buffers of an update.
 typedef struct border_update
 {
     memory_pool pool;
@@ -348,7 +344,6 @@ static bat_status measure_offset(const border_update *update, int number, bat_er
     return status;
 }
 
-/// The targets of the samples of a side.
 static bat_status update_side(const border_update *update, int number, bat_error *error)
 {
     fit_border *border = update->border;

@@ -18,7 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The data from which the contribution of a cell is assembled.
 typedef struct gather_context
 {
     const fit_system *system;
@@ -231,7 +230,6 @@ static double *pack(const gather_context *gather, size_t side, double *numbers, 
     return to + side * gather->columns;
 }
 
-/// Add what pack() appended.
 static const double *add_packed(const gather_context *gather, size_t side, const double *from, double *numbers)
 {
     for (size_t i = 0; gather->square && i < side; i++, from += i)
@@ -270,7 +268,6 @@ static void send_cell(const gather_context *gather, size_t cell, double *scratch
     }
 }
 
-/// Compute all that this process sends.
 static bat_status fill_sent(gather_context *gather, size_t scratch_size, int threads, bat_error *error)
 {
     const fit_points *points = gather->points;

@@ -31,7 +31,6 @@ enum
     SLACK = 500
 };
 
-/// A cell and its error indicator.
 typedef struct ranked_cell
 {
     double score;
@@ -46,7 +45,6 @@ static int compare_ranked(const void *a, const void *b)
     return (x->cell > y->cell) - (x->cell < y->cell);
 }
 
-/// Statistics of the points of a cell.
 typedef struct cell_points
 {
     double sum;     ///< sum of weighted squared distances
@@ -57,7 +55,6 @@ typedef struct cell_points
 
 static const cell_points NO_POINTS = {.low = {1, 1}};
 
-/// Add statistics of other points of the same cell.
 static void add_points(cell_points *to, const cell_points *more)
 {
     to->sum += more->sum;
@@ -163,7 +160,6 @@ static bat_status receive_scores(const bat_hierarchical_space *space, const bat_
     return BAT_OK;
 }
 
-/// Score the cells with points in several processes.
 static bat_status score_together(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
                                  double *scores, bat_error *error)
 {
@@ -237,7 +233,6 @@ static size_t bulk_of(const ranked_cell *ranked, size_t count)
     return wanted;
 }
 
-/// The data from which a refinement is chosen.
 typedef struct mark_choice
 {
     const bat_hierarchical_space *space;

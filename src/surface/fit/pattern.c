@@ -188,7 +188,6 @@ static void batch_set(const bat_hierarchical_space *space, const fit_cell_work *
     }
 }
 
-/// Compute the contributions of all cells of a batch.
 static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work *work, const batch *now, int threads)
 {
     bool allocated = true;

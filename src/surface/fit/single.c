@@ -36,7 +36,6 @@ static bat_status check_weights(const bat_surface_fit_data *data, const double *
     return BAT_OK;
 }
 
-/// Workspace of one fit.
 typedef struct single_fit
 {
     fit_points points;
@@ -80,7 +79,6 @@ static bat_status single_make(const bat_hierarchical_space *space, const bat_sur
     return memory_pool_check(&fit->pool, error);
 }
 
-/// Compute the residuals of all points.
 static bat_status find_residual(single_fit *fit, const double *control, bat_error *error)
 {
     fit_nets nets;

@@ -43,7 +43,6 @@ static const double RESOLUTION = 0.1;
 // Dimension of the null space of the thin-plate energy.
 static const double PLANE_FUNCTIONS = 3;
 
-/// A weight and its score.
 typedef struct weight_trial
 {
     double log_lambda; ///< log10 lambda
@@ -53,7 +52,6 @@ typedef struct weight_trial
     bool regular;      ///< the matrix is regular in double precision
 } weight_trial;
 
-/// Workspace of a search.
 typedef struct weight_workspace
 {
     memory_pool pool;
@@ -274,7 +272,6 @@ static double zero_between(const weight_trial *low, const weight_trial *high)
     return low->log_lambda + fmin(fmax(share, 0.1), 0.9) * (high->log_lambda - low->log_lambda);
 }
 
-/// State of a search.
 typedef struct weight_bracket
 {
     double low_limit, high_limit; ///< bounds of log10 lambda

@@ -19,7 +19,6 @@ typedef struct state_head
     uint64_t full, corrects, has_best;
 } state_head;
 
-/// The columns of a state.
 static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns[3])
 {
     columns[0] = (bat_surface_fit_column){loop->points.parameter, 2};

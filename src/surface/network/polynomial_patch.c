@@ -76,7 +76,6 @@ static void accumulate(const double *points, const double *parameters, size_t co
     }
 }
 
-/// Solve for the coefficients.
 static bat_status solve(const double *products, double cost, polynomial_patch *descriptor, bat_error *error)
 {
     double matrix[PATCH_TERMS * PATCH_TERMS];

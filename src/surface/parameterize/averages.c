@@ -16,7 +16,6 @@
 /// The number of points that are not unknowns.
 static const uint32_t FIXED = UINT32_MAX;
 
-/// The unknowns and the linear system.
 typedef struct average_problem
 {
     memory_pool pool;

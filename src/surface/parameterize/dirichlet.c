@@ -59,7 +59,6 @@ void dirichlet_free(dirichlet_map *map)
     *map = (dirichlet_map){0};
 }
 
-/// Measure a triangle in space.
 static void measure_triangle(const double *a, const double *b, const double *c, dirichlet_triangle *made)
 {
     double along[3], other[3], across[3];

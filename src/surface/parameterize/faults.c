@@ -228,7 +228,6 @@ static bat_status parameter_faults_make(size_t count, parameter_faults *faults, 
     return memory_pool_check(&faults->pool, error);
 }
 
-/// Check a cloud: bat_cloud_check(), and a known boundary.
 static bat_status parameters_check_cloud(const bat_cloud *cloud, bat_error *error)
 {
     bat_status status = bat_cloud_check(cloud, error);
@@ -249,7 +248,6 @@ static size_t find_outside(const double *parameters, size_t count, bool *outside
     return found;
 }
 
-/// The rounded parameters of a point.
 typedef struct rounded_parameters
 {
     double at[2];

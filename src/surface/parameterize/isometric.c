@@ -24,7 +24,6 @@ enum
 
 /// Energy from which a triangulation is taken as spoilt by rounding.
 static const double MAX_START = 1e7;
-/// The middle of the square.
 static const double MIDDLE[2] = {0.5, 0.5};
 
 /// Stands for the index of a point that is not in the whole cloud.
@@ -271,7 +270,6 @@ static bat_status gather_mesh(const bat_cloud *cloud, const double *parameters, 
     return BAT_OK;
 }
 
-/// The energy of the parameters.
 static double energy_of(const isometric_problem *problem)
 {
     return dirichlet_energy(&problem->map, problem->map.parameters);

@@ -173,7 +173,6 @@ bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
     return true;
 }
 
-/// A neighbour: its index, and its direction.
 typedef struct spoke
 {
     double angle;

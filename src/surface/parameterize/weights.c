@@ -16,7 +16,7 @@ enum
     CHUNK_ROWS = 512 ///< rows computed by one thread at a time
 };
 
-static void weight_scratch_free(weight_scratch *scratch)
+void weight_scratch_free(weight_scratch *scratch)
 {
     neighbour_list_free(&scratch->near);
     free(scratch->planar);

@@ -29,6 +29,7 @@ typedef struct weight_scratch
     size_t capacity;
 } weight_scratch;
 
+void weight_scratch_free(weight_scratch *scratch);
 /// Reserve memory for `count` planar points and their inverses.
 bat_status weight_scratch_reserve(weight_scratch *scratch, size_t count, bat_error *error);
 

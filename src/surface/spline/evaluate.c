@@ -219,7 +219,6 @@ static bat_status check_parameters(const double *parameters, size_t count, int d
     return BAT_OK;
 }
 
-/// Evaluate at the points of one cell.
 static void evaluate_cell(const bat_spline_surface *surface, size_t cell, const cell_points *points,
                           const double *parameters, int derivatives, double *scratch, double *values)
 {

@@ -124,7 +124,6 @@ typedef struct run_hints
     size_t row[BAT_SPLINE_MAX_DEGREE + 1];
 } run_hints;
 
-/// The rows of the current cell.
 typedef struct cell_rows
 {
     memory_pool pool;
@@ -252,7 +251,6 @@ static void add_selected(size_t locals, cell_rows *rows)
     }
 }
 
-/// Compute and append the rows of a refined cell.
 static bool store_refined(const bat_hierarchical_space *space, size_t level, uint32_t column, uint32_t row,
                           const refined_rows *parents, cell_rows *rows, refined_rows *stored)
 {

@@ -80,7 +80,6 @@ static bat_status make_of_tree(const bat_hierarchical_options *options, box_tree
     return status;
 }
 
-/// Make a space of any size.
 static bat_status make_whole(const bat_hierarchical_options *options, box_tree *tree, bat_hierarchical_space **space,
                              bat_error *error)
 {

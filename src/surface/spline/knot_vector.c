@@ -57,16 +57,6 @@ bat_status knot_vector_check(const bat_knot_vector *knots, bat_error *error)
     return BAT_OK;
 }
 
-bat_status knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *copy, bat_error *error)
-{
-    double *made = memory_array(knots->count, sizeof *made);
-    if (made == NULL)
-        return error_memory(error, knots->count * sizeof *made);
-    memcpy(made, knots->knots, knots->count * sizeof *made);
-    *copy = (bat_knot_vector){made, knots->count, knots->degree};
-    return BAT_OK;
-}
-
 void knot_vector_free(bat_knot_vector *knots)
 {
     free(knots->knots);

@@ -14,9 +14,6 @@ bat_status knot_vector_uniform(int degree, size_t spans, bat_knot_vector *knots,
 /// and a domain [knots[degree], knots[count - degree - 1]] of positive length.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT with the failing knot
 bat_status knot_vector_check(const bat_knot_vector *knots, bat_error *error);
-/// Copy a knot vector.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status knot_vector_copy(const bat_knot_vector *knots, bat_knot_vector *copy, bat_error *error);
 /// Free what a knot vector owns and make it empty.
 void knot_vector_free(bat_knot_vector *knots);
 /// The number of functions.
@@ -34,9 +31,6 @@ void knot_vector_basis(const bat_knot_vector *knots, size_t span, double t, int 
 /// Free what a curve owns and make it empty.
 void spline_curve_free(bat_spline_curve *curve);
 
-/// Copy trimming curves.
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *copy, bat_error *error);
 /// Check the conditions of every call that takes trimming curves.
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for a wrong knot vector or dimension, a curve that leaves the square or is not
 ///         clamped, or a loop that is not closed to 1e-9

@@ -44,7 +44,6 @@ static const hierarchical_cell *cell_containing(const bat_hierarchical_space *sp
     return &space->cells[run_set_find(&space->level[level].cells, fine->row >> up, fine->column >> up)];
 }
 
-/// Workspace for the truncated basis.
 typedef struct prolong_workspace
 {
     memory_pool pool;

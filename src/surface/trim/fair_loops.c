@@ -51,7 +51,6 @@ static const double REGULAR[2] = {1e-6, 1e-3};
 /// Least points of a span, of exact and of rough loops.
 static const double SPAN_POINTS[2] = {2, 8};
 
-/// A loop in the chart.
 typedef struct fair_loop
 {
     memory_pool pool;
@@ -538,7 +537,6 @@ static void drop_overrun(fair_piece *piece)
     }
 }
 
-/// Fit the pieces of a loop.
 static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
 {
     size_t first = 0, pieces = trim->loops[trim->loop_count];
@@ -586,7 +584,6 @@ static bat_status fit_points(const fair_loop *loop, bat_spline_trim *trim, bat_e
     return status;
 }
 
-/// Whether two edges of polygons cross.
 static bool edges_cross(const double *a, const double *b, const double *c, const double *d)
 {
     return vector2_turn(a, b, c) * vector2_turn(a, b, d) < 0 && vector2_turn(c, d, a) * vector2_turn(c, d, b) < 0;

@@ -12,6 +12,7 @@
 #include "linalg/vector2.h"
 #include "linalg/vector3.h"
 #include "mesh/key_map.h"
+#include "surface/cloud/boundary.h"
 #include "surface/cloud/delaunay.h"
 
 #include <math.h>
@@ -219,44 +220,9 @@ static uint32_t next_border(const outline_work *work, uint32_t side)
     return side;
 }
 
-static double loop_length(const outline_work *work, const uint32_t *corners, size_t count)
+static double side_length(const void *context, uint32_t a, uint32_t b)
 {
-    double length = 0;
-    for (size_t i = 0; i < count; i++)
-        length += distance_of(place_of(work, corners[i]), place_of(work, corners[(i + 1) % count]));
-    return length;
-}
-
-/// Cut off the shorter part at each point that repeats. `last` is SIZE_MAX for all points before and after.
-static size_t cut_pinches(const outline_work *work, uint32_t *corners, size_t count, size_t *last)
-{
-    for (size_t i = 0; i < count;)
-    {
-        size_t before = last[corners[i]];
-        if (before == SIZE_MAX)
-        {
-            last[corners[i]] = i;
-            i++;
-            continue;
-        }
-        double inner = loop_length(work, corners + before, i - before), all = loop_length(work, corners, count);
-        for (size_t k = 0; k < i; k++)
-            last[corners[k]] = SIZE_MAX;
-        if (2 * inner > all)
-        {
-            memmove(corners, corners + before, (i - before) * sizeof *corners);
-            count = i - before;
-        }
-        else
-        {
-            memmove(corners + before, corners + i, (count - i) * sizeof *corners);
-            count -= i - before;
-        }
-        i = 0;
-    }
-    for (size_t k = 0; k < count; k++)
-        last[corners[k]] = SIZE_MAX;
-    return count;
+    return distance_of(place_of(context, a), place_of(context, b));
 }
 
 static double loop_area(const outline_work *work, const uint32_t *corners, size_t count)
@@ -280,7 +246,6 @@ static double loop_diameter(const outline_work *work, const uint32_t *corners, s
     return fmax(high[0] - low[0], high[1] - low[1]);
 }
 
-/// A loop with its measures.
 typedef struct traced_loop
 {
     size_t begin, count;
@@ -316,7 +281,7 @@ static size_t trace_loops(outline_work *work, size_t *last, bool *visited, uint3
             visited[at] = true;
             corners[made + size++] = work->triangles.corners[at];
         }
-        size = cut_pinches(work, corners + made, size, last);
+        size = loop_cut_pinches(side_length, work, corners + made, size, last);
         if (size < MIN_CORNERS)
             continue;
         traced[count++] = (traced_loop){.begin = made,
@@ -329,7 +294,6 @@ static size_t trace_loops(outline_work *work, size_t *last, bool *visited, uint3
     return count;
 }
 
-/// Store the outline and the holes.
 static bat_status store_loops(const uint32_t *corners, const traced_loop *traced, size_t count, double fill,
                               outline_loops *loops, bat_error *error)
 {

@@ -101,7 +101,6 @@ static void project(const cloud_geometry *geometry, const double direction[3], d
 
 // Unrolling
 
-/// A pair of neighbours.
 typedef struct chart_link
 {
     uint32_t from, to;

@@ -34,46 +34,6 @@ void spline_trim_free(bat_spline_trim *trim)
     *trim = (bat_spline_trim){0};
 }
 
-bat_status spline_trim_copy(const bat_spline_trim *trim, bat_spline_trim *copy, bat_error *error)
-{
-    if (trim->loop_count == 0)
-    {
-        *copy = (bat_spline_trim){0};
-        return BAT_OK;
-    }
-    size_t pieces = trim->loops[trim->loop_count];
-    bat_spline_trim made = {.pieces = calloc(pieces, sizeof *made.pieces),
-                            .loops = calloc(trim->loop_count + 1, sizeof *made.loops)};
-    if (made.pieces == NULL || made.loops == NULL)
-    {
-        free(made.pieces);
-        free(made.loops);
-        return error_memory(error, pieces * sizeof *made.pieces);
-    }
-    memcpy(made.loops, trim->loops, (trim->loop_count + 1) * sizeof *made.loops);
-    made.loop_count = trim->loop_count;
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < pieces && status == BAT_OK; i++)
-    {
-        const bat_spline_curve *from = &trim->pieces[i];
-        bat_spline_curve *to = &made.pieces[i];
-        size_t size = knot_vector_functions(&from->knots) * from->dimension;
-        to->dimension = from->dimension;
-        status = knot_vector_copy(&from->knots, &to->knots, error);
-        to->control = memory_array(size, sizeof *to->control);
-        if (status == BAT_OK && to->control == NULL)
-            status = error_memory(error, size * sizeof *to->control);
-        if (status == BAT_OK)
-            memcpy(to->control, from->control, size * sizeof *to->control);
-    }
-    if (status == BAT_OK)
-        *copy = made;
-    else
-        spline_trim_free(&made);
-    return status;
-}
-
-/// The domain of a curve.
 static void spline_curve_domain(const bat_spline_curve *curve, double domain[2])
 {
     const bat_knot_vector *knots = &curve->knots;
@@ -172,7 +132,6 @@ static size_t row_of(double v)
     return row < 0 ? 0 : row > TRIM_ROWS - 1 ? TRIM_ROWS - 1 : (size_t)row;
 }
 
-/// Sort the edges into rows.
 static bat_status make_rows(trim_region *region, bat_error *error)
 {
     region->row_edges = calloc(TRIM_ROWS + 2, sizeof *region->row_edges);
