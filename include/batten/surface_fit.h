@@ -121,7 +121,8 @@ BAT_API void bat_surface_fit_report_free(bat_surface_fit_report *report);
 /// @param options null for the defaults
 /// @param surface receives the surface; release it with bat_spline_surface_free()
 /// @param report  may be null; else release it with bat_surface_fit_report_free()
-/// @return as spline_fit(), or BAT_CANCELLED; results are untouched on failure
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_NO_CONVERGENCE, BAT_NO_MEMORY or BAT_CANCELLED; results are
+///         untouched on failure
 BAT_API bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options,
                                    bat_spline_surface *surface, bat_surface_fit_report *report, bat_error *error);
 

@@ -15,7 +15,7 @@
 #include "base/memory_pool.h"
 #include "linalg/vector2.h"
 #include "surface/cloud/neighbours.h"
-#include "surface/fit/system.h"
+#include "surface/fit/foot_points.h"
 
 #include <math.h>
 #include <stdlib.h>

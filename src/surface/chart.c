@@ -10,7 +10,7 @@
 #include "linalg/vector3.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/part.h"
-#include "surface/fit/system.h"
+#include "surface/fit/foot_points.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 // Parameter correction: feet of points, how fast they are found, and what may not move.
 
-#include "surface/fit/system.h"
+#include "surface/fit/foot_points.h"
 #include "surface_fit_helpers.h"
 
-#include "surface/fit/foot_points.h"
+#include "spline_fit.h"
 
 /// A surface of bidegree (3, 3) close to a shape.
 static bat_spline_surface surface_of(surface_shape shape)
@@ -87,7 +87,7 @@ static void newton_converges_quadratically(void **state)
     bat_surface_fit_data data = {.points = point, .parameters = start, .count = 1, .dimension = 3};
     fit_points points;
     fit_nets nets;
-    check_status(fit_points_make(&data, NULL, false, &points, NULL), BAT_OK);
+    check_status(fit_points_make(NULL, &data, NULL, false, &points, NULL), BAT_OK);
     check_status(fit_nets_make(surface.space, surface.control, 3, 1, &nets, NULL), BAT_OK);
     fit_points_locate(&points, surface.space, 1);
     double error = hypot(start[0] - foot[0], start[1] - foot[1]);
@@ -171,10 +171,10 @@ static void lost_points_are_found_again(void **state)
     fit_points points;
     fit_nets nets;
     size_t moved;
-    check_status(fit_points_make(&sample.data, NULL, false, &points, NULL), BAT_OK);
+    check_status(fit_points_make(NULL, &sample.data, NULL, false, &points, NULL), BAT_OK);
     check_status(fit_nets_make(surface.space, surface.control, 3, 1, &nets, NULL), BAT_OK);
     fit_points_locate(&points, surface.space, 1);
-    check_status(fit_nets_measure(&nets, &points, NULL, 1, NULL), BAT_OK);
+    check_status(fit_nets_measure(&nets, &points, 1, NULL), BAT_OK);
     check_status(fit_correct_wrong_feet(&nets, &points, fit_correction_full(), 1, &moved, NULL), BAT_OK);
     assert_int_equal(moved, 20);
     double largest[2] = {0, 0};

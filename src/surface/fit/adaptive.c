@@ -265,9 +265,7 @@ static bat_status loop_make(const bat_group *group, const bat_surface_fit_backen
         *data->curves = (fit_border){0};
     }
     if (status == BAT_OK)
-        status = numbers == NULL ? fit_border_points(&loop->border, data, options->space.truncated, &loop->points, error)
-                                 : fit_border_points_part(&loop->border, group, data, numbers, options->space.truncated,
-                                                          &loop->points, error);
+        status = fit_border_points(&loop->border, group, data, numbers, options->space.truncated, &loop->points, error);
     size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
     if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
@@ -419,7 +417,7 @@ static bat_status measure_distances(fit_loop *loop, double reach, bat_error *err
         status = fit_near_share(&loop->nets, &loop->points, reach, threads, &share, error);
     bool correct = share >= NEAR_SHARE;
     if (status == BAT_OK && !correct)
-        status = fit_nets_measure(&loop->nets, &loop->points, NULL, threads, error);
+        status = fit_nets_measure(&loop->nets, &loop->points, threads, error);
     if (status == BAT_OK && correct)
         status = fit_correct(&loop->nets, &loop->points, correction, threads, &moved, error);
     if (status == BAT_OK && correct && loop->options->restarts)
@@ -741,7 +739,7 @@ static bat_status fit_all(const bat_group *group, const bat_surface_fit_backend 
     options = options != NULL ? options : &defaults;
     bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
     if (status == BAT_OK)
-        status = numbers == NULL ? fit_points_check(data, error) : fit_points_check_part(group, data, numbers, error);
+        status = fit_points_check(group, data, numbers, error);
     if (status == BAT_OK)
         status = loop_make(group, backend, data, numbers, options, &loop, error);
     if (status == BAT_OK)

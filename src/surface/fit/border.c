@@ -212,47 +212,37 @@ static double *append(double *to, const double *rows, size_t count, size_t width
     return to + count * width;
 }
 
-bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
-                             bat_error *error)
+bat_status fit_border_points(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
+                             const uint32_t *numbers, bool centred, fit_points *points, bat_error *error)
 {
-    size_t samples = border->samples, guides = data->guide_count, dimension = data->dimension;
-    if (samples + guides == 0)
-        return fit_points_make(data, NULL, centred, points, error);
-    size_t count = data->count + samples + guides;
-    memory_pool pool = {0};
-    double *all = memory_pool_array(&pool, count, dimension * sizeof *all);
-    double *at = memory_pool_array(&pool, count, 2 * sizeof *at);
-    bat_status status = memory_pool_check(&pool, error);
-    if (status == BAT_OK)
-    {
-        double *end = append(all, data->points, data->count, dimension);
-        (void)append(append(end, border->points, samples, dimension), data->guides, guides, dimension);
-        end = append(at, data->parameters, data->count, 2);
-        (void)append(append(end, border->at, samples, 2), data->guide_parameters, guides, 2);
-        // Border curves make boundary points as free as others.
-        bat_surface_fit_data joined = {.points = all,
-                                       .parameters = at,
-                                       .count = count,
-                                       .dimension = dimension,
-                                       .boundary_count = samples > 0 ? 0 : data->boundary_count,
-                                       .slides = data->slides};
-        status = fit_points_make(&joined, NULL, centred, points, error);
-    }
-    memory_pool_free(&pool);
-    if (status == BAT_OK)
-        set_samples(points, data->count, data->count + samples);
-    return status;
-}
-
-bat_status fit_border_points_part(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
-                                  const uint32_t *numbers, bool centred, fit_points *points, bat_error *error)
-{
+    size_t samples = border->samples, guides = numbers == NULL ? data->guide_count : 0, dimension = data->dimension;
     bat_surface_fit_data joined = *data;
-    if (border->samples > 0)
+    memory_pool pool = {0};
+    bat_status status = BAT_OK;
+    if (numbers == NULL && samples + guides > 0)
+    {
+        joined.count += samples + guides;
+        double *all = memory_pool_array(&pool, joined.count, dimension * sizeof *all);
+        joined.points = all;
+        joined.parameters = memory_pool_array(&pool, joined.count, 2 * sizeof *joined.parameters);
+        status = memory_pool_check(&pool, error);
+        if (status == BAT_OK)
+        {
+            double *end = append(all, data->points, data->count, dimension);
+            (void)append(append(end, border->points, samples, dimension), data->guides, guides, dimension);
+            end = append(joined.parameters, data->parameters, data->count, 2);
+            (void)append(append(end, border->at, samples, 2), data->guide_parameters, guides, 2);
+        }
+    }
+    // Border curves make boundary points as free as others.
+    if (samples > 0)
         joined.boundary_count = 0;
-    bat_status status = fit_points_make_part(group, &joined, numbers, centred, points, error);
-    if (status == BAT_OK && border->samples > 0)
-        set_samples(points, points->total - border->samples, points->total);
+    if (status == BAT_OK)
+        status = fit_points_make(group, &joined, numbers, centred, points, error);
+    memory_pool_free(&pool);
+    size_t own = numbers == NULL ? data->count : points->total - samples;
+    if (status == BAT_OK && samples + guides > 0)
+        set_samples(points, own, own + samples);
     return status;
 }
 
@@ -524,7 +514,7 @@ bat_status bat_surface_border_make(const bat_surface_fit_data *data, const bat_s
     bat_surface_fit_data loop = *data;
     loop.count = data->boundary_count;
     if (status == BAT_OK)
-        status = fit_points_check(&loop, error);
+        status = fit_points_check(NULL, &loop, NULL, error);
     if (status != BAT_OK)
         return status;
     fit_border *made = calloc(1, sizeof *made);

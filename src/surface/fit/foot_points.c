@@ -40,7 +40,7 @@ void fit_nets_free(fit_nets *nets)
     *nets = (fit_nets){0};
 }
 
-static void measure_point(const fit_nets *nets, fit_points *points, size_t row, double *scratch, double *residual)
+static void measure_point(const fit_nets *nets, fit_points *points, size_t row, double *scratch)
 {
     size_t dimension = nets->dimension;
     const double *position = points->position + row * dimension;
@@ -50,13 +50,11 @@ static void measure_point(const fit_nets *nets, fit_points *points, size_t row, 
     {
         double difference = position[k] - value[k];
         square += difference * difference;
-        if (residual != NULL)
-            residual[row * dimension + k] = difference;
     }
     points->distance[row] = sqrt(square);
 }
 
-bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *residual, int threads, bat_error *error)
+bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, int threads, bat_error *error)
 {
     size_t scratch_size = fit_nets_scratch(nets) + nets->dimension;
     double operations = (double)points->count * fit_nets_operations(nets, 0);
@@ -68,7 +66,7 @@ bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *re
 #pragma omp for schedule(static)
         for (size_t row = 0; row < points->count; row++)
             if (scratch != NULL)
-                measure_point(nets, points, row, scratch, residual);
+                measure_point(nets, points, row, scratch);
         free(scratch);
     }
     return complete ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
@@ -551,5 +549,32 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
     uint64_t changed;
     bat_status status = count_feet(nets, points, count_corrected, &correction, threads, &changed, error);
     *moved = (size_t)changed;
+    return status;
+}
+
+bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error)
+{
+    bat_status status = fit_points_check(NULL, data, NULL, error);
+    if (status == BAT_OK && data->dimension != surface->dimension)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "the points have %zu coordinates, the surface has %zu", data->dimension, surface->dimension);
+    if (status != BAT_OK)
+        return status;
+    fit_points points;
+    fit_nets nets = {0};
+    size_t count = 0;
+    status = fit_points_make(NULL, data, NULL, false, &points, error);
+    if (status == BAT_OK)
+        fit_points_locate(&points, surface->space, 0);
+    if (status == BAT_OK)
+        status = fit_nets_make(surface->space, surface->control, surface->dimension, 0, &nets, error);
+    if (status == BAT_OK)
+        status = fit_correct(&nets, &points, fit_correction_full(), 0, &count, error);
+    if (status == BAT_OK)
+        (void)fit_points_return(&points, data);
+    if (status == BAT_OK && moved != NULL)
+        *moved = count;
+    fit_points_free(&points);
+    fit_nets_free(&nets);
     return status;
 }

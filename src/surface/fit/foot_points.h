@@ -45,8 +45,7 @@ static inline void fit_nets_evaluate(const fit_nets *nets, size_t cell, const do
 }
 
 /// Compute the distances |S(u_i) - x_i| of all points. Requires fit_points_locate().
-/// @param residual receives x_i - S(u_i), count x dimension; may be null
-bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, double *residual, int threads, bat_error *error);
+bat_status fit_nets_measure(const fit_nets *nets, fit_points *points, int threads, bat_error *error);
 
 /// Stopping rule of the search for foot points.
 typedef struct fit_correction
@@ -82,5 +81,12 @@ bat_status fit_correct(const fit_nets *nets, fit_points *points, fit_correction 
 /// decreases.
 bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_correction correction, int threads,
                                   size_t *moved, bat_error *error);
+
+/// Parameter correction: the parameter of the nearest foot of each point, eq. (6), by a safeguarded Newton method that never
+/// increases a distance. Boundary parameters stay on their side and go at most half way to its corners.
+/// @param moved receives the number of changed parameters; may be null
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or whose parameter is not
+///         in the square; BAT_NO_MEMORY
+bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error);
 
 #endif

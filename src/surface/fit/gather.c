@@ -22,11 +22,9 @@ typedef struct gather_context
 {
     const fit_system *system;
     const fit_points *points;
-    const double *rows; ///< count x dimension
-    size_t columns;     ///< right-hand sides
-    bool square;        ///< whether the matrix is requested
-    double *sent;       ///< contributions for the first process; null without others
-    size_t *first;      ///< cells + 1: offsets of the cells in `sent`
+    size_t columns; ///< right-hand sides
+    double *sent;   ///< contributions for the first process; null without others
+    size_t *first;  ///< cells + 1: offsets of the cells in `sent`
 } gather_context;
 
 /// A pseudo-random sign that depends only on the point and the probe: one bit of the finalizer of splitmix64 (Steele, Lea
@@ -46,7 +44,7 @@ static void set_loads(const gather_context *gather, size_t row, double *loads)
     size_t dimension = points->dimension;
     double weight = points->weight[row], root = sqrt(weight);
     for (size_t k = 0; k < dimension; k++)
-        loads[k] = weight * gather->rows[row * dimension + k];
+        loads[k] = weight * points->position[row * dimension + k];
     for (size_t k = dimension; k < gather->columns; k++)
         loads[k] = root * random_sign(points->number[row], k - dimension);
 }
@@ -58,9 +56,8 @@ static void add_point(size_t count, const double *values, double weight, const d
     for (size_t i = 0; i < count; i++)
     {
         double scaled = weight * values[i];
-        if (matrix != NULL)
-            for (size_t j = 0; j <= i; j++)
-                matrix[i * count + j] += scaled * values[j];
+        for (size_t j = 0; j <= i; j++)
+            matrix[i * count + j] += scaled * values[j];
         for (size_t k = 0; k < columns; k++)
             right[i * columns + k] += values[i] * loads[k];
     }
@@ -90,21 +87,16 @@ static cell_sums sums_of(const gather_context *gather, size_t index)
     return (cell_sums){cell, index, active, active ? cell->active : locals};
 }
 
-/// Numbers of a side x side matrix, where one is requested, and of its right-hand sides.
+/// Numbers of a side x side matrix and of its right-hand sides.
 static size_t numbers_of(const gather_context *gather, size_t side)
 {
-    return (gather->square ? side * side : 0) + side * gather->columns;
+    return side * (side + gather->columns);
 }
 
 /// The same with the lower triangle alone.
 static size_t packed_of(const gather_context *gather, size_t side)
 {
-    return (gather->square ? side * (side + 1) / 2 : 0) + side * gather->columns;
-}
-
-static double *right_of(const gather_context *gather, size_t side, double *numbers)
-{
-    return numbers + (gather->square ? side * side : 0);
+    return side * (side + 1) / 2 + side * gather->columns;
 }
 
 /// The largest number of functions in sums of cells.
@@ -129,7 +121,7 @@ static void fill_block(const gather_context *gather, const cell_sums *sums, size
     const bat_hierarchical_space *space = gather->system->space;
     const fit_points *points = gather->points;
     double *loads = scratch, *values = loads + gather->columns, *active = values + hierarchical_locals(space);
-    double *matrix = gather->square ? numbers : NULL, *right = right_of(gather, sums->side, numbers);
+    double *matrix = numbers, *right = numbers + sums->side * sums->side;
     memset(numbers, 0, numbers_of(gather, sums->side) * sizeof *numbers);
     for (size_t place = begin; place < end; place++)
     {
@@ -156,17 +148,14 @@ static void finish_cell(const gather_context *gather, const cell_sums *sums, dou
 {
     const bat_hierarchical_space *space = gather->system->space;
     size_t active = sums->cell->active;
-    double *from = right_of(gather, sums->side, numbers);
+    double *from = numbers + sums->side * sums->side;
     if (sums->active)
     {
-        if (gather->square)
-            memcpy(matrix, numbers, active * active * sizeof *matrix);
+        memcpy(matrix, numbers, active * active * sizeof *matrix);
         memcpy(right, from, active * gather->columns * sizeof *right);
         return;
     }
     hierarchical_extract_products(space, sums->cell, from, gather->columns, right);
-    if (!gather->square)
-        return;
     mirror(sums->side, numbers);
     hierarchical_extract_matrix(space, sums->cell, numbers, scratch, matrix);
 }
@@ -224,18 +213,18 @@ static uint32_t blocks_of(const fit_points *points, size_t cell)
 /// Append the lower triangle of the matrix and the right-hand sides.
 static double *pack(const gather_context *gather, size_t side, double *numbers, double *to)
 {
-    for (size_t i = 0; gather->square && i < side; i++, to += i)
+    for (size_t i = 0; i < side; i++, to += i)
         memcpy(to, numbers + i * side, (i + 1) * sizeof *to);
-    memcpy(to, right_of(gather, side, numbers), side * gather->columns * sizeof *to);
+    memcpy(to, numbers + side * side, side * gather->columns * sizeof *to);
     return to + side * gather->columns;
 }
 
 static const double *add_packed(const gather_context *gather, size_t side, const double *from, double *numbers)
 {
-    for (size_t i = 0; gather->square && i < side; i++, from += i)
+    for (size_t i = 0; i < side; i++, from += i)
         for (size_t j = 0; j <= i; j++)
             numbers[i * side + j] += from[j];
-    double *right = right_of(gather, side, numbers);
+    double *right = numbers + side * side;
     for (size_t k = 0; k < side * gather->columns; k++)
         right[k] += from[k];
     return from + side * gather->columns;
@@ -255,7 +244,7 @@ static void send_cell(const gather_context *gather, size_t cell, double *scratch
     if (complete)
     {
         double *contribution = scratch, *rest = contribution + numbers_of(gather, active);
-        fill_cell(gather, cell, rest, gather->square ? contribution : NULL, right_of(gather, active, contribution));
+        fill_cell(gather, cell, rest, contribution, contribution + active * active);
         (void)pack(gather, active, contribution, to);
         return;
     }
@@ -334,8 +323,7 @@ static void receive_cell(const gather_context *gather, size_t cell, received_par
         summed = summed || head.blocks > 0;
     }
     if (summed)
-        finish_cell(gather, &sums, scratch, scratch + size, gather->square ? numbers : NULL,
-                    right_of(gather, active, numbers));
+        finish_cell(gather, &sums, scratch, scratch + size, numbers, numbers + active * active);
 }
 
 static bat_status collect_cells(const void *context, size_t begin, size_t end, const size_t *place, double *numbers,
@@ -366,30 +354,6 @@ static bat_status collect_cells(const void *context, size_t begin, size_t end, c
     return status;
 }
 
-static bat_status gather_all(gather_context *gather, double *values, double *right, bat_error *error)
-{
-    const fit_system *system = gather->system;
-    const bat_group *group = gather->points->group;
-    size_t locals = hierarchical_locals(system->space),
-           scratch = 3 * numbers_of(gather, max_side(gather)) + scratch_of(gather);
-    bool together = group_count(group) > 1;
-    bat_status status = together ? fill_sent(gather, scratch, system->threads, error) : BAT_OK;
-    fit_cell_work work = {.fill = fill_cell,
-                          .collect = together ? collect_cells : NULL,
-                          .context = gather,
-                          .scratch = scratch,
-                          .columns = gather->columns,
-                          .operations = (double)gather->points->count * (double)(100 + locals * locals),
-                          .square = gather->square,
-                          .values = values,
-                          .right = right};
-    if (status == BAT_OK)
-        status = fit_pattern_sum(&system->pattern, system->space, &work, system->threads, error);
-    free(gather->sent);
-    free(gather->first);
-    return status;
-}
-
 /// The terms of a point in the sums: w |x|^2, and 1 for a point with positive weight.
 static void square_terms(const void *context, size_t row, double *sums)
 {
@@ -409,13 +373,23 @@ bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_e
         return status;
     system->square = sums[0];
     system->counted = (size_t)sums[1];
-    gather_context gather = {system, points, points->position, points->dimension + FIT_PROBES, true, NULL, NULL};
-    return gather_all(&gather, system->gram, system->right, error);
-}
-
-bat_status fit_system_gather_residual(const fit_system *system, const fit_points *points, const double *rows, double *result,
-                                      bat_error *error)
-{
-    gather_context gather = {system, points, rows, points->dimension, false, NULL, NULL};
-    return gather_all(&gather, NULL, result, error);
+    size_t locals = hierarchical_locals(system->space);
+    gather_context gather = {.system = system, .points = points, .columns = system->columns};
+    size_t scratch = 3 * numbers_of(&gather, max_side(&gather)) + scratch_of(&gather);
+    bool together = group_count(points->group) > 1;
+    if (together)
+        status = fill_sent(&gather, scratch, system->threads, error);
+    fit_cell_work work = {.fill = fill_cell,
+                          .collect = together ? collect_cells : NULL,
+                          .context = &gather,
+                          .scratch = scratch,
+                          .columns = gather.columns,
+                          .operations = (double)points->count * (double)(100 + locals * locals),
+                          .values = system->gram,
+                          .right = system->right};
+    if (status == BAT_OK)
+        status = fit_pattern_sum(&system->pattern, system->space, &work, system->threads, error);
+    free(gather.sent);
+    free(gather.first);
+    return status;
 }

@@ -56,12 +56,10 @@ bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_f
                            bat_error *error);
 void fit_border_free(fit_border *border);
 
-/// As fit_points_make() for the points and the samples, whose numbers follow those of the points.
-bat_status fit_border_points(const fit_border *border, const bat_surface_fit_data *data, bool centred, fit_points *points,
-                             bat_error *error);
-/// As fit_points_make_part(), for data that have the samples.
-bat_status fit_border_points_part(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
-                                  const uint32_t *numbers, bool centred, fit_points *points, bat_error *error);
+/// As fit_points_make() for the points and the samples, whose numbers follow those of the points. The data of a part have
+/// the samples.
+bat_status fit_border_points(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
+                             const uint32_t *numbers, bool centred, fit_points *points, bat_error *error);
 
 /// Whether a boundary point takes part in the fit of the surface: in rough loops, which run inside the edge. Those that lie
 /// on the edge are represented by their curve; the surface would follow the noise of half of them.

@@ -168,7 +168,7 @@ typedef struct batch
 
 static size_t numbers_of(const fit_cell_work *work, size_t active)
 {
-    return (!work->square ? 0 : active * active) + active * work->columns;
+    return active * (active + work->columns);
 }
 
 /// Extend the batch by as many cells as fit the buffer, at least one.
@@ -201,9 +201,9 @@ static bool batch_fill(const bat_hierarchical_space *space, const fit_cell_work 
             const uint32_t *active;
             size_t count = bat_hierarchical_space_active(space, c, &active);
             double *matrix = now->numbers + now->place[c - now->begin];
-            double *right = !work->square ? matrix : matrix + count * count;
+            double *right = matrix + count * count;
             if (scratch != NULL)
-                work->fill(work->context, c, scratch, !work->square ? NULL : matrix, work->columns == 0 ? NULL : right);
+                work->fill(work->context, c, scratch, matrix, work->columns == 0 ? NULL : right);
         }
         free(scratch);
     }
@@ -235,13 +235,12 @@ static void batch_add(const fit_pattern *pattern, const bat_hierarchical_space *
             const uint32_t *active;
             size_t count = bat_hierarchical_space_active(space, c, &active);
             const double *matrix = now->numbers + now->place[c - now->begin];
-            const double *right = !work->square ? matrix : matrix + count * count;
+            const double *right = matrix + count * count;
             for (size_t k = 0; k < count; k++)
             {
                 if (active[k] % (uint32_t)threads != (uint32_t)t)
                     continue;
-                if (work->square)
-                    add_column(pattern, active, count, k, matrix, work->values);
+                add_column(pattern, active, count, k, matrix, work->values);
                 for (size_t d = 0; d < work->columns; d++)
                     work->right[active[k] * work->columns + d] += right[k * work->columns + d];
             }
@@ -273,7 +272,7 @@ bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_sp
                  .numbers = adds ? memory_array(room, sizeof *now.numbers) : NULL};
     bat_status status =
         now.place != NULL && (now.numbers != NULL || !adds) ? BAT_OK : error_memory(error, room * sizeof(double));
-    if (adds && work->square)
+    if (adds)
         memset(work->values, 0, (size_t)pattern->first[pattern->functions] * sizeof *work->values);
     if (adds && work->columns > 0)
         memset(work->right, 0, pattern->functions * work->columns * sizeof *work->right);

@@ -58,24 +58,6 @@ static bat_status check_point(const bat_surface_fit_data *data, size_t i, size_t
     return BAT_OK;
 }
 
-bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error)
-{
-    bat_status status = check_counts(data, data->count, error);
-    if (status == BAT_OK && data->count < 1)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
-    for (size_t i = 0; i < data->count && status == BAT_OK; i++)
-        status = check_point(data, i, i, error);
-    for (size_t i = 0; i < 2 * data->guide_count && status == BAT_OK; i++)
-        if (!(data->guide_parameters[i] >= 0 && data->guide_parameters[i] <= 1))
-            status = error_set(error, BAT_INVALID_POINT, i / 2, 0, "the parameter of guide %zu is outside the unit square",
-                               i / 2);
-    for (size_t i = 0; i < data->dimension * data->guide_count && status == BAT_OK; i++)
-        if (!isfinite(data->guides[i]))
-            status = error_set(error, BAT_INVALID_POINT, i / data->dimension, 0,
-                               "guide %zu has a coordinate that is not finite", i / data->dimension);
-    return status;
-}
-
 /// @param number the place of point i among all points
 static fit_freedom freedom_of(const bat_surface_fit_data *data, size_t i, size_t number)
 {
@@ -189,43 +171,15 @@ static bat_status allocate(fit_points *points, bat_error *error)
     return memory_pool_check(pool, error);
 }
 
-/// Copy the points in the order of `number`.
-/// @param rows the data have this order already
-static void copy_rows(const bat_surface_fit_data *data, const double *weights, bool rows, fit_points *points)
-{
-    for (size_t row = 0; row < points->count; row++)
-    {
-        size_t i = rows ? row : points->number[row];
-        memcpy(points->position + row * points->dimension, data->points + i * points->dimension,
-               points->dimension * sizeof *points->position);
-        memcpy(points->parameter + 2 * row, data->parameters + 2 * i, 2 * sizeof *points->parameter);
-        points->weight[row] = weights == NULL ? 1 : weights[i];
-        points->freedom[row] = (uint8_t)freedom_of(data, i, points->number[row]);
-    }
-}
-
-bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
-                           bat_error *error)
-{
-    *points = (fit_points){
-        .total = data->count, .own = data->count, .guides = data->count, .count = data->count, .dimension = data->dimension};
-    bat_status status = allocate(points, error);
-    if (status == BAT_OK)
-        status = set_numbers(data, points->number, error);
-    if (status != BAT_OK)
-        return status;
-    copy_rows(data, weights, false, points);
-    return centred ? subtract_centre(points, error) : BAT_OK;
-}
-
-bat_status fit_points_make_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
-                                bool centred, fit_points *points, bat_error *error)
+bat_status fit_points_make(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers, bool centred,
+                           fit_points *points, bat_error *error)
 {
     uint64_t total = data->count, before = 0;
+    size_t own = numbers != NULL ? SIZE_MAX : data->count;
     *points = (fit_points){.group = group,
-                           .is_part = true,
-                           .own = SIZE_MAX,
-                           .guides = SIZE_MAX,
+                           .is_part = numbers != NULL,
+                           .own = own,
+                           .guides = own,
                            .count = data->count,
                            .dimension = data->dimension};
     bat_status status = allocate(points, error);
@@ -233,40 +187,70 @@ bat_status fit_points_make_part(const bat_group *group, const bat_surface_fit_da
         status = group_sum_counts(group, &total, 1, error);
     if (status == BAT_OK)
         status = group_sum_before(group, data->count, &before, error);
+    if (status == BAT_OK && numbers == NULL)
+        status = set_numbers(data, points->number, error);
     if (status != BAT_OK)
         return status;
     points->total = (size_t)total;
     points->before = (size_t)before;
-    memcpy(points->number, numbers, data->count * sizeof *numbers);
-    copy_rows(data, NULL, true, points);
+    if (numbers != NULL)
+        memcpy(points->number, numbers, data->count * sizeof *numbers);
+    for (size_t row = 0; row < points->count; row++)
+    {
+        size_t i = numbers != NULL ? row : points->number[row];
+        memcpy(points->position + row * points->dimension, data->points + i * points->dimension,
+               points->dimension * sizeof *points->position);
+        memcpy(points->parameter + 2 * row, data->parameters + 2 * i, 2 * sizeof *points->parameter);
+        points->weight[row] = 1;
+        points->freedom[row] = (uint8_t)freedom_of(data, i, points->number[row]);
+    }
     return centred ? subtract_centre(points, error) : BAT_OK;
 }
 
-bat_status fit_points_check_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
-                                 bat_error *error)
+/// Check that the points of a part follow the curve, and those before it are whole blocks.
+static bat_status check_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
+                             bat_error *error)
 {
-    uint64_t before, total = data->count;
-    bat_status status = group_sum_counts(group, &total, 1, error);
-    if (status == BAT_OK)
-        status = group_sum_before(group, data->count, &before, error);
-    if (status == BAT_OK)
-        status = check_counts(data, (size_t)total, error);
-    if (status == BAT_OK && total < 1)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
+    uint64_t before = 0;
+    bat_status status = group_sum_before(group, data->count, &before, error);
     if (status == BAT_OK && data->count > 0 && before % BAT_SURFACE_FIT_BLOCK != 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the points before rank %zu are not whole blocks",
                            group_rank(group));
-    for (size_t i = 0; i < data->count && status == BAT_OK; i++)
+    for (size_t i = 1; i < data->count && status == BAT_OK; i++)
     {
-        status = check_point(data, i, numbers[i], error);
-        if (status != BAT_OK || i == 0)
-            continue;
         uint32_t place = bat_surface_fit_order(data->parameters + 2 * i);
         uint32_t last = bat_surface_fit_order(data->parameters + 2 * i - 2);
         if (place < last || (place == last && numbers[i] <= numbers[i - 1]))
             status = error_set(error, BAT_INVALID_ARGUMENT, i, 0, "point %zu of this process is not in order", i);
     }
-    return bat_group_agree(group, status, error);
+    return status;
+}
+
+bat_status fit_points_check(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
+                            bat_error *error)
+{
+    uint64_t total = data->count;
+    bat_status status = group_sum_counts(group, &total, 1, error);
+    if (status == BAT_OK)
+        status = check_counts(data, (size_t)total, error);
+    if (status == BAT_OK && total < 1)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are no points to fit");
+    for (size_t i = 0; i < data->count && status == BAT_OK; i++)
+        status = check_point(data, i, numbers != NULL ? numbers[i] : i, error);
+    if (numbers != NULL)
+    {
+        status = bat_group_agree(group, status, error);
+        return status == BAT_OK ? bat_group_agree(group, check_part(group, data, numbers, error), error) : status;
+    }
+    for (size_t i = 0; i < 2 * data->guide_count && status == BAT_OK; i++)
+        if (!(data->guide_parameters[i] >= 0 && data->guide_parameters[i] <= 1))
+            status = error_set(error, BAT_INVALID_POINT, i / 2, 0, "the parameter of guide %zu is outside the unit square",
+                               i / 2);
+    for (size_t i = 0; i < data->dimension * data->guide_count && status == BAT_OK; i++)
+        if (!isfinite(data->guides[i]))
+            status = error_set(error, BAT_INVALID_POINT, i / data->dimension, 0,
+                               "guide %zu has a coordinate that is not finite", i / data->dimension);
+    return status;
 }
 
 void fit_points_free(fit_points *points)

@@ -74,21 +74,19 @@ typedef struct fit_points
     size_t cells;
 } fit_points;
 
-/// Check counts, coordinates, parameters, and that boundary parameters lie on the boundary of the square.
-bat_status fit_points_check(const bat_surface_fit_data *data, bat_error *error);
-/// The same for a part of the points, which may be none, and that they follow the curve.
-bat_status fit_points_check_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
-                                 bat_error *error);
+/// Check counts, coordinates, parameters, and that boundary parameters lie on the boundary of the square. Of a part of the
+/// points, which may be none, also that they follow the curve.
+/// @param group   null for one process
+/// @param numbers of a part; null where all points are here
+bat_status fit_points_check(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
+                            bat_error *error);
 
-/// Copy the points in Morton order.
-/// @param weights  count, or null for ones
-/// @param centred  whether to subtract the mean position, which is exact for a basis that is a partition of unity
-bat_status fit_points_make(const bat_surface_fit_data *data, const double *weights, bool centred, fit_points *points,
-                           bat_error *error);
-/// The same for the part of a process, which is in this order.
-/// @param numbers count
-bat_status fit_points_make_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
-                                bool centred, fit_points *points, bat_error *error);
+/// Copy the points in Morton order, in which a part already is.
+/// @param group   null for one process
+/// @param numbers of a part, [count]; null where all points are here
+/// @param centred whether to subtract the mean position, which is exact for a basis that is a partition of unity
+bat_status fit_points_make(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers, bool centred,
+                           fit_points *points, bat_error *error);
 void fit_points_free(fit_points *points);
 
 /// Find the cells of all points.

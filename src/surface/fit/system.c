@@ -130,7 +130,6 @@ static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchi
     fit_cell_work work = {.fill = fill_thin_plate,
                           .context = &plate,
                           .scratch = locals * (locals + hierarchical_space_max_active(space)),
-                          .square = true,
                           .values = values};
     return fit_pattern_sum(pattern, space, &work, threads, error);
 }

@@ -31,7 +31,7 @@ void fit_pattern_free(fit_pattern *pattern);
 /// right-hand sides.
 typedef struct fit_cell_work
 {
-    /// Compute the contribution of a cell to `matrix` (null if not requested) and `right` (null without columns).
+    /// Compute the contribution of a cell to `matrix` and `right` (null without columns).
     void (*fill)(const void *context, size_t cell, double *scratch, double *matrix, double *right);
     /// In place of `fill` where several processes have the data; all of them take part. The first receives the contributions
     /// of cells begin to end - 1, each `matrix`, then `right`.
@@ -40,7 +40,6 @@ typedef struct fit_cell_work
     bat_status (*collect)(const void *context, size_t begin, size_t end, const size_t *place, double *numbers,
                           bat_error *error);
     const void *context;
-    bool square;       ///< whether a matrix is requested
     size_t scratch;    ///< size of the workspace of `fill`, in numbers
     size_t columns;    ///< number of right-hand sides
     double operations; ///< estimated arithmetic operations of `fill` for all cells
@@ -86,33 +85,9 @@ void fit_system_free(fit_system *system);
 /// Assemble G, b and the sums. Requires fit_points_sort(). The result is the same for any number of threads and processes.
 bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_error *error);
 
-/// Compute A^T W r for residuals r.
-/// @param rows   residuals r, count x dimension
-/// @param result receives functions x dimension
-bat_status fit_system_gather_residual(const fit_system *system, const fit_points *points, const double *rows, double *result,
-                                      bat_error *error);
-
 /// product = S x for a symmetric matrix S with the pattern of the system.
 /// @param x functions x columns; `product` has the same shape
 void fit_system_multiply(const fit_system *system, const double *values, size_t columns, const double *x, double *product);
-
-/// Fit control points over a space by penalized least squares, eq. (5) of the paper:
-///     min  1/2 sum_i w_i |S(u_i) - x_i|^2  +  lambda  integral |S_uu|^2 + |S_uv|^2 + |S_vv|^2
-/// The matrix of the thin plate is exact (Gauss quadrature on every cell). Where lambda is 0 and functions have no data, the
-/// least smoothing that makes the system regular in double precision is added; `*lambda` receives it.
-/// @param weights count, at least 0; null: ones
-/// @param lambda  the weight of smoothing, at least 0; receives the weight used
-/// @param control receives functions x dimension
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or whose parameter is not
-///         in the square; BAT_NO_CONVERGENCE for a system that is singular even so; BAT_TOO_LARGE; BAT_NO_MEMORY
-bat_status spline_fit(const bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,
-                      double *lambda, double *control, bat_error *error);
-
-/// Parameter correction: the parameter of the nearest foot of each point, eq. (6), by a safeguarded Newton method that never
-/// increases a distance. Boundary parameters stay on their side and go at most half way to its corners.
-/// @param moved receives the number of changed parameters; may be null
-/// @return as spline_fit()
-bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error);
 
 // Sparse symmetric positive definite systems of one pattern.
 
