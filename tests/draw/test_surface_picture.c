@@ -212,7 +212,7 @@ static void closed_and_deep_patches_are_seen_from_the_side(void **state)
     assert_int_equal(bat_cloud_shape("blade", 2000, 1, &blade, NULL, NULL), BAT_OK);
     patch_points patch = {blade.points, blade.count, blade.boundary_count};
     mesh_view view = surface_view_of(&patch, OPEN, OPEN);
-    mesh_frame frame = surface_frame_of(blade.points, blade.count, &view);
+    mesh_frame frame = mesh_frame_of(blade.points, NULL, blade.count, &view);
     check_rotation(&view);
     // It is upright and shows its chord, not its thickness.
     assert_true(view.rotation[1][2] > 0.95);
@@ -390,7 +390,7 @@ static void errors_are_colours(void **state)
         bat_surface_picture_row panel = {.cloud = &cloud, .distances = &distance};
         surface_row row = row_from_above(&panel);
         cairo_t *cairo = open_paper();
-        assert_int_equal(surface_errors_draw(&row, 1, cairo, PAPER, 4, NULL), BAT_OK);
+        assert_int_equal(surface_view_draw(&row, SURFACE_PANEL_ERRORS, 1, cairo, PAPER, 4, NULL), BAT_OK);
         pixels picture = pixels_of(cairo_get_target(cairo));
         uint32_t pixel = pixel_at(&picture, 100, 100);
         draw_colour colour = colour_scale_at(distance);
@@ -414,7 +414,7 @@ static void surfaces_hide_points(void **state)
         bat_surface_picture_row panel = {.cloud = &cloud, .surface = &flat, .distances = &distances[i]};
         surface_row row = row_from_above(&panel);
         cairo_t *cairo = open_paper();
-        assert_int_equal(surface_errors_draw(&row, 0.01, cairo, PAPER, 1, NULL), BAT_OK);
+        assert_int_equal(surface_view_draw(&row, SURFACE_PANEL_ERRORS, 0.01, cairo, PAPER, 1, NULL), BAT_OK);
         pixels picture = pixels_of(cairo_get_target(cairo));
         assert_int_equal(lightness(pixel_at(&picture, 100, 100)) < 0.4, i != 1);
         cairo_destroy(cairo);

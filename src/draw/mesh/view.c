@@ -103,13 +103,13 @@ mesh_view mesh_view_of(const bat_mesh *mesh, const bat_mesh_picture_options *opt
     return view;
 }
 
-mesh_frame mesh_frame_of(const bat_mesh *mesh, const mesh_view *view)
+mesh_frame mesh_frame_of(const double *points, const uint32_t *indices, size_t count, const mesh_view *view)
 {
     mesh_frame frame = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
-    for (size_t i = 0; i < 3 * mesh->face_count; i++)
+    for (size_t i = 0; i < count; i++)
     {
         double turned[3];
-        mesh_view_turn(view, mesh->positions + 3 * (size_t)mesh->faces[i], turned);
+        mesh_view_turn(view, points + 3 * (indices != NULL ? indices[i] : i), turned);
         for (int c = 0; c < 2; c++)
         {
             frame.low[c] = fmin(frame.low[c], turned[c]);

@@ -30,8 +30,9 @@ typedef struct mesh_placing
 
 /// The view for the options; unspecified angles follow from the mesh.
 mesh_view mesh_view_of(const bat_mesh *mesh, const bat_mesh_picture_options *options);
-/// The bounding rectangle of a mesh in a view.
-mesh_frame mesh_frame_of(const bat_mesh *mesh, const mesh_view *view);
+/// The bounding rectangle of points in a view.
+/// @param indices of the points, [count]; null: all
+mesh_frame mesh_frame_of(const double *points, const uint32_t *indices, size_t count, const mesh_view *view);
 mesh_frame mesh_frame_join(const mesh_frame *a, const mesh_frame *b);
 
 /// Place a frame in the centre of an image, as large as its margin allows.

@@ -44,15 +44,6 @@ typedef struct panel_image
     const double *blank; ///< NaN at every vertex, for a grey surface
 } panel_image;
 
-static panel_image image_of(const surface_row *row, const pixel_box *place)
-{
-    return (panel_image){.row = row,
-                         .columns = place->columns,
-                         .rows = place->rows,
-                         .per_point = place->per_point,
-                         .placing = mesh_frame_place(&row->frame, &row->view, place->columns, place->rows)};
-}
-
 /// The radius of dots that cover the whole frame.
 static double frame_radius(const panel_image *task, size_t count)
 {
@@ -154,14 +145,6 @@ static bat_status paint_cloud(const void *context, unsigned char *pixels, size_t
     return status;
 }
 
-bat_status surface_cloud_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
-                              bat_error *error)
-{
-    pixel_box place = pixel_box_align(cairo, per_point, box);
-    panel_image task = image_of(row, &place);
-    return pixel_image_draw(cairo, &place, paint_cloud, &task, error);
-}
-
 static bat_status paint_patch(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
 {
     const panel_image *task = context;
@@ -175,14 +158,6 @@ static bat_status paint_patch(const void *context, unsigned char *pixels, size_t
                         .columns = task->columns,
                         .rows = task->rows};
     return mesh_shade(&shade, pixels, stride, error);
-}
-
-bat_status surface_patch_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
-                              bat_error *error)
-{
-    pixel_box place = pixel_box_align(cairo, per_point, box);
-    panel_image task = image_of(row, &place);
-    return pixel_image_draw(cairo, &place, paint_patch, &task, error);
 }
 
 /// Whether the surface is in front of a dot.
@@ -237,13 +212,13 @@ static bat_status paint_errors(const void *context, unsigned char *pixels, size_
     return status;
 }
 
-bat_status surface_errors_draw(const surface_row *row, double highest, cairo_t *cairo, const double box[4], double per_point,
-                               bat_error *error)
+bat_status surface_view_draw(const surface_row *row, surface_panel_kind kind, double highest, cairo_t *cairo,
+                             const double box[4], double per_point, bat_error *error)
 {
+    static pixel_painter *const PAINTS[] = {paint_cloud, paint_patch, paint_errors};
     pixel_box place = pixel_box_align(cairo, per_point, box);
-    panel_image task = image_of(row, &place);
     double *blank = NULL;
-    if (row->patch.face_count > 0)
+    if (kind == SURFACE_PANEL_ERRORS && row->patch.face_count > 0)
     {
         blank = memory_array(row->patch.vertex_count, sizeof *blank);
         if (blank == NULL)
@@ -251,9 +226,14 @@ bat_status surface_errors_draw(const surface_row *row, double highest, cairo_t *
         for (size_t v = 0; v < row->patch.vertex_count; v++)
             blank[v] = NAN;
     }
-    task.highest = highest;
-    task.blank = blank;
-    bat_status status = pixel_image_draw(cairo, &place, paint_errors, &task, error);
+    panel_image task = {.row = row,
+                        .columns = place.columns,
+                        .rows = place.rows,
+                        .per_point = place.per_point,
+                        .placing = mesh_frame_place(&row->frame, &row->view, place.columns, place.rows),
+                        .highest = highest,
+                        .blank = blank};
+    bat_status status = pixel_image_draw(cairo, &place, PAINTS[kind], &task, error);
     free(blank);
     return status;
 }

@@ -224,8 +224,8 @@ static void choose_view(surface_row *row, size_t loop_count, const bat_surface_p
     if (cloud != NULL)
         cut_beyond_points(cloud, &row->patch);
     surface_patch_turn(&row->patch, row->view.rotation[2]);
-    mesh_frame of_surface = mesh_frame_of(&row->patch, &row->view);
-    mesh_frame of_cloud = surface_frame_of(points.points, points.count, &row->view);
+    mesh_frame of_surface = mesh_frame_of(row->patch.positions, row->patch.faces, 3 * row->patch.face_count, &row->view);
+    mesh_frame of_cloud = mesh_frame_of(points.points, NULL, points.count, &row->view);
     row->frame = mesh_frame_join(&of_cloud, &of_surface);
 }
 
@@ -325,7 +325,7 @@ static double panel_height(const void *context, size_t index, double width)
     const surface_scene *scene = context;
     const mesh_frame *frame = &row_at(scene, index)->frame;
     if (kind_at(scene, index) == SURFACE_PANEL_PLANE)
-        return scene->title_room + surface_plane_height(width);
+        return scene->title_room + width;
     double aspect = (frame->high[1] - frame->low[1]) / fmax(frame->high[0] - frame->low[0], 1e-300);
     return scene->title_room + width * fmin(fmax(aspect + 2 * FRAME_PADDING, FLATTEST), TALLEST);
 }
@@ -354,17 +354,9 @@ static bat_status draw_panel(const void *context, cairo_t *cairo, size_t index, 
         draw_title(scene, cairo, row->panel->title, box);
     if (!row_has(row->panel, kind_at(scene, index)))
         return BAT_OK;
-    switch (kind_at(scene, index))
-    {
-    case SURFACE_PANEL_CLOUD:
-        return surface_cloud_draw(row, cairo, below, scene->per_point, error);
-    case SURFACE_PANEL_PATCH:
-        return surface_patch_draw(row, cairo, below, scene->per_point, error);
-    case SURFACE_PANEL_ERRORS:
-        return surface_errors_draw(row, scene->highest, cairo, below, scene->per_point, error);
-    default:
+    if (kind_at(scene, index) == SURFACE_PANEL_PLANE)
         return surface_plane_draw(row, cairo, below, scene->per_point, error);
-    }
+    return surface_view_draw(row, kind_at(scene, index), scene->highest, cairo, below, scene->per_point, error);
 }
 
 static void draw_scale(const void *context, cairo_t *cairo, const double box[4])

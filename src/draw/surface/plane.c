@@ -73,11 +73,6 @@ void dot_draw(const dot_image *image, double x, double y, double radius, draw_co
 
 static const draw_colour COLOUR_PARAMETER = {0.36, 0.60, 0.82};
 
-double surface_plane_height(double width)
-{
-    return width;
-}
-
 /// The square in the centre of a box, as (x, y, side).
 static void place_square(const double box[4], double square[3])
 {

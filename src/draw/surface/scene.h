@@ -40,20 +40,12 @@ static const draw_colour COLOUR_BOUNDARY_POINT = {0.835, 0.369, 0.0};
 #define BOUNDARY_POINT_GROWTH 1.35
 
 /// Draw a panel of a row into (x, y, width, height), with `per_point` pixels in a point.
+/// @param highest the end of the colour scale of errors
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status surface_cloud_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
-                              bat_error *error);
-bat_status surface_patch_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
-                              bat_error *error);
-/// Draw the errors.
-/// @param highest the end of the colour scale
-bat_status surface_errors_draw(const surface_row *row, double highest, cairo_t *cairo, const double box[4], double per_point,
-                               bat_error *error);
+bat_status surface_view_draw(const surface_row *row, surface_panel_kind kind, double highest, cairo_t *cairo,
+                             const double box[4], double per_point, bat_error *error);
 bat_status surface_plane_draw(const surface_row *row, cairo_t *cairo, const double box[4], double per_point,
                               bat_error *error);
-
-/// The preferred height of the parameter plane for a width.
-double surface_plane_height(double width);
 
 /// Triangulate a surface for shading. The vertices are a grid of parameters, whose lines pass along the borders of the
 /// surface's cells, up to a number of lines. Boundary vertices come first, counter-clockwise from (0, 0).
@@ -82,9 +74,6 @@ typedef struct patch_points
 /// boundary. A patch that is nearly closed, or whose boundary is unknown, is seen across its broad side. A deep patch, like
 /// a head above its neck, is seen from the side to which it leans. The default of `up` is z, or y where the patch faces z.
 mesh_view surface_view_of(const patch_points *patch, const double direction[3], const double up[3]);
-
-/// The bounding rectangle of points in a view.
-mesh_frame surface_frame_of(const double *points, size_t count, const mesh_view *view);
 
 /// An image of four-byte pixels, cairo's ARGB32.
 typedef struct dot_image

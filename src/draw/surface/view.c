@@ -165,19 +165,3 @@ mesh_view surface_view_of(const patch_points *patch, const double direction[3], 
     }
     return view;
 }
-
-mesh_frame surface_frame_of(const double *points, size_t count, const mesh_view *view)
-{
-    mesh_frame frame = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
-    for (size_t i = 0; i < count; i++)
-    {
-        double turned[3];
-        mesh_view_turn(view, points + 3 * i, turned);
-        for (int c = 0; c < 2; c++)
-        {
-            frame.low[c] = fmin(frame.low[c], turned[c]);
-            frame.high[c] = fmax(frame.high[c], turned[c]);
-        }
-    }
-    return frame;
-}

@@ -1,6 +1,7 @@
 #ifndef IO_SURFACE_STEP_H
 #define IO_SURFACE_STEP_H
 
+#include "base/memory_pool.h"
 #include "batten/spline.h"
 #include "surface/spline/tensor_surface.h"
 
@@ -61,6 +62,7 @@ typedef struct shell_use
 /// The topology; release it with shell_free().
 typedef struct surface_shell
 {
+    memory_pool pool;
     size_t vertex_count;
     uint64_t *vertices; ///< vertex_count x 2: all corners of faces, each once, sorted by v and then u
     size_t edge_count;
@@ -77,8 +79,9 @@ bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shel
 void shell_free(surface_shell *shell);
 
 /// The clamped knot vector of a part of the domain, with the same interior knots.
-/// @param cut release it with knot_vector_free()
-bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_knot_vector *cut, bat_error *error);
+/// @param pool receives the knots of `cut`
+bat_status cut_knots(const bat_knot_vector *knots, double from, double to, memory_pool *pool, bat_knot_vector *cut,
+                     bat_error *error);
 
 /// Compute the control points over a refined knot vector or a part of it, by blossoms (Goldman, 1990). Unchanged points keep
 /// all their bits.
@@ -90,6 +93,7 @@ bat_status cut_control(const bat_knot_vector *knots, const bat_knot_vector *cut,
 /// The patches of a surface and their topology. Release it with step_model_free().
 typedef struct step_model
 {
+    memory_pool pool;
     tensor_surface *patches; ///< face_count patches, clamped
     surface_shell shell;
     double tolerance; ///< points at smaller distances are identified

@@ -1,4 +1,3 @@
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/surface/step.h"
@@ -30,8 +29,9 @@ typedef struct shell_builder
     size_t face_count;
     shell_point *lines[2];   ///< all vertices along lines of u, and along lines of v
     uint32_t *edge_after[2]; ///< for each vertex: the edge that begins there along u, and along v
-    size_t edge_capacity, use_count, use_capacity;
+    size_t use_count;
     surface_shell *shell;
+    memory_pool pool;
 } shell_builder;
 
 static int compare_points(const void *a, const void *b)
@@ -46,9 +46,9 @@ static int compare_points(const void *a, const void *b)
 static bat_status find_vertices(shell_builder *builder, bat_error *error)
 {
     size_t corners = 4 * builder->face_count, count = 0;
-    shell_point *points = builder->lines[0] = memory_array(corners, sizeof *points);
+    shell_point *points = builder->lines[0] = memory_pool_array(&builder->pool, corners, sizeof *points);
     if (points == NULL)
-        return error_memory(error, corners * sizeof *points);
+        return memory_pool_check(&builder->pool, error);
     for (size_t i = 0; i < corners; i++)
     {
         const shell_face *face = &builder->faces[i / 4];
@@ -67,18 +67,24 @@ static bat_status find_vertices(shell_builder *builder, bat_error *error)
     return BAT_OK;
 }
 
-/// Sort the vertices along lines u = constant, and set their coordinates.
+/// Sort the vertices along lines u = constant, and set their coordinates. At most two edges begin at a vertex, and each is
+/// on the loops of at most two faces.
 static bat_status sort_vertices(shell_builder *builder, bat_error *error)
 {
     surface_shell *shell = builder->shell;
     size_t count = shell->vertex_count;
-    builder->lines[1] = memory_array(count, sizeof *builder->lines[1]);
-    builder->edge_after[0] = memory_array(count, sizeof **builder->edge_after);
-    builder->edge_after[1] = memory_array(count, sizeof **builder->edge_after);
-    shell->vertices = memory_array(count, 2 * sizeof *shell->vertices);
-    if (builder->lines[1] == NULL || builder->edge_after[0] == NULL || builder->edge_after[1] == NULL ||
-        shell->vertices == NULL)
-        return error_memory(error, count * sizeof **builder->lines);
+    builder->lines[1] = memory_pool_array(&builder->pool, count, sizeof *builder->lines[1]);
+    builder->edge_after[0] = memory_pool_array(&builder->pool, count, sizeof **builder->edge_after);
+    builder->edge_after[1] = memory_pool_array(&builder->pool, count, sizeof **builder->edge_after);
+    shell->vertices = memory_pool_array(&shell->pool, count, 2 * sizeof *shell->vertices);
+    shell->edges = memory_pool_array(&shell->pool, count, 2 * sizeof *shell->edges);
+    shell->uses = memory_pool_array(&shell->pool, count, 4 * sizeof *shell->uses);
+    shell->loops = memory_pool_array(&shell->pool, builder->face_count + 1, sizeof *shell->loops);
+    bat_status status = memory_pool_check(&builder->pool, error);
+    if (status == BAT_OK)
+        status = memory_pool_check(&shell->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < count; i++)
     {
         const shell_point *point = &builder->lines[0][i];
@@ -91,7 +97,7 @@ static bat_status sort_vertices(shell_builder *builder, bat_error *error)
     return BAT_OK;
 }
 
-/// The edge from a vertex to the next one on its line, as a part of a side of a face; SHELL_NONE when out of memory.
+/// The edge from a vertex to the next one on its line, as a part of a side of a face.
 static uint32_t use_edge(shell_builder *builder, uint32_t direction, uint32_t from, uint32_t to, uint32_t face,
                          uint32_t side)
 {
@@ -103,17 +109,13 @@ static uint32_t use_edge(shell_builder *builder, uint32_t direction, uint32_t fr
         shell->edges[*place].sides[1] = side;
         return *place;
     }
-    void *edges = shell->edges;
-    if (!array_grow(&edges, &builder->edge_capacity, shell->edge_count + 1, sizeof *shell->edges))
-        return SHELL_NONE;
-    shell->edges = edges;
     shell->edges[shell->edge_count] = (shell_edge){from, to, direction, {face, SHELL_NONE}, {side, side}};
     *place = (uint32_t)shell->edge_count++;
     return *place;
 }
 
 /// Append the edges of a side of a face to its loop.
-static bool add_side(shell_builder *builder, uint32_t face, uint32_t side)
+static void add_side(shell_builder *builder, uint32_t face, uint32_t side)
 {
     const shell_face *rectangle = &builder->faces[face];
     uint32_t direction = side % 2;
@@ -122,43 +124,30 @@ static bool add_side(shell_builder *builder, uint32_t face, uint32_t side)
     const shell_point *point =
         bsearch(&key, builder->lines[direction], builder->shell->vertex_count, sizeof key, compare_points);
     size_t first = builder->use_count;
-    for (; point->along < rectangle->high[direction]; point++)
-    {
-        void *uses = builder->shell->uses;
-        uint32_t edge = use_edge(builder, direction, point[0].vertex, point[1].vertex, face, side);
-        if (edge == SHELL_NONE ||
-            !array_grow(&uses, &builder->use_capacity, builder->use_count + 1, sizeof *builder->shell->uses))
-            return false;
-        builder->shell->uses = uses;
-        builder->shell->uses[builder->use_count++] = (shell_use){edge, side >= 2};
-    }
-    // Two sides run against their direction; their edges are reversed.
     shell_use *uses = builder->shell->uses;
+    for (; point->along < rectangle->high[direction]; point++)
+        uses[builder->use_count++] =
+            (shell_use){use_edge(builder, direction, point[0].vertex, point[1].vertex, face, side), side >= 2};
+    // Two sides run against their direction; their edges are reversed.
     for (size_t i = first, j = builder->use_count; side >= 2 && i + 1 < j; i++)
     {
         shell_use use = uses[--j];
         uses[j] = uses[i];
         uses[i] = use;
     }
-    return true;
 }
 
-static bat_status find_edges(shell_builder *builder, bat_error *error)
+static void find_edges(shell_builder *builder)
 {
     surface_shell *shell = builder->shell;
     shell->face_count = builder->face_count;
-    shell->loops = memory_array(shell->face_count + 1, sizeof *shell->loops);
-    if (shell->loops == NULL)
-        return error_memory(error, (shell->face_count + 1) * sizeof *shell->loops);
     for (size_t f = 0; f < shell->face_count; f++)
     {
         shell->loops[f] = builder->use_count;
         for (uint32_t side = 0; side < 4; side++)
-            if (!add_side(builder, (uint32_t)f, side))
-                return error_memory(error, builder->use_count * sizeof *shell->uses);
+            add_side(builder, (uint32_t)f, side);
     }
     shell->loops[shell->face_count] = builder->use_count;
-    return BAT_OK;
 }
 
 bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error)
@@ -175,12 +164,8 @@ bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shel
     if (status == BAT_OK)
         status = sort_vertices(&builder, error);
     if (status == BAT_OK)
-        status = find_edges(&builder, error);
-    for (int d = 0; d < 2; d++)
-    {
-        free(builder.lines[d]);
-        free(builder.edge_after[d]);
-    }
+        find_edges(&builder);
+    memory_pool_free(&builder.pool);
     if (status == BAT_OK)
         *shell = made;
     else
@@ -190,21 +175,19 @@ bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shel
 
 void shell_free(surface_shell *shell)
 {
-    free(shell->vertices);
-    free(shell->edges);
-    free(shell->loops);
-    free(shell->uses);
+    memory_pool_free(&shell->pool);
     *shell = (surface_shell){0};
 }
 
 // Parts of splines
 
-bat_status cut_knots(const bat_knot_vector *knots, double from, double to, bat_knot_vector *cut, bat_error *error)
+bat_status cut_knots(const bat_knot_vector *knots, double from, double to, memory_pool *pool, bat_knot_vector *cut,
+                     bat_error *error)
 {
     size_t degree = (size_t)knots->degree, count = 0;
-    double *made = memory_array(knots->count + 2 * degree + 2, sizeof *made);
+    double *made = memory_pool_array(pool, knots->count + 2 * degree + 2, sizeof *made);
     if (made == NULL)
-        return error_memory(error, (knots->count + 2 * degree + 2) * sizeof *made);
+        return memory_pool_check(pool, error);
     while (count <= degree)
         made[count++] = from;
     for (size_t i = 0; i < knots->count; i++)
@@ -332,15 +315,14 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
         return error_memory(error, count * 3 * sizeof *side);
     copy_side(patch, edge->sides[user], side);
     bat_knot_vector *cut = &model->knots[index];
-    bat_status status =
-        cut_knots(knots, knots->knots[first_knot(knots) + from], knots->knots[first_knot(knots) + to], cut, error);
+    bat_status status = cut_knots(knots, knots->knots[first_knot(knots) + from], knots->knots[first_knot(knots) + to],
+                                  &model->pool, cut, error);
     if (status == BAT_OK)
-    {
-        size_t points = knot_vector_functions(cut);
-        model->control[index] = memory_array(points, 3 * sizeof *side);
-        status = model->control[index] != NULL ? cut_control(knots, cut, side, 3, model->control[index], error)
-                                               : error_memory(error, points * 3 * sizeof *side);
-    }
+        model->control[index] = memory_pool_array(&model->pool, knot_vector_functions(cut), 3 * sizeof *side);
+    if (status == BAT_OK)
+        status = memory_pool_check(&model->pool, error);
+    if (status == BAT_OK)
+        status = cut_control(knots, cut, side, 3, model->control[index], error);
     free(side);
     return status;
 }
@@ -354,13 +336,11 @@ static double *last_point(const step_model *model, size_t edge)
 static bat_status place_vertices(step_model *model, bat_error *error)
 {
     const surface_shell *shell = &model->shell;
-    model->points = memory_array(shell->vertex_count, 3 * sizeof *model->points);
-    bool *placed = calloc(shell->vertex_count, sizeof *placed);
-    if (model->points == NULL || placed == NULL)
-    {
-        free(placed);
-        return error_memory(error, shell->vertex_count * 3 * sizeof *model->points);
-    }
+    model->points = memory_pool_array(&model->pool, shell->vertex_count, 3 * sizeof *model->points);
+    bool *placed = memory_pool_zeros(&model->pool, shell->vertex_count, sizeof *placed);
+    bat_status status = memory_pool_check(&model->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < 2 * shell->edge_count; i++)
     {
         const shell_edge *edge = &shell->edges[i / 2];
@@ -372,7 +352,6 @@ static bat_status place_vertices(step_model *model, bat_error *error)
             memcpy(end, point, 3 * sizeof *point);
         placed[vertex] = true;
     }
-    free(placed);
     return BAT_OK;
 }
 
@@ -387,10 +366,11 @@ static uint32_t representative(const uint32_t *same, uint32_t vertex)
 static bat_status find_collapsed(step_model *model, bat_error *error)
 {
     const surface_shell *shell = &model->shell;
-    model->same = memory_array(shell->vertex_count, sizeof *model->same);
-    model->collapsed = memory_array(shell->edge_count, sizeof *model->collapsed);
-    if (model->same == NULL || model->collapsed == NULL)
-        return error_memory(error, shell->vertex_count * sizeof *model->same);
+    model->same = memory_pool_array(&model->pool, shell->vertex_count, sizeof *model->same);
+    model->collapsed = memory_pool_array(&model->pool, shell->edge_count, sizeof *model->collapsed);
+    bat_status status = memory_pool_check(&model->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t v = 0; v < shell->vertex_count; v++)
         model->same[v] = (uint32_t)v;
     for (size_t e = 0; e < shell->edge_count; e++)
@@ -411,10 +391,9 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
 static bat_status make_curves(step_model *model, bat_error *error)
 {
     size_t count = model->shell.edge_count;
-    model->knots = calloc(count, sizeof *model->knots);
-    model->control = calloc(count, sizeof *model->control);
-    bat_status status =
-        model->knots == NULL || model->control == NULL ? error_memory(error, count * sizeof *model->knots) : BAT_OK;
+    model->knots = memory_pool_array(&model->pool, count, sizeof *model->knots);
+    model->control = memory_pool_array(&model->pool, count, sizeof *model->control);
+    bat_status status = memory_pool_check(&model->pool, error);
     for (size_t e = 0; e < count && status == BAT_OK; e++)
         status = make_curve(model, e, error);
     return status;
@@ -450,18 +429,7 @@ void step_model_free(step_model *model)
     for (size_t i = 0; i < model->shell.face_count && model->patches != NULL; i++)
         tensor_surface_free(&model->patches[i]);
     free(model->patches);
-    for (size_t e = 0; e < model->shell.edge_count; e++)
-    {
-        if (model->knots != NULL)
-            knot_vector_free(&model->knots[e]);
-        if (model->control != NULL)
-            free(model->control[e]);
-    }
-    free(model->knots);
-    free(model->control);
-    free(model->points);
-    free(model->same);
-    free(model->collapsed);
+    memory_pool_free(&model->pool);
     shell_free(&model->shell);
     *model = (step_model){0};
 }

@@ -9,7 +9,6 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector3.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
@@ -38,21 +37,6 @@ typedef struct lattice
 
 static const double max_vertices = UINT32_MAX;
 
-static bool reserve_places(lattice *grid, size_t count)
-{
-    if (count <= grid->capacity)
-        return true;
-    size_t wanted = count > 2 * grid->capacity ? count : 2 * grid->capacity, bytes;
-    if (size_multiply_overflows(wanted, 2 * sizeof *grid->places, &bytes))
-        return false;
-    uint32_t *places = realloc(grid->places, bytes);
-    if (places == NULL)
-        return false;
-    grid->places = places;
-    grid->capacity = wanted;
-    return true;
-}
-
 static uint64_t place_key(uint32_t u, uint32_t v)
 {
     return (uint64_t)u << 32 | v;
@@ -64,7 +48,10 @@ static uint32_t vertex_at(lattice *grid, surface_tessellation *made, uint32_t u,
     uint32_t *vertex = key_map_at(&grid->vertices, place_key(u, v));
     if (vertex == NULL || *vertex != NO_VERTEX)
         return vertex == NULL ? NO_VERTEX : *vertex;
-    if (!reserve_places(grid, made->vertex_count + 1))
+    void *places = grid->places;
+    bool grown = array_grow(&places, &grid->capacity, made->vertex_count + 1, 2 * sizeof *grid->places);
+    grid->places = places;
+    if (!grown)
         return NO_VERTEX;
     *vertex = (uint32_t)made->vertex_count;
     grid->places[2 * made->vertex_count] = u;
@@ -90,19 +77,16 @@ static bat_status begin_lattice(const bat_spline_surface *surface, size_t sample
     if (points + quads >= max_vertices)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a tessellation of %.0f points is too large", points);
     made->quad_count = (size_t)quads;
-    made->quads = memory_array(made->quad_count, 4 * sizeof *made->quads);
-    made->levels = memory_array(made->quad_count, sizeof *made->levels);
-    grid->centres = memory_array(made->quad_count, sizeof *grid->centres);
-    if (made->quads == NULL || made->levels == NULL || grid->centres == NULL || !reserve_places(grid, made->quad_count))
-        return error_memory(error, made->quad_count * 4 * sizeof *made->quads);
-    return BAT_OK;
+    made->quads = memory_pool_array(&made->pool, made->quad_count, 4 * sizeof *made->quads);
+    made->levels = memory_pool_array(&made->pool, made->quad_count, sizeof *made->levels);
+    grid->centres = memory_pool_array(&made->pool, made->quad_count, sizeof *grid->centres);
+    return memory_pool_check(&made->pool, error);
 }
 
 static void end_lattice(lattice *grid)
 {
     key_map_free(&grid->vertices);
     free(grid->places);
-    free(grid->centres);
 }
 
 /// Add the quads of a cell; `quad` is the number of the first. False when out of memory.
@@ -205,9 +189,9 @@ static void set_normal(const double tangents[6], double normal[3])
 
 static bat_status set_parameters(const lattice *grid, surface_tessellation *made, bat_error *error)
 {
-    made->parameters = memory_array(made->vertex_count, 2 * sizeof(double));
+    made->parameters = memory_pool_array(&made->pool, made->vertex_count, 2 * sizeof(double));
     if (made->parameters == NULL)
-        return error_memory(error, made->vertex_count * 2 * sizeof(double));
+        return memory_pool_check(&made->pool, error);
     for (size_t i = 0; i < 2 * made->vertex_count; i++)
     {
         int d = (int)(i % 2);
@@ -224,22 +208,22 @@ static bat_status evaluate(const bat_spline_surface *surface, surface_tessellati
         NUMBERS = 9 ///< a position and two tangents
     };
     size_t count = made->vertex_count;
-    made->positions = memory_array(count, 3 * sizeof(double));
-    made->normals = memory_array(count, 3 * sizeof(double));
-    double *values = memory_array(count, NUMBERS * sizeof *values);
-    if (made->positions == NULL || made->normals == NULL || values == NULL)
-    {
-        free(values);
-        return error_memory(error, count * NUMBERS * sizeof *values);
-    }
-    bat_status status = bat_spline_surface_evaluate(surface, made->parameters, count, 1, values, error);
+    memory_pool scratch = {0};
+    made->positions = memory_pool_array(&made->pool, count, 3 * sizeof(double));
+    made->normals = memory_pool_array(&made->pool, count, 3 * sizeof(double));
+    double *values = memory_pool_array(&scratch, count, NUMBERS * sizeof *values);
+    bat_status status = memory_pool_check(&made->pool, error);
+    if (status == BAT_OK)
+        status = memory_pool_check(&scratch, error);
+    if (status == BAT_OK)
+        status = bat_spline_surface_evaluate(surface, made->parameters, count, 1, values, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         for (size_t c = 0; c < 3; c++)
             made->positions[3 * i + c] = values[NUMBERS * i + c];
         set_normal(values + NUMBERS * i + 3, made->normals + 3 * i);
     }
-    free(values);
+    memory_pool_free(&scratch);
     return status;
 }
 
@@ -276,9 +260,9 @@ static void cut_quad(const double *positions, const uint32_t *quad, fan *triangl
 
 static bat_status triangulate(const lattice *grid, surface_tessellation *made, bat_error *error)
 {
-    made->triangles = memory_array(made->triangle_count, 3 * sizeof *made->triangles);
+    made->triangles = memory_pool_array(&made->pool, made->triangle_count, 3 * sizeof *made->triangles);
     if (made->triangles == NULL)
-        return error_memory(error, made->triangle_count * 3 * sizeof *made->triangles);
+        return memory_pool_check(&made->pool, error);
     fan triangles = {.next = made->triangles};
     for (size_t q = 0; q < made->quad_count; q++)
     {
@@ -325,12 +309,7 @@ static bat_status repair_normals(const bat_spline_surface *surface, surface_tess
 
 void tessellation_free(surface_tessellation *tessellation)
 {
-    free(tessellation->parameters);
-    free(tessellation->positions);
-    free(tessellation->normals);
-    free(tessellation->quads);
-    free(tessellation->levels);
-    free(tessellation->triangles);
+    memory_pool_free(&tessellation->pool);
     *tessellation = (surface_tessellation){0};
 }
 
@@ -458,16 +437,12 @@ static bat_status gather_places(const surface_tessellation *grid, const trim_reg
 {
     neighbour_tree tree;
     neighbour_list near = {0};
-    double(*inner)[3] = memory_array(grid->vertex_count, sizeof *inner);
-    bool *left_out = calloc(grid->vertex_count + 1, sizeof *left_out);
+    memory_pool pool = {0};
+    double(*inner)[3] = memory_pool_array(&pool, grid->vertex_count, sizeof *inner);
+    bool *left_out = memory_pool_zeros(&pool, grid->vertex_count, sizeof *left_out);
     size_t made = 0;
-    if (inner == NULL || left_out == NULL)
-    {
-        free(inner);
-        free(left_out);
-        return error_memory(error, grid->vertex_count * sizeof *inner);
-    }
-    for (size_t i = 0; i < grid->vertex_count; i++)
+    bat_status status = memory_pool_check(&pool, error);
+    for (size_t i = 0; i < grid->vertex_count && status == BAT_OK; i++)
     {
         const double *u = grid->parameters + 2 * i;
         if (!trim_region_contains(region, u[0], u[1]))
@@ -476,7 +451,8 @@ static bat_status gather_places(const surface_tessellation *grid, const trim_reg
         inner[made][1] = u[1] * cut->scale[1];
         inner[made++][2] = 0;
     }
-    bat_status status = made > 0 ? neighbour_tree_build(*inner, made, &tree, error) : BAT_OK;
+    if (made > 0)
+        status = neighbour_tree_build(*inner, made, &tree, error);
     for (size_t i = 0; i < cut->count && made > 0 && status == BAT_OK; i++)
     {
         double middle[3], half = middle_of(cut, i, middle);
@@ -493,8 +469,7 @@ static bat_status gather_places(const surface_tessellation *grid, const trim_reg
     if (made > 0 && status != BAT_NO_MEMORY)
         neighbour_tree_free(&tree);
     neighbour_list_free(&near);
-    free(inner);
-    free(left_out);
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -513,12 +488,12 @@ static bat_status store(const bat_spline_surface *surface, const trim_region *re
     bat_status status = planar_delaunay(places, count, &found, error);
     if (status != BAT_OK)
         return status;
-    surface_tessellation kept = {.triangles = found.corners,
-                                 .parameters = memory_array(count, 2 * sizeof(double)),
-                                 .levels = memory_array(found.count, sizeof *kept.levels)};
-    uint32_t *numbers = memory_array(count, sizeof *numbers);
-    if (kept.parameters == NULL || kept.levels == NULL || numbers == NULL)
-        status = error_memory(error, count * 2 * sizeof(double));
+    surface_tessellation kept = {0};
+    kept.triangles = memory_pool_array(&kept.pool, found.count, 3 * sizeof *kept.triangles);
+    kept.parameters = memory_pool_array(&kept.pool, count, 2 * sizeof(double));
+    kept.levels = memory_pool_array(&kept.pool, found.count, sizeof *kept.levels);
+    uint32_t *numbers = memory_pool_array(&kept.pool, count, sizeof *numbers);
+    status = memory_pool_check(&kept.pool, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         numbers[i] = UINT32_MAX;
     for (size_t t = 0; t < found.count && status == BAT_OK; t++)
@@ -544,7 +519,7 @@ static bat_status store(const bat_spline_surface *surface, const trim_region *re
         kept.levels[kept.triangle_count++] = bat_hierarchical_space_cell(surface->space, cell).level;
     }
     kept.grid_count = kept.vertex_count;
-    free(numbers);
+    planar_triangles_free(&found);
     if (status == BAT_OK)
         status = tessellation_evaluate(surface, &kept, error);
     if (status != BAT_OK)
@@ -595,15 +570,14 @@ static bat_status tessellation_cut(const bat_spline_surface *surface, size_t sam
     bool divided = true;
     for (int round = 0; round < MAX_ROUNDS && divided && status == BAT_OK; round++)
         status = divide_edges(&cut, &divided, error);
-    double(*places)[2] = memory_array(cut.count + made->vertex_count, sizeof *places);
+    double(*places)[2] = memory_pool_array(&made->pool, cut.count + made->vertex_count, sizeof *places);
     size_t count = 0;
-    if (status == BAT_OK && places == NULL)
-        status = error_memory(error, (cut.count + made->vertex_count) * sizeof *places);
+    if (status == BAT_OK)
+        status = memory_pool_check(&made->pool, error);
     if (status == BAT_OK)
         status = gather_places(made, &region, &cut, places, &count, error);
     if (status == BAT_OK)
         status = store(surface, &region, &cut, (const double(*)[2])places, count, made, error);
-    free(places);
     cut_free(&cut);
     trim_region_free(&region);
     return status;

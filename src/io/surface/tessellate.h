@@ -1,6 +1,7 @@
 #ifndef IO_SURFACE_TESSELLATE_H
 #define IO_SURFACE_TESSELLATE_H
 
+#include "base/memory_pool.h"
 #include "batten/spline.h"
 
 /// @file
@@ -9,6 +10,7 @@
 /// A surface sampled on a grid in each cell. Cells share the points of their borders. Release it with tessellation_free().
 typedef struct surface_tessellation
 {
+    memory_pool pool;
     size_t vertex_count;
     size_t grid_count;  ///< the number of vertices of quads, which come first
     double *parameters; ///< vertex_count x 2

@@ -101,18 +101,6 @@ static int compare_entries(const void *a, const void *b)
     return (p->item > q->item) - (p->item < q->item);
 }
 
-static void find_centre(const double *points, size_t count, double centre[3])
-{
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < 3 * count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], points[i]);
-        high[i % 3] = fmax(high[i % 3], points[i]);
-    }
-    for (int k = 0; k < 3; k++)
-        centre[k] = low[k] * 0.5 + high[k] * 0.5;
-}
-
 double bat_surface_chart_order(const double point[3], const double centre[3])
 {
     double x = point[0] * 0.5 - centre[0] * 0.5, y = point[1] * 0.5 - centre[1] * 0.5, z = point[2] * 0.5 - centre[2] * 0.5;
@@ -124,12 +112,11 @@ bat_status canonical_order_find(const double *points, size_t count, size_t *orde
     sort_entry *entries = memory_array(count, sizeof *entries);
     if (entries == NULL)
         return error_memory(error, count * sizeof *entries);
-    double centre[3];
-    find_centre(points, count, centre);
+    const unit_frame frame = unit_frame_of(points, count);
     for (size_t i = 0; i < count; i++)
     {
         const double *at = points + 3 * i;
-        entries[i] = (sort_entry){bat_surface_chart_order(at, centre), {at[0], at[1], at[2]}, i};
+        entries[i] = (sort_entry){bat_surface_chart_order(at, frame.middle), {at[0], at[1], at[2]}, i};
     }
     qsort(entries, count, sizeof *entries, compare_entries);
     for (size_t i = 0; i < count; i++)
