@@ -436,17 +436,17 @@ static void test_cut(void **state)
     for (int degree = 1; degree <= 5; degree++)
     {
         bat_knot_vector knots, cut, again;
-        memory_pool pool = {0};
         check_status(knot_vector_uniform(degree, 6, &knots, NULL), BAT_OK);
         size_t count = knot_vector_functions(&knots);
         double control[2 * 20], part[2 * 20], whole[2 * 20];
         for (size_t i = 0; i < 2 * count; i++)
             control[i] = bat_random_normal(&random);
-        check_status(cut_knots(&knots, 0, 1, &pool, &again, NULL), BAT_OK);
-        check_status(cut_control(&knots, &again, control, 2, whole, NULL), BAT_OK);
+        const tensor_surface curve = {{knots, {(double[]){0, 1}, 2, 0}}, control, 2};
+        check_status(knot_vector_cut(&knots, 0, 1, &again, NULL), BAT_OK);
+        tensor_surface_convert(&curve, 0, &again, whole);
         assert_memory_equal(whole, control, 2 * count * sizeof *control);
-        check_status(cut_knots(&knots, 0.2, 5. / 6, &pool, &cut, NULL), BAT_OK);
-        check_status(cut_control(&knots, &cut, control, 2, part, NULL), BAT_OK);
+        check_status(knot_vector_cut(&knots, 0.2, 5. / 6, &cut, NULL), BAT_OK);
+        tensor_surface_convert(&curve, 0, &cut, part);
         for (int i = 0; i <= 30; i++)
         {
             double t = i == 30 ? 5. / 6 : 0.2 + (5. / 6 - 0.2) * i / 30, basis[6];
@@ -465,7 +465,8 @@ static void test_cut(void **state)
             check_near(sums[3], sums[1], 1e-14);
         }
         knot_vector_free(&knots);
-        memory_pool_free(&pool);
+        knot_vector_free(&cut);
+        knot_vector_free(&again);
     }
 }
 

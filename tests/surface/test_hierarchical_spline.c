@@ -172,15 +172,15 @@ static double *relation_make(const bat_hierarchical_options *options, uint32_t l
     size_t p = (size_t)options->degree[d], spans = options->spans[d] << level;
     assert_int_equal(knot_vector_uniform(options->degree[d], spans, &coarse, NULL), BAT_OK);
     assert_int_equal(knot_vector_uniform(options->degree[d], 2 * spans, &fine, NULL), BAT_OK);
-    double *relation = calloc((2 * spans + p) * (spans + p), sizeof *relation), weights[BAT_SPLINE_MAX_DEGREE + 1];
-    assert_non_null(relation);
-    for (size_t k = 0; k < 2 * spans + p; k++)
-    {
-        size_t span = knot_vector_span(&coarse, (fine.knots[k] + fine.knots[k + p + 1]) / 2);
-        blossom_weights(&coarse, span, fine.knots + k + 1, weights);
-        for (size_t a = 0; a <= p; a++)
-            relation[k * (spans + p) + span - p + a] = weights[a];
-    }
+    size_t functions = spans + p;
+    double *relation = calloc((2 * spans + p) * functions, sizeof *relation);
+    double *single = calloc(functions * functions, sizeof *single);
+    assert_true(relation != NULL && single != NULL);
+    for (size_t k = 0; k < functions; k++)
+        single[k * functions + k] = 1;
+    const tensor_surface all = {{coarse, {(double[]){0, 1}, 2, 0}}, single, functions};
+    tensor_surface_convert(&all, 0, &fine, relation);
+    free(single);
     knot_vector_free(&coarse);
     knot_vector_free(&fine);
     return relation;

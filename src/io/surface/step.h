@@ -78,18 +78,6 @@ typedef struct surface_shell
 bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error);
 void shell_free(surface_shell *shell);
 
-/// The clamped knot vector of a part of the domain, with the same interior knots.
-/// @param pool receives the knots of `cut`
-bat_status cut_knots(const bat_knot_vector *knots, double from, double to, memory_pool *pool, bat_knot_vector *cut,
-                     bat_error *error);
-
-/// Compute the control points over a refined knot vector or a part of it, by blossoms (Goldman, 1990). Unchanged points keep
-/// all their bits.
-/// @param control points of `dimension` coordinates for the functions of `knots`
-/// @param result  the same for the functions of `cut`
-bat_status cut_control(const bat_knot_vector *knots, const bat_knot_vector *cut, const double *control, size_t dimension,
-                       double *result, bat_error *error);
-
 /// The patches of a surface and their topology. Release it with step_model_free().
 typedef struct step_model
 {

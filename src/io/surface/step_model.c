@@ -10,9 +10,7 @@
 
 /// @file
 /// Patches, edge curves and vertices of a surface for a STEP file. Corners of patches are sorted along lines of both
-/// directions. Each side of a patch is then split at the vertices on it. The curve of an edge is a part of a patch's side,
-/// by blossoms: the control points over new knots are values of the blossom at consecutive knots (Goldman, "Blossoming and
-/// knot insertion algorithms for B-spline curves", 1990).
+/// directions. Each side of a patch is then split at the vertices on it. The curve of an edge is a part of a patch's side.
 
 // Topology
 
@@ -179,61 +177,6 @@ void shell_free(surface_shell *shell)
     *shell = (surface_shell){0};
 }
 
-// Parts of splines
-
-bat_status cut_knots(const bat_knot_vector *knots, double from, double to, memory_pool *pool, bat_knot_vector *cut,
-                     bat_error *error)
-{
-    size_t degree = (size_t)knots->degree, count = 0;
-    double *made = memory_pool_array(pool, knots->count + 2 * degree + 2, sizeof *made);
-    if (made == NULL)
-        return memory_pool_check(pool, error);
-    while (count <= degree)
-        made[count++] = from;
-    for (size_t i = 0; i < knots->count; i++)
-        if (knots->knots[i] > from && knots->knots[i] < to)
-            made[count++] = knots->knots[i];
-    for (size_t i = 0; i <= degree; i++)
-        made[count++] = to;
-    *cut = (bat_knot_vector){.knots = made, .count = count, .degree = knots->degree};
-    return BAT_OK;
-}
-
-/// Evaluate the blossom of the polynomial on a span at `degree` arguments, by de Boor's algorithm, into the last point.
-/// Arguments are taken in decreasing order; arguments that are knots of the span then copy points.
-static void blossom(const bat_knot_vector *knots, size_t span, const double *arguments, size_t dimension, double *points)
-{
-    size_t degree = (size_t)knots->degree;
-    for (size_t k = 1; k <= degree; k++)
-        for (size_t j = degree; j >= k; j--)
-        {
-            double low = knots->knots[span - degree + j], high = knots->knots[span + j + 1 - k];
-            double share = (arguments[degree - k] - low) / (high - low);
-            double *point = points + j * dimension;
-            const double *before = point - dimension;
-            for (size_t c = 0; c < dimension; c++)
-                point[c] = (1 - share) * before[c] + share * point[c];
-        }
-}
-
-bat_status cut_control(const bat_knot_vector *knots, const bat_knot_vector *cut, const double *control, size_t dimension,
-                       double *result, bat_error *error)
-{
-    size_t degree = (size_t)knots->degree, count = knot_vector_functions(cut), size;
-    double *points = size_multiply_overflows(degree + 1, dimension, &size) ? NULL : memory_array(size, sizeof *points);
-    if (points == NULL)
-        return error_memory(error, (degree + 1) * dimension * sizeof *points);
-    for (size_t i = 0; i < count; i++)
-    {
-        size_t span = knot_vector_span(knots, cut->knots[i]);
-        memcpy(points, control + (span - degree) * dimension, size * sizeof *points);
-        blossom(knots, span, cut->knots + i + 1, dimension, points);
-        memcpy(result + i * dimension, points + degree * dimension, dimension * sizeof *result);
-    }
-    free(points);
-    return BAT_OK;
-}
-
 // Geometry
 
 static size_t first_knot(const bat_knot_vector *knots)
@@ -309,21 +252,24 @@ static bat_status make_curve(step_model *model, size_t index, bat_error *error)
         shell->vertices[2 * (size_t)shell->edges[shell->uses[shell->loops[edge->faces[user]]].edge].from + edge->direction];
     uint64_t from = (shell->vertices[2 * (size_t)edge->from + edge->direction] - low) / width;
     uint64_t to = (shell->vertices[2 * (size_t)edge->to + edge->direction] - low) / width;
-    size_t count = knot_vector_functions(knots);
-    double *side = memory_array(count, 3 * sizeof *side);
-    if (side == NULL)
-        return error_memory(error, count * 3 * sizeof *side);
-    copy_side(patch, edge->sides[user], side);
     bat_knot_vector *cut = &model->knots[index];
-    bat_status status = cut_knots(knots, knots->knots[first_knot(knots) + from], knots->knots[first_knot(knots) + to],
-                                  &model->pool, cut, error);
-    if (status == BAT_OK)
-        model->control[index] = memory_pool_array(&model->pool, knot_vector_functions(cut), 3 * sizeof *side);
+    bat_status status =
+        knot_vector_cut(knots, knots->knots[first_knot(knots) + from], knots->knots[first_knot(knots) + to], cut, error);
+    if (status != BAT_OK)
+        return status;
+    memory_pool pool = {0};
+    tensor_surface side = {
+        {*knots, {(double[]){0, 1}, 2, 0}}, memory_pool_array(&pool, knot_vector_functions(knots), 3 * sizeof(double)), 3};
+    model->control[index] = memory_pool_array(&model->pool, knot_vector_functions(cut), 3 * sizeof(double));
+    status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
         status = memory_pool_check(&model->pool, error);
     if (status == BAT_OK)
-        status = cut_control(knots, cut, side, 3, model->control[index], error);
-    free(side);
+    {
+        copy_side(patch, edge->sides[user], side.control);
+        tensor_surface_convert(&side, 0, cut, model->control[index]);
+    }
+    memory_pool_free(&pool);
     return status;
 }
 
@@ -391,7 +337,7 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
 static bat_status make_curves(step_model *model, bat_error *error)
 {
     size_t count = model->shell.edge_count;
-    model->knots = memory_pool_array(&model->pool, count, sizeof *model->knots);
+    model->knots = memory_pool_zeros(&model->pool, count, sizeof *model->knots);
     model->control = memory_pool_array(&model->pool, count, sizeof *model->control);
     bat_status status = memory_pool_check(&model->pool, error);
     for (size_t e = 0; e < count && status == BAT_OK; e++)
@@ -429,6 +375,8 @@ void step_model_free(step_model *model)
     for (size_t i = 0; i < model->shell.face_count && model->patches != NULL; i++)
         tensor_surface_free(&model->patches[i]);
     free(model->patches);
+    for (size_t e = 0; model->knots != NULL && e < model->shell.edge_count; e++)
+        knot_vector_free(&model->knots[e]);
     memory_pool_free(&model->pool);
     shell_free(&model->shell);
     *model = (step_model){0};

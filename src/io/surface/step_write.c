@@ -1,5 +1,4 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
@@ -129,6 +128,7 @@ static void append_range(step_text *step, uint32_t first, size_t count, size_t s
 /// Numbers of entities to which others refer.
 typedef struct step_entities
 {
+    memory_pool pool;
     uint32_t definition_shape, context, placement;
     uint32_t *vertices, *edges, *faces;
     size_t face_count;
@@ -418,12 +418,10 @@ static void write_trimmed_face(step_text *step, const trimmed_model *model, step
 
 static bat_status make_entities(size_t vertices, size_t edges, size_t faces, step_entities *entities, bat_error *error)
 {
-    *entities = (step_entities){.vertices = memory_array(vertices, sizeof(uint32_t)),
-                                .edges = memory_array(edges, sizeof(uint32_t)),
-                                .faces = memory_array(faces, sizeof(uint32_t))};
-    if (entities->vertices == NULL || entities->edges == NULL || entities->faces == NULL)
-        return error_memory(error, (vertices + edges + faces) * sizeof(uint32_t));
-    return BAT_OK;
+    entities->vertices = memory_pool_array(&entities->pool, vertices, sizeof *entities->vertices);
+    entities->edges = memory_pool_array(&entities->pool, edges, sizeof *entities->edges);
+    entities->faces = memory_pool_array(&entities->pool, faces, sizeof *entities->faces);
+    return memory_pool_check(&entities->pool, error);
 }
 
 bat_status surface_step_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
@@ -459,9 +457,7 @@ bat_status surface_step_write(const bat_spline_surface *surface, const bat_surfa
         status = step.status;
     }
     text_free(&step.text);
-    free(entities.vertices);
-    free(entities.edges);
-    free(entities.faces);
+    memory_pool_free(&entities.pool);
     step_model_free(&model);
     trimmed_model_free(&trimmed);
     return status;

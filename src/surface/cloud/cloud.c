@@ -5,6 +5,7 @@
 #include "batten/cloud.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/memory_pool.h"
 #include "mesh/point_table.h"
 #include "surface/cloud/spatial_order.h"
 
@@ -130,6 +131,7 @@ bat_status bat_cloud_check(const bat_cloud *cloud, bat_error *error)
 
 typedef struct mesh_patch
 {
+    memory_pool pool;
     const bat_mesh *mesh;
     bat_mesh_connectivity connectivity;
     uint32_t *new_number; ///< count of vertices: index in the cloud, or BAT_MESH_NONE
@@ -198,20 +200,17 @@ static bool is_one_part(const bat_mesh_connectivity *connectivity, uint32_t *wai
     return reached == connectivity->face_count;
 }
 
-static bat_status check_disk(const mesh_patch *patch, bat_error *error)
+static bat_status check_disk(mesh_patch *patch, bat_error *error)
 {
     const bat_mesh_connectivity *connectivity = &patch->connectivity;
-    uint32_t *waiting = memory_array(connectivity->face_count, sizeof *waiting);
-    bool *visited = memory_array(connectivity->face_count, sizeof *visited);
-    bat_status status = BAT_OK;
-    if (waiting == NULL || visited == NULL)
-        status = error_memory(error, connectivity->face_count * sizeof *waiting);
-    else if (!is_one_part(connectivity, waiting, visited))
+    uint32_t *waiting = memory_pool_array(&patch->pool, connectivity->face_count, sizeof *waiting);
+    bool *visited = memory_pool_array(&patch->pool, connectivity->face_count, sizeof *visited);
+    bat_status status = memory_pool_check(&patch->pool, error);
+    if (status == BAT_OK && !is_one_part(connectivity, waiting, visited))
         status = unsupported(error, "has several parts");
-    else if (patch->count + connectivity->face_count != connectivity->edge_count + 1) // Euler's formula for a disk
+    // Euler's formula for a disk
+    else if (status == BAT_OK && patch->count + connectivity->face_count != connectivity->edge_count + 1)
         status = unsupported(error, "has handles");
-    free(waiting);
-    free(visited);
     return status;
 }
 
@@ -221,17 +220,19 @@ static bat_status make_cloud(mesh_patch *patch, bat_cloud *cloud, bat_error *err
     bat_cloud made = {.points = memory_array(patch->count, 3 * sizeof(double)),
                       .count = patch->count,
                       .boundary_count = patch->boundary_count,
+                      .order = memory_array(patch->count, sizeof(size_t)),
                       .triangles = memory_array(mesh->face_count, 3 * sizeof(uint32_t)),
                       .triangle_count = mesh->face_count};
-    if (made.points == NULL || made.triangles == NULL)
+    if (made.points == NULL || made.order == NULL || made.triangles == NULL)
     {
         bat_cloud_free(&made);
         return error_memory(error, patch->count * 3 * sizeof(double));
     }
-    made.order = patch->order;
-    patch->order = NULL;
     for (size_t i = 0; i < made.count; i++)
+    {
+        made.order[i] = patch->order[i];
         memcpy(made.points + 3 * i, mesh->positions + 3 * made.order[i], 3 * sizeof(double));
+    }
     for (size_t i = 0; i < 3 * mesh->face_count; i++)
         made.triangles[i] = patch->new_number[mesh->faces[i]];
     bat_status status = bat_cloud_check(&made, error);
@@ -250,10 +251,9 @@ bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error
     bat_status status = bat_mesh_connect(mesh, &patch.connectivity, error);
     if (status != BAT_OK)
         return status;
-    patch.new_number = memory_array(mesh->vertex_count, sizeof *patch.new_number);
-    patch.order = memory_array(mesh->vertex_count, sizeof *patch.order);
-    if (patch.new_number == NULL || patch.order == NULL)
-        status = error_memory(error, mesh->vertex_count * sizeof *patch.order);
+    patch.new_number = memory_pool_array(&patch.pool, mesh->vertex_count, sizeof *patch.new_number);
+    patch.order = memory_pool_array(&patch.pool, mesh->vertex_count, sizeof *patch.order);
+    status = memory_pool_check(&patch.pool, error);
     if (status == BAT_OK)
         status = number_vertices(&patch, error);
     if (status == BAT_OK)
@@ -261,7 +261,6 @@ bat_status bat_cloud_from_mesh(const bat_mesh *mesh, bat_cloud *cloud, bat_error
     if (status == BAT_OK)
         status = make_cloud(&patch, cloud, error);
     bat_mesh_connectivity_free(&patch.connectivity);
-    free(patch.new_number);
-    free(patch.order);
+    memory_pool_free(&patch.pool);
     return status;
 }

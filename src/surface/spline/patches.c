@@ -197,8 +197,9 @@ bat_status spline_surface_patches(const bat_spline_surface *surface, tensor_surf
 
 // Tensor-product B-spline surfaces: restriction.
 //     S(u, v) = sum_ij c_ij B_i(u) B_j(v)
-// A change of the knot vector of a direction is a linear map of the control points. Row i of the map has degree + 1
-// weights: the blossom at the knots of the new function i.
+// The blossom (polar form) of a spline segment is the symmetric multiaffine polynomial b(t_1, …, t_p) with b(t, …, t) =
+// S(t). Its values at p consecutive knots are the control points, for any knot vector of the spline (Ramshaw, "Blossoming: a
+// connect-the-dots approach to splines", 1987).
 
 void tensor_surface_free(tensor_surface *surface)
 {
@@ -208,34 +209,44 @@ void tensor_surface_free(tensor_surface *surface)
     *surface = (tensor_surface){0};
 }
 
-void blossom_weights(const bat_knot_vector *knots, size_t span, const double *arguments, double *weights)
+/// The blossom of a coordinate on a span, by de Boor's algorithm. Arguments are taken in decreasing order; arguments that
+/// are knots of the span then copy control points.
+/// @param control of the first function on the span; the next ones are `stride` numbers apart
+static double blossom(const bat_knot_vector *knots, size_t span, const double *arguments, const double *control,
+                      size_t stride)
 {
-    const double *after = knots->knots + span + 1;
-    weights[0] = 1;
-    for (int j = 1; j <= knots->degree; j++)
-    {
-        double t = arguments[j - 1], saved = 0;
-        for (int r = 0; r < j; r++)
+    double points[BAT_SPLINE_MAX_DEGREE + 1];
+    size_t degree = (size_t)knots->degree;
+    for (size_t k = 0; k <= degree; k++)
+        points[k] = control[k * stride];
+    for (size_t k = 1; k <= degree; k++)
+        for (size_t j = degree; j >= k; j--)
         {
-            double upper = after[r], lower = after[r - j], share = weights[r] / (upper - lower);
-            weights[r] = saved + (upper - t) * share;
-            saved = (t - lower) * share;
+            double low = knots->knots[span - degree + j], high = knots->knots[span + j + 1 - k];
+            double share = (arguments[degree - k] - low) / (high - low);
+            points[j] = (1 - share) * points[j - 1] + share * points[j];
         }
-        weights[j] = saved;
-    }
+    return points[degree];
 }
 
-/// The index of the last knot <= t, which is not the last of all knots.
-static size_t last_not_above(const bat_knot_vector *knots, double t)
+bat_status knot_vector_cut(const bat_knot_vector *knots, double low, double high, bat_knot_vector *cut, bat_error *error)
 {
-    size_t last = knots->count - 1;
-    while (knots->knots[last] > t)
-        last--;
-    return last;
+    size_t degree = (size_t)knots->degree, count = 0;
+    double *made = memory_array(knots->count + 2 * degree + 2, sizeof *made);
+    if (made == NULL)
+        return error_memory(error, (knots->count + 2 * degree + 2) * sizeof *made);
+    while (count <= degree)
+        made[count++] = low;
+    for (size_t i = 0; i < knots->count; i++)
+        if (knots->knots[i] > low && knots->knots[i] < high)
+            made[count++] = knots->knots[i];
+    for (size_t i = 0; i <= degree; i++)
+        made[count++] = high;
+    *cut = (bat_knot_vector){.knots = made, .count = count, .degree = knots->degree};
+    return BAT_OK;
 }
 
-/// Set the control points over the knots `to` of a direction.
-static void convert(const tensor_surface *surface, int direction, const bat_knot_vector *to, double *control)
+void tensor_surface_convert(const tensor_surface *surface, int direction, const bat_knot_vector *to, double *control)
 {
     const bat_knot_vector *old = &surface->knots[direction];
     size_t p = (size_t)old->degree, dimension = surface->dimension, rows = knot_vector_functions(to);
@@ -245,19 +256,13 @@ static void convert(const tensor_surface *surface, int direction, const bat_knot
     size_t old_across = direction == 0 ? knot_vector_functions(old) : 1;
     for (size_t i = 0; i < rows; i++)
     {
-        double weights[BAT_SPLINE_MAX_DEGREE + 1];
-        const double *support = to->knots + i;
-        size_t span = knot_vector_span(old, support[0] + (support[p + 1] - support[0]) / 2);
-        blossom_weights(old, span, support + 1, weights);
-        for (size_t k = 0; k < others; k++)
+        size_t span = knot_vector_span(old, to->knots[i]);
+        for (size_t k = 0; k < others * dimension; k++)
         {
-            double *point = control + (i * step + k * across) * dimension;
-            for (size_t w = 0; w <= p; w++)
-            {
-                const double *from = surface->control + ((span - p + w) * step + k * old_across) * dimension;
-                for (size_t d = 0; d < dimension && weights[w] != 0; d++)
-                    point[d] += weights[w] * from[d];
-            }
+            size_t other = k / dimension, d = k % dimension;
+            const double *from = surface->control + ((span - p) * step + other * old_across) * dimension + d;
+            control[(i * step + other * across) * dimension + d] =
+                blossom(old, span, to->knots + i + 1, from, step * dimension);
         }
     }
 }
@@ -265,22 +270,18 @@ static void convert(const tensor_surface *surface, int direction, const bat_knot
 bat_status tensor_surface_restrict(tensor_surface *surface, int direction, double low, double high, bat_error *error)
 {
     bat_knot_vector *old = &surface->knots[direction];
-    size_t p = (size_t)old->degree, begin = last_not_above(old, low) + 1, end = begin;
-    while (old->knots[end] < high)
-        end++;
-    size_t count = end - begin + 2 * (p + 1);
-    size_t size = (count - p - 1) * knot_vector_functions(&surface->knots[1 - direction]) * surface->dimension;
-    bat_knot_vector to = {memory_array(count, sizeof *to.knots), count, old->degree};
-    double *control = calloc(size, sizeof *control);
-    if (to.knots == NULL || control == NULL)
+    bat_knot_vector to;
+    bat_status status = knot_vector_cut(old, low, high, &to, error);
+    if (status != BAT_OK)
+        return status;
+    size_t rows = knot_vector_functions(&to) * knot_vector_functions(&surface->knots[1 - direction]);
+    double *control = memory_array(rows, surface->dimension * sizeof *control);
+    if (control == NULL)
     {
-        free(to.knots);
-        free(control);
-        return error_memory(error, size * sizeof *control);
+        knot_vector_free(&to);
+        return error_memory(error, rows * surface->dimension * sizeof *control);
     }
-    for (size_t i = 0; i < count; i++)
-        to.knots[i] = i <= p ? low : i - p - 1 < end - begin ? old->knots[begin + (i - p - 1)] : high;
-    convert(surface, direction, &to, control);
+    tensor_surface_convert(surface, direction, &to, control);
     free(surface->control);
     surface->control = control;
     knot_vector_free(old);

@@ -29,14 +29,12 @@ bat_status spline_surface_patches(const bat_spline_surface *surface, tensor_surf
 /// @return BAT_OK, or BAT_NO_MEMORY with the surface unchanged
 bat_status tensor_surface_restrict(tensor_surface *surface, int direction, double low, double high, bat_error *error);
 
-/// The blossom (polar form) of a spline segment: the symmetric multiaffine polynomial b(t_1, …, t_p) with b(t, …, t) = S(t).
-/// Its values at p consecutive knots are the control points, for any knot vector of the spline (Ramshaw, "Blossoming: a
-/// connect-the-dots approach to splines", 1987).
+/// The clamped knot vector of a part of the domain, with the same interior knots. Release it with knot_vector_free().
+bat_status knot_vector_cut(const bat_knot_vector *knots, double low, double high, bat_knot_vector *cut, bat_error *error);
 
-/// Weights of a blossom value: b(arguments) = sum_k weights[k] c_(span - degree + k).
-/// @param span      segment, with knots[span] < knots[span + 1]
-/// @param arguments degree numbers
-/// @param weights   receives degree + 1 numbers with sum 1
-void blossom_weights(const bat_knot_vector *knots, size_t span, const double *arguments, double *weights);
+/// Compute the control points over a refined knot vector of a direction, or over a part of it. Unchanged points keep all
+/// their bits.
+/// @param control receives functions(to) x functions(the other direction) rows, ordered as those of the surface
+void tensor_surface_convert(const tensor_surface *surface, int direction, const bat_knot_vector *to, double *control);
 
 #endif

@@ -5,7 +5,6 @@
 #include "surface/spline/knot_vector.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -134,10 +133,9 @@ static size_t row_of(double v)
 
 static bat_status make_rows(trim_region *region, bat_error *error)
 {
-    region->row_edges = calloc(TRIM_ROWS + 2, sizeof *region->row_edges);
-    size_t *fill = region->row_edges;
+    size_t *fill = region->row_edges = memory_pool_zeros(&region->pool, TRIM_ROWS + 2, sizeof *fill);
     if (fill == NULL)
-        return error_memory(error, TRIM_ROWS * sizeof *fill);
+        return memory_pool_check(&region->pool, error);
     for (int pass = 0; pass < 2; pass++)
     {
         for (size_t e = 0; e < region->count; e++)
@@ -155,9 +153,9 @@ static bat_status make_rows(trim_region *region, bat_error *error)
             break;
         for (size_t row = 1; row < TRIM_ROWS + 2; row++)
             fill[row] += fill[row - 1];
-        region->edges = memory_array(fill[TRIM_ROWS + 1], sizeof *region->edges);
+        region->edges = memory_pool_array(&region->pool, fill[TRIM_ROWS + 1], sizeof *region->edges);
         if (region->edges == NULL)
-            return error_memory(error, fill[TRIM_ROWS + 1] * sizeof *region->edges);
+            return memory_pool_check(&region->pool, error);
     }
     return BAT_OK;
 }
@@ -170,22 +168,21 @@ bat_status trim_region_make(const bat_spline_trim *trim, trim_region *region, ba
     size_t total = 0;
     for (size_t i = 0; i < trim->loops[trim->loop_count]; i++)
         total += polygon_points(&trim->pieces[i]);
-    region->points = memory_array(total, sizeof *region->points);
-    region->loops = memory_array(trim->loop_count + 1, sizeof *region->loops);
-    if (region->points == NULL || region->loops == NULL)
-    {
-        trim_region_free(region);
-        return error_memory(error, total * sizeof *region->points);
-    }
+    region->points = memory_pool_array(&region->pool, total, sizeof *region->points);
+    region->loops = memory_pool_array(&region->pool, trim->loop_count + 1, sizeof *region->loops);
+    bat_status status = memory_pool_check(&region->pool, error);
     region->loop_count = trim->loop_count;
-    for (size_t l = 0; l < trim->loop_count; l++)
+    for (size_t l = 0; l < trim->loop_count && status == BAT_OK; l++)
     {
         region->loops[l] = region->count;
         for (size_t i = trim->loops[l]; i < trim->loops[l + 1]; i++)
             sample_piece(&trim->pieces[i], region);
     }
-    region->loops[trim->loop_count] = region->count;
-    bat_status status = make_rows(region, error);
+    if (status == BAT_OK)
+    {
+        region->loops[trim->loop_count] = region->count;
+        status = make_rows(region, error);
+    }
     if (status != BAT_OK)
         trim_region_free(region);
     return status;
@@ -193,10 +190,7 @@ bat_status trim_region_make(const bat_spline_trim *trim, trim_region *region, ba
 
 void trim_region_free(trim_region *region)
 {
-    free(region->points);
-    free(region->loops);
-    free(region->edges);
-    free(region->row_edges);
+    memory_pool_free(&region->pool);
     *region = (trim_region){0};
 }
 

@@ -1,6 +1,7 @@
 #ifndef SURFACE_TRIM_REGION_H
 #define SURFACE_TRIM_REGION_H
 
+#include "base/memory_pool.h"
 #include "batten/spline.h"
 
 /// @file
@@ -14,6 +15,7 @@ void spline_curve_place(const bat_spline_curve *curve, double t, double *place);
 /// The polygons of trimming curves. All zero: the whole square. Release it with trim_region_free().
 typedef struct trim_region
 {
+    memory_pool pool;
     double (*points)[2]; ///< corners of all polygons, which are closed: the first is not repeated
     size_t count;
     size_t *loops; ///< loop_count + 1: the first corner of each polygon
