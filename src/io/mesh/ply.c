@@ -1,9 +1,9 @@
 #include "io/mesh/ply.h"
 
 #include "base/error.h"
-#include "base/json_parse.h"
+#include "base/json_scan.h"
 #include "io/common/json.h"
-#include "io/common/word_scan.h"
+#include "io/common/file_text.h"
 
 #include <math.h>
 #include <string.h>
