@@ -39,7 +39,7 @@ static void names_and_defaults(void **state)
     assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_GIVEN), "given");
     assert_string_equal(bat_choice_name(&bat_surface_parameters_family, BAT_SURFACE_PARAMETERS_COUNT), "unknown");
     assert_int_equal(bat_surface_reconstruct_defaults().parameters, BAT_SURFACE_PARAMETERS_AUTO);
-    assert_int_equal(bat_surface_reconstruct_defaults().sides, BAT_CLOUD_SIDES_CHORD_LENGTH);
+    assert_int_equal(bat_surface_reconstruct_defaults().sides, BAT_CLOUD_SIDES_AUTO);
 }
 
 /// A Bézier surface with its true parameters lies in the coarsest space.
