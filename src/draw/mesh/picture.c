@@ -147,8 +147,7 @@ static void find_frames(mesh_scene *made)
         size_t first = made->options->own_frames ? i : i - i % made->columns;
         const bat_mesh *triangles = triangles_of(made, i);
         made->views[i] = first == i ? mesh_view_of(triangles, made->options) : made->views[first];
-        made->frames[i] =
-            mesh_frame_of(triangles->positions, triangles->faces, 3 * triangles->face_count, &made->views[i]);
+        made->frames[i] = mesh_frame_of(triangles->positions, triangles->faces, 3 * triangles->face_count, &made->views[i]);
         if (first != i)
             made->frames[first] = mesh_frame_join(&made->frames[first], &made->frames[i]);
     }

@@ -39,8 +39,10 @@ typedef struct curve_format
     }
 
 static const curve_format FORMATS[] = {
-    {.choice =
-         {.name = "auto", .summary = "by the file's ending", .value = BAT_CURVE_FORMAT_AUTO, .use = BAT_CHOICE_USE_UNLISTED}},
+    {.choice = {.name = "auto",
+                .summary = "by the file's ending",
+                .value = BAT_CURVE_FORMAT_AUTO,
+                .use = BAT_CHOICE_USE_UNLISTED}},
     FORMAT_ROW("csv", BAT_CURVE_FORMAT_CSV, ".csv .tsv .txt",
                "curves: a row of numbers for each point, with or without names of columns", .read = csv_read,
                .write = csv_write),

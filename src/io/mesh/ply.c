@@ -2,8 +2,8 @@
 
 #include "base/error.h"
 #include "base/json_scan.h"
-#include "io/common/json.h"
 #include "io/common/file_text.h"
+#include "io/common/json.h"
 
 #include <math.h>
 #include <string.h>
