@@ -152,7 +152,8 @@ typedef struct bat_curve_scheme
     bat_curve_angle_sign sign; ///< ANGLE
     bool adaptive;             ///< ANGLE: the heuristic of section 7.1, which changes mu from edge to edge around `tension`
     bool turns; ///< ANGLE: eq. (9) of the turns y_i = 2 d_i e / max(e_(i-1) + e_i, e) in place of the exterior angles d_i,
-                ///< for an edge of length e and neighbours of lengths e_i: for uneven spacing
+                ///< for an edge of length e and neighbours of lengths e_i: for uneven spacing. The shorter edge bounds
+                ///< the turn at a corner, and runs of collinear points stay straight
     const bat_curve_angle_rule
         *rule;           ///< ANGLE: the rule of the angles, in place of eq. (9) and the four fields above; or null
     double fairness;     ///< ANGLE with a rule: an input of the rule, 0 (nearest to the data) … 1 (smoothest)

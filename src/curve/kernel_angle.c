@@ -1,4 +1,5 @@
 #include "curve/angle_block.h"
+#include "curve/edge_turns.h"
 #include "curve/kernel.h"
 
 #include "base/lanes.h"
@@ -22,19 +23,12 @@ static void fixed_slopes(angle_block *block, size_t edges, double tension, doubl
         block->slope[j] = slope_of(block->angle + j, tension, sign);
 }
 
-/// The exterior angle of a vertex between edges of lengths `before` and `after` as a turn along an edge of length `own`.
-static inline double turn_of(double angle, double before, double after, double own)
+/// The turns along edge j of the four vertices around it, multiplied by their factor.
+static inline void turns_of(const double *angle, const double *length, double turn[EDGE_VERTICES])
 {
-    double span = before + after;
-    return 2 * angle * own / (span > own ? span : own);
-}
-
-/// The turns along edge j of the four vertices around it; angle[i] lies between the edges of lengths length[i] and
-/// length[i + 1], and edge j has length[2].
-static inline void turns_of(const double *angle, const double *length, double turn[4])
-{
-    for (int i = 0; i < 4; i++)
-        turn[i] = turn_of(angle[i], length[i], length[i + 1], length[2]);
+    double factor = edge_turns_of(angle, length, turn);
+    for (int i = 0; i < EDGE_VERTICES; i++)
+        turn[i] *= factor;
 }
 
 LANES_CLONES
@@ -42,7 +36,7 @@ static void turn_slopes(angle_block *block, size_t edges, double tension, double
 {
     for (size_t j = 0; j < edges; j++)
     {
-        double turn[4];
+        double turn[EDGE_VERTICES];
         turns_of(block->angle + j, block->length + j, turn);
         block->slope[j] = slope_of(turn, tension, sign);
     }
@@ -63,7 +57,7 @@ static void adaptive_slopes(angle_block *block, size_t edges, double tension, do
 {
     for (size_t j = 0; j < edges; j++)
     {
-        double turn[4];
+        double turn[EDGE_VERTICES];
         turns_of(block->angle + j, block->length + j, turn);
         block->slope[j] = adaptive_slope(turns ? turn : block->angle + j, tension, sign, mean);
     }
@@ -127,16 +121,16 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     for (size_t j = 0; j < pairs; j++)
     {
         const double *p = points + j * dim;
-        double angle[4], slope;
-        for (size_t i = 0; i < 4; i++)
+        double angle[EDGE_VERTICES], slope;
+        for (size_t i = 0; i < EDGE_VERTICES; i++)
             angle[i] = space->exterior_angle(space, p + i * dim - 2 * dim, p + i * dim - dim, p + i * dim);
         if (scheme->turns)
         {
-            double length[5];
-            for (size_t i = 0; i < 5; i++)
+            double length[EDGE_LENGTHS], turn[EDGE_VERTICES];
+            for (size_t i = 0; i < EDGE_LENGTHS; i++)
                 length[i] = space->distance(space, p + i * dim - 2 * dim, p + i * dim - dim);
-            for (size_t i = 0; i < 4; i++)
-                angle[i] = turn_of(angle[i], length[i], length[i + 1], length[2]);
+            turns_of(angle, length, turn);
+            memcpy(angle, turn, sizeof angle);
         }
         if (scheme->adaptive)
             slope = adaptive_slope(angle, scheme->tension, sign, data->mean);
