@@ -129,6 +129,7 @@ static const option_spec CURVE_OPTIONS[] = {
      NO_FIELD},
     {"embedding", "KIND", METHOD, 0, "published: how the network encodes the space: learned (default), one-hot, none",
      NO_FIELD},
+    {"begin", "FILE", METHOD, 0, "batten: begin with these weights instead of random ones", TEXT(train_job, curve.begin)},
     {"without", "TERM", METHOD, 0, "published: leave a term out of the loss: consistency, bending, smoothness", NO_FIELD},
     END_OF_OPTIONS,
 };

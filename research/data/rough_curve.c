@@ -214,6 +214,47 @@ static size_t draw_stroke(bat_random *random, double *points)
     return 2 * path;
 }
 
+/// A path of straight lines, arcs and rough pieces, with corners between them: borders, railways and surveyed lines.
+static size_t draw_pieces(bat_random *random, double *points)
+{
+    enum
+    {
+        MAX_PIECES = 12,
+    };
+    enum
+    {
+        STRAIGHT,
+        ARC,
+        ROUGH,
+        KINDS
+    };
+    static const double CORNERS[] = {0, 0, 0.5, 1};
+    int pieces = draw_whole(random, 2, MAX_PIECES);
+    double corner_share = CORNERS[draw_whole(random, 0, 3)], lengths[MAX_PIECES], total = 0, heading = draw_angle(random);
+    for (int i = 0; i < pieces; i++)
+        total += lengths[i] = exp(draw_between(random, -2, 1));
+    double step = total / DENSE, x = 0, y = 0;
+    size_t made = 0;
+    for (int i = 0; i < pieces; i++)
+    {
+        int kind = draw_whole(random, 0, KINDS - 1);
+        double turn = kind == ARC ? bat_random_normal(random) * 1.5 / lengths[i] : 0, wander = 0;
+        // The direction of a rough piece wanders about its mean (an Ornstein-Uhlenbeck process).
+        double return_rate = fmin(step / (lengths[i] * exp(draw_between(random, -5, -1))), 1);
+        double deviation = kind == ROUGH ? draw_between(random, 0.2, 1.3) : 0;
+        for (double along = 0; along < lengths[i] && made < DENSE; along += step)
+        {
+            wander += sqrt(2 * return_rate) * deviation * bat_random_normal(random) - return_rate * wander;
+            heading += turn * step;
+            points[2 * made] = x += step * cos(heading + wander);
+            points[2 * made++ + 1] = y += step * sin(heading + wander);
+        }
+        if (bat_random_uniform(random) < corner_share)
+            heading += (draw_coin(random) ? 1 : -1) * (draw_coin(random) ? WAVE_PI / 2 : draw_between(random, 0.2, 2.2));
+    }
+    return made;
+}
+
 /// Begin a closed curve at the point that is farthest from its mean.
 static void begin_at_farthest(size_t count, double *points)
 {
@@ -235,10 +276,10 @@ bool rough_curve_draw(rough_family family, bat_random *random, size_t count, dou
     assert(count <= SIMPLIFY_MAX_POINTS);
     static size_t (*const DRAW[ROUGH_COUNT])(bat_random *, double *) = {
         [ROUGH_RADIAL] = draw_radial,   [ROUGH_SPECTRAL] = draw_spectral, [ROUGH_DIRECTION] = draw_direction,
-        [ROUGH_CORNERS] = draw_corners, [ROUGH_STROKE] = draw_stroke,
+        [ROUGH_CORNERS] = draw_corners, [ROUGH_STROKE] = draw_stroke,     [ROUGH_PIECES] = draw_pieces,
     };
     double dense[2 * DENSE];
-    bool closed = family != ROUGH_DIRECTION;
+    bool closed = family != ROUGH_DIRECTION && family != ROUGH_PIECES;
     size_t made = DRAW[family](random, dense);
     resample(dense, made, closed, count, points);
     centre_and_scale(count, 1, points);

@@ -15,6 +15,7 @@ typedef enum rough_family
     ROUGH_DIRECTION, ///< open: a direction of random spectrum, like a track, a meander or a shore
     ROUGH_CORNERS,   ///< closed: a polygon, each corner sharp or rounded by a parabola
     ROUGH_STROKE,    ///< closed: the outline of a stroke of lines and arcs with flat ends
+    ROUGH_PIECES,    ///< open: straight lines, arcs and rough pieces with corners between them, like a border or a railway
     ROUGH_COUNT
 } rough_family;
 

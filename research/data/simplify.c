@@ -83,6 +83,15 @@ static void sample_time(const double *points, size_t count, bool closed, size_t 
     sample_measure(time, count, closed, wanted, bat_random_uniform(random), samples);
 }
 
+static void sample_curvature(const double *points, size_t count, bool closed, size_t wanted, bat_random *random,
+                             size_t *samples)
+{
+    double turning[SIMPLIFY_MAX_POINTS], share = draw_between(random, 0.005, 0.05);
+    for (size_t i = 0; i < count; i++)
+        turning[i] = share + turning_at(points, count, closed, i);
+    sample_measure(turning, count, closed, wanted, bat_random_uniform(random), samples);
+}
+
 /// A piece between two chosen points, and the point between them that is farthest from its chord.
 typedef struct chord
 {
@@ -237,6 +246,9 @@ void curve_sample(curve_sampling how, const double *points, size_t count, bool c
         return;
     case CURVE_SAMPLING_TIME:
         sample_time(points, count, closed, wanted, random, samples);
+        return;
+    case CURVE_SAMPLING_CURVATURE:
+        sample_curvature(points, count, closed, wanted, random, samples);
         return;
     case CURVE_SAMPLING_EVEN:
     case CURVE_SAMPLING_COUNT:

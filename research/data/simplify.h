@@ -13,6 +13,7 @@ typedef enum curve_sampling
     CURVE_SAMPLING_DOUGLAS_PEUCKER, ///< the farthest point first (Douglas and Peucker 1973)
     CURVE_SAMPLING_VISVALINGAM,     ///< the smallest triangle goes first (Visvalingam and Whyatt 1993)
     CURVE_SAMPLING_TIME,            ///< equal times of a moving point, which is slower where the curve turns
+    CURVE_SAMPLING_CURVATURE,       ///< equal turns, up to a small share of equal arc lengths
     CURVE_SAMPLING_COUNT
 } curve_sampling;
 

@@ -35,7 +35,7 @@ enum
     ROUGH_POINTS = SIMPLIFY_MAX_POINTS,
 };
 /// The share of rough curves; the others are of smooth families.
-static const double ROUGH_SHARE = 0.5;
+static const double ROUGH_SHARE = 0.6;
 static const double FAIRNESS[BAT_CURVE_TRAIN_FAIRNESSES] = {0, 0.5, 1};
 /// The seed of the validation curves; the tables have another.
 static const uint64_t VALIDATION_SEED = 2;
@@ -46,8 +46,8 @@ static const struct
     double from; ///< share of the epochs
     curve_loss_weights weights;
 } PHASES[] = {
-    {0, {.min_roughness = 0.005, .max_roughness = 5, .angle = 1, .hinge = 0.5}},
-    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1, .hinge = 1}},
+    {0, {.min_roughness = 0.005, .max_roughness = 5, .angle = 1, .hinge = 1}},
+    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1, .hinge = 2}},
 };
 
 /// Mean distances that a good rule reaches on the smooth families.
@@ -67,6 +67,9 @@ static const char *const METRICS[METRIC_COUNT] = {"distance", "bending", "angle"
 static const char *const VALIDATION[] = {"mean_nn",         "mean_nn_plane_0",  "mean_nn_sphere_0", "mean_nn_disk_0",
                                          "mean_nn_plane_1", "mean_nn_sphere_1", "mean_nn_disk_1",   "g1_plane_1",
                                          "g1_sphere_1",     "g1_disk_1"};
+
+/// Of the learning rate, where training begins with the weights of a model.
+static const double START_RATE_SHARE = 0.5;
 
 // Samples
 
@@ -195,8 +198,8 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
 {
     double plane[2 * ROUGH_POINTS], moved[2];
     size_t samples[MAX_COUNT], dim = tension_dim(space), count = draw_count(random, 5, MAX_COUNT);
-    static const rough_family FAMILIES[] = {ROUGH_RADIAL,    ROUGH_SPECTRAL, ROUGH_DIRECTION,
-                                            ROUGH_DIRECTION, ROUGH_CORNERS,  ROUGH_STROKE};
+    static const rough_family FAMILIES[] = {ROUGH_RADIAL,  ROUGH_SPECTRAL, ROUGH_DIRECTION, ROUGH_DIRECTION, ROUGH_CORNERS,
+                                            ROUGH_CORNERS, ROUGH_STROKE,   ROUGH_PIECES,    ROUGH_PIECES,    ROUGH_PIECES};
     rough_family family = FAMILIES[draw_whole(random, 0, sizeof FAMILIES / sizeof *FAMILIES - 1)];
     bool closed = rough_curve_draw(family, random, ROUGH_POINTS, plane);
     // Half of the curves with a spectrum are themselves polylines, of 1.5 to 12 pieces for each control edge.
@@ -204,9 +207,23 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
     if (polyline)
         rough_curve_simplify(random, closed, draw_count(random, count + count / 2, 12 * count), ROUGH_POINTS, plane);
     static const curve_sampling SAMPLINGS[] = {
-        CURVE_SAMPLING_EVEN,        CURVE_SAMPLING_UNEVEN,          CURVE_SAMPLING_UNEVEN,
-        CURVE_SAMPLING_UNEVEN,      CURVE_SAMPLING_DOUGLAS_PEUCKER, CURVE_SAMPLING_DOUGLAS_PEUCKER,
-        CURVE_SAMPLING_VISVALINGAM, CURVE_SAMPLING_VISVALINGAM,     CURVE_SAMPLING_TIME,
+        CURVE_SAMPLING_EVEN,
+        CURVE_SAMPLING_EVEN,
+        CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_TIME,
+        CURVE_SAMPLING_CURVATURE,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_DOUGLAS_PEUCKER,
+        CURVE_SAMPLING_DOUGLAS_PEUCKER,
+        CURVE_SAMPLING_DOUGLAS_PEUCKER,
+        CURVE_SAMPLING_DOUGLAS_PEUCKER,
     };
     curve_sampling how = SAMPLINGS[draw_whole(random, 0, sizeof SAMPLINGS / sizeof *SAMPLINGS - 1)];
     curve_sample(how, plane, ROUGH_POINTS, closed, count, random, samples);
@@ -375,10 +392,27 @@ static bat_status check(const void *context, bat_error *error)
 static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
 {
     const bat_curve_train_options *o = ((const curve_training *)context)->options;
-    (void)snprintf(text, TRAIN_TEXT_SIZE, "tension batten, %llu epochs", (unsigned long long)o->run.epochs);
+    (void)snprintf(text, TRAIN_TEXT_SIZE, "tension batten, %llu epochs%s", (unsigned long long)o->run.epochs,
+                   o->begin != NULL ? ", from given weights" : "");
 }
 
 // Training
+
+/// The weights that training begins with: random ones, or those of a model.
+static bat_status start(curve_training *t, bat_error *error)
+{
+    learn_parameters *weights = &t->base.parameters;
+    learned_network_start(weights, t->options->run.seed);
+    if (t->options->begin == NULL)
+        return BAT_OK;
+    bat_curve_model *model;
+    bat_status status = bat_curve_model_read(t->options->begin, &model, error);
+    if (status != BAT_OK)
+        return status;
+    memcpy(weights->values, bat_curve_scheme_of_model(model).rule->parameters, weights->total * sizeof(real));
+    bat_curve_model_free(model);
+    return BAT_OK;
+}
 
 static bat_status make(void *context, bat_error *error)
 {
@@ -389,7 +423,7 @@ static bat_status make(void *context, bat_error *error)
         t->size.validation_curves = VALIDATION_CURVES;
     bat_status status = learned_network_make(&t->base.parameters, error);
     if (status == BAT_OK)
-        learned_network_start(&t->base.parameters, t->options->run.seed);
+        status = start(t, error);
     for (int space = 0; space < SPACES && status == BAT_OK; space++)
         status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_SET_KIND_RESAMPLED, t->size.validation_curves,
                                       VALIDATION_SEED, &t->validation[space], error);
@@ -398,9 +432,11 @@ static bat_status make(void *context, bat_error *error)
 
 static void configure(const void *context, learn_job *job, learn_options *options)
 {
-    (void)options;
+    const curve_training *t = context;
     job->pieces = PIECES;
-    job->steps = ((const curve_training *)context)->size.steps;
+    job->steps = t->size.steps;
+    if (t->options->begin != NULL)
+        options->schedule.rate *= START_RATE_SHARE;
 }
 
 static bat_status piece_loss(void *context, learn_piece *piece, learn_tape *tape, learn_array **loss, double *metrics,

@@ -24,6 +24,8 @@ typedef struct bat_curve_train_options
 {
     bat_train_options run; ///< default 300 epochs; batten's have 8,000 curves each
     bat_recipe recipe;
+    /// Of batten's recipe: the path of a model whose weights training begins with, bat_curve_model_read(); null: random ones
+    const char *begin;
     // Of the published recipe alone; batten's has its defaults, which are 0.
     bat_tension_embedding embedding;            ///< default learned
     double smoothness[BAT_TENSION_SPACE_COUNT]; ///< weight of eq. (20) in each space, at least 0; default 0.05, sphere 0.15
