@@ -162,9 +162,8 @@ static int measure_curves(const measure_job *job, measured what, results *all)
     bool compares = what == DISTANCE;
     bat_curve_measure_options how = job->measure;
     how.progress = report_progress(compares ? "measuring distances" : "measuring fairness");
-    bat_status status =
-        compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, report_error())
-                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], report_error());
+    bat_status status = compares ? bat_curves_compare(a->curves, b->curves, a->count, &how, all->distances, report_error())
+                                 : bat_curves_fairness(set->curves, set->count, &how, all->fairness[what], report_error());
     report_progress_end();
     if (status == BAT_OK)
         return EXIT_DONE;
@@ -187,8 +186,7 @@ static int measure_simple(const measure_job *job, bool **simple)
         *simple = answers;
     else
         free(answers);
-    return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE
-                                                         : report_curve(job->paths[0], set, report_error());
+    return status == BAT_OK || status == BAT_UNSUPPORTED ? EXIT_DONE : report_curve(job->paths[0], set, report_error());
 }
 
 static int measure_sets(measure_job *job)

@@ -343,8 +343,7 @@ static int report_refinement(void *of)
         bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), job->reason,
         (int)(job->reason != NULL && job->scheme != BAT_MESH_SCHEME_LEARNED), job->refine.levels,
         levels_text(job, job->scheme, levels), given->vertex_count, given->face_count, made->vertex_count, made->face_count,
-        job->boundary_edges, job->fallback,
-        bat_mesh_repair_places(&job->repairs), notes_json(&job->notes));
+        job->boundary_edges, job->fallback, bat_mesh_repair_places(&job->repairs), notes_json(&job->notes));
 }
 
 static int make_refinement(void *of)
