@@ -88,7 +88,10 @@ static void features_back(void *context)
     memset(angle_gradient, 0, entries * sizeof *angle_gradient);
     memset(length_gradient, 0, entries * sizeof *length_gradient);
     bool begun = s->features != NULL && s->features->begun;
-    for (size_t j = 0; j < edges; j++)
+    for (size_t j = 0; j < edges && s->features == NULL; j++)
+        learned_later_back(s->angles + R + j, s->lengths + R + j, s->gradient[j].base, angle_gradient + R + j,
+                           length_gradient + R + j);
+    for (size_t j = 0; j < edges && s->features != NULL; j++)
     {
         double gradient[LEARNED_FEATURES] = {0};
         for (size_t i = 0; i < LEARNED_FEATURES && begun; i++)
@@ -133,11 +136,14 @@ static edge_features *gather_features(learn_tape *tape, tape_polygon *polygon, s
         s->angles[k] = vertex.sign * polygon->profile.angles[vertex.index];
         s->lengths[k] = polygon->profile.lengths[edge_source(shape, i)];
     }
-    for (size_t j = 0; j < edges; j++)
+    for (size_t j = 0; j < edges && !learned; j++)
+        per_edge[j] =
+            (learned_edge){.base = learned_later(s->angles + R + j, s->lengths + R + j), .limit = BAT_CURVE_ANGLE_LIMIT};
+    for (size_t j = 0; j < edges && learned; j++)
     {
         double row[LEARNED_FEATURES];
         per_edge[j] = learned_features_of(s->angles + R + j, s->lengths + R + j, setting_of(s, j), row);
-        for (size_t i = 0; i < LEARNED_FEATURES && learned; i++)
+        for (size_t i = 0; i < LEARNED_FEATURES; i++)
             features->value[j * LEARNED_FEATURES + i] = (real)row[i];
     }
     if (differentiated)
@@ -164,8 +170,12 @@ static void angles_back(void *context)
             correction = tanh((double)c->output->value[LEARNED_OUTPUTS * j]);
             gate = tanh((double)c->output->value[LEARNED_OUTPUTS * j + 1]);
         }
-        if (fabs(edge.base * (1 + gate) + edge.scale * correction) > BAT_CURVE_ANGLE_LIMIT)
+        double angle = edge.base * (1 + gate) + edge.scale * correction;
+        if (fabs(angle) > edge.limit)
+        {
+            c->edges->gradient[j].limit += angle > 0 ? gradient : -gradient;
             continue;
+        }
         c->edges->gradient[j].base += gradient * (1 + gate);
         c->edges->gradient[j].scale += gradient * correction;
         if (to == NULL)

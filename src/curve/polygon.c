@@ -147,6 +147,24 @@ static void wrap(double *points, size_t count, size_t dim, size_t before, size_t
         memcpy(points - i * dim, points + (count - 1 - (i - 1) % count) * dim, dim * sizeof *points);
 }
 
+enum
+{
+    /// Farther points only tell how a polygon was sampled. Where the space ends before them, the polygon goes back.
+    NEAR_POINTS = 8
+};
+
+/// point_beyond(), or from NEAR_POINTS on the way back where the space has no such point.
+static bat_status continue_by(const bat_space *space, polygon_end rule, double *end, ptrdiff_t step, size_t count,
+                              size_t distance)
+{
+    double *image = end - (ptrdiff_t)distance * step;
+    bat_status status = point_beyond(space, rule, end, step, count, distance, image);
+    if (status == BAT_OK || distance <= NEAR_POINTS)
+        return status;
+    memcpy(image, image + 2 * step, space->point_dim * sizeof *image);
+    return BAT_OK;
+}
+
 bat_status polygon_extend(const bat_space *space, double *points, size_t count, bool closed, polygon_end end, size_t before,
                           size_t after, bat_error *error)
 {
@@ -164,11 +182,11 @@ bat_status polygon_extend(const bat_space *space, double *points, size_t count, 
         bat_status status = BAT_OK;
         size_t at = 0;
         if (distance <= before)
-            status = point_beyond(space, end, points, step, count, distance, points - (ptrdiff_t)distance * step);
+            status = continue_by(space, end, points, step, count, distance);
         if (status == BAT_OK && distance <= after)
         {
             at = count - 1;
-            status = point_beyond(space, end, last, -step, count, distance, last + (ptrdiff_t)distance * step);
+            status = continue_by(space, end, last, -step, count, distance);
         }
         if (status != BAT_OK)
             return error_point(error, status, at, "the open curve cannot be continued beyond its end point", " (%s)",

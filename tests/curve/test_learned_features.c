@@ -1,6 +1,7 @@
 #include "check.h"
 
 #include "batten/space.h"
+#include "curve/edge_turns.h"
 #include "curve/network/learned_features.h"
 #include "research/train/geometry_insert.h"
 
@@ -39,14 +40,33 @@ static double symmetric_uniform(bat_random *random)
     return 2 * bat_random_uniform(random) - 1;
 }
 
-/// Whether small changes of the lengths carry no pair of edges over the bound that they have in the turns.
-static bool far_from_the_bound(const surroundings *s)
+/// Whether x and y differ by so much that small changes of the inputs do not exchange them.
+static bool apart(double x, double y, double unit)
 {
-    const double *e = s->lengths + OWN;
-    for (int i = 1 - R; i <= R; i++)
-        if (fabs(e[i - 1] + e[i] - e[0]) < 0.02 * e[0])
+    return fabs(x - y) > 0.02 * unit;
+}
+
+/// Whether small changes carry nothing over a bound of the turns or of their factor, where the derivative jumps.
+static bool far_from_bounds(const surroundings *s)
+{
+    const double *e = s->lengths + OWN, *d = s->angles + OWN;
+    double y[EDGE_VERTICES], largest = 0;
+    for (int i = 1 - LEARNED_REACH; i <= LEARNED_REACH; i++)
+        if (!apart(e[i - 1] + e[i], e[0], e[0]))
             return false;
-    return true;
+    for (int i = 0; i < EDGE_VERTICES; i++)
+    {
+        y[i] = edge_turn(d[i - 1], e[i - 2], e[i - 1], e[0]);
+        largest = fmax(largest, fabs(y[i]));
+    }
+    if (!apart(e[-1], e[0], e[0]) || !apart(e[1], e[0], e[0]))
+        return false;
+    double first = fabs(y[1]) + edge_inflection(y[0], y[2]), second = fabs(y[2]) + edge_inflection(y[1], y[3]);
+    bool fit = apart(first, second, largest) && apart(fmin(first, second), EDGE_STRAIGHT_SHARE * largest, largest);
+    for (int i = 0; i < EDGE_VERTICES; i++)
+        for (int j = 0; j < EDGE_VERTICES; j++)
+            fit = fit && apart(fabs(y[i]), i == j ? 0 : fabs(y[j]), largest);
+    return fit;
 }
 
 /// @param turning the largest angle
@@ -58,26 +78,27 @@ static surroundings draw(double turning, double uneven, double curvature, bat_ra
                                   .fairness = bat_random_uniform(random),
                                   .level = level,
                                   .parity = bat_random_uniform(random) < 0.5 ? level : -level}};
-    do
-        for (int i = 0; i < WIDTH; i++)
-        {
-            s.angles[i] = turning * symmetric_uniform(random);
-            s.lengths[i] = 0.4 * exp(uneven * symmetric_uniform(random));
-        }
-    while (!far_from_the_bound(&s));
+    for (int i = 0; i < WIDTH; i++)
+    {
+        s.angles[i] = turning * symmetric_uniform(random);
+        s.lengths[i] = 0.4 * exp(uneven * symmetric_uniform(random));
+    }
     return s;
 }
 
 /// Call `check` on edges of every kind.
 static void for_many_edges(void (*check)(const surroundings *s))
 {
-    static const double turnings[] = {3, 0.3, 1e-3}, unevens[] = {0, 0.7, 3};
+    static const double turnings[] = {3, 0.3, 1e-3}, unevens[] = {0.1, 0.7, 3};
     bat_random random = bat_random_seed(11);
     for (size_t t = 0; t < 3; t++)
         for (size_t u = 0; u < 3; u++)
             for (int i = 0; i < DRAWS; i++)
             {
-                surroundings s = draw(turnings[t], unevens[u], i % 3 - 1, &random);
+                surroundings s;
+                do
+                    s = draw(turnings[t], unevens[u], i % 3 - 1, &random);
+                while (!far_from_bounds(&s));
                 check(&s);
             }
 }
@@ -106,7 +127,7 @@ static void differences(surroundings *s, double *input, double h, double *slopes
 static void gradient_of(const surroundings *s, int n, surroundings *gradient)
 {
     double features[LEARNED_FEATURES] = {0};
-    learned_edge edge = {n == BASE, n == SCALE};
+    learned_edge edge = {.base = n == BASE, .scale = n == SCALE};
     if (n < LEARNED_FEATURES)
         features[n] = 1;
     *gradient = (surroundings){0};
@@ -129,7 +150,7 @@ static void check_slopes(surroundings *s, double *input, double unit, size_t pla
         surroundings gradient;
         gradient_of(s, n, &gradient);
         double analytic = is_angle ? gradient.angles[place] : gradient.lengths[place];
-        check_near(analytic, slopes[n], 1e-9 * fabs(slopes[n]) + 2e-10 * (1e-2 + fabs(numbers[n])) / unit);
+        check_near(analytic, slopes[n], 4e-9 * fabs(slopes[n]) + 2e-10 * (1e-2 + fabs(numbers[n])) / unit);
     }
 }
 
@@ -160,8 +181,8 @@ static void gradients_add_up(void **state)
     gradient_of(&s, SCALE, &once);
     gradient = once;
     double features[LEARNED_FEATURES] = {0};
-    learned_features_back(s.angles + OWN, s.lengths + OWN, s.setting, features, (learned_edge){0, 1}, gradient.angles + OWN,
-                          gradient.lengths + OWN);
+    learned_features_back(s.angles + OWN, s.lengths + OWN, s.setting, features, (learned_edge){.scale = 1},
+                          gradient.angles + OWN, gradient.lengths + OWN);
     for (int i = 0; i < WIDTH; i++)
     {
         check_near(gradient.angles[i], 2 * once.angles[i], 1e-15);
@@ -215,8 +236,8 @@ static void check_symmetries(const surroundings *s)
     const bool by_reversal[KLEIN_COUNT] = {[KLEIN_FIRST] = true, [KLEIN_SECOND] = true};
     surroundings mirror = mirrored(s), reversal = reversed(s), exchange = mirrored(&reversal);
     check_signs(s, &mirror, by_mirror, true, 0);
-    check_signs(s, &reversal, by_reversal, true, 1e-13);
-    check_signs(s, &exchange, by_exchange, false, 1e-13);
+    check_signs(s, &reversal, by_reversal, true, 1e-12);
+    check_signs(s, &exchange, by_exchange, false, 1e-12);
 }
 
 static void mirror_and_reversal_change_signs(void **state)
@@ -249,7 +270,7 @@ static void scaling_the_plane_changes_nothing(void **state)
 
 // Where the rule begins
 
-/// Equally long edges on a closed polygon's profile: eq. (9), outward.
+/// Equally long edges on a closed polygon's profile, no vertex of which is straight: eq. (9), outward.
 static void equal_lengths_give_the_six_point_rule(void **state)
 {
     (void)state;
@@ -260,7 +281,11 @@ static void equal_lengths_give_the_six_point_rule(void **state)
     bat_random random = bat_random_seed(5);
     for (int trial = 0; trial < 50; trial++)
     {
-        surroundings s = draw(0.8, 0, 0, &random);
+        surroundings s = draw(0.8, 0.1, 0, &random);
+        for (int i = 0; i < WIDTH; i++)
+            s.lengths[i] = 0.4;
+        for (int i = 0; i < WIDTH; i++)
+            s.angles[i] += s.angles[i] > 0 ? 0.1 : -0.1;
         double angles[COUNT], numbers[NUMBERS], tension[COUNT], points[2 * COUNT] = {0};
         // Vertex i of the polygon is vertex i - R of the edge.
         memcpy(angles, s.angles, sizeof angles);
@@ -323,7 +348,7 @@ static void uneven_circles_are_met_in_the_limit(void **state)
             double coarse = circle_error(&spaces[space], radius, steps, h);
             double fine = circle_error(&spaces[space], radius, steps, h / 4);
             // With steps of h, the angle is about h / 4.
-            assert_true(coarse < 20 * h * h * h);
+            assert_true(coarse < 200 * h * h * h);
             assert_true(fine < coarse / 40 + 1e-13);
         }
 }

@@ -33,7 +33,7 @@ bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_e
 }
 
 static const bat_choice MODELS[] = {
-    {.name = "learned", .summary = "the curve scheme that comes with the library, 134,144 weights; weights/batten.md"},
+    {.name = "learned", .summary = "the curve scheme that comes with the library, 134,720 weights; weights/batten.md"},
 };
 const bat_family bat_curve_model_family = FAMILY("curve model", MODELS);
 

@@ -1,5 +1,8 @@
 #include "curve/network/learned_features.h"
 
+#include "batten/curve_scheme.h"
+#include "curve/edge_turns.h"
+
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -15,6 +18,12 @@ static const double ANGLE_UNIT = 0.6;
 static const double FLAT = 1e-3;
 /// Products of neighbouring angles below it hardly count as turns.
 static const double FAINT = 1e-2;
+/// Share of the turns around an edge below which its own are rounding.
+static const double ROUNDING = 1e-6;
+/// Vertices with smaller angles count as nearly straight.
+static const double NEARLY_STRAIGHT = 0.1;
+/// The farthest that a new vertex lies from its edge, in lengths of the edge beside it.
+static const double BULGE = 1;
 
 enum
 {
@@ -31,14 +40,10 @@ typedef struct edge_turns
     double turn[2 * R];
     double strength, strength_squared; ///< root mean square of the turns
     double mean, variance;             ///< of the middle turns
-    double scale;
-    double bend; ///< root mean square of the exterior angles
+    double scale;                      ///< without the factor
+    double bend;                       ///< root mean square of the exterior angles
+    double factor;                     ///< edge_straight_factor()
 } edge_turns;
-
-static double span_at(const double *lengths, int vertex)
-{
-    return fmax(lengths[vertex - 1] + lengths[vertex], lengths[0]);
-}
 
 static edge_turns turns_of(const double *angles, const double *lengths)
 {
@@ -47,7 +52,7 @@ static edge_turns turns_of(const double *angles, const double *lengths)
     for (int i = 1 - R; i <= R; i++)
     {
         squares += angles[i] * angles[i] / (2 * R);
-        double turn = 2 * angles[i] * lengths[0] / span_at(lengths, i);
+        double turn = edge_turn(angles[i], lengths[i - 1], lengths[i], lengths[0]);
         t.turn[i + R - 1] = turn;
         t.strength_squared += turn * turn / (2 * R);
     }
@@ -58,6 +63,9 @@ static edge_turns turns_of(const double *angles, const double *lengths)
     t.strength = sqrt(t.strength_squared);
     t.scale = sqrt(t.variance + t.strength_squared * t.strength_squared) / (1 + t.strength);
     t.bend = sqrt(squares);
+    // Within a long straight run all four turns are rounding, and only those beyond tell that it is none of a curve.
+    double least = edge_least_turn(t.turn + R - 2) / (ROUNDING * t.strength);
+    t.factor = edge_straight_factor(t.turn + R - 2) * fmin(least, 1);
     return t;
 }
 
@@ -75,23 +83,41 @@ static double log_ratio_slope(double length, double own)
     return s * sqrt(s);
 }
 
-/// Sums of values and of their squares.
+/// Moments and extremes of a number of values.
 typedef struct moments
 {
-    double count, sum, squares;
+    double count, sum, squares, least, greatest;
 } moments;
+
+static moments moments_make(void)
+{
+    return (moments){.least = INFINITY, .greatest = -INFINITY};
+}
 
 static void moments_add(moments *m, double value)
 {
     m->count++;
     m->sum += value;
     m->squares += value * value;
+    m->least = fmin(m->least, value);
+    m->greatest = fmax(m->greatest, value);
+}
+
+static double mean_of(const moments *m)
+{
+    return m->sum / m->count;
+}
+
+static double variance_of(const moments *m)
+{
+    double mean = mean_of(m);
+    return fmax(m->squares / m->count - mean * mean, 0);
 }
 
 /// The standard deviation x as x / (1 + x).
 static double bounded_deviation(const moments *m)
 {
-    double mean = m->sum / m->count, deviation = sqrt(fmax(m->squares / m->count - mean * mean, 0));
+    double deviation = sqrt(variance_of(m));
     return deviation / (1 + deviation);
 }
 
@@ -99,6 +125,13 @@ static double bounded_deviation(const moments *m)
 static double bounded(double x)
 {
     return x / sqrt(1 + x * x / 9);
+}
+
+/// The correlation of two sets of values, between -1 and 1, near 0 where one hardly varies.
+static double correlation(const moments *a, const moments *b, double products)
+{
+    double covariance = products / a->count - mean_of(a) * mean_of(b);
+    return covariance / sqrt((variance_of(a) + FAINT) * (variance_of(b) + FAINT));
 }
 
 /// The ratio of a length to the edge's own, within bounds whose products are finite.
@@ -110,32 +143,91 @@ static double bounded_ratio(double length, double own)
 /// The statistics of LEARNED_STATISTICS. Logarithms are those of ratios to the edge's own length.
 static void find_statistics(const double *angles, const double *lengths, double *statistics)
 {
-    moments deviations = {0}, areas = {0}, sizes = {0};
-    double same = 0;
+    moments deviations = moments_make(), areas = moments_make(), sizes = moments_make(), turns = moments_make(),
+            spans = moments_make();
+    double ratios[2 * W + 1], logs[2 * W + 1], same = 0, straight = 0, alike = 0, with_span = 0;
     for (int i = -W; i <= W; i++)
-        moments_add(&sizes, log(bounded_ratio(lengths[i], lengths[0])));
+    {
+        ratios[i + W] = bounded_ratio(lengths[i], lengths[0]);
+        logs[i + W] = log(ratios[i + W]);
+        moments_add(&sizes, logs[i + W]);
+        alike += i > -W ? logs[i + W] * logs[i + W - 1] : 0;
+    }
+    alike += logs[0] * logs[2 * W]; // as many products as values
     for (int i = 1 - W; i <= W; i++)
     {
-        double before = bounded_ratio(lengths[i - 1], lengths[0]), after = bounded_ratio(lengths[i], lengths[0]);
-        double turn = 2 * sin(0.5 * fabs(angles[i])) + FLAT, area = before * after * turn;
-        moments_add(&deviations, log(area / (before + after)));
-        moments_add(&areas, log(area));
+        double before = ratios[i + W - 1], after = ratios[i + W], size = fabs(angles[i]);
+        double turn = log(2 * sin(0.5 * size) + FLAT), span = log(before + after);
+        double area = logs[i + W - 1] + logs[i + W] + turn;
+        moments_add(&deviations, area - span);
+        moments_add(&areas, area);
+        moments_add(&turns, size);
+        moments_add(&spans, span);
+        with_span += size * span;
+        straight += NEARLY_STRAIGHT * NEARLY_STRAIGHT / (NEARLY_STRAIGHT * NEARLY_STRAIGHT + size * size);
     }
     for (int i = 1 - W; i < W; i++)
     {
         double product = angles[i] * angles[i + 1];
         same += product / (fabs(product) + FAINT);
     }
-    statistics[0] = bounded(deviations.sum / deviations.count);
-    statistics[1] = bounded_deviation(&deviations);
-    statistics[2] = bounded_deviation(&areas);
-    statistics[3] = bounded_deviation(&sizes);
-    statistics[4] = same / (2 * W - 1);
+    const double found[LEARNED_STATISTICS] = {
+        bounded(mean_of(&deviations)),
+        bounded_deviation(&deviations),
+        bounded_deviation(&areas),
+        bounded_deviation(&sizes),
+        same / (2 * W - 1),
+        mean_of(&turns),
+        sqrt(variance_of(&turns)),
+        straight / (2 * W),
+        bounded(mean_of(&deviations) - deviations.least),
+        bounded(deviations.greatest - mean_of(&deviations)),
+        bounded(mean_of(&areas) - areas.least),
+        bounded(sizes.greatest - mean_of(&sizes)),
+        correlation(&sizes, &sizes, alike),
+        correlation(&turns, &spans, with_span),
+    };
+    memcpy(statistics, found, sizeof found);
+}
+
+/// The edge whose length bounds the insertion angle.
+static int bounding_edge(const double *lengths, double parity)
+{
+    return parity > 0 ? -1 : parity < 0 ? 1 : lengths[-1] > lengths[1] ? -1 : 1;
+}
+
+/// The bound of the insertion angle that keeps the new vertex near its edge.
+static double limit_of(const double *lengths, double parity)
+{
+    return fmin(atan(2 * BULGE * lengths[bounding_edge(lengths, parity)] / lengths[0]), BAT_CURVE_ANGLE_LIMIT);
+}
+
+static void limit_back(const double *lengths, double parity, double gradient, double *length_gradient)
+{
+    if (gradient == 0 || limit_of(lengths, parity) >= BAT_CURVE_ANGLE_LIMIT)
+        return;
+    int beside = bounding_edge(lengths, parity);
+    double slope = 2 * BULGE * lengths[beside] / lengths[0], by_slope = gradient / (1 + slope * slope);
+    length_gradient[beside] += by_slope * 2 * BULGE / lengths[0];
+    length_gradient[0] -= by_slope * slope / lengths[0];
+}
+
+/// The six-point rule of four turns, without the factor.
+static double rule_of(const double turns[EDGE_VERTICES])
+{
+    return SIX_POINT[0] * (turns[1] + turns[2]) + SIX_POINT[1] * (turns[0] + turns[3]);
+}
+
+double learned_later(const double *angles, const double *lengths)
+{
+    double turns[EDGE_VERTICES], factor = edge_turns_of(angles - 1, lengths - 2, turns);
+    return factor * rule_of(turns);
 }
 
 double learned_angle(learned_edge edge, double correction, double gate)
 {
-    return edge.base * (1 + tanh(gate)) + edge.scale * tanh(correction);
+    double angle = edge.base * (1 + tanh(gate)) + edge.scale * tanh(correction);
+    return angle > edge.limit ? edge.limit : angle < -edge.limit ? -edge.limit : angle;
 }
 
 learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting, double *features)
@@ -169,10 +261,88 @@ learned_edge learned_features_of(const double *angles, const double *lengths, le
         first[R + i] = 0.5 * ANGLE_UNIT * (angles[1 + i] + angles[-i]);
         both[R + i] = 0.5 * ANGLE_UNIT * (angles[1 + i] - angles[-i]);
     }
-    double base = 0;
-    for (int i = 0; i < 2; i++)
-        base += SIX_POINT[i] * (right[i] + left[-i]);
-    return (learned_edge){base, t.scale};
+    return (learned_edge){t.factor * rule_of(t.turn + R - 2), t.factor * t.scale, limit_of(lengths, setting.parity)};
+}
+
+/// The derivative of edge_corner_weight().
+static double edge_corner_slope(double angle)
+{
+    double sum = angle * angle + EDGE_CORNER_ANGLE * EDGE_CORNER_ANGLE;
+    return 2 * angle * EDGE_CORNER_ANGLE * EDGE_CORNER_ANGLE / (sum * sum);
+}
+
+/// The gradient of edge_near_turn() with respect to the angle, besides that by the turn, which is returned.
+static double near_turn_back(double angle, double turn, double own, double other, double gradient, double *by_angle,
+                             double *by_own, double *by_other)
+{
+    double weight = edge_corner_weight(angle), share = edge_corner_share(own, other);
+    double by_weight = gradient * (2 * angle * share - turn), by_share = gradient * weight * 2 * angle;
+    *by_angle += gradient * weight * 2 * share + by_weight * edge_corner_slope(angle);
+    *by_own += own > other ? -by_share * 0.5 * other / (own * own) : -by_share * 0.5 / other;
+    *by_other += own > other ? by_share * 0.5 / own : by_share * 0.5 * own / (other * other);
+    return gradient * (1 - weight);
+}
+
+/// The same of edge_far_turn().
+static double far_turn_back(double angle, double turn, double own, double other, double gradient, double *by_angle,
+                            double *by_own, double *by_other)
+{
+    if (other >= own)
+        return gradient;
+    double weight = edge_corner_weight(angle), loss = edge_far_loss(own, other);
+    double ratio = other / own, squares = 1 + ratio * ratio;
+    double by_ratio = gradient * turn * weight * 2 * (1 - ratio) * (1 + ratio) / (squares * squares);
+    *by_angle -= gradient * turn * loss * edge_corner_slope(angle);
+    *by_own -= by_ratio * ratio / own;
+    *by_other += by_ratio / own;
+    return gradient * (1 - weight * loss);
+}
+
+static double sign_of(double x)
+{
+    return x > 0 ? 1 : x < 0 ? -1 : 0;
+}
+
+/// The derivative of edge_inflection(u, v) with respect to u.
+static double inflection_slope(double u, double v)
+{
+    double sum = fabs(u) + fabs(v) + DBL_MIN;
+    return -u * v > 0 ? (u * v * sign_of(u) / sum - v) / sum : 0;
+}
+
+/// The gradient of edge_straight_factor() with respect to the turns.
+static void straight_factor_back(const double *y, double gradient, double *by_turn)
+{
+    double factor = edge_straight_factor(y);
+    if (factor >= 1 || factor == 0)
+        return;
+    double first = fabs(y[1]) + edge_inflection(y[0], y[2]), second = fabs(y[2]) + edge_inflection(y[1], y[3]);
+    int largest = 0, end = first < second ? 1 : 2;
+    for (int i = 1; i < EDGE_VERTICES; i++)
+        largest = fabs(y[i]) > fabs(y[largest]) ? i : largest;
+    double bound = EDGE_STRAIGHT_SHARE * fabs(y[largest]), by_least = gradient / bound;
+    by_turn[end] += by_least * sign_of(y[end]);
+    by_turn[end - 1] += by_least * inflection_slope(y[end - 1], y[end + 1]);
+    by_turn[end + 1] += by_least * inflection_slope(y[end + 1], y[end - 1]);
+    by_turn[largest] -= gradient * factor / fabs(y[largest]) * sign_of(y[largest]);
+}
+
+/// The gradient of edge_turns_of(). That with respect to the turns y_i is added to `by_turn`; that with respect to angles
+/// and lengths does not contain it.
+static void edge_turns_back(const double *angle, const double *length, const double gradient[EDGE_VERTICES],
+                            double by_factor, double *by_turn, double *by_angle, double *by_length)
+{
+    double y[EDGE_VERTICES];
+    for (int i = 0; i < EDGE_VERTICES; i++)
+        y[i] = edge_turn(angle[i], length[i], length[i + 1], length[2]);
+    by_turn[0] += far_turn_back(angle[0], y[0], length[2], length[1], gradient[0], by_angle, by_length + 2, by_length + 1);
+    by_turn[1] +=
+        near_turn_back(angle[1], y[1], length[2], length[1], gradient[1], by_angle + 1, by_length + 2, by_length + 1);
+    by_turn[2] +=
+        near_turn_back(angle[2], y[2], length[2], length[3], gradient[2], by_angle + 2, by_length + 2, by_length + 3);
+    by_turn[3] +=
+        far_turn_back(angle[3], y[3], length[2], length[3], gradient[3], by_angle + 3, by_length + 2, by_length + 3);
+    straight_factor_back(y, by_factor, by_turn);
 }
 
 /// The gradient with respect to the turns.
@@ -191,19 +361,52 @@ static void turns_back(const edge_turns *t, const double *feature_gradient, lear
         left[-i] = 0.5 * inverse * (first[i] - both[i]);
         by_strength -= inverse * (right[i] * right_turn[i] + left[-i] * left_turn[-i]);
     }
-    // scale = sqrt(variance + strength^4) / (1 + strength)
-    double root = t->scale * (1 + t->strength);
-    by_variance += edge.scale / (2 * root * (1 + t->strength));
-    by_strength += edge.scale * (2 * t->strength * t->strength_squared / root - t->scale) / (1 + t->strength);
-    for (int i = 0; i < 2; i++)
-    {
-        right[i] += SIX_POINT[i] * edge.base;
-        left[-i] += SIX_POINT[i] * edge.base;
-    }
+    // scale = factor sqrt(variance + strength^4) / (1 + strength)
+    double root = t->scale * (1 + t->strength), by_scale = edge.scale * t->factor;
+    by_variance += by_scale / (2 * root * (1 + t->strength));
+    by_strength += by_scale * (2 * t->strength * t->strength_squared / root - t->scale) / (1 + t->strength);
+    const double *turns = t->turn + R - 2;
+    double *to = turn_gradient + R - 2, by_near = edge.base * t->factor * SIX_POINT[0];
+    double by_far = edge.base * t->factor * SIX_POINT[1];
+    to[0] += by_far;
+    to[1] += by_near;
+    to[2] += by_near;
+    to[3] += by_far;
+    straight_factor_back(turns, edge.base * rule_of(turns) + edge.scale * t->scale, to);
     for (int i = 0; i < 2 * R; i++)
         turn_gradient[i] += by_strength * t->turn[i] * inverse / (2 * R);
     for (int i = R - MIDDLE; i < R + MIDDLE; i++)
         turn_gradient[i] += by_variance * (t->turn[i] - t->mean) / MIDDLE;
+}
+
+/// The gradient of edge_turn() number i of the polygon, with respect to the angle and the lengths.
+static void turn_back(const double *angles, const double *lengths, int i, double gradient, double *angle_gradient,
+                      double *length_gradient)
+{
+    double own = lengths[0], span = fmax(lengths[i - 1] + lengths[i], own), turn = 2 * angles[i] * own / span;
+    angle_gradient[i] += gradient * 2 * own / span;
+    length_gradient[0] += gradient * turn / own;
+    double by_span = -gradient * turn / span;
+    if (lengths[i - 1] + lengths[i] > own)
+    {
+        length_gradient[i - 1] += by_span;
+        length_gradient[i] += by_span;
+    }
+    else
+        length_gradient[0] += by_span;
+}
+
+void learned_later_back(const double *angles, const double *lengths, double gradient, double *angle_gradient,
+                        double *length_gradient)
+{
+    double turns[EDGE_VERTICES], turn_gradient[EDGE_VERTICES] = {0};
+    double factor = edge_turns_of(angles - 1, lengths - 2, turns);
+    double by_near = gradient * factor * SIX_POINT[0], by_far = gradient * factor * SIX_POINT[1];
+    const double by_bounded[EDGE_VERTICES] = {by_far, by_near, by_near, by_far};
+    edge_turns_back(angles - 1, lengths - 2, by_bounded, gradient * rule_of(turns), turn_gradient, angle_gradient - 1,
+                    length_gradient - 2);
+    for (int i = 0; i < EDGE_VERTICES; i++)
+        turn_back(angles, lengths, i - 1, turn_gradient[i], angle_gradient, length_gradient);
 }
 
 void learned_features_back(const double *angles, const double *lengths, learned_setting setting,
@@ -215,6 +418,7 @@ void learned_features_back(const double *angles, const double *lengths, learned_
     const double *first = second + R + 1, *both = first + 2 * R;
     double turn_gradient[2 * R], by_own = 0;
     turns_back(&t, feature_gradient, edge_gradient, turn_gradient);
+    limit_back(lengths, setting.parity, edge_gradient.limit, length_gradient);
     double by_bend = kept[R + 3] / ((1 + t.bend) * (1 + t.bend));
     for (int i = 1 - R; i <= R; i++)
         angle_gradient[i] += by_bend * angles[i] / (t.bend * 2 * R);
@@ -224,19 +428,7 @@ void learned_features_back(const double *angles, const double *lengths, learned_
         angle_gradient[-i] += 0.5 * ANGLE_UNIT * (first[R + i] - both[R + i]);
     }
     for (int i = 1 - R; i <= R; i++)
-    {
-        double span = span_at(lengths, i), gradient = turn_gradient[i + R - 1], turn = t.turn[i + R - 1];
-        angle_gradient[i] += gradient * 2 * own / span;
-        by_own += gradient * turn / own;
-        double by_span = -gradient * turn / span;
-        if (lengths[i - 1] + lengths[i] > own)
-        {
-            length_gradient[i - 1] += by_span;
-            length_gradient[i] += by_span;
-        }
-        else
-            by_own += by_span;
-    }
+        turn_back(angles, lengths, i, turn_gradient[i + R - 1], angle_gradient, length_gradient);
     for (int i = 1; i <= R; i++)
     {
         double before = 0.5 * (kept[i - 1] - second[i - 1]) * log_ratio_slope(lengths[-i], own);

@@ -9,23 +9,19 @@
 /// The features of an edge for the learned curve rule, and the classical rule that the network corrects: the six-point rule
 /// in turns.
 ///
-/// The exterior angles d and the lengths e around the edge, e_0 being its own, give the *turns*
+/// The exterior angles d and the lengths e around the edge, e_0 being its own, give the turns y_i of curve/edge_turns.h, and
+/// the factor that keeps straight runs straight. The six-point rule in turns,
 ///
-///     y_i = 2 d_i e_0 / max(e_(i-1) + e_i, e_0).
+///     base = -factor (5 (y_0 + y_1) - (y_(-1) + y_2)) / 32,
 ///
-/// A turn is the angle by which a curve with the curvature of vertex i turns along the edge. The bound matters at a vertex
-/// between two edges that together are shorter than this one. The six-point rule in turns,
+/// is the outward six-point rule of Ugail and Howard (2026, eq. 9 with mu = -1/4) where the edges are equally long. The
+/// learned rule multiplies it by a gate between 0 and 2, and adds a correction of at most
 ///
-///     base = -(5 (y_0 + y_1) - (y_(-1) + y_2)) / 32,
-///
-/// is the outward six-point rule of Ugail and Howard (2026, eq. 9 with mu = -1/4) where the edges are equally long. On
-/// an arc of constant curvature its error falls with the third power of the lengths, also where they differ. The learned
-/// rule multiplies it by a gate between 0 and 2, and adds a correction of at most
-///
-///     scale = sqrt(t^2 + r^4) / (1 + r),
+///     scale = factor sqrt(t^2 + r^4) / (1 + r),
 ///
 /// where r is the root mean square of the turns and t^2 the variance of the middle ones. Where the curvature is continuous,
-/// the scale falls by 4 with every level, and the turns fall by 2.
+/// the scale falls by 4 with every level, and the turns fall by 2. No angle moves the new vertex farther from the edge than
+/// half of a neighbouring edge: at the first level the longer of the two, later the one beyond the given point.
 ///
 /// A mirror image has the opposite turns. The reversed polygon has the opposite turns in reversed order. The features are in
 /// blocks according to the effect of the two (learn/klein.h): the first reflection is the mirror, the second is mirror and
@@ -44,7 +40,7 @@
 #define LEARNED_REACH 4
 #endif
 #ifndef LEARNED_RANGE
-#define LEARNED_RANGE 8
+#define LEARNED_RANGE 16
 #endif
 
 enum
@@ -54,8 +50,10 @@ enum
     /// Size of the turns (2), their variance, size of the exterior angles, curvature of the space, fairness, level.
     LEARNED_PLAIN_SCALARS = 7,
     /// Mean and deviation of the logarithms of vertex deviations; deviations of those of areas and of lengths; how often
-    /// neighbours turn the same way.
-    LEARNED_STATISTICS = 5,
+    /// neighbours turn the same way; mean and deviation of absolute angles; share of vertices that are nearly straight; how
+    /// far the least and the greatest deviation, the least area and the greatest length lie from their means; correlations
+    /// of neighbouring lengths, and of angles with the lengths beside them.
+    LEARNED_STATISTICS = 14,
     LEARNED_SCALARS = LEARNED_PLAIN_SCALARS + LEARNED_STATISTICS,
     LEARNED_FEATURES = LEARNED_REACH + LEARNED_SCALARS + LEARNED_REACH + 1 + 4 * LEARNED_REACH
 };
@@ -83,12 +81,19 @@ typedef struct learned_edge
 {
     double base;  ///< insertion angle of the six-point rule in turns, positive to the left of the edge
     double scale; ///< bound of the correction
+    double limit; ///< of the insertion angle
 } learned_edge;
 
-/// The insertion angle of an edge, not limited to the admissible ones.
+/// The insertion angle of an edge, within the edge's limit.
 /// @param correction,gate the outputs of the network
 double learned_angle(learned_edge edge, double correction, double gate);
 
+/// The insertion angle of the levels after the learned ones: the rule of base, with the turns z_i that are bounded at
+/// corners.
+double learned_later(const double *angles, const double *lengths);
+/// Add the gradients of learned_later() with respect to angles and lengths.
+void learned_later_back(const double *angles, const double *lengths, double gradient, double *angle_gradient,
+                        double *length_gradient);
 /// Compute the features of an edge.
 /// @param angles    angles[i] is that of vertex i, 1 - LEARNED_RANGE <= i <= LEARNED_RANGE; the edge goes from vertex 0 to 1
 /// @param lengths   lengths[i] is that of edge i, -LEARNED_RANGE <= i <= LEARNED_RANGE, positive
