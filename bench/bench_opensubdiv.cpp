@@ -67,7 +67,8 @@ void sharpen(bat_mesh &mesh, uint32_t step)
 {
     mesh.creases = static_cast<bat_mesh_crease *>(mesh_room(mesh.face_count, sizeof *mesh.creases));
     for (uint32_t f = 0; f < mesh.face_count; f += step)
-        mesh.creases[mesh.crease_count++] = {mesh.faces[mesh.offsets[f]], mesh.faces[mesh.offsets[f] + 1], 2};
+        mesh.creases[mesh.crease_count++] = {mesh.faces[peer::first_corner(mesh, f)],
+                                             mesh.faces[peer::first_corner(mesh, f) + 1], 2};
 }
 
 } // namespace

@@ -39,7 +39,7 @@ struct Links
     explicit Links(const bat_mesh &mesh)
     {
         for (uint32_t f = 0; f < mesh.face_count; f++)
-            face_of.insert(face_of.end(), mesh.offsets[f + 1] - mesh.offsets[f], f);
+            face_of.insert(face_of.end(), peer::first_corner(mesh, f + 1) - peer::first_corner(mesh, f), f);
         sides.offsets = mesh.offsets;
         sides.face = face_of.data();
         bat_error error;
@@ -96,7 +96,7 @@ Numbers next_numbers(const bat_mesh &mesh, const Numbers &now, const peer::Far::
     {
         peer::Far::ConstIndexArray corners = level.GetFaceVertices(now.face[f]);
         peer::Far::ConstIndexArray children = level.GetFaceChildFaces(now.face[f]);
-        for (uint32_t h = mesh.offsets[f]; h < mesh.offsets[f + 1]; h++)
+        for (uint32_t h = peer::first_corner(mesh, f); h < peer::first_corner(mesh, f + 1); h++)
         {
             int a = now.vertex[mesh.faces[h]], b = now.vertex[mesh.faces[sides_next(&made.sides, h)]];
             next.vertex[vertices + made.links.edge[h]] = level.GetEdgeChildVertex(level.FindEdge(a, b));
@@ -215,7 +215,7 @@ void check_holes(const std::string &what, const bat_mesh &mesh, bool loop, bat_m
     uint32_t sides = loop ? 3 : 4, first = 0;
     for (uint32_t f = 0; f < mesh.face_count; f++)
     {
-        uint32_t children = loop ? 16 : 4 * (mesh.offsets[f + 1] - mesh.offsets[f]);
+        uint32_t children = loop ? 16 : 4 * (peer::first_corner(mesh, f + 1) - peer::first_corner(mesh, f));
         if (!refined.refiner->GetLevel(0).IsFaceHole(static_cast<int>(f)))
             for (uint32_t i = sides * first; i < sides * (first + children); i++, at++)
                 for (size_t k = 0; k < 3; k++)
@@ -256,7 +256,7 @@ void check(const std::string &what, const bat_mesh &mesh, bool loop, const bat_m
         for (size_t f = 0; f < before.face_count; f++)
         {
             peer::Far::ConstIndexArray corners = topology.GetFaceVertices(numbers.face[f]);
-            for (uint32_t h = before.offsets[f]; h < before.offsets[f + 1]; h++)
+            for (uint32_t h = peer::first_corner(before, f); h < peer::first_corner(before, f + 1); h++)
             {
                 int place = place_of(corners, numbers.vertex[before.faces[h]]);
                 if (before.texture_faces == nullptr)
@@ -281,7 +281,7 @@ void sharpen(bat_mesh &mesh, const std::vector<double> &values, double share, ui
     std::vector<int> semi_sharp(mesh.vertex_count);
     mesh.creases = static_cast<bat_mesh_crease *>(mesh_room(made.links.edge_count, sizeof *mesh.creases));
     mesh.corners = static_cast<bat_mesh_corner *>(mesh_room(mesh.vertex_count, sizeof *mesh.corners));
-    for (uint32_t h = 0; h < mesh.offsets[mesh.face_count]; h++)
+    for (uint32_t h = 0; h < peer::first_corner(mesh, mesh.face_count); h++)
     {
         uint32_t a = mesh.faces[h], b = mesh.faces[sides_next(&made.sides, h)];
         double sharpness = values[static_cast<size_t>(bat_random_uniform(&random) * static_cast<double>(values.size()))];
@@ -317,7 +317,7 @@ void texture(bat_mesh &mesh, double cut, uint64_t seed)
 {
     Links made(mesh);
     bat_random random = bat_random_seed(seed);
-    uint32_t corners = mesh.offsets[mesh.face_count];
+    uint32_t corners = peer::first_corner(mesh, mesh.face_count);
     std::vector<uint32_t> root(corners);
     std::iota(root.begin(), root.end(), 0U);
     auto find = [&](uint32_t i)

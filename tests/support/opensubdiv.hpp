@@ -45,11 +45,17 @@ struct Description
     Far::TopologyDescriptor descriptor;
 };
 
+/// The first corner of a face.
+inline uint32_t first_corner(const bat_mesh &mesh, size_t face)
+{
+    return mesh.offsets != nullptr ? mesh.offsets[face] : static_cast<uint32_t>(3 * face);
+}
+
 inline void describe(const bat_mesh &mesh, Description &made)
 {
-    size_t corners = mesh.offsets[mesh.face_count];
+    size_t corners = first_corner(mesh, mesh.face_count);
     for (size_t f = 0; f < mesh.face_count; f++)
-        made.face_sizes.push_back(static_cast<int>(mesh.offsets[f + 1] - mesh.offsets[f]));
+        made.face_sizes.push_back(static_cast<int>(first_corner(mesh, f + 1) - first_corner(mesh, f)));
     made.corners.assign(mesh.faces, mesh.faces + corners);
     for (size_t i = 0; i < mesh.crease_count; i++)
     {
