@@ -159,7 +159,8 @@ static int read_and_measure(shape_table *t, const char *path)
 /// Print the mean ratios to butterfly, computed and published.
 static void print_ratios(const shape_table *t)
 {
-    double published[2][3] = {{0}}, count = sizeof PUBLISHED / sizeof *PUBLISHED;
+    const size_t rows = sizeof PUBLISHED / sizeof *PUBLISHED;
+    double published[2][3] = {{0}}, count = (double)rows;
     (void)printf("mean ratio to butterfly         ");
     for (size_t which = 0; which < 2; which++)
         for (size_t i = 0; i < t->method_count; i++)
@@ -229,7 +230,7 @@ int reproduce_mesh_table2(const reproduce_job *job)
     if (code == EXIT_DONE)
         code = listed != NULL ? print_table(&t, (const char *const *)listed, count)
                               : print_table(&t, job->shapes, job->shape_count);
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; listed != NULL && i < count; i++)
         free(listed[i]);
     free(listed);
     bat_mesh_model_free(learned);

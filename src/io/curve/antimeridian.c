@@ -1,5 +1,6 @@
 #include "io/curve/geojson_shape.h"
 
+#include <assert.h>
 #include <string.h>
 
 /// @file
@@ -589,6 +590,7 @@ typedef struct ring_box
 static ring_box box_of(const globe_lines *rings, size_t ring)
 {
     size_t begin = globe_line_begin(rings, ring);
+    assert(rings->positions != NULL && begin < rings->ends[ring]);
     ring_box box = {rings->positions[begin].shown, rings->positions[begin].shown};
     for (size_t i = begin; i < rings->ends[ring]; i++)
     {

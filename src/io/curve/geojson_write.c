@@ -5,6 +5,7 @@
 #include "io/curve/geojson.h"
 #include "io/curve/geojson_shape.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -419,6 +420,7 @@ bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format,
     bat_status status = start_writer(format, set, options->precision, &writer, error);
     if (status != BAT_OK)
         return status;
+    assert(writer.document != NULL); // parts come from a file of GeoJSON
     bat_curve_write_report report = {0};
     writer.continued = !first;
     writer.report = &report;

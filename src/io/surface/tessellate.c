@@ -15,6 +15,7 @@
 #include "surface/cloud/neighbours.h"
 #include "surface/trim/region.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -118,6 +119,7 @@ typedef void border_piece(void *context, uint32_t from, uint32_t to);
 /// piece that it divides.
 static void walk_piece(const lattice *grid, uint32_t from, uint32_t to, border_piece *visit, void *context)
 {
+    assert(grid->places != NULL);
     const uint32_t *a = grid->places + 2 * (size_t)from, *b = grid->places + 2 * (size_t)to;
     uint64_t u = (uint64_t)a[0] + b[0], v = (uint64_t)a[1] + b[1];
     uint32_t middle =
@@ -192,6 +194,7 @@ static bat_status set_parameters(const lattice *grid, surface_tessellation *made
     made->parameters = memory_pool_array(&made->pool, made->vertex_count, 2 * sizeof(double));
     if (made->parameters == NULL)
         return memory_pool_check(&made->pool, error);
+    assert(grid->places != NULL || made->vertex_count == 0);
     for (size_t i = 0; i < 2 * made->vertex_count; i++)
     {
         int d = (int)(i % 2);
