@@ -222,14 +222,17 @@ static bool complete_texture(mesh_builder *builder)
 /// @param offsets of the polygons that were cut
 static bat_status check_triangles(const bat_mesh *mesh, const uint32_t *offsets, bat_error *error)
 {
-    const uint32_t *corner = mesh->faces, *end = corner + 3 * mesh->face_count;
-    for (size_t f = 0; corner < end; f++)
-        for (uint32_t i = offsets[f] + 2; i < offsets[f + 1]; i++, corner += 3)
+    size_t made = 0;
+    for (size_t f = 0; made < mesh->face_count; f++)
+        for (uint32_t i = offsets[f] + 2; i < offsets[f + 1]; i++, made++)
+        {
+            const uint32_t *corner = mesh->faces + 3 * made;
             if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0])
                 return error_remedy(error,
                                     error_set(error, BAT_BAD_FILE, f, 0, "face %zu has vertex %u, counted from 0, twice", f,
                                               corner[0] == corner[1] ? corner[0] : corner[2]),
                                     "repair", "drops the face");
+        }
     return BAT_OK;
 }
 
