@@ -42,8 +42,8 @@ json_t *report_numbers(const double *values, size_t count);
 // Reports. Values with keys make both forms: a text for people and an object of JSON.
 //
 // The keys stand in one text with the kinds of the values, which follow as arguments: "shape:s faces:z". The kinds are s for
-// a text or null, z for size_t, i for int, b for int as a truth value, n for double, which is null in JSON where it is not
-// finite, and o for a json_t *, which is taken over; a null one means that memory ran out. A key with a full stop, as
+// a text or null, z for size_t, i for int, b for int as a truth value, n for double, and o for a json_t *. A double that is
+// not finite is null in JSON. A json_t * is taken over; a null one means that memory ran out. A key with a full stop, as
 // "fine.faces", is a member of an object in the object. One that begins with - is for the text alone. One whose kind has ?
 // behind it is left out of the object where its value is not set: null, an empty text, 0, false or not finite; an o where it
 // is the null of JSON.

@@ -38,9 +38,9 @@ enum
     EDGE_LENGTHS = 5 ///< of the edges from two before to two behind
 };
 
-/// The angle from which on a vertex counts as a corner rather than as part of a smooth curve, and the share of the largest
-/// turn below which a vertex counts as straight. Both were chosen among five values on the curves of `reproduce
-/// real-curves`.
+/// The angle from which on a vertex counts as a corner rather than as part of a smooth curve.
+/// Below the share of the largest turn a vertex counts as straight. Chosen among seven and two values on the curves of
+/// `reproduce real-curves`.
 #define EDGE_CORNER_ANGLE 0.4
 #define EDGE_STRAIGHT_SHARE 0.1
 

@@ -383,7 +383,8 @@ static void turns_back(const edge_turns *t, const double *feature_gradient, lear
 static void turn_back(const double *angles, const double *lengths, int i, double gradient, double *angle_gradient,
                       double *length_gradient)
 {
-    double own = lengths[0], span = fmax(lengths[i - 1] + lengths[i], own), turn = 2 * angles[i] * own / span;
+    double own = lengths[0], span = fmax(lengths[i - 1] + lengths[i], own);
+    double turn = edge_turn(angles[i], lengths[i - 1], lengths[i], own);
     angle_gradient[i] += gradient * 2 * own / span;
     length_gradient[0] += gradient * turn / own;
     double by_span = -gradient * turn / span;
