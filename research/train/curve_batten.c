@@ -391,28 +391,12 @@ static bat_status check(const void *context, bat_error *error)
 
 static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
 {
-    const bat_curve_train_options *o = ((const curve_training *)context)->options;
-    (void)snprintf(text, TRAIN_TEXT_SIZE, "tension batten, %llu epochs%s", (unsigned long long)o->run.epochs,
-                   o->begin != NULL ? ", from given weights" : "");
+    const curve_training *t = context;
+    (void)snprintf(text, TRAIN_TEXT_SIZE, "tension batten, %llu epochs", (unsigned long long)t->options->run.epochs);
+    train_describe_begin(&t->base, text);
 }
 
 // Training
-
-/// The weights that training begins with: random ones, or those of a model.
-static bat_status start(curve_training *t, bat_error *error)
-{
-    learn_parameters *weights = &t->base.parameters;
-    learned_network_start(weights, t->options->run.seed);
-    if (t->options->begin == NULL)
-        return BAT_OK;
-    bat_curve_model *model;
-    bat_status status = bat_curve_model_read(t->options->begin, &model, error);
-    if (status != BAT_OK)
-        return status;
-    memcpy(weights->values, bat_curve_scheme_of_model(model).rule->parameters, weights->total * sizeof(real));
-    bat_curve_model_free(model);
-    return BAT_OK;
-}
 
 static bat_status make(void *context, bat_error *error)
 {
@@ -423,7 +407,9 @@ static bat_status make(void *context, bat_error *error)
         t->size.validation_curves = VALIDATION_CURVES;
     bat_status status = learned_network_make(&t->base.parameters, error);
     if (status == BAT_OK)
-        status = start(t, error);
+        learned_network_start(&t->base.parameters, t->options->run.seed);
+    if (status == BAT_OK && t->options->begin != NULL)
+        status = train_begin(&t->base, t->options->begin, error);
     for (int space = 0; space < SPACES && status == BAT_OK; space++)
         status = bat_tension_set_make((bat_tension_space)space, BAT_TENSION_SET_KIND_RESAMPLED, t->size.validation_curves,
                                       VALIDATION_SEED, &t->validation[space], error);

@@ -6,7 +6,6 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "batten/research/mesh_shapes.h"
-#include "learn/safetensors.h"
 #include "research/train/mesh_pairs.h"
 #include "research/train/mesh_task.h"
 #include "research/train/run.h"
@@ -72,10 +71,9 @@ typedef struct training
     mesh_task *tasks;
     uint64_t *made_for; ///< of each task, the epoch that made it, plus 1; 0: not made
     size_t task_count;
-    size_t *order;       ///< of the tasks in this epoch
-    uint64_t begun_with; ///< a hash of the weights that a file gave
-    bool *own;           ///< of each task, whether this process needs it in this epoch
-    bool prepared;       ///< whether an epoch was
+    size_t *order; ///< of the tasks in this epoch
+    bool *own;     ///< of each task, whether this process needs it in this epoch
+    bool prepared; ///< whether an epoch was
 } training;
 
 // Data
@@ -151,21 +149,6 @@ static bat_status make_validation(training *t, bat_error *error)
     return shared_work_end(&work, error);
 }
 
-/// Begin with the weights of a file.
-static bat_status read_begin(training *t, bat_error *error)
-{
-    learn_parameters *parameters = &t->base.parameters;
-    safetensors content;
-    const char *path = t->options->begin;
-    bat_status status = safetensors_read(path, &content, error);
-    if (status != BAT_OK)
-        return status;
-    status = error_in_file(error, learn_parameters_extract(parameters, &content, "", parameters->values, error), path);
-    safetensors_free(&content);
-    t->begun_with = hash_bytes(HASH_BEGIN, parameters->values, parameters->total * sizeof *parameters->values);
-    return status;
-}
-
 static bat_status make(void *context, bat_error *error)
 {
     training *t = context;
@@ -179,7 +162,7 @@ static bat_status make(void *context, bat_error *error)
         return status;
     mesh_learned_start(&t->base.parameters, o->run.seed);
     if (o->begin != NULL)
-        status = read_begin(t, error);
+        status = train_begin(&t->base, o->begin, error);
     if (status != BAT_OK)
         return status;
     t->task_count = o->pairs * t->target_count;
@@ -258,10 +241,7 @@ static void describe(const void *context, char text[TRAIN_TEXT_SIZE])
                    "%zu to %zu vertices, rate %.9g%s",
                    (unsigned long long)o->run.epochs, o->pairs, t->target_count, (unsigned long long)hash, o->resampled,
                    o->batch, o->min_vertices, o->max_vertices, o->rate, o->cosine_decay ? " with cosine decay" : "");
-    size_t length = strlen(text);
-    if (o->begin != NULL)
-        (void)snprintf(text + length, TRAIN_TEXT_SIZE - length, ", begun with weights %016llx",
-                       (unsigned long long)t->begun_with);
+    train_describe_begin(&t->base, text);
 }
 
 static bat_status prepare_epoch(void *context, uint64_t epoch, bat_random *random, bat_error *error)

@@ -1,6 +1,8 @@
 #include "research/train/run.h"
 
 #include "base/error.h"
+#include "base/hash.h"
+#include "learn/safetensors.h"
 #include "research/learn/parameters.h"
 
 #include <errno.h>
@@ -57,6 +59,27 @@ static bat_status check_options(const bat_train_options *options, bat_recipe rec
         {"slots", (double)options->slots, 0, BAT_TRAIN_MAX_SLOTS, false, false},
     };
     return train_check_ranges(ranges, sizeof ranges / sizeof *ranges, error);
+}
+
+bat_status train_begin(train_context *context, const char *path, bat_error *error)
+{
+    learn_parameters *weights = &context->parameters;
+    safetensors content;
+    bat_status status = safetensors_read(path, &content, error);
+    if (status != BAT_OK)
+        return error_in_file(error, status, path);
+    status = error_in_file(error, learn_parameters_extract(weights, &content, "", weights->values, error), path);
+    safetensors_free(&content);
+    context->begun_with = hash_bytes(HASH_BEGIN, weights->values, weights->total * sizeof *weights->values);
+    return status;
+}
+
+void train_describe_begin(const train_context *context, char text[TRAIN_TEXT_SIZE])
+{
+    size_t length = strlen(text);
+    if (context->begun_with != 0)
+        (void)snprintf(text + length, TRAIN_TEXT_SIZE - length, ", begun with weights %016llx",
+                       (unsigned long long)context->begun_with);
 }
 
 void train_shuffle(size_t *order, size_t count, bat_random *random)

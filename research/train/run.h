@@ -20,6 +20,7 @@ typedef struct train_context
 {
     const bat_train_options *options;
     learn_parameters parameters; ///< the weights
+    uint64_t begun_with;         ///< a hash of the weights that train_begin() read; 0 for random ones
 } train_context;
 
 /// A recipe. All functions get a pointer to the recipe's own struct; those of learn_job are described there.
@@ -58,6 +59,12 @@ enum
 /// @param report  null for none
 bat_status train_run(const train_recipe *const recipes[TRAIN_RECIPES], bat_recipe which, void *context,
                      bat_train_report *report, bat_error *error);
+
+/// Begin with the weights of a file in place of random ones.
+/// @return BAT_OK or the failures of safetensors_read() and learn_parameters_extract()
+bat_status train_begin(train_context *context, const char *path, bat_error *error);
+/// Add to a description with which weights the training began; nothing for random ones.
+void train_describe_begin(const train_context *context, char text[TRAIN_TEXT_SIZE]);
 
 /// The progress of what precedes the training: forwards the wish to stop, and the share 0.
 /// @param given stays in use

@@ -24,7 +24,7 @@ typedef struct bat_curve_train_options
 {
     bat_train_options run; ///< default 300 epochs; batten's have 8,000 curves each
     bat_recipe recipe;
-    /// Of batten's recipe: the path of a model whose weights training begins with, bat_curve_model_read(); null: random ones
+    /// Of batten's recipe: weights that training begins with, a file that a training wrote; null: random ones, the default
     const char *begin;
     // Of the published recipe alone; batten's has its defaults, which are 0.
     bat_tension_embedding embedding;            ///< default learned
