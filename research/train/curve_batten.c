@@ -47,7 +47,7 @@ static const struct
     curve_loss_weights weights;
 } PHASES[] = {
     {0, {.min_roughness = 0.005, .max_roughness = 5, .angle = 1, .hinge = 1}},
-    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1, .hinge = 2}},
+    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1.5, .hinge = 2}},
 };
 
 /// Mean distances that a good rule reaches on the smooth families.
@@ -198,8 +198,9 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
 {
     double plane[2 * ROUGH_POINTS], moved[2];
     size_t samples[MAX_COUNT], dim = tension_dim(space), count = draw_count(random, 5, MAX_COUNT);
-    static const rough_family FAMILIES[] = {ROUGH_RADIAL,  ROUGH_SPECTRAL, ROUGH_DIRECTION, ROUGH_DIRECTION, ROUGH_CORNERS,
-                                            ROUGH_CORNERS, ROUGH_STROKE,   ROUGH_PIECES,    ROUGH_PIECES,    ROUGH_PIECES};
+    static const rough_family FAMILIES[] = {ROUGH_RADIAL,  ROUGH_SPECTRAL, ROUGH_DIRECTION, ROUGH_DIRECTION,
+                                            ROUGH_CORNERS, ROUGH_CORNERS,  ROUGH_STROKE,    ROUGH_STROKE,
+                                            ROUGH_PIECES,  ROUGH_PIECES,   ROUGH_PIECES};
     rough_family family = FAMILIES[draw_whole(random, 0, sizeof FAMILIES / sizeof *FAMILIES - 1)];
     bool closed = rough_curve_draw(family, random, ROUGH_POINTS, plane);
     // Half of the curves with a spectrum are themselves polylines, of 1.5 to 12 pieces for each control edge.
@@ -209,6 +210,8 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
     static const curve_sampling SAMPLINGS[] = {
         CURVE_SAMPLING_EVEN,
         CURVE_SAMPLING_EVEN,
+        CURVE_SAMPLING_UNEVEN,
+        CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_UNEVEN,

@@ -240,8 +240,10 @@ static bat_status check_triangles(const bat_mesh *mesh, const uint32_t *offsets,
 static bat_status cut_faces(bat_mesh *mesh, bool degenerate, bat_error *error)
 {
     uint32_t *offsets = mesh->offsets;
+    if (offsets == NULL)
+        return BAT_OK;
     bat_status status = BAT_OK;
-    if (offsets == NULL || offsets[mesh->face_count] == 3 * mesh->face_count)
+    if (offsets[mesh->face_count] == 3 * mesh->face_count)
         mesh->offsets = NULL;
     else
         status = mesh_cut_polygons(mesh, &offsets, error);
