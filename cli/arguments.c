@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEGREE = 3.14159265358979323846 / 180;
-
 const option_spec JSON_OPTION[] = {
     {"json", NULL, RESULT, COMMON, "print one JSON object", FLAG(verb_call, json)},
     END_OF_OPTIONS,

@@ -17,6 +17,9 @@ enum
     MAX_LISTED = 16,
 };
 
+/// A degree, in radians.
+#define DEGREE (3.14159265358979323846 / 180)
+
 /// The exit codes of the program.
 enum
 {

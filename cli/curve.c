@@ -22,8 +22,8 @@ static const option_spec CURVE_OPTIONS[] = {
      "of rotations, motions and tensors spline, for velocities alone hermite, else log-exp-4",
      NAME(curve_job, scheme, bat_curve_scheme_family)},
     {"levels", "K", METHOD, COMMON,
-     "how often; every level doubles the number of edges; default 5. With a stop: the maximum number of levels of an edge; "
-     "default 20",
+     "how often; every level doubles the number of edges; default 5, but for geographic files and drawings a stop, so that "
+     "pieces are within a fiftieth of the median edge. With a stop: the maximum number of levels of an edge; default 20",
      WHOLE(curve_job, refine.levels, 0, CURVE_MAX_LEVELS)},
     {"max-edge", "L", METHOD, COMMON,
      "a stop, edge by edge: the fewest levels for which no piece is longer than L (metres on the sphere, the Earth's)",
@@ -36,9 +36,10 @@ static const option_spec CURVE_OPTIONS[] = {
     {"model", "FILE", METHOD, IS_READ, "learned: a trained network of your own, a safetensors file",
      TEXT(curve_job, model_file)},
     {"corner-angle", "A", METHOD, 0,
-     "keep vertices with an exterior angle above A degrees as corners, and edges between corners straight; a CSV column "
-     "'corner' (0 or 1) names corners, too",
-     DEGREES(curve_job, refine.corner_angle, 1)},
+     "keep vertices with an exterior angle above A degrees as corners, and edges between corners straight; auto: right "
+     "angles where they are meant, and ends of straight runs, which is the default for geographic files and drawings; "
+     "180: none; a CSV column 'corner' (0 or 1) names corners, too",
+     NO_FIELD},
     {"ends", "RULE", METHOD, 0, "how open curves end: {}; default reflect",
      CHOICE(curve_job, refine.ends, bat_curve_end_rule_family)},
     {"simple", "WHICH", METHOD, 0,
@@ -222,19 +223,37 @@ static bool read_scheme(curve_job *job)
            usage_accepts(given, bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, report_error()));
 }
 
+/// --corner-angle: degrees, or auto.
+static bool read_corners(curve_job *job)
+{
+    const char *text = argument(job->call.given, "corner-angle");
+    bat_curve_refine_options *refine = &job->refine;
+    if (text == NULL)
+        return true;
+    char *end;
+    refine->find_corners = strcmp(text, "auto") == 0;
+    double degrees = refine->find_corners ? 0 : strtod(text, &end);
+    if (!refine->find_corners && (end == text || *end != '\0' || !(degrees > 0 && degrees <= 180)))
+        return argument_refused(job->call.given, "corner-angle", "auto, or above 0 and at most 180");
+    refine->corner_angle = degrees * DEGREE;
+    return true;
+}
+
 /// Check the corner angle and the stops. With a stop, --levels is the cap.
 static bool check_stops(curve_job *job)
 {
     const arguments *given = job->call.given;
     bat_curve_refine_options *refine = &job->refine;
     bool stops = curve_stops(job);
+    if (!read_corners(job))
+        return false;
     if (stops && argument(given, "levels") != NULL)
         refine->max_levels = refine->levels;
     if (!usage_accepts(given, bat_options_check(&bat_curve_refine_fields, refine, report_error())))
         return false;
     if (stops && job->panel_count > 0)
         return usage_refused(given, "--panel draws levels, and does not go with --max-edge and --tolerance");
-    if ((stops || refine->corner_angle > 0) && job->best_tension)
+    if ((stops || refine->corner_angle > 0 || refine->find_corners) && job->best_tension)
         return usage_refused(given, "--best-tension does not go with --max-edge, --tolerance and --corner-angle");
     return true;
 }

@@ -31,6 +31,7 @@ typedef struct curve_findings
     size_t curves;                    ///< so many have been measured, in parts
     bat_curve_map_refine_report done; ///< of the refinement
     curve_totals before, after;
+    size_t edges, straight; ///< given edges, and those that stayed straight
     bool compared;
     double mean_nn, hausdorff;       ///< when compared with the truth: means over the curves
     bat_curve_projection projection; ///< of the picture, if it shows the sphere
@@ -77,7 +78,7 @@ extern const option_spec CURVE_READ_OPTIONS[];
 /// Whether edges are refined up to a length or a tolerance, and not by a number of levels.
 static inline bool curve_stops(const curve_job *job)
 {
-    return job->refine.max_edge > 0 || job->refine.tolerance > 0;
+    return job->refine.max_edge > 0 || job->refine.tolerance > 0 || job->refine.relative_tolerance > 0;
 }
 
 /// Whether a scheme takes its angles from a tension.

@@ -68,6 +68,8 @@ static int refine_set(curve_job *job, size_t levels, bat_curve_set *fine, bat_cu
     bat_curve_map_refine_options how = job->map;
     how.refine = job->refine;
     how.refine.levels = levels;
+    if (report == NULL)
+        how.refine.relative_tolerance = 0; // of a panel
     how.refine.progress = report_progress("refining");
     how.decimals = job->write.precision;
     how.report = report;
@@ -151,12 +153,26 @@ static void convert_lengths(curve_job *job, const bat_space *space)
     job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
 }
 
+/// What the user did not choose, for geographic files and drawings: corners are kept, and a stop takes the place of levels.
+static void choose_for_features(curve_job *job)
+{
+    static const char *const OF_LEVELS[] = {"levels", "max-edge", "tolerance", "panel", "best-tension", NULL};
+    static const double TOLERANCE = 0.02; // a fiftieth of the median edge
+    const arguments *given = job->call.given;
+    if (!job->best_tension && argument(given, "corner-angle") == NULL)
+        job->refine.find_corners = true;
+    if (argument_first(given, OF_LEVELS) == NULL)
+        job->refine.relative_tolerance = TOLERANCE;
+}
+
 /// Read the curves and all that belongs to them, and choose the scheme.
 static int read_curves(curve_job *job)
 {
     if (bat_curve_read(job->call.input, &job->read, &job->coarse, report_error()) != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, report_error());
     convert_lengths(job, job->coarse.space);
+    if (bat_curve_set_has_features(&job->coarse))
+        choose_for_features(job);
     int64_t origin = bat_curve_set_time_origin(&job->coarse);
     if (job->times_file != NULL &&
         bat_motion_times_read(job->times_file, origin, &job->times, &job->motion.time_count, report_error()) != BAT_OK)
@@ -223,6 +239,17 @@ static void add_totals(curve_totals *sum, size_t count, const curve_totals *part
     sum->g1 = part->g1 > sum->g1 ? part->g1 : sum->g1;
 }
 
+/// Count the edges that refinement left straight.
+static void count_straight(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
+{
+    for (size_t i = 0; i < coarse->count && !job->is_motion; i++)
+    {
+        const bat_curve *curve = &coarse->curves[i];
+        job->findings.edges += curve->closed ? curve->count : curve->count - 1;
+        job->findings.straight += bat_curve_straight_edges(curve, &fine->curves[i]);
+    }
+}
+
 /// Measure a part of the curves, after others; job->findings is all zero before the first part.
 static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
 {
@@ -238,6 +265,7 @@ static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_c
     add_totals(&findings->before, findings->curves, &before, coarse->count);
     add_totals(&findings->after, findings->curves, &after, coarse->count);
     findings->curves += coarse->count;
+    count_straight(job, coarse, fine);
     return EXIT_DONE;
 }
 
@@ -263,6 +291,7 @@ static int refine_stream(curve_job *job)
     if (bat_space_by_name(job->read.space != NULL ? job->read.space : "sphere", 0, &job->space, &error) != BAT_OK)
         return report_failure(job->call.input, &error);
     convert_lengths(job, &job->space);
+    choose_for_features(job);
     if (job->scheme == NULL)
         job->refine.scheme = bat_curve_scheme_for(&job->space, &job->scheme);
     stream_context stream = {job, EXIT_DONE};
@@ -329,11 +358,21 @@ typedef struct panel_set
     bat_curve_picture_panel panels[CURVE_MAX_PANELS];
 } panel_set;
 
+/// Whether the result is refined up to a stop by default, and a picture would show its edges.
+static bool is_too_coarse(const curve_job *job)
+{
+    static const size_t MANY = 20000;
+    size_t points = 0;
+    for (size_t i = 0; i < job->fine.count; i++)
+        points += job->fine.curves[i].count;
+    return job->refine.relative_tolerance > 0 && job->findings.done.curves.stopped > 0 && points < MANY;
+}
+
 static int make_panel(curve_job *job, panel_set *set)
 {
     const bat_curve_set *coarse = &job->coarse, *truth = job->truth != NULL ? &job->truths : NULL, *fine = &job->fine;
     size_t p = set->count++, levels = job->panel_count > 0 ? job->panels[p] : job->refine.levels;
-    if (levels > 0 && levels != job->refine.levels)
+    if ((levels > 0 && levels != job->refine.levels) || is_too_coarse(job))
     {
         int code = refine_set(job, levels, &set->fine[p], NULL);
         if (code != EXIT_DONE)
@@ -517,7 +556,8 @@ static json_t *report_amount(const curve_job *job, bool as_json)
     double rate = job->motion.rate;
     if (as_json && job->motion.times != NULL)
         return json_integer((json_int_t)times);
-    if (as_json && !(rate > 0) && curve_stops(job))
+    bool stops = done->stopped > 0, relative = job->refine.relative_tolerance > 0;
+    if (as_json && !(rate > 0) && stops)
         return json_pack("[I, I]", (json_int_t)done->min_levels, (json_int_t)done->max_levels);
     if (as_json)
         return rate > 0 ? json_real(rate) : json_integer((json_int_t)levels);
@@ -525,14 +565,15 @@ static json_t *report_amount(const curve_job *job, bool as_json)
         (void)printf("%.15g points a unit of time\n", rate);
     else if (job->motion.times != NULL)
         (void)printf("%zu given times\n", times);
-    else if (!curve_stops(job))
+    else if (!stops)
         (void)printf("%zu level%s\n", levels, levels == 1 ? "" : "s");
     else
         (void)report_part(
             false,
             "{min} to {max} levels[length?, pieces up to {length}{unit}][distance?, within {distance}{unit} of "
-            "the limit]\n",
-            "min:z max:z length:s distance:s unit:s", done->min_levels, done->max_levels, length, distance, job->unit);
+            "the limit][relative?, within a fiftieth of the median edge of the limit]\n",
+            "min:z max:z length:s distance:s unit:s relative:b", done->min_levels, done->max_levels, length, distance,
+            job->unit, (int)relative);
     return NULL;
 }
 
@@ -548,11 +589,15 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
 {
     const bat_curve_set *fine = &job->fine;
     const curve_findings *findings = &job->findings;
-    bool many = fine->count > 1, corners = job->refine.corner_angle > 0 || findings->done.curves.corners > 0;
+    bool many = fine->count > 1,
+         corners = job->refine.corner_angle > 0 || job->refine.find_corners || findings->done.curves.corners > 0;
     size_t kept = findings->done.curves.corners;
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
     if (!json && corners)
         (void)printf("%zu corner%s kept\n", kept, kept == 1 ? "" : "s");
+    json_t *straight = findings->edges > 0 ? report_part(json, "{straight} of {edges} edges left straight\n",
+                                                         "straight:z edges:z", findings->straight, findings->edges)
+                                           : json_null();
     if (!json)
         (void)printf("         %12s %12s %14s   largest angle\n", many ? "total points" : "points",
                      many ? "total length" : "length", many ? "mean bending" : "bending");
@@ -579,6 +624,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     char keys[160];
     (void)snprintf(keys, sizeof keys,
                    "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? outliers:o? %s:o? corners:o? "
+                   "left_straight:o? "
                    "projection:s? distance:o?",
                    job->motion.times != NULL ? "times"
                    : job->motion.rate > 0    ? "rate"
@@ -586,7 +632,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
                    findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
                          findings->written.left_out, outliers, crossings,
-                         corners ? json_integer((json_int_t)kept) : json_null(), projection, distance);
+                         corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
 }
 
 int curve_report(void *of)
@@ -636,6 +682,8 @@ int curve_make(void *of)
         code = measure_fairness(job, &job->coarse, &findings->before);
     if (code == EXIT_DONE && !job->call.quiet)
         code = measure_fairness(job, &job->fine, &findings->after);
+    if (code == EXIT_DONE && !job->call.quiet)
+        count_straight(job, &job->coarse, &job->fine);
     findings->compared = job->truth != NULL && !job->call.quiet;
     if (code == EXIT_DONE && findings->compared)
         code = measure_distances(job);

@@ -81,6 +81,7 @@ typedef struct bat_curve_refine_report
     size_t drawn_back;     ///< edges of the given polygons whose new points were drawn back
     size_t straight;       ///< of these, edges that became straight
     size_t left_crossing;  ///< curves that still cross themselves, of schemes that do not keep the given points
+    size_t stopped;        ///< curves refined up to a stop in place of a number of levels
     size_t corners;        ///< vertices at which curves were cut, and flagged ends of open curves
     size_t min_levels;     ///< the fewest levels of a coarse edge; without stops, `levels`
     size_t max_levels;     ///< the most
@@ -103,12 +104,18 @@ typedef struct bat_curve_refine_options
     /// Radians, 0 to pi: a vertex is a corner where the exterior angle, that between -log(before) and log(after), is
     /// greater. 0: only vertices with a flag in bat_curve::corners are. Default 0.
     double corner_angle;
+    /// Find corners, for schemes that keep them: right angles, where the curve has so many that they are meant, and ends of
+    /// straight runs. docs/algorithms/curve-schemes.md tells the rule. Default false.
+    bool find_corners;
     /// A stop, in the unit of the space's distance: each edge gets the smallest number of levels for which none of its
     /// pieces is longer, whatever its neighbours get. 0: none. Default 0.
     double max_edge;
     /// A stop: each edge gets the smallest number of levels for which the limit curve lies within this distance of its
     /// pieces. The distance is estimated, see docs/algorithms/curve-schemes.md. 0: none. Default 0.
     double tolerance;
+    /// `tolerance` in median edges of the curve, of a map in those of all curves, for schemes that can be stopped; others go
+    /// by `levels`. With `tolerance`, the smaller one holds. 0: none. Default 0.
+    double relative_tolerance;
     size_t max_levels; ///< with a stop, in place of `levels`: the most levels of an edge, 0 to 40; default 20
     /// The level of the given curve, for rules that decide the first levels only: with 2, the first computed level is the
     /// rule's third. So refinement by 2 levels and then by 3 gives what 5 levels give. 0 to 60; default 0.

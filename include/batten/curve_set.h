@@ -70,6 +70,9 @@ BAT_API bat_status bat_curve_set_take(bat_curve *curves, size_t count, bat_curve
 BAT_API bat_status bat_curve_set_like(const bat_curve_set *source, bat_curve *curves, bat_curve_set *result,
                                       bat_error *error);
 
+/// Whether the file has features, as geographic files and drawings have.
+BAT_API bool bat_curve_set_has_features(const bat_curve_set *set);
+
 /// The line of the file, counted from 1, that a point was read from; for GeoJSON the line that its feature begins on. 0 when
 /// it is not known.
 BAT_API size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point);

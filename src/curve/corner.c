@@ -1,27 +1,253 @@
 #include "curve/corner.h"
 
 #include "base/error.h"
+#include "base/memory.h"
+#include "curve/mask.h"
 #include "curve/polygon.h"
+#include "curve/scheme_kind.h"
 
-bat_status corners_find(const bat_curve *curve, double angle, unsigned char *flags, size_t *count, bat_error *error)
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double DEGREE = CORNER_ANGLE_LIMIT / 180, RIGHT = CORNER_ANGLE_LIMIT / 2;
+/// A smaller turn is none.
+static const double MIN_CORNER = 20;
+
+// Edges at right angles
+
+/// How far the directions of edges at right angles may differ from each other, in degrees: of surveyed lines, and of lines
+/// that a map projection bends.
+static const double WIDTHS[] = {3, 10};
+/// Of the total length, the share of edges at right angles from which their right turns are corners, and from which short
+/// edges between them are cut corners.
+static const double MIN_SHARE = 0.4, SQUARE_SHARE = 0.7;
+/// With which probability edges of random directions may be taken for edges at right angles.
+static const double CHANCE = 0.01;
+/// Right turns that follow each other are corners whatever the other edges do.
+static const double PAIR_WIDTH = 2;
+
+enum
+{
+    MIN_SQUARE_EDGES = 3,
+    MAX_CUT_EDGES = 3 ///< of a cut corner
+};
+
+// Ends of straight runs
+
+enum
+{
+    RUN_VERTICES = 2 ///< inside of a run: it has three edges or more
+};
+/// The most that a vertex inside of a run turns, in degrees: what rounding makes of a straight line.
+static const double RUN_TURN = 0.5;
+
+/// An edge's direction modulo a right angle.
+typedef struct edge_direction
+{
+    double angle, length;
+    size_t edge;
+} edge_direction;
+
+/// A curve whose corners are searched.
+typedef struct corner_search
+{
+    const bat_curve *curve;
+    size_t count, edges;
+    double *turns;   ///< of the vertices; 0 at the ends of an open curve; with a sign in an oriented surface
+    double *lengths; ///< of the edges
+    edge_direction *directions;
+    unsigned char *aligned; ///< edges at right angles to each other
+} corner_search;
+
+bool corners_stay(const bat_curve_refine_options *options)
+{
+    return options->ends != BAT_CURVE_END_RULE_FREE &&
+           (scheme_keeps_points(&options->scheme) ||
+            (options->ends <= BAT_CURVE_END_RULE_REFLECT && mask_is_symmetric(&options->scheme.mask)));
+}
+
+bool corners_wanted(const bat_curve *curve, const bat_curve_refine_options *options)
+{
+    return curve->corners != NULL || options->corner_angle > 0 || (options->find_corners && corners_stay(options));
+}
+
+/// The exterior angle of every vertex, without a sign.
+static bat_status find_turns(const bat_curve *curve, double *turns, bat_error *error)
 {
     size_t n = curve->count, dim = curve->space->point_dim;
-    *count = 0;
+    const double *p = curve->points;
     for (size_t i = 0; i < n; i++)
     {
         bool end = !curve->closed && (i == 0 || i + 1 == n);
-        flags[i] = curve->corners != NULL && curve->corners[i] != 0;
-        if (flags[i] == 0 && angle > 0 && !end)
-        {
-            double turn;
-            const double *p = curve->points;
-            bat_status status = polygon_exterior_angle(curve->space, p + (i == 0 ? n - 1 : i - 1) * dim, p + i * dim,
-                                                       p + (i + 1 == n ? 0 : i + 1) * dim, &turn);
-            if (status != BAT_OK)
-                return error_point(error, status, i, "there is no angle at point", " (%s)", bat_status_name(status));
-            flags[i] = turn > angle;
-        }
-        *count += flags[i];
+        turns[i] = 0;
+        bat_status status = end ? BAT_OK
+                                : polygon_exterior_angle(curve->space, p + (i == 0 ? n - 1 : i - 1) * dim, p + i * dim,
+                                                         p + (i + 1 == n ? 0 : i + 1) * dim, &turns[i]);
+        if (status != BAT_OK)
+            return error_point(error, status, i, "there is no angle at point", " (%s)", bat_status_name(status));
     }
     return BAT_OK;
+}
+
+static int compare_directions(const void *left, const void *right)
+{
+    const edge_direction *a = left, *b = right;
+    return a->angle != b->angle ? (a->angle < b->angle ? -1 : 1) : (a->edge > b->edge) - (a->edge < b->edge);
+}
+
+/// Find the directions of all edges modulo a right angle, sorted.
+static void find_directions(corner_search *search)
+{
+    double direction = 0;
+    for (size_t j = 0; j < search->edges; j++)
+    {
+        direction += j > 0 ? search->turns[j] : 0;
+        double angle = direction - RIGHT * floor(direction / RIGHT);
+        search->directions[j] = (edge_direction){angle, search->lengths[j], j};
+    }
+    qsort(search->directions, search->edges, sizeof *search->directions, compare_directions);
+}
+
+/// Whether `found` of `count` edges within a width are more than chance gives (Chernoff's bound, for each edge as the
+/// first).
+static bool is_significant(size_t found, size_t count, double width)
+{
+    double n = (double)count - 1, share = n > 0 ? ((double)found - 1) / n : 0, expected = width * DEGREE / RIGHT;
+    if (found < MIN_SQUARE_EDGES || share <= expected)
+        return false;
+    double others = share < 1 ? (1 - share) * log((1 - share) / (1 - expected)) : 0;
+    return n * (share * log(share / expected) + others) >= log((double)count / CHANCE);
+}
+
+/// Mark the edges that are at right angles to each other. Returns their share of the length, or 0 where chance gives as
+/// many.
+static double find_aligned(corner_search *search, double width)
+{
+    const edge_direction *sorted = search->directions;
+    size_t n = search->edges, begin = 0, found = 0;
+    double whole = 0, sum = 0, most = 0;
+    for (size_t first = 0, end = 0; first < n; first++)
+    {
+        for (; end < first + n && sorted[end % n].angle + (end >= n ? RIGHT : 0) - sorted[first].angle <= width * DEGREE;
+             end++)
+            sum += sorted[end % n].length;
+        if (sum > most)
+        {
+            most = sum;
+            begin = first;
+            found = end - first;
+        }
+        whole += sorted[first].length;
+        sum -= sorted[first].length;
+    }
+    if (!is_significant(found, n, width))
+        return 0;
+    memset(search->aligned, 0, n);
+    for (size_t k = begin; k < begin + found; k++)
+        search->aligned[sorted[k % n].edge] = 1;
+    return most / whole;
+}
+
+/// The edge before or after a vertex by `step` edges.
+static size_t edge_at(const corner_search *search, size_t vertex, ptrdiff_t step)
+{
+    size_t n = search->edges;
+    return (size_t)(((ptrdiff_t)vertex + step) % (ptrdiff_t)n + (ptrdiff_t)n) % n;
+}
+
+/// Flag the corners between edges at right angles, those that short edges cut off included.
+static void flag_square(const corner_search *search, bool cut, unsigned char *flags)
+{
+    size_t n = search->count;
+    bool closed = search->curve->closed;
+    for (size_t i = closed ? 0 : 1; i < (closed ? n : n - 1); i++)
+    {
+        if (!search->aligned[edge_at(search, i, -1)])
+            continue;
+        size_t edges = 0; // not at right angles
+        while (edges <= MAX_CUT_EDGES && (closed || i + edges < search->edges) &&
+               !search->aligned[edge_at(search, i, (ptrdiff_t)edges)])
+            edges++;
+        if (edges > (cut ? MAX_CUT_EDGES : 0) || (!closed && i + edges >= search->edges))
+            continue;
+        for (size_t k = 0; k <= edges; k++)
+            if (edges > 0 || fabs(search->turns[i]) > MIN_CORNER * DEGREE)
+                flags[(i + k) % n] = 1;
+    }
+}
+
+static bool is_right(double turn)
+{
+    return fabs(fabs(turn) - RIGHT) <= PAIR_WIDTH * DEGREE;
+}
+
+/// Whether a straight run ends at a vertex.
+static bool ends_run(const corner_search *search, size_t i)
+{
+    size_t n = search->count;
+    for (int side = -1; side <= 1; side += 2)
+    {
+        double most = 0;
+        bool whole = search->curve->closed ? n > RUN_VERTICES + 1 : side < 0 ? i > RUN_VERTICES : i + RUN_VERTICES + 1 < n;
+        for (size_t k = 1; k <= RUN_VERTICES && whole; k++)
+            most = fmax(most, fabs(search->turns[(side < 0 ? i + n - k : i + k) % n]));
+        if (whole && most <= RUN_TURN * DEGREE)
+            return true;
+    }
+    return false;
+}
+
+static void flag_found(corner_search *search, unsigned char *flags)
+{
+    size_t n = search->count;
+    const double *turns = search->turns;
+    for (size_t i = 0; i < n; i++)
+    {
+        bool pair = is_right(turns[i]) && (is_right(turns[(i + 1) % n]) || is_right(turns[(i + n - 1) % n]));
+        bool back = fabs(turns[i]) > (CORNER_ANGLE_LIMIT - PAIR_WIDTH * DEGREE);
+        if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && ends_run(search, i)))
+            flags[i] = 1;
+    }
+    if (bat_curve_exterior_angles(search->curve, search->turns, NULL) != BAT_OK)
+        return;
+    bat_curve_edge_lengths(search->curve, search->lengths);
+    find_directions(search);
+    for (size_t w = 0; w < sizeof WIDTHS / sizeof *WIDTHS; w++)
+    {
+        double share = find_aligned(search, WIDTHS[w]);
+        if (share >= MIN_SHARE)
+            flag_square(search, share >= SQUARE_SHARE, flags);
+    }
+}
+
+bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *options, unsigned char *flags, size_t *count,
+                        bat_error *error)
+{
+    size_t n = curve->count;
+    corner_search search = {.curve = curve, .count = n, .edges = polygon_edges(n, curve->closed)};
+    bool searched = options->find_corners && corners_stay(options), turned = options->corner_angle > 0 || searched;
+    search.turns = turned ? memory_array(n, sizeof *search.turns) : NULL;
+    search.lengths = searched ? memory_array(n, sizeof *search.lengths) : NULL;
+    search.directions = searched ? memory_array(n, sizeof *search.directions) : NULL;
+    search.aligned = searched ? memory_array(n, 1) : NULL;
+    bat_status status = BAT_OK;
+    if ((turned && search.turns == NULL) ||
+        (searched && (search.lengths == NULL || search.directions == NULL || search.aligned == NULL)))
+        status = error_memory(error, n * sizeof *search.directions);
+    if (status == BAT_OK && turned)
+        status = find_turns(curve, search.turns, error);
+    for (size_t i = 0; i < n; i++)
+        flags[i] = (curve->corners != NULL && curve->corners[i] != 0) ||
+                   (status == BAT_OK && options->corner_angle > 0 && search.turns[i] > options->corner_angle);
+    if (status == BAT_OK && searched)
+        flag_found(&search, flags);
+    *count = 0;
+    for (size_t i = 0; i < n; i++)
+        *count += flags[i];
+    free(search.turns);
+    free(search.lengths);
+    free(search.directions);
+    free(search.aligned);
+    return status;
 }

@@ -141,6 +141,11 @@ static size_t line_of_curve(const bat_curve_attributes *attributes, size_t curve
     return remainder->content != NULL ? remainder->line(remainder->content, curve) : 0;
 }
 
+bool bat_curve_set_has_features(const bat_curve_set *set)
+{
+    return set->attributes != NULL && set->attributes->remainder.content != NULL;
+}
+
 size_t bat_curve_set_line(const bat_curve_set *set, size_t curve, size_t point)
 {
     if (curve >= set->count || point >= set->curves[curve].count)

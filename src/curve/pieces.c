@@ -60,7 +60,8 @@ typedef struct pieces
 
 bool pieces_wanted(const bat_curve *coarse, const bat_curve_refine_options *options)
 {
-    return coarse->corners != NULL || (options != NULL && (options->corner_angle > 0 || stop_wanted(options)));
+    return coarse->corners != NULL ||
+           (options != NULL && (options->corner_angle > 0 || options->find_corners || stop_wanted(options)));
 }
 
 static void pieces_free(pieces *all)
@@ -153,12 +154,11 @@ static bat_status check_scheme(const pieces *all, bat_error *error)
     bool is_cut = all->count > 1 || all->list[0].cut[0] || all->list[0].cut[1];
     if (is_cut && options->ends == BAT_CURVE_END_RULE_FREE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "corners do not go with free ends; choose another rule");
-    bool stays = options->ends <= BAT_CURVE_END_RULE_REFLECT && mask_is_symmetric(&options->scheme.mask);
-    if (is_cut && !all->keeps_points && !stays)
+    if (is_cut && !corners_stay(options))
         return error_set(
             error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
             "corners stay only by a scheme that keeps its points, or by a symmetric mask with ends by reflection");
-    return all->stops ? stop_check(&all->plan, error) : BAT_OK;
+    return all->stops ? stop_check(&all->plan.options, error) : BAT_OK;
 }
 
 /// Work on one piece.
@@ -284,11 +284,20 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
                               pieces *all, bat_error *error)
 {
     bat_curve_refine_options whole = options != NULL ? *options : bat_curve_refine_defaults();
-    *all = (pieces){.coarse = *coarse, .stops = stop_wanted(&whole), .vertices = coarse->count};
-    whole.levels = all->stops ? 0 : whole.levels;
+    *all = (pieces){.coarse = *coarse, .vertices = coarse->count};
+    size_t levels = whole.levels;
+    whole.levels = stop_wanted(&whole) ? 0 : levels;
     bat_status status = refine_plan_make(coarse, &whole, &all->plan, error);
+    if (status == BAT_OK && whole.relative_tolerance > 0)
+    {
+        whole = all->plan.options;
+        status = stop_resolve(coarse, 1, &whole, error);
+        whole.levels = stop_wanted(&whole) ? 0 : levels;
+        status = status == BAT_OK ? refine_plan_make(coarse, &whole, &all->plan, error) : status;
+    }
     if (status != BAT_OK)
         return status;
+    all->stops = stop_wanted(&whole);
     const bat_curve_scheme *scheme = &all->plan.options.scheme;
     all->keeps_points = scheme_keeps_points(scheme);
     all->edges = polygon_edges(coarse->count, coarse->closed);
@@ -297,7 +306,7 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
     if (all->corners == NULL || all->levels == NULL)
         return error_memory(error, coarse->count);
     memset(all->levels, (int)whole.levels, all->edges);
-    status = corners_find(coarse, whole.corner_angle, all->corners, &all->corner_count, error);
+    status = corners_find(coarse, &all->plan.options, all->corners, &all->corner_count, error);
     if (status == BAT_OK)
         status = cut(all, coarse, error);
     if (status == BAT_OK)
@@ -532,6 +541,7 @@ static bat_status pieces_run(pieces *all, const bat_curve *coarse, double *point
     if (status != BAT_OK)
         return status;
     report.corners = all->corner_count;
+    report.stopped = all->stops;
     report.min_levels = least;
     report.max_levels = most;
     if (options.report != NULL)
@@ -587,7 +597,7 @@ static bat_status result_make(const pieces *all, const bat_curve *coarse, bat_cu
     result->points = memory_array(all->rows, row);
     if (coarse->channel_count > 0)
         result->channels = memory_array(all->rows, coarse->channel_count * sizeof(double));
-    bool flagged = coarse->corners != NULL || all->plan.options.corner_angle > 0;
+    bool flagged = corners_wanted(coarse, &all->plan.options);
     if (flagged)
         result->corners = memory_array(all->rows, 1);
     *starts = memory_array(all->edges + 1, sizeof **starts);

@@ -34,6 +34,7 @@ static bat_status curve_refine_options_check(const void *opaque, bat_error *erro
         OPTION_FIELD(bat_curve_refine_options, corner_angle, OPTION_NUMBER, 0, CORNER_ANGLE_LIMIT),
         OPTION_FIELD(bat_curve_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_curve_refine_options, relative_tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
         OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
     };

@@ -14,6 +14,9 @@
 bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
                             double *channels, bat_error *error);
 
+/// Add the report of a curve to that of all, whose min_levels begins with SIZE_MAX. The result does not depend on the order.
+void refine_report_add(bat_curve_refine_report *sum, const bat_curve_refine_report *one);
+
 /// A polygon with the points that its end rule adds, from which any run of points of any level is computed.
 typedef struct refine_source
 {

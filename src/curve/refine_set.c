@@ -4,7 +4,7 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
-#include "curve/plan.h"
+#include "curve/refine.h"
 
 enum
 {
@@ -12,8 +12,7 @@ enum
     MANY = 4
 };
 
-/// Add a curve's report to that of all. The result does not depend on the order.
-static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_report *one)
+void refine_report_add(bat_curve_refine_report *sum, const bat_curve_refine_report *one)
 {
 #pragma omp critical(refine_report)
     {
@@ -24,6 +23,7 @@ static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_repo
         sum->drawn_back += one->drawn_back;
         sum->straight += one->straight;
         sum->left_crossing += one->left_crossing;
+        sum->stopped += one->stopped;
         sum->corners += one->corners;
         sum->min_levels = one->min_levels < sum->min_levels ? one->min_levels : sum->min_levels;
         sum->max_levels = one->max_levels > sum->max_levels ? one->max_levels : sum->max_levels;
@@ -46,7 +46,7 @@ static void refine_many(const bat_curve *coarse, const bat_curve_refine_options 
         how.progress = (bat_progress){0};
         how.report = &one;
         bat_status status = error_curve(&error, bat_curve_refine(&coarse[i], &how, &fine[i], &error), i);
-        add_report(report, &one);
+        refine_report_add(report, &one);
         shared_work_finish(work, i, status, &error);
     }
 }
@@ -64,7 +64,7 @@ static bat_status refine_few(const bat_curve *coarse, size_t count, const bat_cu
         how.progress = progress_of_part(&part);
         how.report = &one;
         status = error_curve(error, bat_curve_refine(&coarse[i], &how, &fine[i], error), i);
-        add_report(report, &one);
+        refine_report_add(report, &one);
     }
     return status;
 }

@@ -6,6 +6,8 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
+#include "batten/curve_measure.h"
+#include "curve/polygon.h"
 #include "space/builtin.h"
 
 #include <limits.h>
@@ -31,9 +33,9 @@ _Static_assert(WINDOW >= 1 << (MAX_TESTED + STOP_LOOKAHEAD), "a window holds who
 /// Deviations of later levels decay at most and at least by these ratios.
 static const double MIN_RATIO = 0.25, MAX_RATIO = 0.75;
 
-bat_status stop_check(const refine_plan *plan, bat_error *error)
+bat_status stop_check(const bat_curve_refine_options *options, bat_error *error)
 {
-    const bat_curve_scheme *scheme = &plan->options.scheme;
+    const bat_curve_scheme *scheme = &options->scheme;
     const char *fault = NULL;
     bool keeps = scheme_keeps_points(scheme);
     bool odd = mask_trimmed(&scheme->mask).count % 2 == 1 && mask_is_symmetric(&scheme->mask);
@@ -42,17 +44,52 @@ bat_status stop_check(const refine_plan *plan, bat_error *error)
     else if (!scheme_goes_by_levels(scheme))
         fault = "a spline, which has no levels; choose a scheme that keeps the points, such as "
                 "four-point:parameters=centripetal, or give a number of levels";
-    else if (plan->options.ends == BAT_CURVE_END_RULE_FREE)
+    else if (options->ends == BAT_CURVE_END_RULE_FREE)
         fault = "free ends; choose another rule for the ends";
     else if (!keeps && !scheme_kind_of(scheme)->linear)
         fault = "a scheme that moves points; choose one that keeps them, such as log-exp-4, or give a number of levels";
-    else if (!keeps && !(odd && plan->options.snap))
+    else if (!keeps && !(odd && options->snap))
         fault = odd ? "a scheme that moves points, unless they are moved onto its limit curve (snap)"
                     : "a scheme that moves points, unless its mask is symmetric and of odd length; choose another, such as "
                       "lane-riesenfeld:order=3, and move points onto its limit curve (snap)";
     return fault == NULL
                ? BAT_OK
                : error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "max_edge and tolerance do not go with %s", fault);
+}
+
+/// The median length of the edges of curves; 0 without edges.
+static bat_status median_edge(const bat_curve *curves, size_t count, double *median, bat_error *error)
+{
+    size_t total = 0, edges = 0;
+    for (size_t i = 0; i < count; i++)
+        total += curves[i].count;
+    double *lengths = memory_array(total + 1, sizeof *lengths);
+    if (lengths == NULL)
+        return error_memory(error, total * sizeof *lengths);
+    for (size_t i = 0; i < count; i++)
+    {
+        bat_curve_edge_lengths(&curves[i], lengths + edges);
+        edges += polygon_edges(curves[i].count, curves[i].closed);
+    }
+    bat_curve_summary summary = {0};
+    bat_status status = edges > 0 ? bat_curve_summarize(lengths, edges, &summary, error) : BAT_OK;
+    *median = summary.median;
+    free(lengths);
+    return status;
+}
+
+bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_options *options, bat_error *error)
+{
+    double share = options->relative_tolerance, median = 0;
+    bat_status status = BAT_OK;
+    options->relative_tolerance = 0;
+    if (!(share > 0) || count == 0 || stop_check(options, NULL) != BAT_OK)
+        return BAT_OK;
+    status = median_edge(curves, count, &median, error);
+    double tolerance = share * median;
+    if (status == BAT_OK && tolerance > 0 && !(options->tolerance > 0 && options->tolerance < tolerance))
+        options->tolerance = tolerance;
+    return status;
 }
 
 size_t stop_deepest(const bat_curve_refine_options *options, size_t edges)

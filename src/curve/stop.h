@@ -15,16 +15,19 @@ enum
     STOP_LOOKAHEAD = 2
 };
 
-/// Whether options have a stop.
+/// Whether options have a stop, if the scheme can be stopped.
 static inline bool stop_wanted(const bat_curve_refine_options *options)
 {
-    return options->max_edge > 0 || options->tolerance > 0;
+    return options->max_edge > 0 || options->tolerance > 0 || options->relative_tolerance > 0;
 }
 
 /// Whether a checked scheme can be stopped: the points of an edge at one level are among those of the next, and all lie on
 /// the limit curve.
 /// @return BAT_OK, or BAT_UNSUPPORTED with the way out
-bat_status stop_check(const refine_plan *plan, bat_error *error);
+bat_status stop_check(const bat_curve_refine_options *options, bat_error *error);
+/// Replace relative_tolerance by the tolerance that it means for these curves, or by none.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_options *options, bat_error *error);
 /// The failure of an edge that needs more levels than are allowed.
 /// @return BAT_TOO_LARGE
 bat_status stop_needs_more(size_t edge, size_t most, bat_error *error);

@@ -460,6 +460,85 @@ static void failures_name_the_vertex_of_the_whole(void **state)
     }
 }
 
+/// How many corners are found in a polygon of the plane.
+static size_t corners_found(double *points, size_t count, bool closed, const char *scheme)
+{
+    bat_space plane = bat_euclidean(2);
+    bat_curve curve = {.space = &plane, .points = points, .count = count, .closed = closed};
+    bat_curve_refine_options how = options(scheme, 2);
+    bat_curve_refine_report report;
+    how.find_corners = true;
+    how.report = &report;
+    bat_curve fine = refined(&curve, &how);
+    bat_curve_free(&fine);
+    return report.corners;
+}
+
+/// Turn points of the plane by an angle about the origin.
+static void turn_points(double *points, size_t count, double angle)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        double x = points[2 * i], y = points[2 * i + 1];
+        points[2 * i] = cos(angle) * x - sin(angle) * y;
+        points[2 * i + 1] = sin(angle) * x + cos(angle) * y;
+    }
+}
+
+static void right_angles_are_found(void **state)
+{
+    (void)state;
+    double square[] = {0, 0, 1, 0, 1, 1, 0, 1}, ell[] = {0, 0, 3, 0, 3, 1, 1, 1, 1, 2, 0, 2};
+    // A short edge cuts off one corner, and a point lies within a side.
+    double cut[] = {0, 0, 1, 0, 3, 0, 4, 0, 4, 2, 3.8, 2.2, 0, 2.2};
+    for (int i = 0; i < 3; i++)
+    {
+        assert_int_equal(corners_found(square, 4, true, "learned"), 4);
+        assert_int_equal(corners_found(ell, 6, true, "learned"), 6);
+        assert_int_equal(corners_found(cut, 7, true, "learned"), 5);
+        assert_int_equal(corners_found(square, 4, false, "learned"), 2);
+        turn_points(square, 4, 0.7);
+        turn_points(ell, 6, 0.7);
+        turn_points(cut, 7, 0.7);
+    }
+}
+
+static void round_curves_have_no_corners(void **state)
+{
+    (void)state;
+    double points[2 * 40], kite[] = {0, 0, 2, -1, 3, 1, 0, 2};
+    for (size_t count = 5; count <= 40; count++)
+    {
+        for (size_t i = 0; i < count; i++)
+        {
+            double t = 2 * PI * (double)i / (double)count;
+            points[2 * i] = 3 * cos(t);
+            points[2 * i + 1] = 2 * sin(t);
+        }
+        assert_int_equal(corners_found(points, count, true, "learned"), 0);
+    }
+    assert_int_equal(corners_found(kite, 4, true, "learned"), 0);
+}
+
+static void straight_runs_end_in_corners(void **state)
+{
+    (void)state;
+    double bent[] = {0, 0, 1, 0, 2, 0, 3, 0, 4, 1, 5, 1.5, 6, 1.2};
+    double smooth[] = {0, 0, 1, 0, 2, 0, 3, 0, 4, 0.2, 5, 0.7, 6, 1.5};
+    double back[] = {0, 0, 2, 0.5, 4, 0, 2, 0.5, 1, 3};
+    assert_int_equal(corners_found(bent, 7, false, "learned"), 1);
+    assert_int_equal(corners_found(smooth, 7, false, "learned"), 0);
+    assert_int_equal(corners_found(back, 5, false, "learned"), 1);
+}
+
+static void schemes_that_move_corners_have_none(void **state)
+{
+    (void)state;
+    double square[] = {0, 0, 1, 0, 1, 1, 0, 1};
+    assert_int_equal(corners_found(square, 4, true, "corner-cutting:r=0.2,s=0.7"), 0);
+    assert_int_equal(corners_found(square, 4, true, "chaikin"), 4);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -474,6 +553,10 @@ int main(void)
         cmocka_unit_test(straight_runs_stay_straight),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(failures_name_the_vertex_of_the_whole),
+        cmocka_unit_test(right_angles_are_found),
+        cmocka_unit_test(round_curves_have_no_corners),
+        cmocka_unit_test(straight_runs_end_in_corners),
+        cmocka_unit_test(schemes_that_move_corners_have_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

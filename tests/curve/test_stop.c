@@ -447,6 +447,50 @@ static void nothing_needed_is_nothing_done(void **state)
     bat_curve_free(&fine);
 }
 
+static void a_relative_tolerance_is_in_median_edges(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    double points[] = {0, 0, 1, 0, 3, 1, 3, 4, 0, 3}; // edges of 1, sqrt(5), 3, sqrt(10), 3
+    bat_curve ring = {.space = &plane, .points = points, .count = 5, .closed = true};
+    bat_curve_refine_options how = options("log-exp-4", 5);
+    bat_curve_refine_report report;
+    how.report = &report;
+    how.tolerance = 0.02 * 3;
+    bat_curve fine = refined(&ring, &how);
+    assert_int_equal(report.stopped, 1);
+    how.tolerance = 0;
+    how.relative_tolerance = 0.02;
+    bat_curve same = refined(&ring, &how);
+    assert_int_equal(same.count, fine.count);
+    assert_memory_equal(same.points, fine.points, 2 * fine.count * sizeof *fine.points);
+    assert_int_equal(report.stopped, 1);
+    bat_curve_free(&same);
+    bat_curve_free(&fine);
+    // A scheme that cannot be stopped goes by its levels.
+    how.scheme = options("chaikin", 5).scheme;
+    fine = refined(&ring, &how);
+    assert_int_equal(fine.count, 5 * 32);
+    assert_int_equal(report.stopped, 0);
+    bat_curve_free(&fine);
+}
+
+static void straight_edges_are_counted(void **state)
+{
+    (void)state;
+    bat_space plane = bat_euclidean(2);
+    double points[] = {0, 0, 1, 0, 2, 0, 3, 0, 4, 1, 5, 3};
+    bat_curve line = {.space = &plane, .points = points, .count = 6};
+    bat_curve_refine_options how = options("angle-6:turns=1", 3);
+    bat_curve fine = refined(&line, &how);
+    assert_int_equal(bat_curve_straight_edges(&line, &fine), 2);
+    bat_curve_free(&fine);
+    how.corner_angle = 0.1;
+    fine = refined(&line, &how);
+    assert_int_equal(bat_curve_straight_edges(&line, &fine), 5);
+    bat_curve_free(&fine);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -458,6 +502,8 @@ int main(void)
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(rings_stay_simple),
         cmocka_unit_test(nothing_needed_is_nothing_done),
+        cmocka_unit_test(a_relative_tolerance_is_in_median_edges),
+        cmocka_unit_test(straight_edges_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

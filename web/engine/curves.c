@@ -78,6 +78,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
     engine_set(json, "drawn_back", engine_size(map ? report.drawn_back : curves->drawn_back));
     engine_set(json, "straight", engine_size(curves->straight));
     engine_set(json, "left_crossing", engine_size(curves->left_crossing));
+    engine_set(json, "stopped", engine_size(curves->stopped));
     engine_set(json, "corners", engine_size(curves->corners));
     engine_set(json, "min_levels", engine_size(curves->min_levels));
     engine_set(json, "max_levels", engine_size(curves->max_levels));

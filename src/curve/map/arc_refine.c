@@ -9,6 +9,7 @@
 #include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
+#include "curve/stop.h"
 #include "curve/topology/draw_back.h"
 
 #include <math.h>
@@ -183,14 +184,10 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
         most = report.max_levels > most ? report.max_levels : most;
         shared_work_finish(&work, i, status, &failure);
     }
+    job->report->curves.stopped = next->count;
     job->report->curves.min_levels = least == SIZE_MAX ? 0 : least;
     job->report->curves.max_levels = most;
     return shared_work_end(&work, error);
-}
-
-static bool has_stops(const bat_curve_refine_options *options)
-{
-    return options->max_edge > 0 || options->tolerance > 0;
 }
 
 static bool keeps_points(const bat_curve_refine_options *options)
@@ -201,7 +198,7 @@ static bool keeps_points(const bat_curve_refine_options *options)
 /// Whether the levels are computed and tested one after the other. Splines are not made level by level.
 static bool goes_by_levels(const arc_job *job)
 {
-    return job->chart != NULL && !has_stops(job->options) && keeps_points(job->options) &&
+    return job->chart != NULL && !stop_wanted(job->options) && keeps_points(job->options) &&
            scheme_goes_by_levels(&job->options->scheme);
 }
 
@@ -338,7 +335,7 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, ba
     if (next.arcs == NULL)
         return error_memory(error, count * sizeof *next.arcs);
     bat_status status;
-    if (has_stops(how))
+    if (stop_wanted(how))
         status = refine_pieces(job, &one, &next, error);
     else
         status = bat_curves_refine(arcs_of(job), count, &one, next.arcs, error);
@@ -368,7 +365,8 @@ static bat_status run_steps(arc_job *job, bat_error *error)
     bat_curve_refine_options how = *job->options;
     how.simple = BAT_CURVE_SIMPLE_NEVER;
     how.corner_angle = 0;
-    if (!has_stops(&how))
+    how.find_corners = false;
+    if (!stop_wanted(&how))
         job->report->curves.min_levels = job->report->curves.max_levels = how.levels;
     if (!goes_by_levels(job) || how.levels == 0)
         return run_step(job, &how, error);
@@ -395,7 +393,8 @@ static bat_status check_room(const arc_job *job, bat_error *error)
     for (size_t i = 1; i < job->graph->arc_count; i++)
         longest = job->graph->arcs[i].count > job->graph->arcs[longest].count ? i : longest;
     how.corner_angle = 0;
-    if (job->graph->arc_count > 0 && !has_stops(&how))
+    how.find_corners = false;
+    if (job->graph->arc_count > 0 && !stop_wanted(&how))
         status = bat_curve_refined_count(&job->graph->arcs[longest], &how, &count, error);
     return error_curve(error, status, longest);
 }

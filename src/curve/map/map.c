@@ -13,6 +13,7 @@
 #include "curve/map/snap.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
+#include "curve/stop.h"
 #include "space/degrees.h"
 
 #include <stdlib.h>
@@ -89,14 +90,14 @@ static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
     job->corners[curve] = memory_array(given->count, 1);
     if (job->corners[curve] == NULL)
         return error_memory(error, given->count);
-    return corners_find(given, job->refine.corner_angle, job->corners[curve], &count, error);
+    return corners_find(given, &job->refine, job->corners[curve], &count, error);
 }
 
 static bat_status find_all_corners(map_job *job, bat_error *error)
 {
-    bool has_corners = job->refine.corner_angle > 0;
+    bool has_corners = false;
     for (size_t i = 0; i < job->count; i++)
-        has_corners |= job->curves[i].corners != NULL;
+        has_corners |= corners_wanted(&job->curves[i], &job->refine);
     if (!has_corners)
         return BAT_OK;
     job->corners = calloc(job->count, sizeof *job->corners);
@@ -199,6 +200,7 @@ static bat_status refine_channels(const map_job *job, size_t curve, size_t begin
     bat_curve_refine_options how = job->refine;
     how.simple = BAT_CURVE_SIMPLE_NEVER;
     how.corner_angle = 0;
+    how.find_corners = false;
     how.progress = (bat_progress){0};
     how.threads = 1;
     how.report = NULL;
@@ -310,6 +312,9 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     bat_status status = prepare(job, has_chart ? &chart : NULL, options->snap_tolerance, error);
     if (status != BAT_OK)
         return status;
+    status = stop_resolve(job->curves, job->count, &job->refine, error);
+    if (status != BAT_OK)
+        return status;
     status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &job->fine, error);
     if (status != BAT_OK)
     {
@@ -334,8 +339,7 @@ static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options 
     map_chart chart;
     if (options->topology == BAT_CURVE_MAP_TOPOLOGY_ALWAYS)
         return true;
-    bool features = set->attributes != NULL && set->attributes->remainder.content != NULL;
-    return options->topology <= BAT_CURVE_MAP_TOPOLOGY_FEATURES && features && set->count > 0 &&
+    return options->topology <= BAT_CURVE_MAP_TOPOLOGY_FEATURES && bat_curve_set_has_features(set) && set->count > 0 &&
            chart_of_space(set->space, options->decimals, &chart);
 }
 

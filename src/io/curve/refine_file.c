@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "curve/curve_attributes.h"
+#include "curve/refine.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 #include "io/gis/gis.h"
@@ -184,25 +185,6 @@ static size_t count_points(const bat_curve_set *set)
     return count;
 }
 
-static void add_report(bat_curve_refine_report *sum, const bat_curve_refine_report *part, bool first)
-{
-    bat_curve_refine_report total = {.checked = sum->checked + part->checked,
-                                     .given_crossing = sum->given_crossing + part->given_crossing,
-                                     .crossing = sum->crossing + part->crossing,
-                                     .crossings = sum->crossings + part->crossings,
-                                     .drawn_back = sum->drawn_back + part->drawn_back,
-                                     .straight = sum->straight + part->straight,
-                                     .left_crossing = sum->left_crossing + part->left_crossing,
-                                     .corners = sum->corners + part->corners,
-                                     .min_levels = sum->min_levels,
-                                     .max_levels = sum->max_levels};
-    if (first || part->min_levels < total.min_levels)
-        total.min_levels = part->min_levels;
-    if (part->max_levels > total.max_levels)
-        total.max_levels = part->max_levels;
-    *sum = total;
-}
-
 /// Put the feature, with its id, before the text of an error about a curve.
 static bat_status fail_in_feature(const bat_curve_set *set, size_t curve, size_t before, bat_error *error)
 {
@@ -248,7 +230,11 @@ static bat_status refine_set(file_job *job, const bat_curve_set *coarse, bat_pro
         return status;
     }
     if (coarse->count > 0)
-        add_report(&job->done, &done, job->report.curves == 0);
+    {
+        if (job->report.curves == 0)
+            job->done.min_levels = SIZE_MAX;
+        refine_report_add(&job->done, &done);
+    }
     job->report.curves += coarse->count;
     job->report.coarse_points += count_points(coarse);
     job->report.fine_points += count_points(fine);

@@ -1,0 +1,31 @@
+#include "batten/curve_measure.h"
+
+#include <string.h>
+
+/// By how much the way over a point may be longer than a straight edge, relative to it. A point in the middle is then within
+/// 1/1400 of the edge's length.
+static const double MAX_EXCESS = 1e-6;
+
+size_t bat_curve_straight_edges(const bat_curve *coarse, const bat_curve *fine)
+{
+    const bat_space *space = coarse->space;
+    size_t dim = space->point_dim, edges = coarse->closed ? coarse->count : coarse->count - 1, straight = 0, row = 0;
+    for (size_t j = 0; j < edges; j++)
+    {
+        const double *p = coarse->points + j * dim, *q = coarse->points + (j + 1) % coarse->count * dim;
+        double length = space->distance(space, p, q);
+        bool is_straight = true;
+        size_t at = row + 1;
+        for (; at < fine->count && memcmp(fine->points + at * dim, q, dim * sizeof *q) != 0; at++)
+        {
+            const double *x = fine->points + at * dim;
+            is_straight =
+                is_straight && space->distance(space, p, x) + space->distance(space, x, q) <= length * (1 + MAX_EXCESS);
+        }
+        if (at == fine->count && !(coarse->closed && j + 1 == edges))
+            return straight; // points were moved
+        straight += is_straight;
+        row = at;
+    }
+    return straight;
+}
