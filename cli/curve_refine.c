@@ -466,9 +466,8 @@ static json_t *report_simple(const bat_curve_refine_report *simple, bool as_json
         "refined\n]"
         "[kept?kept simple: {kept} of {checked} curves crossed themselves; the new points of {drawn_back} edges were drawn "
         "back\n]"
-        "[left_crossing?crossing: {left_crossing} of {checked} refined curves cross themselves; the scheme does not keep "
-        "the "
-        "given points\n]",
+        "[left_crossing?crossing: {left_crossing} of {checked} refined curves cross themselves: the scheme moves "
+        "given points, or given edges overlap\n]",
         "checked:z given_crossing:z crossing:z crossings:z drawn_back:z straight:z left_crossing:z -kept:z", simple->checked,
         simple->given_crossing, simple->crossing, simple->crossings, simple->drawn_back, simple->straight,
         simple->left_crossing,

@@ -80,7 +80,8 @@ typedef struct bat_curve_refine_report
     size_t crossings;      ///< pairs of their refined edges that did
     size_t drawn_back;     ///< edges of the given polygons whose new points were drawn back
     size_t straight;       ///< of these, edges that became straight
-    size_t left_crossing;  ///< curves that still cross themselves, of schemes that do not keep the given points
+    size_t left_crossing;  ///< curves that still cross themselves: of schemes that do not keep the given points, or because
+                           ///< given edges come so near to each other that rounding makes their new points cross
     size_t stopped;        ///< curves refined up to a stop in place of a number of levels
     size_t corners;        ///< vertices at which curves were cut, and flagged ends of open curves
     size_t min_levels;     ///< the fewest levels of a coarse edge; without stops, `levels`
@@ -153,9 +154,10 @@ BAT_API bat_status bat_curve_refined_count(const bat_curve *coarse, const bat_cu
 ///                release it with bat_curve_free()
 /// @param error   receives what went wrong and at which point; may be null. BAT_TOO_LARGE names the first edge that needs
 ///                more than max_levels
-/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT (also where edges of a simple polygon come so near to each other
-///         that rounding makes their new points cross), BAT_CUT_LOCUS, BAT_UNSUPPORTED, BAT_TOO_LARGE, BAT_NO_MEMORY or
-///         BAT_CANCELLED; `fine` is untouched on failure
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT (with BAT_CURVE_SIMPLE_ALWAYS also where edges of a simple
+/// polygon
+///         come so near to each other that rounding makes their new points cross), BAT_CUT_LOCUS, BAT_UNSUPPORTED,
+///         BAT_TOO_LARGE, BAT_NO_MEMORY or BAT_CANCELLED; `fine` is untouched on failure
 BAT_API bat_status bat_curve_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
                                     bat_error *error);
 

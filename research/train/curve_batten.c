@@ -47,7 +47,7 @@ static const struct
     curve_loss_weights weights;
 } PHASES[] = {
     {0, {.min_roughness = 0.005, .max_roughness = 5, .angle = 1, .hinge = 1}},
-    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1.5, .hinge = 2}},
+    {0.5, {.min_roughness = 0.005, .max_roughness = 8, .angle = 1.5, .hinge = 3}},
 };
 
 /// Mean distances that a good rule reaches on the smooth families.
@@ -216,13 +216,16 @@ static tension_sample draw_rough_sample(bat_tension_space space, bat_random *ran
         CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_UNEVEN,
-        CURVE_SAMPLING_UNEVEN,
         CURVE_SAMPLING_TIME,
         CURVE_SAMPLING_CURVATURE,
         CURVE_SAMPLING_VISVALINGAM,
         CURVE_SAMPLING_VISVALINGAM,
         CURVE_SAMPLING_VISVALINGAM,
         CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_VISVALINGAM,
+        CURVE_SAMPLING_DOUGLAS_PEUCKER,
         CURVE_SAMPLING_DOUGLAS_PEUCKER,
         CURVE_SAMPLING_DOUGLAS_PEUCKER,
         CURVE_SAMPLING_DOUGLAS_PEUCKER,

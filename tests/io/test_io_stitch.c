@@ -347,6 +347,22 @@ static void a_line_comes_back_point_for_point(void **state)
     }
 }
 
+static void lines_of_one_point_are_dropped_and_counted(void **state)
+{
+    (void)state;
+    static const char text[] =
+        COLLECTION(FEATURE("1", "{\"type\":\"MultiLineString\",\"coordinates\":[[[7,7]],[[0,0],[1,1]]]}"));
+    assert_curves(text, "lon,lat\n0,0\n1,1\n");
+    assert_note(text, "dropped 1 line or ring with too few different points, the first in feature 0 (id 1), line 0");
+    bat_curve_read_options options = bat_curve_read_defaults();
+    options.format = GEOJSON;
+    options.strict = true;
+    bat_curve_set set = {0};
+    bat_error error = {0};
+    assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, &error), BAT_BAD_FILE);
+    assert_non_null(strstr(error.text, "line 0: a line needs at least 2 positions"));
+}
+
 static void repeated_points_are_dropped_and_counted(void **state)
 {
     (void)state;
@@ -543,6 +559,7 @@ int main(void)
                                        cmocka_unit_test(lines_are_joined),
                                        cmocka_unit_test(what_is_cut_comes_back_point_for_point),
                                        cmocka_unit_test(a_line_comes_back_point_for_point),
+                                       cmocka_unit_test(lines_of_one_point_are_dropped_and_counted),
                                        cmocka_unit_test(repeated_points_are_dropped_and_counted),
                                        cmocka_unit_test(a_curve_is_described_by_its_feature),
                                        cmocka_unit_test(a_crs_chooses_the_space),

@@ -95,15 +95,18 @@ static bool note_pair(void *context, edge_place first, edge_place second)
         job->allowed++;
         return true;
     }
-    job->crossings++;
+    edge_state *edges[2];
     for (int k = 0; k < 2; k++)
     {
-        edge_state *edge = &job->edges[job->first[places[k].curve] + places[k].edge];
-        edge->meets = true;
-        all_straight &= edge->halvings == (job->rules->move != NULL ? COLLAPSED : STRAIGHT);
+        edges[k] = &job->edges[job->first[places[k].curve] + places[k].edge];
+        all_straight &= edges[k]->halvings == (job->rules->move != NULL ? COLLAPSED : STRAIGHT);
     }
     if (all_straight)
         job->stuck = places[0];
+    if (all_straight && job->rules->straight_may_meet)
+        return true;
+    job->crossings++;
+    edges[0]->meets = edges[1]->meets = true;
     return !all_straight;
 }
 
@@ -219,7 +222,7 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
             counts->crossings = job->crossings;
             counts->allowed = job->allowed;
         }
-        if (job->stuck.curve != BAT_NO_INDEX)
+        if (job->stuck.curve != BAT_NO_INDEX && !job->rules->straight_may_meet)
         {
             (void)error_set(error, BAT_INVALID_POINT, job->stuck.edge, 0,
                             "the edge after point %zu comes so near to another one that rounding makes their new points "

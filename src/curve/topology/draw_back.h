@@ -23,7 +23,7 @@ typedef struct draw_back_counts
     size_t crossings; ///< other pairs of refined edges that crossed or touched before, and edges that passed over anchors
     size_t edges;     ///< edges of the polygons whose new points were moved
     size_t straight;  ///< of these, edges that became straight
-    edge_place stuck; ///< on failure, an edge of a polygon that rounding makes meet another one
+    edge_place stuck; ///< an edge of a polygon that rounding makes meet another one; curve BAT_NO_INDEX where there is none
 } draw_back_counts;
 
 /// How new points move.
@@ -45,6 +45,8 @@ typedef struct draw_rules
     /// Whether these edges of polygons may meet after refinement. Null: none
     bool (*may_meet)(void *context, edge_place first, edge_place second);
     void *context;
+    /// Whether straight edges that rounding makes meet are left so, rather than refused.
+    bool straight_may_meet;
     /// Points over which no refined edge may have passed, of curves with two coordinates; null: none
     const anchor_grid *anchors;
     int threads;              ///< 0: as many as OpenMP gives

@@ -89,7 +89,7 @@ bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *
         return only_count(fine, options->simple == BAT_CURVE_SIMPLE_ALWAYS, report, error);
     draw_back_counts counts;
     drawn_curve drawn = {.coarse = coarse, .starts = starts};
-    draw_rules rules = {.pairs = EDGE_PAIRS_SAME_CURVE};
+    draw_rules rules = {.pairs = EDGE_PAIRS_SAME_CURVE, .straight_may_meet = options->simple <= BAT_CURVE_SIMPLE_RINGS};
     status = draw_back(&drawn, fine, 1, &rules, progress, &counts, error);
     if (status != BAT_OK)
         return status;
@@ -97,6 +97,7 @@ bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *
     report->crossings = counts.crossings;
     report->drawn_back = counts.edges;
     report->straight = counts.straight;
+    report->left_crossing = counts.stuck.curve != BAT_NO_INDEX;
     return BAT_OK;
 }
 

@@ -182,7 +182,7 @@ static bat_status read_part(geojson_reader *reader, json_scanner *scan)
             return status;
     }
     reader->place.position = NOWHERE;
-    if (count < fewest)
+    if (count == 0 || (count < fewest && reader->strict)) // else it is dropped when the geometry is complete
         return geojson_fault(reader, "a %s needs at least %zu positions", reader->rings ? "ring" : "line", fewest);
     // Only repetitions were read when a single point is left.
     bool returns = builder_returns(&reader->builder) || reader->builder.point_count == 1;
