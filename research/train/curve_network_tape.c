@@ -4,6 +4,7 @@
 #include "research/learn/klein_layers.h"
 #include "research/learn/operations.h"
 #include "research/learn/parameters.h"
+#include "research/train/learned_features_back.h"
 
 #include <assert.h>
 

@@ -4,6 +4,7 @@
 #include "curve/edge_turns.h"
 #include "curve/network/learned_features.h"
 #include "research/train/geometry_insert.h"
+#include "research/train/learned_features_back.h"
 
 #include <float.h>
 

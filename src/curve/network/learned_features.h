@@ -91,20 +91,10 @@ double learned_angle(learned_edge edge, double correction, double gate);
 /// The insertion angle of the levels after the learned ones: the rule of base, with the turns z_i that are bounded at
 /// corners.
 double learned_later(const double *angles, const double *lengths);
-/// Add the gradients of learned_later() with respect to angles and lengths.
-void learned_later_back(const double *angles, const double *lengths, double gradient, double *angle_gradient,
-                        double *length_gradient);
 /// Compute the features of an edge.
 /// @param angles    angles[i] is that of vertex i, 1 - LEARNED_RANGE <= i <= LEARNED_RANGE; the edge goes from vertex 0 to 1
 /// @param lengths   lengths[i] is that of edge i, -LEARNED_RANGE <= i <= LEARNED_RANGE, positive
 /// @param features  receives the numbers of learned_widths()
 learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting, double *features);
-/// Add the gradients with respect to angles and lengths to arrays that are placed like them. Statistics are of the given
-/// polygon, which has no gradient; they are 0 at later levels.
-/// @param feature_gradient with respect to the features
-/// @param edge_gradient    with respect to the result
-void learned_features_back(const double *angles, const double *lengths, learned_setting setting,
-                           const double *feature_gradient, learned_edge edge_gradient, double *angle_gradient,
-                           double *length_gradient);
 
 #endif
