@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/mesh_decimate.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/shapes/edit_mesh.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "research/data/simplify.h"
 
-#include "linalg/vector2.h"
+#include "linalg/vector.h"
 #include "research/data/wave.h"
 
 #include <assert.h>

@@ -1,9 +1,9 @@
 #include "research/learn/train.h"
 
-#include "base/clock.h"
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "base/threads.h"
 #include "learn/blas.h"
 #include "research/learn/checkpoint.h"

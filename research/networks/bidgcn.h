@@ -2,7 +2,7 @@
 #define RESEARCH_NETWORKS_BIDGCN_H
 
 #include "research/networks/radius_graph.h"
-#include "surface/network/model.h"
+#include "surface/network/chart_network.h"
 
 /// @file
 /// The network of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), sections 2 and 4.1, which maps a cloud

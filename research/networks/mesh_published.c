@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"
-#include "mesh/network/learned_rule.h"
+#include "mesh/network/learned_network.h"
 #include "research/networks/mesh_inference.h"
 
 #include <stdio.h>

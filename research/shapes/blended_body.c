@@ -3,7 +3,7 @@
 
 #include "research/shapes/blended_body.h"
 
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <assert.h>
 #include <math.h>

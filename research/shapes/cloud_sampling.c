@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/data/wave.h"
 
 #include <stdlib.h>

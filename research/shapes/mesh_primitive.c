@@ -1,7 +1,7 @@
 /// @file
 /// Signed-distance primitives in cylindrical coordinates about their axes; see mesh_shape.h.
 
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/shapes/mesh_shape.h"
 
 #include <math.h>

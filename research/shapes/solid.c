@@ -3,7 +3,7 @@
 ///     dx = -G^T (G G^T)^-1 f,   G the gradients of the surfaces, f their values.
 
 #include "research/shapes/solid.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <assert.h>
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/shapes/edit_mesh.h"
 #include "research/shapes/solid.h"
 

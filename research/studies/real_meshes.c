@@ -8,7 +8,7 @@
 #include "base/option.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/studies/folder.h"
 
 #include <math.h>

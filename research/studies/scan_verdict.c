@@ -16,8 +16,8 @@
 #include "base/progress.h"
 #include "batten/mesh_file.h"
 #include "batten/mesh_measure.h"
-#include "io/surface/tessellate.h"
-#include "linalg/vector3.h"
+#include "io/surface/step.h"
+#include "linalg/vector.h"
 
 #include <dirent.h>
 #include <errno.h>

@@ -2,7 +2,7 @@
 
 #include "base/lanes.h"
 #include "research/train/geometry_block.h"
-#include "space/disk.h"
+#include "space/builtin.h"
 
 #include <float.h>
 

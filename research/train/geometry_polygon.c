@@ -2,7 +2,7 @@
 
 #include "base/lanes.h"
 #include "research/train/geometry_block.h"
-#include "space/disk.h"
+#include "space/builtin.h"
 
 // The derivative of angles needs no angle at a vertex, only edges: with arg(p, q) the direction from p to q,
 // the exterior angle is arg(p, after) - arg(p, before) + pi, so that one edge (p, q) contributes

@@ -168,8 +168,8 @@ void learned_later_back(const double *angles, const double *lengths, double grad
     double factor = edge_turns_of(angles - 1, lengths - 2, turns);
     double by_near = gradient * factor * LEARNED_SIX_POINT[0], by_far = gradient * factor * LEARNED_SIX_POINT[1];
     const double by_bounded[EDGE_VERTICES] = {by_far, by_near, by_near, by_far};
-    edge_turns_back(angles - 1, lengths - 2, by_bounded, gradient * learned_six_point(turns), turn_gradient, angle_gradient - 1,
-                    length_gradient - 2);
+    edge_turns_back(angles - 1, lengths - 2, by_bounded, gradient * learned_six_point(turns), turn_gradient,
+                    angle_gradient - 1, length_gradient - 2);
     for (int i = 0; i < EDGE_VERTICES; i++)
         turn_back(angles, lengths, i - 1, turn_gradient[i], angle_gradient, length_gradient);
 }

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/refine/level.h"
 #include "research/learn/parameters.h"
 

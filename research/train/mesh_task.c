@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/mesh_refine.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "research/networks/bidgcn.h"
 #include "research/networks/radius_graph.h"
 #include "research/train/surface_sample.h"
-#include "surface/network/model.h"
+#include "surface/network/chart_network.h"
 
 /// @file
 /// Networks that parameterize clouds, on a tape, for training; and the operations of the published one along the edges of

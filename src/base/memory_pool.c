@@ -1,8 +1,7 @@
-#include "base/memory_pool.h"
+#include "base/memory.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,6 +3,16 @@
 
 #include "batten/base.h"
 
+#include <time.h>
+
+/// Seconds since some moment in the past: for differences.
+static inline double clock_seconds(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 /// One part of a longer piece of work: what it reports from 0 to 1 becomes begin to begin + length of the whole.
 typedef struct progress_part
 {

@@ -1,6 +1,5 @@
-#include "base/settings.h"
-
 #include "base/choice.h"
+
 #include "base/error.h"
 
 #include <math.h>

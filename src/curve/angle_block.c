@@ -3,8 +3,6 @@
 #include "base/lanes.h"
 #include "curve/kernel.h"
 #include "space/builtin.h"
-#include "space/disk.h"
-#include "space/sphere.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "curve/cascade.h"
+#include "curve/plan.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -3,7 +3,7 @@
 #include "base/progress.h"
 #include "curve/pieces.h"
 #include "curve/refine.h"
-#include "curve/topology/keep_simple.h"
+#include "curve/topology/draw_back.h"
 
 /// @file
 /// Refinement of a curve: of one piece, or of its pieces between corners.

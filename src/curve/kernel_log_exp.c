@@ -3,7 +3,6 @@
 
 #include "base/lanes.h"
 #include "space/builtin.h"
-#include "space/sphere.h"
 
 #include <string.h>
 

@@ -9,8 +9,7 @@
 #include "curve/corner.h"
 #include "curve/parametric.h"
 #include "curve/polygon.h"
-#include "curve/stop.h"
-#include "curve/topology/keep_simple.h"
+#include "curve/topology/draw_back.h"
 
 #include <limits.h>
 #include <math.h>

@@ -3,8 +3,8 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "curve/corner.h"
+#include "curve/pieces.h"
 #include "curve/scheme_kind.h"
-#include "curve/stop.h"
 #include "space/builtin.h"
 
 #include <math.h>

@@ -1,7 +1,49 @@
 #ifndef CURVE_PLAN_H
 #define CURVE_PLAN_H
 
-#include "curve/cascade.h"
+#include "batten/curve_analysis.h"
+#include "curve/kernel.h"
+
+/// @file
+/// Several levels of one kernel at once. Any run of points of the last level depends on a short run of each level before,
+/// so the result is made in chunks that never leave the cache: levels in between are nowhere stored, a chunk is written
+/// once, and chunks are independent of each other (and of the number of threads).
+
+enum
+{
+    /// More levels than this overflow size_t from any number of points.
+    CASCADE_MOST_LEVELS = 60
+};
+
+/// Indices begin … end - 1 of the points of one level. They may be negative.
+typedef struct index_range
+{
+    ptrdiff_t begin, end;
+} index_range;
+
+/// What to compute.
+typedef struct cascade
+{
+    refine_kernel kernel;
+    size_t levels;
+    size_t count; ///< points of level 0, to name the one at fault
+    size_t base;  ///< levels before level 0, likewise
+    bool closed;
+    index_range result;    ///< indices wanted of the last level
+    bat_mask_stencil snap; ///< moves the points of the last level onto the limit curve; count 0: not at all
+    int threads;           ///< 0: as many as OpenMP gives
+    bat_progress progress;
+} cascade;
+
+/// The range of level 0 that the result depends on.
+index_range cascade_support(const cascade *task);
+
+/// Compute task->result into `fine`.
+///
+/// @param root  row 0 is point 0 of level 0; the rows of cascade_support() are there
+/// @param fine  result.end - result.begin rows
+/// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED or what the kernel returned, with the index of the edge of level 0 at fault
+bat_status cascade_run(const cascade *task, const double *root, double *fine, bat_error *error);
 
 /// What refining a curve comes down to, known before anything is computed.
 typedef struct refine_plan

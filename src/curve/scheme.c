@@ -4,7 +4,6 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
-#include "curve/scheme_row.h"
 #include "space/builtin.h"
 
 #include <math.h>

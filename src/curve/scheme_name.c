@@ -4,9 +4,8 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
-#include "base/settings.h"
 #include "curve/mask.h"
-#include "curve/scheme_row.h"
+#include "curve/scheme_kind.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 #ifndef CURVE_SPLINE_H
 #define CURVE_SPLINE_H
 
-#include "curve/scheme_row.h"
+#include "curve/scheme_kind.h"
 
 /// @file
 /// Splines of Bezier curves through the points of a curve. A Bezier curve over an edge has an odd degree d. Its inner

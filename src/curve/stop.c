@@ -1,5 +1,5 @@
-#include "curve/stop.h"
 #include "curve/mask.h"
+#include "curve/pieces.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "batten/config.h"
-#include "learn/safetensors_type.h"
 
 #include <stdlib.h>
 #include <string.h>

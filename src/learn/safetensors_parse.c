@@ -2,7 +2,7 @@
 #include "base/file_bytes.h"
 #include "base/json_scan.h"
 #include "base/memory.h"
-#include "learn/safetensors_type.h"
+#include "learn/safetensors.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "learn/safetensors_type.h"
+#include "learn/safetensors.h"
 
 #include <errno.h>
 #include <jansson.h>

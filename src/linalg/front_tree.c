@@ -1,4 +1,4 @@
-#include "linalg/front_tree.h"
+#include "linalg/multifrontal.h"
 
 #include "base/error.h"
 #include "base/memory.h"

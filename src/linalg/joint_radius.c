@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/dense.h"
-#include "linalg/polytope.h"
 
 #include <float.h>
 #include <math.h>

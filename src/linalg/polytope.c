@@ -1,4 +1,4 @@
-#include "linalg/polytope.h"
+#include "linalg/joint_radius.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -2,7 +2,7 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/check.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "mesh/point_table.h"
+#include "mesh/key_map.h"
 
 #include "batten/mesh.h"
 

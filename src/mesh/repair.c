@@ -3,8 +3,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"
+#include "mesh/key_map.h"
 #include "mesh/labels.h"
-#include "mesh/point_table.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
-#include "mesh/triangulate.h"
+#include "mesh/check.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/sides.h"
 
 #include <math.h>

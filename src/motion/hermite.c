@@ -1,9 +1,8 @@
-#include "motion/hermite_check.h"
+#include "motion/hermite_average.h"
 
 #include "base/error.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
-#include "motion/hermite_average.h"
 #include "space/builtin.h"
 
 #include <math.h>

@@ -7,7 +7,6 @@
 #include "base/progress.h"
 #include "curve/plan.h"
 #include "motion/hermite_average.h"
-#include "motion/hermite_check.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "base/number_digits.h"
 #include "motion/hermite_average.h"
-#include "motion/hermite_check.h"
 
 #include <math.h>
 #include <stdlib.h>

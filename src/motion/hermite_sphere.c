@@ -1,7 +1,7 @@
 #include "motion/hermite_average.h"
 
 #include "base/lanes.h"
-#include "space/sphere.h"
+#include "space/builtin.h"
 
 enum
 {

@@ -1,5 +1,5 @@
 #include "batten/motion.h"
-#include "motion/spline_smooth.h"
+#include "motion/spline_system.h"
 
 #include "base/choice.h"
 #include "base/error.h"

@@ -3,7 +3,6 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
-#include "base/settings.h"
 
 #include <math.h>
 #include <string.h>

@@ -8,9 +8,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/point_form.h"
-#include "motion/hermite_check.h"
-#include "motion/spline_factor.h"
-#include "motion/spline_smooth.h"
+#include "motion/hermite_average.h"
 #include "motion/spline_system.h"
 #include "space/builtin.h"
 

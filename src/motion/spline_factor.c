@@ -1,9 +1,8 @@
-#include "motion/spline_factor.h"
+#include "motion/spline_system.h"
 
 #include "base/lanes.h"
 #include "space/builtin.h"
 #include "space/quaternion.h"
-#include "space/rotation.h"
 
 #include <float.h>
 #include <math.h>

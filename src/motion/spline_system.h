@@ -2,7 +2,84 @@
 #define MOTION_SPLINE_SYSTEM_H
 
 #include "batten/motion_spline.h"
-#include "motion/spline_factor.h"
+#include "batten/space.h"
+
+/// @file
+/// One interval of a spline in one factor of a space: exp_m(c(s)), with a cubic c in the tangent space at m, the middle of
+/// the shortest geodesic between two keys. Needs the differential of exp_m, its inverse, and the covariant acceleration.
+
+/// How derivatives are computed.
+typedef enum factor_kind
+{
+    FACTOR_FLAT,     ///< R^n: m is the first key, and exp the sum
+    FACTOR_ROTATION, ///< by the right Jacobian of SO(3)
+    FACTOR_CURVED,   ///< constant curvature: by Jacobi fields in closed form
+    FACTOR_ANY       ///< by differences
+} factor_kind;
+
+/// A factor of a space, and where its numbers are.
+typedef struct spline_factor
+{
+    factor_kind kind;
+    bat_space space;
+    double curvature;  ///< FACTOR_CURVED: 1 or -1
+    size_t point_at;   ///< place in a point of the whole space
+    size_t tangent_at; ///< place in a tangent vector of the whole space
+    size_t record_at;  ///< place in an interval's record
+} spline_factor;
+
+/// A curve in a tangent space at one parameter: its value and its first three derivatives.
+typedef struct tangent_jet
+{
+    const double *value, *first, *second, *third;
+} tangent_jet;
+
+/// The functions of x = |c|^2 in the right Jacobian of SO(3), I - a [c] + b [c]^2.
+typedef struct spline_turning
+{
+    double a, b;             ///< (1 - cos r) / r^2, (r - sin r) / r^3
+    double a_slope, b_slope; ///< their derivatives by x, times 2
+    double inverse;          ///< the inverse is I + [c] / 2 + inverse [c]^2
+} spline_turning;
+
+/// For FACTOR_ROTATION.
+spline_turning spline_turning_of(double x);
+
+/// Divide a space into factors, at most `limit`. Products and rigid motions are divided, others are one factor.
+/// @return the number of factors; 0 when there are more
+size_t spline_factors(const bat_space *space, spline_factor *factors, size_t limit);
+
+/// The numbers of an interval: m, and the coefficients of the powers of s in c. FACTOR_FLAT has no m, but a constant.
+size_t spline_factor_record_size(const spline_factor *f);
+
+/// The middle m of two keys, and their logarithms there.
+bat_status spline_middle(const spline_factor *f, const double *p, const double *q, double *middle, double *log_p,
+                         double *log_q);
+
+/// The differential of exp_m at c, of a vector; `q` is exp_m(c).
+bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
+                       double *pushed);
+/// Its inverse. `turning` is that of c, for FACTOR_ROTATION. `pulled` is an approximation first, where derivatives are
+/// differences: each call improves it.
+bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
+                       const spline_turning *turning, double *pulled);
+/// The covariant acceleration of exp_m(c(s)) at q = exp_m(c); `turning` as before.
+bat_status spline_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
+                               const spline_turning *turning, double *acceleration);
+
+/// Point, velocity and acceleration (null where not wanted) of an interval at `share`, with derivatives by the share.
+bat_status spline_factor_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
+                            double *acceleration);
+
+enum
+{
+    /// The most shares of spline_factor_run().
+    SPLINE_RUN = 64
+};
+
+/// Points of one interval at `count` shares, `stride` numbers apart.
+bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,
+                             double *points, size_t stride);
 
 /// What fixes the velocity at a key.
 typedef enum key_state
@@ -54,5 +131,19 @@ bat_status spline_system_finish(spline_system *system, bat_error *error);
 
 /// The record of an interval; see spline_factor_record_size().
 void spline_system_record(const spline_system *system, size_t interval, double *record);
+
+/// Move noisy keys of one factor, FACTOR_FLAT or FACTOR_ROTATION, onto the penalized spline whose root mean square distance
+/// from them is sigma; see bat_motion_spline_options. Ends are natural.
+///
+/// @param lengths of the count - 1 intervals in time
+/// @param sigma   above 0
+/// @param points  count x point_dim; replaced
+/// @param deviations receives, for each key, the larger of what it has and the distance of the given key in units of sigma
+/// @return BAT_OK; BAT_CUT_LOCUS with the key whose measurement is half a turn from the motion; BAT_NO_MEMORY
+bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, double sigma,
+                         bat_motion_outliers outliers, double *points, double *deviations, bat_error *error);
+
+/// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
+double motion_outliers_threshold(bat_motion_outliers outliers);
 
 #endif

@@ -1,6 +1,4 @@
-#include "space/disk.h"
-
-#include "space/shared.h"
+#include "space/builtin.h"
 
 // Points are complex numbers z = x + i y. Tangent vectors at p are given in the frame that z -> (z + p) / (1 + conj(p) z)
 // brings from the origin.

@@ -1,4 +1,4 @@
-#include "space/shared.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 #include "linalg/symmetric.h"
-#include "space/shared.h"
+#include "space/builtin.h"
 
 #include <float.h>
 #include <math.h>

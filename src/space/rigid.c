@@ -1,7 +1,7 @@
 #include "batten/space.h"
 
 #include "base/error.h"
-#include "space/rotation.h"
+#include "space/builtin.h"
 
 #include <math.h>
 

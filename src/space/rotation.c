@@ -1,9 +1,8 @@
-#include "space/rotation.h"
+#include "space/builtin.h"
 
 #include "base/error.h"
 #include "linalg/symmetric.h"
 #include "space/quaternion.h"
-#include "space/shared.h"
 
 #include <math.h>
 

@@ -1,6 +1,4 @@
-#include "space/sphere.h"
-
-#include "space/shared.h"
+#include "space/builtin.h"
 
 #include <math.h>
 

@@ -9,13 +9,12 @@
 #include "surface/candidate.h"
 
 #include "base/ascending.h"
-#include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
-#include "linalg/vector2.h"
+#include "base/progress.h"
+#include "linalg/vector.h"
 #include "surface/cloud/neighbours.h"
-#include "surface/fit/foot_points.h"
+#include "surface/fit/points.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,16 +1,16 @@
 /// @file
-/// Charts; see chart.h. reconstruct.c finds them.
+/// Charts; see candidate.h. reconstruct.c finds them.
 
-#include "surface/chart.h"
+#include "surface/candidate.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/distributed.h"
 #include "batten/surface.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/part.h"
-#include "surface/fit/foot_points.h"
+#include "surface/fit/points.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include <math.h>

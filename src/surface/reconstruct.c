@@ -9,17 +9,14 @@
 #include "batten/surface.h"
 
 #include "base/choice.h"
-#include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "surface/candidate.h"
-#include "surface/chart.h"
-#include "surface/cloud/advancing_front.h"
 #include "surface/cloud/boundary.h"
+#include "surface/cloud/neighbours.h"
 #include "surface/cloud/part.h"
-#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

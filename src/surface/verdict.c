@@ -8,15 +8,13 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/parameterize/star.h"
 #include "surface/parameterize/weights.h"
-#include "surface/trim/region.h"
+#include "surface/trim/trimming.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,8 +3,7 @@
 
 #include "batten/surface.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/orientation.h"
-#include "surface/cloud/spatial_order.h"
+#include "surface/cloud/neighbours.h"
 
 /// @file
 /// Judgement of a surface by its cloud, both ways.

@@ -4,9 +4,8 @@
 
 #include "batten/mesh_picture.h"
 #include "batten/research/mesh_shapes.h"
-#include "draw/common/colour_scale.h"
-#include "draw/mesh/normals.h"
-#include "draw/mesh/raster.h"
+#include "draw/common/legend.h"
+#include "draw/mesh/shade.h"
 
 /// A ball of a radius; release it with bat_mesh_free().
 static bat_mesh make_ball(double radius)

@@ -1,6 +1,6 @@
 #include "picture_helpers.h"
 
-#include "draw/common/canvas.h"
+#include "draw/common/sheet.h"
 #include "draw/common/text.h"
 
 /// Every space, every format, every option that draws something.

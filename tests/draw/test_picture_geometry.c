@@ -4,7 +4,6 @@
 #include "picture_helpers.h"
 
 #include "draw/curve/scene.h"
-#include "draw/curve/simplify.h"
 #include "draw/curve/view.h"
 
 /// The segments of a path.

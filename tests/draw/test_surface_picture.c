@@ -6,9 +6,9 @@
 #include "batten/mesh_measure.h"
 #include "batten/research/surface_shapes.h"
 #include "batten/surface_picture.h"
-#include "draw/common/colour_scale.h"
+#include "draw/common/legend.h"
 #include "draw/surface/scene.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 /// A space of a bidegree (1, 1) over `spans` x `spans` cells, and the surface (u, v, 0). Release it with
 /// bat_spline_surface_free().

@@ -1,6 +1,5 @@
 // Spline surfaces as STEP: the text is parsed, its faces evaluate to the surface, and its edges join them.
 
-#include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"
 #include "surface_helpers.h"
 #include "tensor_helpers.h"

@@ -2,11 +2,11 @@
 
 #include "cloud_helpers.h"
 #include "folder_helpers.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "batten/batten.h"
-#include "io/surface/tessellate.h"
-#include "surface/trim/region.h"
+#include "io/surface/step.h"
+#include "surface/trim/trimming.h"
 
 #include <math.h>
 

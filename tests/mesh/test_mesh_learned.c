@@ -7,7 +7,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_measure.h"
 #include "batten/research/mesh_shapes.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/learn/parameters.h"
 #include "research/train/mesh_learned_tape.h"
 

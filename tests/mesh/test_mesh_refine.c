@@ -3,7 +3,7 @@
 #include "mesh_helpers.h"
 
 #include "batten/mesh_refine.h"
-#include "mesh/refine/split.h"
+#include "mesh/refine/level.h"
 
 static bat_mesh refine(const bat_mesh *coarse, bat_mesh_scheme scheme, size_t levels)
 {

@@ -3,7 +3,7 @@
 #include "mesh_helpers.h"
 
 #include "batten/mesh_refine.h"
-#include "mesh/refine/loop.h"
+#include "mesh/refine/scheme.h"
 
 static bat_mesh refine_with(const bat_mesh *coarse, const bat_mesh_refine_options *options)
 {

@@ -2,7 +2,7 @@
 #include "check.h"
 
 #include "batten/mesh.h"
-#include "mesh/triangulate.h"
+#include "mesh/check.h"
 
 enum
 {

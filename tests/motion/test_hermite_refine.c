@@ -1,7 +1,7 @@
 // Refinement of Hermite data: what is kept, what makes no difference, what is reproduced, and what is refused.
 
 #include "hermite_helpers.h"
-#include "motion/hermite_check.h"
+#include "motion/hermite_average.h"
 
 #include "base/memory.h"
 

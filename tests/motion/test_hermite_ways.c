@@ -2,7 +2,7 @@
 // of a user give the same where tangents are long and angles wide; L_H of eq. (4.10); spaces and tangents that are refused.
 
 #include "hermite_helpers.h"
-#include "motion/hermite_check.h"
+#include "motion/hermite_average.h"
 
 #include "batten/motion.h"
 #include "batten/research/motion_study.h"

@@ -4,7 +4,7 @@
 
 #include "batten/motion.h"
 #include "batten/space.h"
-#include "motion/spline_smooth.h"
+#include "motion/spline_system.h"
 
 #include <math.h>
 #include <stdlib.h>

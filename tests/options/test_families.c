@@ -4,7 +4,6 @@
 
 #include "batten/batten.h"
 #include "curve/scheme_kind.h"
-#include "curve/scheme_row.h"
 #include "mesh/refine/scheme.h"
 
 #include <dirent.h>

@@ -3,7 +3,7 @@
 #include "check.h"
 
 #include "batten/research/surface_shapes.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "research/shapes/surface_bezier.h"
 #include "research/shapes/surface_shape.h"
 

@@ -2,8 +2,8 @@
 
 #include "cloud_helpers.h"
 
-#include "surface/cloud/advancing_front.h"
-#include "surface/cloud/spatial_order.h"
+#include "surface/cloud/boundary.h"
+#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

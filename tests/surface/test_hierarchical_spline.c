@@ -1,9 +1,8 @@
 #include "hierarchical_helpers.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "linalg/decompose.h"
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/tensor_surface.h"
 
 enum
 {

@@ -2,7 +2,7 @@
 
 #include "patch_clouds.h"
 
-#include "surface/cloud/orientation.h"
+#include "surface/cloud/local_plane.h"
 
 static bat_cloud_parameters_report check(const patch *of, const double *parameters)
 {

@@ -1,7 +1,7 @@
 #include "check.h"
 
 #include "batten/spline.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "surface/spline/hierarchical_space.h"
 #include "tensor_helpers.h"

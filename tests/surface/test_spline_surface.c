@@ -1,5 +1,5 @@
 #include "hierarchical_helpers.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 #include "tensor_helpers.h"
 
 #include "surface/spline/hierarchical_space.h"

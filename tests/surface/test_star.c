@@ -2,7 +2,7 @@
 
 #include "check.h"
 
-#include "surface/parameterize/star.h"
+#include "surface/parameterize/weights.h"
 
 #include "batten/base.h"
 

@@ -1,6 +1,6 @@
 // Parameter correction: feet of points, how fast they are found, and what may not move.
 
-#include "surface/fit/foot_points.h"
+#include "surface/fit/points.h"
 #include "surface_fit_helpers.h"
 
 #include "spline_fit.h"

@@ -1,6 +1,6 @@
 // The adaptive loop: when it stops, the weight of smoothing, outliers, threads, being stopped.
 
-#include "surface/fit/foot_points.h"
+#include "surface/fit/points.h"
 #include "surface/fit/system.h"
 #include "surface_fit_helpers.h"
 

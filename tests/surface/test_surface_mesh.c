@@ -4,7 +4,7 @@
 
 #include "batten/mesh.h"
 #include "batten/mesh_file.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 static const surface_kind kinds[] = {
     {{2, 2}, {1, 1}, true, 0, 3, 6},

@@ -5,8 +5,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "curve/analysis/analysis_limit.h"
-#include "curve/analysis/analysis_smoothness.h"
 #include "curve/analysis/analysis_symbol.h"
 
 #include <math.h>

@@ -1,8 +1,7 @@
-#include "curve/analysis/analysis_limit.h"
+#include "curve/analysis/analysis_symbol.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/analysis/analysis_smoothness.h"
 #include "linalg/dense.h"
 
 #include <float.h>

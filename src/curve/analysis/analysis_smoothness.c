@@ -1,4 +1,4 @@
-#include "curve/analysis/analysis_smoothness.h"
+#include "curve/analysis/analysis_symbol.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,4 +1,3 @@
-#include "curve/analysis/analysis_smoothness.h"
 #include "curve/analysis/analysis_symbol.h"
 #include "curve/mask.h"
 

@@ -1,8 +1,7 @@
-#include "curve/map/arc_graph.h"
+#include "curve/map/arc_refine.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/map/hash.h"
 #include "curve/polygon.h"
 
 #include <stdlib.h>

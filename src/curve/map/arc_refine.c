@@ -9,7 +9,6 @@
 #include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
-#include "curve/stop.h"
 #include "curve/topology/draw_back.h"
 
 #include <math.h>

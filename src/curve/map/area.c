@@ -1,4 +1,4 @@
-#include "curve/map/area.h"
+#include "curve/map/arc_refine.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,9 +1,8 @@
-#include "curve/map/snap.h"
+#include "curve/map/arc_refine.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/map/hash.h"
 #include "curve/topology/edge_tree.h"
 #include "space/builtin.h"
 

@@ -12,7 +12,6 @@
 #include "curve/measure/metric_tree.h"
 #include "search/nearest.h"
 #include "space/builtin.h"
-#include "space/disk.h"
 
 #include <math.h>
 #include <stdlib.h>

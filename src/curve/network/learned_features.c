@@ -205,5 +205,6 @@ learned_edge learned_features_of(const double *angles, const double *lengths, le
         first[R + i] = 0.5 * LEARNED_ANGLE_UNIT * (angles[1 + i] + angles[-i]);
         both[R + i] = 0.5 * LEARNED_ANGLE_UNIT * (angles[1 + i] - angles[-i]);
     }
-    return (learned_edge){t.factor * learned_six_point(t.turn + R - 2), t.factor * t.scale, learned_limit(lengths, setting.parity)};
+    return (learned_edge){t.factor * learned_six_point(t.turn + R - 2), t.factor * t.scale,
+                          learned_limit(lengths, setting.parity)};
 }

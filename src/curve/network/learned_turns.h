@@ -46,7 +46,8 @@ static inline int learned_bounding_edge(const double *lengths, double parity)
 /// The bound of the insertion angle that keeps the new vertex near its edge.
 static inline double learned_limit(const double *lengths, double parity)
 {
-    return fmin(atan(2 * LEARNED_BULGE * lengths[learned_bounding_edge(lengths, parity)] / lengths[0]), BAT_CURVE_ANGLE_LIMIT);
+    return fmin(atan(2 * LEARNED_BULGE * lengths[learned_bounding_edge(lengths, parity)] / lengths[0]),
+                BAT_CURVE_ANGLE_LIMIT);
 }
 
 /// The six-point rule of four turns, without the factor.

@@ -1,8 +1,8 @@
-#include "curve/topology/anchors.h"
+#include "curve/topology/draw_back.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/topology/predicate.h"
+#include "curve/topology/edge_tree.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,39 @@
 #ifndef CURVE_TOPOLOGY_DRAW_BACK_H
 #define CURVE_TOPOLOGY_DRAW_BACK_H
 
-#include "curve/topology/anchors.h"
+#include "batten/base.h"
+#include "batten/curve.h"
 #include "curve/topology/edge_tree.h"
 
 /// @file
-/// Refined curves drawn back towards their polygons until their edges no longer meet.
+/// Points that stay where they are, one for each connected part of a set of curves. When refined edges pass over a part
+/// without meeting it, such as a coast over an island, they pass over its anchor.
+
+/// Anchors in a grid. All zero: none.
+typedef struct anchor_grid
+{
+    double *points;     ///< count x 2, cell after cell
+    size_t *components; ///< the part of each
+    size_t *begins;     ///< the first anchor of each cell, and the count
+    size_t count, columns, rows;
+    double low[2], cell[2]; ///< the corner of the grid and the size of a cell
+} anchor_grid;
+
+/// Make a grid.
+/// @param points     count x 2 finite numbers
+/// @param components the part of each point
+/// @param grid       release it with anchor_grid_free()
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status anchor_grid_make(const double *points, const size_t *components, size_t count, anchor_grid *grid,
+                            bat_error *error);
+void anchor_grid_free(anchor_grid *grid);
+
+/// Whether an anchor of another part than `component` lies inside a polygon, by the parity of edges to its right. The
+/// test is exact.
+/// @param polygon count x 2; the last point joins the first
+bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t count, size_t component);
+
+// Refined curves drawn back towards their polygons until their edges no longer meet.
 
 /// A curve that was refined from another and contains its points.
 typedef struct drawn_curve
@@ -73,5 +101,24 @@ bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_
 ///         the straight ones meet; BAT_NO_MEMORY or BAT_CANCELLED; the points may be moved on failure
 bat_status draw_back(const drawn_curve *drawn, bat_curve *fine, size_t count, const draw_rules *rules, bat_progress progress,
                      draw_back_counts *counts, bat_error *error);
+
+/// Whether the edges of a curve meet nowhere but at the vertices that neighbours share.
+/// @param curve in a space with predicates; its points are checked
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status curve_edges_are_apart(const bat_curve *curve, bool *apart, bat_error *error);
+
+/// Keep a refined curve simple, as options->simple asks.
+/// @param coarse its points are checked
+/// @param fine   the refined curve; its new points may be moved
+/// @param starts coarse point i is point starts[i] of the refined curve, and starts[coarse->count] is fine->count for a
+/// closed
+///               curve; null: every edge has equally many new points
+/// @param report receives what was found
+/// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED, BAT_NO_MEMORY or BAT_CANCELLED
+bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine,
+                       const size_t *starts, bat_progress progress, bat_curve_refine_report *report, bat_error *error);
+
+/// Whether the options ask for a test of a curve.
+bool wants_simple(const bat_curve *coarse, const bat_curve_refine_options *options);
 
 #endif

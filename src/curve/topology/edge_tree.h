@@ -2,16 +2,50 @@
 #define CURVE_TOPOLOGY_EDGE_TREE_H
 
 #include "batten/curve.h"
-#include "curve/topology/predicate.h"
+
+#include <stdbool.h>
 
 /// @file
-/// The pairs of edges of a set of curves that cross or touch, found by a tree of boxes.
+/// Exact predicates of points and geodesic edges. Every answer is that of exact arithmetic on the coordinates as they are
+/// stored. A floating-point value with a proven error bound decides most cases; where it cannot, the determinant is summed
+/// without rounding, as an expansion (Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+/// Predicates, 1997).
 ///
-/// A leaf of the tree holds consecutive edges of one curve, a node two consecutive nodes of the level below. A search
-/// compares the tree with itself and leaves out pairs of nodes whose boxes are disjoint. A node also knows the directions of
-/// its edges: a chain of edges whose directions lie in a half-plane cannot meet itself, so that smooth pieces cost nothing
-/// but their boxes. For curves whose pieces lie near in space where they are near in order, such as coasts, building and
-/// searching take O(n log n). The predicates are exact.
+/// All three surfaces are one case of the same geometry. A point stands for a vector: (x, y, 1) in the plane, (x, y, z) on
+/// the sphere, and (x, y, (1 + x^2 + y^2) / 2) in the disk, which is Klein's model in homogeneous coordinates. A geodesic is
+/// the intersection with a plane through the origin, and the orientation of a, b, c is the sign of det[a, b, c].
+
+/// The surfaces that have predicates.
+typedef enum surface_kind
+{
+    SURFACE_PLANE,
+    SURFACE_SPHERE, ///< points of the unit sphere in R^3, taken as directions: their lengths do not matter
+    SURFACE_DISK    ///< Poincaré's disk
+} surface_kind;
+
+/// No product of coordinates may underflow or overflow: a coordinate that is not 0 must lie between 2^-PREDICATE_RANGE of
+/// its surface and, in the plane, 2^PREDICATE_RANGE.
+#define PREDICATE_RANGE_PLANE 480
+#define PREDICATE_RANGE_SPHERE 300
+#define PREDICATE_RANGE_DISK 200
+
+/// 1 when a, b, c turn left, -1 when they turn right, 0 when one geodesic contains them. On the sphere left is seen from
+/// outside.
+int predicate_orientation(surface_kind kind, const double *a, const double *b, const double *c);
+
+/// Whether the edges ab and cd have a point in common, ends included. Both edges have a length.
+bool predicate_edges_meet(surface_kind kind, const double *a, const double *b, const double *c, const double *d);
+
+/// Whether the edges ab and bc have more in common than b: they lie on one geodesic and fold back.
+bool predicate_folds_back(surface_kind kind, const double *a, const double *b, const double *c);
+
+// The pairs of edges of a set of curves that cross or touch, found by a tree of boxes.
+//
+// A leaf of the tree holds consecutive edges of one curve, a node two consecutive nodes of the level below. A search
+// compares the tree with itself and leaves out pairs of nodes whose boxes are disjoint. A node also knows the directions of
+// its edges: a chain of edges whose directions lie in a half-plane cannot meet itself, so that smooth pieces cost nothing
+// but their boxes. For curves whose pieces lie near in space where they are near in order, such as coasts, building and
+// searching take O(n log n). The predicates are exact.
 
 enum
 {

@@ -1,4 +1,4 @@
-#include "curve/topology/keep_simple.h"
+#include "curve/topology/draw_back.h"
 
 #include "base/error.h"
 #include "base/progress.h"
@@ -6,7 +6,6 @@
 #include "base/threads.h"
 #include "batten/curve_measure.h"
 #include "curve/polygon.h"
-#include "curve/topology/draw_back.h"
 #include "curve/topology/edge_tree.h"
 
 static bool stop_at_first(void *context, edge_place first, edge_place second)

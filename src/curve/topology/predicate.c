@@ -1,4 +1,4 @@
-#include "curve/topology/predicate.h"
+#include "curve/topology/edge_tree.h"
 
 #include <math.h>
 #include <stddef.h>

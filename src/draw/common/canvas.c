@@ -1,4 +1,4 @@
-#include "draw/common/canvas.h"
+#include "draw/common/sheet.h"
 
 #include "base/atomic_file.h"
 #include "base/error.h"

@@ -1,4 +1,4 @@
-#include "draw/common/colour_scale.h"
+#include "draw/common/legend.h"
 
 #include "draw/common/text.h"
 #include "draw/common/ticks.h"

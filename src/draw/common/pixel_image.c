@@ -1,4 +1,4 @@
-#include "draw/common/pixel_image.h"
+#include "draw/common/sheet.h"
 
 #include "base/error.h"
 

@@ -1,12 +1,70 @@
 #ifndef DRAW_COMMON_SHEET_H
 #define DRAW_COMMON_SHEET_H
 
+#include "base/text_buffer.h"
+#include "batten/base.h"
 #include "batten/curve_picture.h"
-#include "draw/common/canvas.h"
 #include "draw/common/legend.h"
+#include "draw/curve/view.h"
+
+#include <cairo.h>
 
 /// @file
-/// The page of pictures and charts: a title, a grid of boxes with captions, and a legend.
+/// A page in memory that is saved as an SVG, PNG or PDF file.
+
+typedef enum canvas_format
+{
+    CANVAS_SVG,
+    CANVAS_PNG,
+    CANVAS_PDF
+} canvas_format;
+
+/// The format for a path, by its ending.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+bat_status canvas_format_of(const char *path, canvas_format *format, bat_error *error);
+
+typedef struct draw_canvas
+{
+    cairo_t *cairo; ///< the unit is a point, with the origin at the top left
+    cairo_surface_t *surface;
+    canvas_format format;
+    text_buffer bytes;       ///< of the file
+    double pixels_per_point; ///< 1 for SVG and PDF
+} draw_canvas;
+
+/// Open a white page. The canvas must not move in memory until canvas_close().
+bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, double height, double pixels_per_point,
+                       bat_error *error);
+/// Finish the drawing and write the file, completely or not at all.
+bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error);
+/// Release everything; does nothing to a canvas that is all zero.
+void canvas_close(draw_canvas *canvas);
+
+/// A sink that appends to cairo's current path.
+path_sink canvas_sink(cairo_t *cairo);
+
+// Images with computed pixels within drawings.
+
+typedef struct pixel_box
+{
+    double x, y; ///< on the page
+    double per_point;
+    size_t columns, rows;
+} pixel_box;
+
+/// The pixels that cover a box (x, y, width, height), aligned with the page's pixels where it has any.
+pixel_box pixel_box_align(cairo_t *cairo, double per_point, const double box[4]);
+
+/// Computes pixels of four bytes, cairo's ARGB32 (premultiplied, in native byte order), with rows `stride` bytes apart. They
+/// are transparent on entry.
+typedef bat_status pixel_painter(const void *context, unsigned char *pixels, size_t stride, bat_error *error);
+
+/// Paint an image and draw it on the page.
+/// @return the painter's status, or BAT_NO_MEMORY
+bat_status pixel_image_draw(cairo_t *cairo, const pixel_box *place, pixel_painter *paint, const void *context,
+                            bat_error *error);
+
+// The page of pictures and charts: a title, a grid of boxes with captions, and a legend.
 
 typedef struct sheet_content
 {

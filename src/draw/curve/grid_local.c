@@ -1,5 +1,5 @@
 #include "batten/space.h"
-#include "draw/common/canvas.h"
+#include "draw/common/sheet.h"
 #include "draw/common/text.h"
 #include "draw/curve/scene.h"
 

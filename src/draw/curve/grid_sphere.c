@@ -1,4 +1,4 @@
-#include "draw/common/canvas.h"
+#include "draw/common/sheet.h"
 #include "draw/common/text.h"
 #include "draw/curve/scene.h"
 

@@ -1,10 +1,8 @@
 #include "base/error.h"
 
 #include "base/memory.h"
-#include "draw/common/canvas.h"
 #include "draw/common/sheet.h"
 #include "draw/common/text.h"
-#include "draw/curve/plot.h"
 #include "draw/curve/scene.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "draw/curve/simplify.h"
+#include "draw/curve/view.h"
 
 #include <math.h>
 

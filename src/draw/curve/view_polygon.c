@@ -1,4 +1,4 @@
-#include "draw/common/canvas.h"
+#include "draw/common/sheet.h"
 #include "draw/curve/view.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
-#include "draw/mesh/raster.h"
+#include "draw/mesh/shade.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "linalg/vector2.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,10 +4,8 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "batten/base.h"
-#include "draw/common/colour_scale.h"
-#include "draw/mesh/normals.h"
-#include "draw/mesh/raster.h"
-#include "linalg/vector2.h"
+#include "draw/common/legend.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,10 +1,124 @@
 #ifndef DRAW_MESH_SHADE_H
 #define DRAW_MESH_SHADE_H
 
-#include "draw/mesh/view.h"
+#include "batten/mesh.h"
+#include "batten/mesh_picture.h"
 
 /// @file
-/// Shading of a mesh into pixels.
+/// Orthographic views of meshes.
+
+/// A view; the rows are the directions to the right, upwards and to the eye.
+typedef struct mesh_view
+{
+    double rotation[3][3];
+} mesh_view;
+
+/// A rectangle in the plane of a view.
+typedef struct mesh_frame
+{
+    double low[2], high[2];
+} mesh_frame;
+
+/// The map from a view's plane to an image: x = origin[0] + scale u, y = origin[1] - scale v, downwards.
+typedef struct mesh_placing
+{
+    const mesh_view *view;
+    double scale, origin[2];
+} mesh_placing;
+
+/// The margin around a frame, relative to the panel's width.
+#define FRAME_PADDING 0.025
+
+/// The view for the options; unspecified angles follow from the mesh.
+mesh_view mesh_view_of(const bat_mesh *mesh, const bat_mesh_picture_options *options);
+/// The bounding rectangle of points in a view.
+/// @param indices of the points, [count]; null: all
+mesh_frame mesh_frame_of(const double *points, const uint32_t *indices, size_t count, const mesh_view *view);
+mesh_frame mesh_frame_join(const mesh_frame *a, const mesh_frame *b);
+
+/// Place a frame in the centre of an image, as large as its margin allows.
+mesh_placing mesh_frame_place(const mesh_frame *frame, const mesh_view *view, size_t columns, size_t rows);
+
+/// The same placement in an image with `times` as many pixels in each direction.
+static inline mesh_placing mesh_placing_zoom(const mesh_placing *placing, double times)
+{
+    return (mesh_placing){placing->view, times * placing->scale, {times * placing->origin[0], times * placing->origin[1]}};
+}
+
+/// Rotate a point into the directions to the right, upwards and to the eye.
+static inline void mesh_view_turn(const mesh_view *view, const double *point, double turned[3])
+{
+    for (int i = 0; i < 3; i++)
+        turned[i] = view->rotation[i][0] * point[0] + view->rotation[i][1] * point[1] + view->rotation[i][2] * point[2];
+}
+
+/// The position of a point in the image; the third coordinate increases towards the eye.
+static inline void mesh_place_point(const mesh_placing *placing, const double *point, double place[3])
+{
+    double turned[3];
+    mesh_view_turn(placing->view, point, turned);
+    place[0] = placing->origin[0] + placing->scale * turned[0];
+    place[1] = placing->origin[1] - placing->scale * turned[1];
+    place[2] = placing->scale * turned[2];
+}
+
+// The visible face at each sample of a picture, by a z-buffer.
+
+#define RASTER_NO_FACE UINT32_MAX
+
+/// Samples have the spacing 1. Sample (0, 0) is at the top left with its centre at (.5, .5); y points downwards and z to the
+/// eye.
+typedef struct mesh_raster
+{
+    size_t columns, rows;
+    uint32_t *faces; ///< for each sample, row by row: its face, or RASTER_NO_FACE
+    float *depths;   ///< z of that face
+    double *places;  ///< vertex_count x 3: the vertices in the coordinates of samples
+} mesh_raster;
+
+/// Find the visible faces; of faces at equal depth, the first. Release the raster with mesh_raster_free().
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status mesh_raster_make(const bat_mesh *mesh, const mesh_placing *placing, size_t columns, size_t rows, int threads,
+                            mesh_raster *raster, bat_error *error);
+void mesh_raster_free(mesh_raster *raster);
+
+/// Mark the samples of a line between two vertices where nothing is in front of it by more than its width.
+/// @param marks columns x rows, row by row
+void mesh_raster_line(const mesh_raster *raster, uint32_t from, uint32_t to, double width, unsigned char *marks);
+
+/// The barycentric coordinates of a point of the image in the projection of a face. They are in 0 … 1 up to rounding for the
+/// face's samples. For faces seen edge-on they only have the sum 1.
+void mesh_raster_locate(const mesh_raster *raster, const uint32_t corners[3], double x, double y, double barycentric[3]);
+
+// Normals at the corners of faces and boundary edges, for shading of meshes that need not be manifold.
+
+typedef struct mesh_surface
+{
+    float (*normals)[3];  ///< 3 x face_count unit vectors at the corners; zero where a face has no area
+    unsigned char *marks; ///< face_count bit sets: bit c marks a boundary edge at corner c, bit 3 + c one within a polygon
+} mesh_surface;
+
+/// Bits of mesh_surface::marks, for the edge at corner c.
+static inline bool mesh_edge_at_boundary(const mesh_surface *surface, size_t face, size_t c)
+{
+    return (surface->marks[face] >> c & 1) != 0;
+}
+
+static inline bool mesh_edge_within_polygon(const mesh_surface *surface, size_t face, size_t c)
+{
+    return (surface->marks[face] >> (3 + c) & 1) != 0;
+}
+
+/// Compute normals and boundary edges.
+/// @param polygons that the mesh is cut from, or null: flat faces have their polygon's mean normal
+/// @param flat use the faces' normals; otherwise the area-weighted mean of those faces at the vertex whose normals differ by
+/// less than 40 degrees
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status mesh_surface_make(const bat_mesh *mesh, const bat_mesh *polygons, bool flat, int threads, mesh_surface *surface,
+                             bat_error *error);
+void mesh_surface_free(mesh_surface *surface);
+
+// Shading of a mesh into pixels.
 
 /// Samples of a pixel in each direction.
 #define SHADE_SAMPLES 3

@@ -1,4 +1,4 @@
-#include "draw/mesh/view.h"
+#include "draw/mesh/shade.h"
 
 #include <math.h>
 

@@ -1,5 +1,5 @@
 #include "draw/motion/film.h"
-#include "motion/spline_smooth.h"
+#include "motion/spline_system.h"
 
 #include "base/error.h"
 #include "base/memory.h"

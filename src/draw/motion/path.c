@@ -1,7 +1,7 @@
 #include "draw/motion/film.h"
 
 #include "base/error.h"
-#include "draw/common/canvas.h"
+#include "draw/common/sheet.h"
 #include "draw/common/text.h"
 #include "draw/common/ticks.h"
 

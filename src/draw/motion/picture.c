@@ -4,7 +4,6 @@
 #include "base/option.h"
 #include "draw/common/sheet.h"
 #include "draw/common/text.h"
-#include "draw/curve/plot.h"
 #include "draw/curve/scene.h"
 #include "draw/motion/film.h"
 

@@ -2,9 +2,8 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "draw/common/colour_scale.h"
-#include "draw/common/pixel_image.h"
-#include "draw/mesh/raster.h"
+#include "draw/common/legend.h"
+#include "draw/common/sheet.h"
 #include "draw/mesh/shade.h"
 
 #include <math.h>

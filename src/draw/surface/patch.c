@@ -2,8 +2,8 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
-#include "surface/trim/region.h"
+#include "linalg/vector.h"
+#include "surface/trim/trimming.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "batten/surface_picture.h"
-#include "draw/common/colour_scale.h"
+#include "draw/common/legend.h"
 #include "draw/common/sheet.h"
 #include "draw/common/text.h"
 #include "draw/surface/scene.h"

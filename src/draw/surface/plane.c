@@ -1,6 +1,6 @@
 #include "draw/surface/scene.h"
 
-#include "draw/common/pixel_image.h"
+#include "draw/common/sheet.h"
 #include "draw/common/text.h"
 
 #include <math.h>

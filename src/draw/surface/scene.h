@@ -6,7 +6,7 @@
 #include "batten/spline.h"
 #include "batten/surface_picture.h"
 #include "draw/common/style.h"
-#include "draw/mesh/view.h"
+#include "draw/mesh/shade.h"
 
 /// @file
 /// The content of pictures of fitted surfaces, their panels, and the drawing of patches and dots.

@@ -1,7 +1,7 @@
 #include "draw/surface/scene.h"
 
 #include "linalg/symmetric.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 

@@ -3,7 +3,6 @@
 #include "io/common/number_text.h"
 #include "io/common/zip.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/label_table.h"
 
 #include <math.h>
 #include <stdlib.h>

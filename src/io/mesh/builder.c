@@ -1,7 +1,7 @@
 #include "io/mesh/builder.h"
 
 #include "base/error.h"
-#include "mesh/triangulate.h"
+#include "mesh/check.h"
 
 #include <string.h>
 

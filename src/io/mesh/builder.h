@@ -3,8 +3,8 @@
 
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
-#include "io/mesh/label_table.h"
-#include "mesh/point_table.h"
+#include "io/mesh/formats.h"
+#include "mesh/key_map.h"
 
 /// @file
 /// Construction of a mesh from the faces of a file.

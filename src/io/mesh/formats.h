@@ -4,6 +4,8 @@
 #include "batten/mesh_file.h"
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
+#include "mesh/key_map.h"
+#include "mesh/labels.h"
 
 /// @file
 /// Readers and writers of mesh formats, one file for each. Readers leave `mesh` untouched on failure. Writers of formats
@@ -48,5 +50,31 @@ bat_status mesh_notes_move(bat_mesh_notes *from, bat_mesh_notes *to, bat_error *
 typedef void mesh_row_format(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text);
 bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
                            text_sink *sink, bat_error *error);
+
+// Different labels, numbered in the order of their first use.
+
+/// A name in the text of a file; `begin` is null for none.
+typedef struct label_name
+{
+    const char *begin;
+    size_t size;
+} label_name;
+
+/// Labels without repetition. All zero: empty.
+typedef struct label_table
+{
+    bat_mesh_label *labels;
+    size_t count, capacity;
+    key_map numbers; ///< by hashes of labels
+} label_table;
+
+/// A copy of a name in UTF-8, up to its first zero byte. Other bytes are taken for Latin-1, and control characters become
+/// '_'. Null when out of memory.
+char *label_name_copy(label_name name);
+
+/// The number of the label with these names, in the form of label_name_copy(). It is added if it is new. BAT_MESH_NONE when
+/// out of memory.
+uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_NAMES]);
+void label_table_free(label_table *table);
 
 #endif

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "io/common/base64.h"
 #include "io/mesh/formats.h"
-#include "io/mesh/label_table.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,7 +3,6 @@
 #include "io/common/base64.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"
-#include "io/mesh/label_table.h"
 
 #include <math.h>
 #include <stdio.h>

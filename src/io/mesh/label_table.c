@@ -1,4 +1,4 @@
-#include "io/mesh/label_table.h"
+#include "io/mesh/formats.h"
 
 #include "base/array_grow.h"
 #include "base/hash.h"

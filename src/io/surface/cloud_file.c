@@ -4,7 +4,7 @@
 #include "io/common/file_text.h"
 #include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
-#include "mesh/point_table.h"
+#include "mesh/key_map.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "io/surface/formats.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include <math.h>
 #include <string.h>

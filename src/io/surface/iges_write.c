@@ -1,7 +1,6 @@
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
-#include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"

@@ -4,9 +4,8 @@
 #include "base/memory.h"
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
-#include "io/surface/space.h"
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include <inttypes.h>
 #include <math.h>

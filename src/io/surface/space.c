@@ -1,4 +1,4 @@
-#include "io/surface/space.h"
+#include "io/surface/formats.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"

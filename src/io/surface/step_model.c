@@ -1,7 +1,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/surface/step.h"
-#include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"
 
 #include <math.h>

@@ -5,15 +5,15 @@
 /// A trimmed surface is a Delaunay triangulation of the grid's vertices inside and of points of the curves. A curve is
 /// divided until no point lies in the circle over a part of it; the parts are then edges (Ruppert, 1995).
 
-#include "io/surface/tessellate.h"
+#include "io/surface/step.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
 #include "surface/cloud/neighbours.h"
-#include "surface/trim/region.h"
+#include "surface/trim/trimming.h"
 
 #include <assert.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "io/common/block_writer.h"
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
-#include "io/surface/tessellate.h"
+#include "io/surface/step.h"
 
 #include <stdarg.h>
 #include <stdio.h>

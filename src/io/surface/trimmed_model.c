@@ -1,12 +1,11 @@
 #include "io/surface/step.h"
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/knot_vector.h"
 #include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "io/common/number_text.h"
-#include "surface/trim/region.h"
+#include "surface/trim/trimming.h"
 
 #include <math.h>
 #include <stdlib.h>

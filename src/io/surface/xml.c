@@ -7,9 +7,8 @@
 #include "io/common/file_text.h"
 #include "io/common/number_text.h"
 #include "io/surface/formats.h"
-#include "io/surface/space.h"
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include <expat.h>
 #include <inttypes.h>

@@ -1,10 +1,8 @@
-#include "mesh/decimate/attributes.h"
+#include "mesh/decimate/collapse_error.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector2.h"
-#include "linalg/vector3.h"
-#include "mesh/decimate/collapse_error.h"
+#include "linalg/vector.h"
 #include "mesh/labels.h"
 
 #include <stdlib.h>

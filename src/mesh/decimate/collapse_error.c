@@ -1,6 +1,6 @@
 #include "mesh/decimate/collapse_error.h"
 
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -102,14 +102,14 @@ error_placement error_place(const collapse_mesh *mesh, const error_vertex *verti
         return placed;
     }
     double at_a = quadric_error(&planes, back), at_b = quadric_error(&planes, half), at_middle = planes.constant;
-    double smallest = fmin(at_middle, fmin(at_a, at_b)), tolerance = ROUNDING * weight * square;
+    double smallest = fmin(at_middle, fmin(at_a, at_b)), rounding = ROUNDING * weight * square;
     bool solved = quadric_minimize(&planes, DAMPING * weight, offset) &&
                   vector3_dot(offset, offset) <= MAX_OFFSET * MAX_OFFSET * square;
     double best = solved ? quadric_error(&planes, offset) : INFINITY;
-    if (best < smallest - tolerance)
+    if (best < smallest - rounding)
         for (int c = 0; c < 3; c++)
             placed.position[c] = a->position[c] + half[c] + offset[c];
-    else if (at_middle <= smallest + tolerance)
+    else if (at_middle <= smallest + rounding)
         for (int c = 0; c < 3; c++)
             placed.position[c] = a->position[c] + half[c];
     else

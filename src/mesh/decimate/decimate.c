@@ -10,10 +10,7 @@
 #include "mesh/check.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/collapse_error.h"
-#include "mesh/decimate/edge_queue.h"
-#include "mesh/decimate/flatten.h"
 #include "mesh/decimate/map.h"
-#include "mesh/decimate/tolerance.h"
 #include "mesh/labels.h"
 
 #include <math.h>

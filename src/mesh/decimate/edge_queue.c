@@ -1,4 +1,4 @@
-#include "mesh/decimate/edge_queue.h"
+#include "mesh/decimate/collapse.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,5 +1,5 @@
-#include "mesh/decimate/flatten.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
+#include "mesh/decimate/map.h"
 
 #include <math.h>
 #include <string.h>

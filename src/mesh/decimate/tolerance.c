@@ -1,8 +1,8 @@
-#include "mesh/decimate/tolerance.h"
+#include "mesh/decimate/collapse_error.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>

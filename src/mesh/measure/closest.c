@@ -5,7 +5,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/check.h"
 
 #include <float.h>

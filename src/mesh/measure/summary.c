@@ -5,7 +5,7 @@
 #include "base/exact_sum.h"
 #include "base/memory.h"
 #include "batten/mesh.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/measure/closest.h"
 

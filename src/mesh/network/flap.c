@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/refine/split.h"
+#include "mesh/refine/level.h"
 
 #include <assert.h>
 #include <stdlib.h>

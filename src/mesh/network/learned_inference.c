@@ -1,4 +1,4 @@
-#include "mesh/network/learned_inference.h"
+#include "mesh/network/learned_network.h"
 
 #include "base/error.h"
 #include "base/memory.h"

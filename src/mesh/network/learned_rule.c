@@ -1,4 +1,4 @@
-#include "mesh/network/learned_rule.h"
+#include "mesh/network/learned_network.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -6,9 +6,8 @@
 #include "learn/weights.h"
 #include "mesh/measure/closest.h"
 #include "mesh/network/flap.h"
-#include "mesh/network/learned_inference.h"
+#include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
-#include "mesh/refine/split.h"
 
 #include <math.h>
 #include <stdlib.h>

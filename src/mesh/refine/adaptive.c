@@ -1,12 +1,11 @@
-#include "mesh/refine/adaptive.h"
+#include "mesh/refine/plan.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/labels.h"
-#include "mesh/refine/plan.h"
-#include "mesh/refine/split.h"
+#include "mesh/refine/level.h"
 
 #include <math.h>
 #include <stdlib.h>

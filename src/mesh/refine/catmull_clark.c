@@ -1,9 +1,9 @@
-#include "mesh/refine/catmull_clark.h"
+#include "mesh/refine/scheme.h"
 
 #include "base/error.h"
 #include "batten/mesh_refine.h"
-#include "linalg/vector3.h"
-#include "mesh/refine/normal.h"
+#include "linalg/vector.h"
+#include "mesh/refine/sharpness.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,10 @@
-#include "mesh/refine/loop.h"
+#include "mesh/refine/scheme.h"
 
 #include "base/error.h"
 #include "batten/mesh_refine.h"
-#include "linalg/vector3.h"
-#include "mesh/refine/normal.h"
+#include "linalg/vector.h"
+#include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
-#include "mesh/refine/split.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,9 @@
-#include "mesh/refine/normal.h"
+#include "mesh/refine/sharpness.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/mesh_refine.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,15 +3,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/labels.h"
-#include "mesh/refine/adaptive.h"
-#include "mesh/refine/catmull_clark.h"
 #include "mesh/refine/level.h"
-#include "mesh/refine/normal.h"
 #include "mesh/refine/plan.h"
+#include "mesh/refine/scheme.h"
 #include "mesh/refine/sharpness.h"
-#include "mesh/refine/split.h"
-#include "mesh/refine/sqrt3.h"
-#include "mesh/refine/texture.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +15,7 @@
 /// Refinement of a mesh level by level: positions, channels, texture, creases and corners.
 ///
 /// Vertices keep their indices. The schemes that split faces in four number the new vertices by edge, so the next level's
-/// connectivity follows by arithmetic (see split.h). Square-root-three subdivision numbers them by face. Quads have no
+/// connectivity follows by arithmetic (see level.h). Square-root-three subdivision numbers them by face. Quads have no
 /// offsets until the end.
 
 // Faces at the boundary, where a scheme has no surface without rules for boundaries.

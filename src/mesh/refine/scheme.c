@@ -1,8 +1,5 @@
 #include "mesh/refine/scheme.h"
 
-#include "mesh/refine/catmull_clark.h"
-#include "mesh/refine/loop.h"
-
 static const mesh_scheme SCHEMES[] = {
     {.choice = {.name = "learned",
                 .summary = "by the network that comes with batten, or by a model; docs/algorithms/mesh-network.md",

@@ -1,8 +1,7 @@
-#include "mesh/refine/split.h"
+#include "mesh/refine/level.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/refine/level.h"
 
 #include <stdlib.h>
 

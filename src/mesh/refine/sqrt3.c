@@ -1,4 +1,4 @@
-#include "mesh/refine/sqrt3.h"
+#include "mesh/refine/scheme.h"
 
 #include "base/error.h"
 #include "base/memory.h"

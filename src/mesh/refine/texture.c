@@ -1,4 +1,4 @@
-#include "mesh/refine/texture.h"
+#include "mesh/refine/plan.h"
 
 #include "base/error.h"
 #include "base/memory.h"

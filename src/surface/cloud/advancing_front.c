@@ -1,5 +1,5 @@
 /// @file
-/// Greedy surface reconstruction; see advancing_front.h.
+/// Greedy surface reconstruction; see boundary.h.
 ///
 /// The boundary of the surface consists of half-edges in loops. The half-edge from p to q misses a face on its left side; a
 /// triangle (p, q, x) that is added has the same direction. There are four ways to add it:
@@ -9,20 +9,18 @@
 ///     both:                  the loop p q, q x, x p closes;
 ///     x elsewhere in the loop: the loop is split in two at x.
 
-#include "surface/cloud/advancing_front.h"
+#include "surface/cloud/boundary.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "batten/mesh.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/neighbours.h"
-#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

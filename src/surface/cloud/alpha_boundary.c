@@ -10,11 +10,10 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/key_map.h"
 
 #include <math.h>

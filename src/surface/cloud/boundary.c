@@ -8,14 +8,13 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/cloud.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
+#include "surface/cloud/neighbours.h"
 #include "surface/cloud/part.h"
-#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

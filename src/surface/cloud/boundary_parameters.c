@@ -11,11 +11,10 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "batten/cloud.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/spatial_order.h"
+#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

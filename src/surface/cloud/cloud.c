@@ -5,9 +5,8 @@
 #include "batten/cloud.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
-#include "mesh/point_table.h"
-#include "surface/cloud/spatial_order.h"
+#include "mesh/key_map.h"
+#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector2.h"
+#include "linalg/vector.h"
 
 #include <libqhull_r/libqhull_r.h>
 #include <stdio.h>

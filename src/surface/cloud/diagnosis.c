@@ -6,7 +6,6 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/threads.h"
 #include "surface/cloud/local_plane.h"
 

@@ -1,15 +1,13 @@
 /// @file
-/// Orientation of tangent planes by Kruskal's algorithm with a signed union-find forest; see orientation.h. Edges are sorted
+/// Orientation of tangent planes by Kruskal's algorithm with a signed union-find forest; see local_plane.h. Edges are sorted
 /// into buckets by sqrt(1 - |n_i . n_k|).
 
-#include "surface/cloud/orientation.h"
-
-#include "linalg/vector3.h"
 #include "surface/cloud/local_plane.h"
+
+#include "linalg/vector.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/threads.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/spatial_order.h"
+#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

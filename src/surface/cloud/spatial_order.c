@@ -1,11 +1,10 @@
 /// @file
-/// Renumbering of clouds in spatial order; see spatial_order.h.
+/// Renumbering of clouds in spatial order; see neighbours.h.
 
-#include "surface/cloud/spatial_order.h"
+#include "surface/cloud/neighbours.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "batten/distributed.h"
 #include "batten/surface.h"
 #include "surface/cloud/local_plane.h"

@@ -2,16 +2,16 @@
 /// The adaptive fitting loop of Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et
 /// al. (2014):
 ///     repeat  fit: solve (G + 2 lambda M) c = b  (system.h)
-///             correct: move parameters to foot points  (foot_points.h)
+///             correct: move parameters to foot points  (points.h)
 ///             stop if the tolerance or the budget is reached
 ///             mark and refine cells  (marking.c)
 /// The default criterion for lambda is restricted likelihood. With `robust`, points are re-weighted after every measurement.
 
 #include "base/choice.h"
-#include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
+#include "base/progress.h"
 #include "batten/surface_fit.h"
 #include "surface/fit/loop.h"
 #include "surface/fit/system.h"

@@ -1,11 +1,11 @@
 /// @file
-/// Distances and foot points; see foot_points.h.
+/// Distances and foot points; see points.h.
 ///
 /// For f(u) = 1/2 |S(u) - x|^2 with d = S(u) - x, Newton's method uses
 ///     f_i = d . S_i,   f_ij = S_i . S_j + d . S_ij   (full);   S_i . S_j alone is the Gauss-Newton matrix (gauss).
 /// Hoschek, "Intrinsic parametrization for approximation" (1988), introduced the correction of parameters in this way.
 
-#include "surface/fit/foot_points.h"
+#include "surface/fit/points.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -2,7 +2,6 @@
 #define SURFACE_FIT_LOOP_H
 
 #include "batten/surface_fit.h"
-#include "surface/fit/foot_points.h"
 #include "surface/fit/points.h"
 #include "surface/fit/system.h"
 

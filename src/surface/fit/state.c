@@ -3,9 +3,9 @@
 
 #include "surface/fit/loop.h"
 
-#include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/progress.h"
 #include "surface/spline/hierarchical_space.h"
 
 #include <stdlib.h>

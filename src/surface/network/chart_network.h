@@ -3,19 +3,42 @@
 
 #include "batten/base.h"
 #include "batten/cloud.h"
-#include "surface/network/model.h"
+#include "batten/cloud_parameterize.h"
+#include "learn/model.h"
 
 /// @file
-/// Parameterization by a chart and a small network.
+/// Networks that parameterize clouds, as rows of learn/model.h: training, files and bat_surface_model_parameterize() use
+/// them. The recipe of a file tells its network.
 ///
-/// A chart consists of initial parameters u of the interior points, and of the Gauss-Newton steps
-/// to their foot points on the polynomial patch. The network maps the features of the patch to
-/// coefficients q and a gate, which give the parameters
-///     u' = u + gate * step(x, u) + bubble(u) sum over a, b <= CHART_DEGREE of q_ab P_a(2 u - 1) P_b(2 v - 1),
-///     bubble(u) = 16 u (1 - u) v (1 - v).
-/// The bubble vanishes on the boundary. The steps remove noise tangential to the surface. The polynomial deforms the chart
-/// so that splines of low degree fit well. The network has four layers with GELU activation, independent of the number of
-/// points.
+/// Throughout, a cloud is scaled to the unit box (mesh/measure/unit_box.h), with one scale for all coordinates. Its boundary
+/// points come first, and it has passed bat_cloud_check(). *Interior* points are all others, in order.
+
+/// The rule of a network.
+typedef struct surface_rule
+{
+    /// Compute the interior parameters. The result agrees with that of the tape up to rounding, except for clouds on which
+    /// the network uses a classical method instead. Thread-safe; the result does not depend on `threads` (0: the default of
+    /// OpenMP).
+    /// @param interior receives interior points x 2, each in [0, 1]
+    bat_status (*infer)(const void *network, const bat_cloud *cloud, const double *boundary, int threads, double *interior,
+                        bat_error *error);
+} surface_rule;
+/// The table of networks.
+extern const learn_networks surface_networks;
+
+/// Read a model, a row's rule being a surface_rule.
+bat_status surface_model_read(const learn_networks *networks, const char *path, bat_surface_model **model, bat_error *error);
+
+// Parameterization by a chart and a small network.
+//
+// A chart consists of initial parameters u of the interior points, and of the Gauss-Newton steps
+// to their foot points on the polynomial patch. The network maps the features of the patch to
+// coefficients q and a gate, which give the parameters
+//     u' = u + gate * step(x, u) + bubble(u) sum over a, b <= CHART_DEGREE of q_ab P_a(2 u - 1) P_b(2 v - 1),
+//     bubble(u) = 16 u (1 - u) v (1 - v).
+// The bubble vanishes on the boundary. The steps remove noise tangential to the surface. The polynomial deforms the chart
+// so that splines of low degree fit well. The network has four layers with GELU activation, independent of the number of
+// points.
 
 // Least-squares polynomial patch through a cloud with parameters: features for a network, and foot points.
 //     X(u, v) = sum over a, b <= PATCH_DEGREE of c_ab P_a(2 u - 1) P_b(2 v - 1)

@@ -1,14 +1,13 @@
 /// @file
 /// Models that parameterize clouds: reading them, and scaling clouds to the unit box.
 
-#include "surface/network/model.h"
+#include "surface/network/chart_network.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/cloud_parameterize.h"
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"
-#include "surface/network/chart_network.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/decompose.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <cblas.h>
 #include <math.h>

@@ -1,11 +1,10 @@
 /// @file
-/// Assembly and solution of (I - W) u = W_fixed u_fixed; see averages.h.
+/// Assembly and solution of (I - W) u = W_fixed u_fixed; see weights.h.
 
-#include "surface/parameterize/averages.h"
+#include "surface/parameterize/weights.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/progress.h"
 #include "linalg/average_system.h"
 

@@ -1,6 +1,6 @@
 /// @file
 /// Symmetric Dirichlet energy by reweighted least squares: scalable locally injective mappings (Rabinovich, Poranne, Panozzo
-/// and Sorkine-Hornung, 2017); see dirichlet.h.
+/// and Sorkine-Hornung, 2017); see weights.h.
 ///
 /// In a round, each triangle with derivative J = U diag(s_1, s_2) V^T has the proxy energy
 ///     |W (J' - R)|^2,   R = U V^T,   W = U diag(w_1, w_2) U^T,   w_i^2 = (s_i - s_i^-3) / (s_i - 1),
@@ -12,12 +12,12 @@
 /// U diag(s)^t V^T is the same for all triangles; here each has its own. Areas remain those in space, so that crowded parts
 /// are as heavy as others and spread.
 
-#include "surface/parameterize/dirichlet.h"
+#include "surface/parameterize/weights.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

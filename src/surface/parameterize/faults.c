@@ -10,13 +10,11 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/threads.h"
 #include "batten/cloud_parameterize.h"
-#include "linalg/vector2.h"
-#include "surface/cloud/orientation.h"
-#include "surface/cloud/spatial_order.h"
-#include "surface/parameterize/averages.h"
+#include "linalg/vector.h"
+#include "surface/cloud/local_plane.h"
+#include "surface/cloud/neighbours.h"
 #include "surface/parameterize/weights.h"
 
 #include <math.h>

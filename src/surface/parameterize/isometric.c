@@ -1,14 +1,12 @@
 /// @file
-/// Triangles of clouds and meshes, and where their minimization begins; see averages.h.
+/// Triangles of clouds and meshes, and where their minimization begins; see weights.h.
 
-#include "surface/parameterize/averages.h"
+#include "surface/parameterize/weights.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/delaunay.h"
-#include "surface/parameterize/dirichlet.h"
-#include "surface/parameterize/weights.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,8 +6,7 @@
 
 #include "batten/cloud_parameterize.h"
 
-#include "surface/cloud/spatial_order.h"
-#include "surface/parameterize/averages.h"
+#include "surface/cloud/neighbours.h"
 #include "surface/parameterize/weights.h"
 
 #include "base/choice.h"

@@ -1,15 +1,15 @@
 /// @file
-/// Delaunay stars and shape-preserving weights; see star.h.
+/// Delaunay stars and shape-preserving weights; see weights.h.
 ///
 /// Inversion p -> p / |p|^2 maps circles through the origin to lines. The empty circumcircles of the triangles at the origin
 /// therefore become the supporting lines of the convex hull of the inverted points. The hull is computed by gift wrapping
 /// (Jarvis, 1973).
 
-#include "surface/parameterize/star.h"
+#include "surface/parameterize/weights.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/cloud/delaunay.h"
 
 #include <float.h>

@@ -3,7 +3,7 @@
 ///     w_ik = (tan(a / 2) + tan(b / 2)) / |x_i - x_k|,   normalized to sum_k w_ik = 1,
 /// where a and b are the angles at x_i on both sides of edge ik.
 
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"

@@ -1,13 +1,12 @@
 /// @file
 /// Shape-preserving weights (Floater, "Parametrization and smooth approximation of surface triangulations", 1997) of the
-/// Delaunay star of each point in its local plane (star.h), in an adaptive and in the published variant.
+/// Delaunay star of each point in its local plane (weights.h), in an adaptive and in the published variant.
 
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/parameterize/star.h"
 
 // Shape-preserving weights that never fail.
 

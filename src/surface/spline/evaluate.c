@@ -3,11 +3,10 @@
 ///     S(u, v) = sum_ab C_ab N_a(u) N_b(v)   on each cell, C = E^T control  (hierarchical_space.h).
 
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "base/threads.h"
 
 #include <math.h>

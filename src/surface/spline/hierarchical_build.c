@@ -13,7 +13,6 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/knot_vector.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -11,7 +11,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 
 #include <stdlib.h>
 #include <string.h>

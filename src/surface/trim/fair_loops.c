@@ -7,15 +7,13 @@
 /// corners, or all points of a loop without corners, are fitted by a cubic spline with as few spans as bring the residuals
 /// down to the roughness.
 
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 #include "surface/trim/trimming.h"
 
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
-#include "linalg/vector2.h"
-#include "surface/trim/region.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

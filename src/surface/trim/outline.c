@@ -8,9 +8,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
-#include "linalg/vector2.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 #include "mesh/key_map.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/delaunay.h"

@@ -11,10 +11,8 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/memory_pool.h"
 #include "linalg/multifrontal.h"
-#include "linalg/vector2.h"
-#include "linalg/vector3.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /// @file
-/// Trimming curves and their polygons; see region.h.
+/// Trimming curves and their polygons; see trimming.h.
 
-#include "surface/trim/region.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
+#include "surface/trim/trimming.h"
 
 #include "base/error.h"
 

@@ -2,7 +2,7 @@
 /// Trimmed surfaces; see trimming.h.
 
 #include "surface/trim/trimming.h"
-#include "surface/spline/knot_vector.h"
+#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
 #include "base/memory.h"

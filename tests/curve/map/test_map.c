@@ -3,8 +3,8 @@
 #include "refine_helpers.h"
 
 #include "batten/curve_map.h"
-#include "curve/map/chart.h"
-#include "curve/topology/predicate.h"
+#include "curve/map/arc_refine.h"
+#include "curve/topology/edge_tree.h"
 #include "space/degrees.h"
 
 enum

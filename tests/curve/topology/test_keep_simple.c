@@ -4,7 +4,6 @@
 
 #include "batten/curve_measure.h"
 #include "curve/topology/draw_back.h"
-#include "curve/topology/keep_simple.h"
 
 static bool is_simple(const bat_curve *curve)
 {

@@ -3,7 +3,7 @@
 #include "check.h"
 
 #include "batten/base.h"
-#include "curve/topology/predicate.h"
+#include "curve/topology/edge_tree.h"
 
 __extension__ typedef __int128 wide;
 

@@ -1,10 +1,18 @@
-#ifndef LINALG_VECTOR3_H
-#define LINALG_VECTOR3_H
+#ifndef LINALG_VECTOR_H
+#define LINALG_VECTOR_H
 
 #include <math.h>
 
 /// @file
-/// Vectors of three numbers.
+/// Places in the plane.
+
+/// Twice the signed area of the triangle a b c: positive where it is counter-clockwise.
+static inline double vector2_turn(const double a[2], const double b[2], const double c[2])
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+// Vectors of three numbers.
 
 /// a . b
 static inline double vector3_dot(const double a[3], const double b[3])
