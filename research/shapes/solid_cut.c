@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "research/shapes/solid.h"
 
 #include <math.h>

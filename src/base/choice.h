@@ -31,8 +31,6 @@ const bat_choice *choice_of_value(const bat_family *family, int value);
 /// The row whose endings have that of a path, in either case; null for none.
 const bat_choice *choice_of_ending(const bat_family *family, const char *path);
 
-/// The endings of the rows that are read, or of those that are written, as ".csv, .txt, .obj". Returns `text`.
-const char *choice_endings(const bat_family *family, bool writes, char *text, size_t size);
 /// The failure for an output whose format nothing names.
 /// @return BAT_INVALID_ARGUMENT
 bat_status choice_unnamed_output(const bat_family *family, bat_error *error);

@@ -1,19 +1,22 @@
+#include "base/memory.h"
+
+#include "base/array_grow.h"
+#include "base/error.h"
+
+#include <immintrin.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
 // For madvise().
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch
 #define _DEFAULT_SOURCE
 
-#include "base/memory.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 #if defined(__linux__)
-#include <sys/mman.h>
 #endif
 #if defined(__SSE2__)
-#include <immintrin.h>
 #endif
 
 /// A large array in large pages where the system has them: entering a page costs about as much as writing it.
@@ -131,4 +134,37 @@ size_t memory_available(void)
         return free;
     long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     return pages > 0 && size > 0 && (size_t)pages <= SIZE_MAX / (size_t)size ? (size_t)pages * (size_t)size : 0;
+}
+
+void *memory_pool_array(memory_pool *pool, size_t count, size_t size)
+{
+    void *arrays = pool->arrays, *made = NULL;
+    bool grown = array_grow(&arrays, &pool->capacity, pool->count + 1, sizeof *pool->arrays);
+    pool->arrays = arrays;
+    if (grown)
+        made = pool->arrays[pool->count++] = memory_array(count, size);
+    if (made == NULL && pool->missing == 0)
+        pool->missing = count * size > 0 ? count * size : SIZE_MAX;
+    return made;
+}
+
+void *memory_pool_zeros(memory_pool *pool, size_t count, size_t size)
+{
+    void *made = memory_pool_array(pool, count, size);
+    if (made != NULL)
+        memset(made, 0, count * size);
+    return made;
+}
+
+bat_status memory_pool_check(const memory_pool *pool, bat_error *error)
+{
+    return pool->missing == 0 ? BAT_OK : error_memory(error, pool->missing);
+}
+
+void memory_pool_free(memory_pool *pool)
+{
+    for (size_t k = 0; k < pool->count; k++)
+        free(pool->arrays[k]);
+    free(pool->arrays);
+    *pool = (memory_pool){0};
 }

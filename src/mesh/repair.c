@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "mesh/labels.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 // Meshes of solids: exact where surfaces are flat, of second order where they are round, edges where surfaces meet.
 #include "check.h"
 
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "research/shapes/edit_mesh.h"
 #include "research/shapes/solid.h"
 

@@ -4,7 +4,7 @@
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
 #include "io/mesh/formats.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 
 /// @file
 /// Construction of a mesh from the faces of a file.

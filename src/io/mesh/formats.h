@@ -4,7 +4,7 @@
 #include "batten/mesh_file.h"
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "mesh/labels.h"
 
 /// @file

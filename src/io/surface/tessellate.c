@@ -10,7 +10,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "linalg/vector.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 #include "surface/cloud/neighbours.h"
 #include "surface/trim/trimming.h"

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -17,7 +17,7 @@
 #include "base/progress.h"
 #include "batten/mesh.h"
 #include "linalg/vector.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 #include "surface/cloud/local_plane.h"
 #include "surface/cloud/neighbours.h"

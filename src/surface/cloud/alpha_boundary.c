@@ -14,7 +14,7 @@
 #include "base/threads.h"
 #include "batten/mesh.h"
 #include "linalg/vector.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 
 #include <math.h>
 #include <stdlib.h>

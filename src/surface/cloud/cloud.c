@@ -5,7 +5,7 @@
 #include "batten/cloud.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "surface/cloud/neighbours.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "mesh/key_map.h"
+#include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-#ifndef MESH_KEY_MAP_H
-#define MESH_KEY_MAP_H
+#ifndef MESH_HASH_TABLE_H
+#define MESH_HASH_TABLE_H
 
 #include "batten/base.h"
 
