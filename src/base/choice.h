@@ -14,6 +14,19 @@
         what, rows, sizeof *(rows), sizeof(rows) / sizeof *(rows), of_path                                                  \
     }
 
+/// A row: its name, its summary and its enumerator.
+#define CHOICE(label, about, number) CHOICE_OF_USE(LISTED, label, about, number)
+/// A row with a use of bat_choice_use.
+#define CHOICE_OF_USE(how, label, about, number)                                                                            \
+    {                                                                                                                       \
+        .name = label, .summary = about, .value = number, .use = BAT_CHOICE_USE_##how                                       \
+    }
+/// The row of a format that is read and written.
+#define CHOICE_FORMAT(label, about, suffixes, number)                                                                       \
+    {                                                                                                                       \
+        .name = label, .summary = about, .endings = suffixes, .reads = true, .writes = true, .value = number                \
+    }
+
 /// The bat_measure of a struct's field.
 // NOLINTBEGIN(bugprone-macro-parentheses): `type` is a type
 #define MEASURE(type, field, title, form)                                                                                   \

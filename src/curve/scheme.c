@@ -46,22 +46,22 @@ bat_curve_scheme bat_curve_scheme_four_point(bat_curve_parameters parameters, do
 }
 
 static const bat_choice SIGNS[] = {
-    {.name = "outward", .summary = "exact on circles of the plane", .value = BAT_CURVE_ANGLE_SIGN_OUTWARD},
-    {.name = "printed", .summary = "inwards, as the paper has it", .value = BAT_CURVE_ANGLE_SIGN_PRINTED},
+    CHOICE("outward", "exact on circles of the plane", BAT_CURVE_ANGLE_SIGN_OUTWARD),
+    CHOICE("printed", "inwards, as the paper has it", BAT_CURVE_ANGLE_SIGN_PRINTED),
 };
 const bat_family bat_curve_angle_sign_family = FAMILY("sign", SIGNS);
 
 static const bat_choice BASES[] = {
-    {.name = "auto", .summary = "the vertex", .value = BAT_CURVE_BASE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "vertex", .summary = "the vertex that begins the edge", .value = BAT_CURVE_BASE_VERTEX},
-    {.name = "midpoint", .summary = "the midpoint of the edge", .value = BAT_CURVE_BASE_MIDPOINT},
+    CHOICE_OF_USE(UNNAMED, "auto", "the vertex", BAT_CURVE_BASE_AUTO),
+    CHOICE("vertex", "the vertex that begins the edge", BAT_CURVE_BASE_VERTEX),
+    CHOICE("midpoint", "the midpoint of the edge", BAT_CURVE_BASE_MIDPOINT),
 };
 const bat_family bat_curve_base_family = FAMILY("base", BASES);
 
 static const bat_choice PARAMETERS[] = {
-    {.name = "uniform", .summary = "equal increments", .value = BAT_CURVE_PARAMETERS_UNIFORM},
-    {.name = "centripetal", .summary = "square roots of lengths", .value = BAT_CURVE_PARAMETERS_CENTRIPETAL},
-    {.name = "chordal", .summary = "lengths", .value = BAT_CURVE_PARAMETERS_CHORDAL},
+    CHOICE("uniform", "equal increments", BAT_CURVE_PARAMETERS_UNIFORM),
+    CHOICE("centripetal", "square roots of lengths", BAT_CURVE_PARAMETERS_CENTRIPETAL),
+    CHOICE("chordal", "lengths", BAT_CURVE_PARAMETERS_CHORDAL),
 };
 const bat_family bat_curve_parameters_family = FAMILY("kind of parameters", PARAMETERS);
 
@@ -252,14 +252,14 @@ static refine_kernel four_point_kernel(const bat_space *space, const bat_curve_s
 }
 
 static const scheme_kind KINDS[] = {
-    {.choice = {.name = "auto", .summary = "that of the space", .value = BAT_CURVE_SCHEME_KIND_AUTO},
+    {.choice = CHOICE("auto", "that of the space", BAT_CURVE_SCHEME_KIND_AUTO),
      .check = check_auto,
      .suits = suits_all,
      .keeps_points = keeps_always,
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = linear_kernel},
-    {.choice = {.name = "linear", .summary = "a mask on coordinates", .value = BAT_CURVE_SCHEME_KIND_LINEAR},
+    {.choice = CHOICE("linear", "a mask on coordinates", BAT_CURVE_SCHEME_KIND_LINEAR),
      .linear = true,
      .check = check_linear,
      .suits = suits_linear,
@@ -267,30 +267,28 @@ static const scheme_kind KINDS[] = {
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = linear_kernel},
-    {.choice = {.name = "angle", .summary = "vertices over edges by exterior angles", .value = BAT_CURVE_SCHEME_KIND_ANGLE},
+    {.choice = CHOICE("angle", "vertices over edges by exterior angles", BAT_CURVE_SCHEME_KIND_ANGLE),
      .check = check_angle,
      .suits = suits_angle,
      .keeps_points = keeps_always,
      .end = end_of_angles,
      .channels = channels_by_four_point,
      .kernel = angle_kernel},
-    {.choice = {.name = "log-exp", .summary = "a mask in tangent spaces", .value = BAT_CURVE_SCHEME_KIND_LOG_EXP},
+    {.choice = CHOICE("log-exp", "a mask in tangent spaces", BAT_CURVE_SCHEME_KIND_LOG_EXP),
      .check = check_log_exp,
      .suits = suits_all,
      .keeps_points = keeps_by_mask,
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = kernel_log_exp},
-    {.choice = {.name = "geodesic", .summary = "averages along geodesics", .value = BAT_CURVE_SCHEME_KIND_GEODESIC},
+    {.choice = CHOICE("geodesic", "averages along geodesics", BAT_CURVE_SCHEME_KIND_GEODESIC),
      .check = check_geodesic,
      .suits = suits_all,
      .keeps_points = keeps_by_mask,
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = kernel_geodesic},
-    {.choice = {.name = "four-point",
-                .summary = "the cubic through four points at their parameters",
-                .value = BAT_CURVE_SCHEME_KIND_FOUR_POINT},
+    {.choice = CHOICE("four-point", "the cubic through four points at their parameters", BAT_CURVE_SCHEME_KIND_FOUR_POINT),
      .beside_channels = true,
      .check = check_four_point,
      .suits = suits_all,
@@ -298,7 +296,7 @@ static const scheme_kind KINDS[] = {
      .end = end_of_mask,
      .channels = channels_by_mask,
      .kernel = four_point_kernel},
-    {.choice = {.name = "spline", .summary = "a spline through the points", .value = BAT_CURVE_SCHEME_KIND_SPLINE},
+    {.choice = CHOICE("spline", "a spline through the points", BAT_CURVE_SCHEME_KIND_SPLINE),
      .check = check_spline,
      .suits = suits_all,
      .keeps_points = keeps_always,

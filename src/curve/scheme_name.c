@@ -279,21 +279,17 @@ bat_curve_scheme bat_curve_scheme_for(const bat_space *space, const char **name)
 }
 
 static const bat_choice END_RULES[] = {
-    {.name = "auto", .summary = "point reflection", .value = BAT_CURVE_END_RULE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "reflect", .summary = "point reflection in the end point", .value = BAT_CURVE_END_RULE_REFLECT},
-    {.name = "extrapolate",
-     .summary = "the extrapolation that keeps what the scheme reproduces",
-     .value = BAT_CURVE_END_RULE_EXTRAPOLATE},
-    {.name = "free", .summary = "none: the curve shrinks; linear schemes", .value = BAT_CURVE_END_RULE_FREE},
+    CHOICE_OF_USE(UNNAMED, "auto", "point reflection", BAT_CURVE_END_RULE_AUTO),
+    CHOICE("reflect", "point reflection in the end point", BAT_CURVE_END_RULE_REFLECT),
+    CHOICE("extrapolate", "the extrapolation that keeps what the scheme reproduces", BAT_CURVE_END_RULE_EXTRAPOLATE),
+    CHOICE("free", "none: the curve shrinks; linear schemes", BAT_CURVE_END_RULE_FREE),
 };
 const bat_family bat_curve_end_rule_family = FAMILY("end rule", END_RULES);
 
 static const bat_choice SIMPLE_CHOICES[] = {
-    {.name = "auto", .summary = "closed curves", .value = BAT_CURVE_SIMPLE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "rings", .summary = "closed curves that are simple when they come in", .value = BAT_CURVE_SIMPLE_RINGS},
-    {.name = "always",
-     .summary = "open and closed curves that are simple when they come in",
-     .value = BAT_CURVE_SIMPLE_ALWAYS},
-    {.name = "never", .summary = "no test", .value = BAT_CURVE_SIMPLE_NEVER},
+    CHOICE_OF_USE(UNNAMED, "auto", "closed curves", BAT_CURVE_SIMPLE_AUTO),
+    CHOICE("rings", "closed curves that are simple when they come in", BAT_CURVE_SIMPLE_RINGS),
+    CHOICE("always", "open and closed curves that are simple when they come in", BAT_CURVE_SIMPLE_ALWAYS),
+    CHOICE("never", "no test", BAT_CURVE_SIMPLE_NEVER),
 };
 const bat_family bat_curve_simple_family = FAMILY("choice of simple curves", SIMPLE_CHOICES);

@@ -254,33 +254,27 @@ bat_status bat_mesh_check(const bat_mesh *mesh, bat_error *error)
 // The tables of the rules that a mesh can carry.
 
 static const bat_choice BOUNDARIES[] = {
-    {.name = "auto", .summary = "as the file says, else edges", .value = BAT_MESH_BOUNDARY_AUTO},
-    {.name = "edges", .summary = "a smooth curve", .value = BAT_MESH_BOUNDARY_EDGES},
-    {.name = "corners",
-     .summary = "a smooth curve with sharp corners at vertices of one face",
-     .value = BAT_MESH_BOUNDARY_CORNERS},
-    {.name = "none", .summary = "the surface ends one face before it", .value = BAT_MESH_BOUNDARY_NONE},
+    CHOICE("auto", "as the file says, else edges", BAT_MESH_BOUNDARY_AUTO),
+    CHOICE("edges", "a smooth curve", BAT_MESH_BOUNDARY_EDGES),
+    CHOICE("corners", "a smooth curve with sharp corners at vertices of one face", BAT_MESH_BOUNDARY_CORNERS),
+    CHOICE("none", "the surface ends one face before it", BAT_MESH_BOUNDARY_NONE),
 };
 const bat_family bat_mesh_boundary_family = FAMILY("boundary rule", BOUNDARIES);
 
 static const bat_choice CREASINGS[] = {
-    {.name = "auto", .summary = "as the file says, else uniform", .value = BAT_MESH_CREASING_AUTO},
-    {.name = "uniform", .summary = "sharpness decreases by 1 a level", .value = BAT_MESH_CREASING_UNIFORM},
-    {.name = "chaikin", .summary = "sharpness is also smoothed along creases", .value = BAT_MESH_CREASING_CHAIKIN},
+    CHOICE("auto", "as the file says, else uniform", BAT_MESH_CREASING_AUTO),
+    CHOICE("uniform", "sharpness decreases by 1 a level", BAT_MESH_CREASING_UNIFORM),
+    CHOICE("chaikin", "sharpness is also smoothed along creases", BAT_MESH_CREASING_CHAIKIN),
 };
 const bat_family bat_mesh_creasing_family = FAMILY("creasing rule", CREASINGS);
 
 static const bat_choice LINEARS[] = {
-    {.name = "auto", .summary = "as the file says, else all", .value = BAT_MESH_LINEAR_AUTO},
-    {.name = "all", .summary = "texture is linear everywhere", .value = BAT_MESH_LINEAR_ALL},
-    {.name = "none", .summary = "texture and its seams are smooth", .value = BAT_MESH_LINEAR_NONE},
-    {.name = "corners", .summary = "corners of one face stay", .value = BAT_MESH_LINEAR_CORNERS},
-    {.name = "corners-plus1",
-     .summary = "and points where more than two seams meet",
-     .value = BAT_MESH_LINEAR_CORNERS_PLUS1},
-    {.name = "corners-plus2",
-     .summary = "and ends of seams and sides beside a corner",
-     .value = BAT_MESH_LINEAR_CORNERS_PLUS2},
-    {.name = "boundaries", .summary = "seams and boundaries are linear", .value = BAT_MESH_LINEAR_BOUNDARIES},
+    CHOICE("auto", "as the file says, else all", BAT_MESH_LINEAR_AUTO),
+    CHOICE("all", "texture is linear everywhere", BAT_MESH_LINEAR_ALL),
+    CHOICE("none", "texture and its seams are smooth", BAT_MESH_LINEAR_NONE),
+    CHOICE("corners", "corners of one face stay", BAT_MESH_LINEAR_CORNERS),
+    CHOICE("corners-plus1", "and points where more than two seams meet", BAT_MESH_LINEAR_CORNERS_PLUS1),
+    CHOICE("corners-plus2", "and ends of seams and sides beside a corner", BAT_MESH_LINEAR_CORNERS_PLUS2),
+    CHOICE("boundaries", "seams and boundaries are linear", BAT_MESH_LINEAR_BOUNDARIES),
 };
 const bat_family bat_mesh_linear_family = FAMILY("texture rule", LINEARS);

@@ -9,9 +9,9 @@
 #include <string.h>
 
 static const bat_choice NORMALS[] = {
-    {.name = "none", .summary = "no normals", .value = BAT_MESH_NORMALS_NONE},
-    {.name = "angle", .summary = "weighted by the faces' angles", .value = BAT_MESH_NORMALS_ANGLE},
-    {.name = "area", .summary = "weighted by the faces' areas", .value = BAT_MESH_NORMALS_AREA},
+    CHOICE("none", "no normals", BAT_MESH_NORMALS_NONE),
+    CHOICE("angle", "weighted by the faces' angles", BAT_MESH_NORMALS_ANGLE),
+    CHOICE("area", "weighted by the faces' areas", BAT_MESH_NORMALS_AREA),
 };
 const bat_family bat_mesh_normals_family = FAMILY("kind of normals", NORMALS);
 

@@ -263,9 +263,9 @@ typedef struct hermite_plan
 } hermite_plan;
 
 static const bat_choice KINDS[] = {
-    {.name = "auto", .summary = "averages", .value = BAT_HERMITE_KIND_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "lane-riesenfeld", .summary = "averages of points with directions", .value = BAT_HERMITE_KIND_LANE_RIESENFELD},
-    {.name = "transport", .summary = "linear schemes by parallel transport", .value = BAT_HERMITE_KIND_TRANSPORT},
+    CHOICE_OF_USE(UNNAMED, "auto", "averages", BAT_HERMITE_KIND_AUTO),
+    CHOICE("lane-riesenfeld", "averages of points with directions", BAT_HERMITE_KIND_LANE_RIESENFELD),
+    CHOICE("transport", "linear schemes by parallel transport", BAT_HERMITE_KIND_TRANSPORT),
 };
 const bat_family bat_hermite_kind_family = FAMILY("kind of Hermite schemes", KINDS);
 

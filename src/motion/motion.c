@@ -18,9 +18,9 @@
 static const double EVEN_TOLERANCE = 1e-6;
 
 static const bat_choice METHODS[] = {
-    {.name = "auto", .summary = "spline where there are times or a rate, else hermite", .value = BAT_MOTION_METHOD_AUTO},
-    {.name = "spline", .summary = "a motion in time through its keys", .value = BAT_MOTION_METHOD_SPLINE},
-    {.name = "hermite", .summary = "a Hermite scheme, level by level", .value = BAT_MOTION_METHOD_HERMITE},
+    CHOICE("auto", "spline where there are times or a rate, else hermite", BAT_MOTION_METHOD_AUTO),
+    CHOICE("spline", "a motion in time through its keys", BAT_MOTION_METHOD_SPLINE),
+    CHOICE("hermite", "a Hermite scheme, level by level", BAT_MOTION_METHOD_HERMITE),
 };
 const bat_family bat_motion_method_family = FAMILY("method of motions", METHODS);
 

@@ -45,31 +45,25 @@ struct bat_motion_spline
 };
 
 static const bat_choice ENDS[] = {
-    {.name = "auto",
-     .summary = "not-a-knot in R^n; elsewhere by how fast accelerations change",
-     .value = BAT_MOTION_ENDS_AUTO},
-    {.name = "not-a-knot",
-     .summary = "the first two intervals share one cubic, and the last two",
-     .value = BAT_MOTION_ENDS_NOT_A_KNOT},
-    {.name = "natural", .summary = "no acceleration at the ends", .value = BAT_MOTION_ENDS_NATURAL},
-    {.name = "clamped", .summary = "given velocities at the ends, else none", .value = BAT_MOTION_ENDS_CLAMPED},
+    CHOICE("auto", "not-a-knot in R^n; elsewhere by how fast accelerations change", BAT_MOTION_ENDS_AUTO),
+    CHOICE("not-a-knot", "the first two intervals share one cubic, and the last two", BAT_MOTION_ENDS_NOT_A_KNOT),
+    CHOICE("natural", "no acceleration at the ends", BAT_MOTION_ENDS_NATURAL),
+    CHOICE("clamped", "given velocities at the ends, else none", BAT_MOTION_ENDS_CLAMPED),
 };
 const bat_family bat_motion_ends_family = FAMILY("kind of ends", ENDS);
 
 static const bat_choice SHAPES[] = {
-    {.name = "auto", .summary = "rests are kept", .value = BAT_MOTION_SHAPE_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "resting",
-     .summary = "continuous acceleration, except next to rests, where nothing overshoots",
-     .value = BAT_MOTION_SHAPE_RESTING},
-    {.name = "smooth", .summary = "continuous acceleration everywhere", .value = BAT_MOTION_SHAPE_SMOOTH},
-    {.name = "limited", .summary = "monotone between neighbours (Fritsch and Carlson)", .value = BAT_MOTION_SHAPE_LIMITED},
+    CHOICE_OF_USE(UNNAMED, "auto", "rests are kept", BAT_MOTION_SHAPE_AUTO),
+    CHOICE("resting", "continuous acceleration, except next to rests, where nothing overshoots", BAT_MOTION_SHAPE_RESTING),
+    CHOICE("smooth", "continuous acceleration everywhere", BAT_MOTION_SHAPE_SMOOTH),
+    CHOICE("limited", "monotone between neighbours (Fritsch and Carlson)", BAT_MOTION_SHAPE_LIMITED),
 };
 const bat_family bat_motion_shape_family = FAMILY("shape of motions", SHAPES);
 
 static const bat_choice OUTLIERS[] = {
-    {.name = "kept", .summary = "count as much as all other keys", .value = BAT_MOTION_OUTLIERS_NONE},
-    {.name = "huber", .summary = "count by their distance, not by its square", .value = BAT_MOTION_OUTLIERS_HUBER},
-    {.name = "tukey", .summary = "do not count (Tukey's biweight)", .value = BAT_MOTION_OUTLIERS_TUKEY},
+    CHOICE("kept", "count as much as all other keys", BAT_MOTION_OUTLIERS_NONE),
+    CHOICE("huber", "count by their distance, not by its square", BAT_MOTION_OUTLIERS_HUBER),
+    CHOICE("tukey", "do not count (Tukey's biweight)", BAT_MOTION_OUTLIERS_TUKEY),
 };
 const bat_family bat_motion_outliers_family = FAMILY("rule for outliers", OUTLIERS);
 

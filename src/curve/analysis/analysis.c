@@ -11,9 +11,9 @@
 #include <stdlib.h>
 
 static const bat_choice VERDICTS[] = {
-    {.name = "undecided", .summary = "a deeper search may tell", .value = BAT_ANALYSIS_VERDICT_UNDECIDED},
-    {.name = "proven", .summary = "proven", .value = BAT_ANALYSIS_VERDICT_PROVEN},
-    {.name = "disproven", .summary = "disproven", .value = BAT_ANALYSIS_VERDICT_DISPROVEN},
+    CHOICE("undecided", "a deeper search may tell", BAT_ANALYSIS_VERDICT_UNDECIDED),
+    CHOICE("proven", "proven", BAT_ANALYSIS_VERDICT_PROVEN),
+    CHOICE("disproven", "disproven", BAT_ANALYSIS_VERDICT_DISPROVEN),
 };
 const bat_family bat_analysis_verdict_family = FAMILY("verdict", VERDICTS);
 

@@ -18,12 +18,10 @@
 #include <string.h>
 
 static const bat_choice TOPOLOGIES[] = {
-    {.name = "auto", .summary = "files with features", .value = BAT_CURVE_MAP_TOPOLOGY_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "features",
-     .summary = "files with features, such as GeoJSON, are maps",
-     .value = BAT_CURVE_MAP_TOPOLOGY_FEATURES},
-    {.name = "shared", .summary = "every set of curves is a map", .value = BAT_CURVE_MAP_TOPOLOGY_ALWAYS},
-    {.name = "separate", .summary = "every curve is refined by itself", .value = BAT_CURVE_MAP_TOPOLOGY_SEPARATE},
+    CHOICE_OF_USE(UNNAMED, "auto", "files with features", BAT_CURVE_MAP_TOPOLOGY_AUTO),
+    CHOICE("features", "files with features, such as GeoJSON, are maps", BAT_CURVE_MAP_TOPOLOGY_FEATURES),
+    CHOICE("shared", "every set of curves is a map", BAT_CURVE_MAP_TOPOLOGY_ALWAYS),
+    CHOICE("separate", "every curve is refined by itself", BAT_CURVE_MAP_TOPOLOGY_SEPARATE),
 };
 const bat_family bat_curve_map_topology_family = FAMILY("map topology", TOPOLOGIES);
 

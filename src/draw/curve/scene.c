@@ -64,13 +64,11 @@ size_t scene_columns(const bat_curve_picture_options *options, size_t count, dou
 }
 
 static const bat_choice PROJECTIONS[] = {
-    {.name = "auto", .summary = "local, map or globe, by what the curves cover", .value = BAT_CURVE_PROJECTION_AUTO},
-    {.name = "globe", .summary = "orthographic, from far away", .value = BAT_CURVE_PROJECTION_GLOBE},
-    {.name = "map", .summary = "the world in the Equal Earth projection", .value = BAT_CURVE_PROJECTION_MAP},
-    {.name = "local",
-     .summary = "azimuthal equal-area about the curves, with a scale bar",
-     .value = BAT_CURVE_PROJECTION_LOCAL},
-    {.name = "both", .summary = "the globe, and the map to its right", .value = BAT_CURVE_PROJECTION_BOTH},
+    CHOICE("auto", "local, map or globe, by what the curves cover", BAT_CURVE_PROJECTION_AUTO),
+    CHOICE("globe", "orthographic, from far away", BAT_CURVE_PROJECTION_GLOBE),
+    CHOICE("map", "the world in the Equal Earth projection", BAT_CURVE_PROJECTION_MAP),
+    CHOICE("local", "azimuthal equal-area about the curves, with a scale bar", BAT_CURVE_PROJECTION_LOCAL),
+    CHOICE("both", "the globe, and the map to its right", BAT_CURVE_PROJECTION_BOTH),
 };
 const bat_family bat_curve_projection_family = FAMILY("projection", PROJECTIONS);
 

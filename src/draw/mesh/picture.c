@@ -61,10 +61,10 @@ static const bat_mesh *triangles_of(const mesh_scene *made, size_t index)
 }
 
 static const bat_choice UP_AXES[] = {
-    {.name = "auto", .summary = "the second axis", .value = BAT_MESH_UP_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "y", .summary = "the second axis", .value = BAT_MESH_UP_Y},
-    {.name = "z", .summary = "the third axis", .value = BAT_MESH_UP_Z},
-    {.name = "x", .summary = "the first axis", .value = BAT_MESH_UP_X},
+    CHOICE_OF_USE(UNNAMED, "auto", "the second axis", BAT_MESH_UP_AUTO),
+    CHOICE("y", "the second axis", BAT_MESH_UP_Y),
+    CHOICE("z", "the third axis", BAT_MESH_UP_Z),
+    CHOICE("x", "the first axis", BAT_MESH_UP_X),
 };
 const bat_family bat_mesh_up_family = FAMILY("axis", UP_AXES);
 

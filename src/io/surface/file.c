@@ -18,16 +18,9 @@ typedef struct surface_format
 } surface_format;
 
 static const surface_format FORMATS[] = {
-    {.choice = {.name = "auto",
-                .summary = "by the file's ending",
-                .value = BAT_SURFACE_FORMAT_AUTO,
-                .use = BAT_CHOICE_USE_UNLISTED}},
-    {.choice = {.name = "xml",
-                .summary = "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines",
-                .endings = ".xml",
-                .reads = true,
-                .writes = true,
-                .value = BAT_SURFACE_FORMAT_XML},
+    {.choice = CHOICE_OF_USE(UNLISTED, "auto", "by the file's ending", BAT_SURFACE_FORMAT_AUTO)},
+    {.choice = CHOICE_FORMAT("xml", "surfaces: G+Smo's (truncated) hierarchical and tensor-product B-splines", ".xml",
+                             BAT_SURFACE_FORMAT_XML),
      .write = surface_xml_write},
     {.choice = {.name = "step",
                 .summary = "surfaces: one shell of B-spline patches for CAD",
@@ -47,12 +40,8 @@ static const surface_format FORMATS[] = {
                 .writes = true,
                 .value = BAT_SURFACE_FORMAT_OBJ},
      .write = surface_obj_write},
-    {.choice = {.name = "json",
-                .summary = "surfaces: degrees, boxes, functions and control points",
-                .endings = ".json",
-                .reads = true,
-                .writes = true,
-                .value = BAT_SURFACE_FORMAT_JSON},
+    {.choice =
+         CHOICE_FORMAT("json", "surfaces: degrees, boxes, functions and control points", ".json", BAT_SURFACE_FORMAT_JSON),
      .write = surface_json_write},
     {.choice = {.name = "iges",
                 .summary = "surfaces: one B-spline surface (128) or trimmed surface (144) for CAD",
@@ -64,10 +53,10 @@ static const surface_format FORMATS[] = {
 const bat_family bat_surface_format_family = FAMILY("surface format", FORMATS);
 
 static const bat_choice UNITS[] = {
-    {.name = "auto", .summary = "millimetres", .value = BAT_SURFACE_UNIT_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "mm", .summary = "millimetres", .value = BAT_SURFACE_UNIT_MILLIMETRE},
-    {.name = "m", .summary = "metres", .value = BAT_SURFACE_UNIT_METRE},
-    {.name = "inch", .summary = "inches", .value = BAT_SURFACE_UNIT_INCH},
+    CHOICE_OF_USE(UNNAMED, "auto", "millimetres", BAT_SURFACE_UNIT_AUTO),
+    CHOICE("mm", "millimetres", BAT_SURFACE_UNIT_MILLIMETRE),
+    CHOICE("m", "metres", BAT_SURFACE_UNIT_METRE),
+    CHOICE("inch", "inches", BAT_SURFACE_UNIT_INCH),
 };
 const bat_family bat_surface_unit_family = FAMILY("unit", UNITS);
 

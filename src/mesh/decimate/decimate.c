@@ -569,7 +569,7 @@ static const double ACCURACY = 0.01;
 static const double SHRINK = 0.98;
 
 static const bat_choice METHODS[] = {
-    {.name = "auto", .summary = "memoryless", .value = BAT_MESH_DECIMATE_METHOD_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
+    CHOICE_OF_USE(UNNAMED, "auto", "memoryless", BAT_MESH_DECIMATE_METHOD_AUTO),
     {.name = "quadric",
      .value = BAT_MESH_DECIMATE_METHOD_QUADRIC,
      .summary = "squared distances from the planes of the given faces (Garland and Heckbert)"},

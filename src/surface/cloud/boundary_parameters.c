@@ -403,10 +403,10 @@ bat_status bat_cloud_set_corners(bat_cloud *cloud, const size_t corners[4], bat_
 }
 
 static const bat_choice SIDES[] = {
-    {.name = "auto", .summary = "in proportion to distance", .value = BAT_CLOUD_SIDES_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "chord-length", .summary = "in proportion to distance", .value = BAT_CLOUD_SIDES_CHORD_LENGTH},
-    {.name = "centripetal", .summary = "in proportion to the root of distance", .value = BAT_CLOUD_SIDES_CENTRIPETAL},
-    {.name = "uniform", .summary = "evenly", .value = BAT_CLOUD_SIDES_UNIFORM},
+    CHOICE_OF_USE(UNNAMED, "auto", "in proportion to distance", BAT_CLOUD_SIDES_AUTO),
+    CHOICE("chord-length", "in proportion to distance", BAT_CLOUD_SIDES_CHORD_LENGTH),
+    CHOICE("centripetal", "in proportion to the root of distance", BAT_CLOUD_SIDES_CENTRIPETAL),
+    CHOICE("uniform", "evenly", BAT_CLOUD_SIDES_UNIFORM),
 };
 const bat_family bat_cloud_sides_family = FAMILY("parameterization of sides", SIDES);
 

@@ -87,16 +87,11 @@ void bat_surface_fit_report_free(bat_surface_fit_report *report)
 }
 
 static const bat_choice SMOOTHINGS[] = {
-    {.name = "auto",
-     .summary = "restricted maximum likelihood",
-     .value = BAT_SURFACE_SMOOTHING_AUTO,
-     .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "likelihood", .summary = "restricted maximum likelihood", .value = BAT_SURFACE_SMOOTHING_LIKELIHOOD},
-    {.name = "cross-validation", .summary = "generalized cross-validation", .value = BAT_SURFACE_SMOOTHING_CROSS_VALIDATION},
-    {.name = "noise",
-     .summary = "restricted maximum likelihood with the noise that is given",
-     .value = BAT_SURFACE_SMOOTHING_NOISE},
-    {.name = "given", .summary = "the weight of the options", .value = BAT_SURFACE_SMOOTHING_GIVEN},
+    CHOICE_OF_USE(UNNAMED, "auto", "restricted maximum likelihood", BAT_SURFACE_SMOOTHING_AUTO),
+    CHOICE("likelihood", "restricted maximum likelihood", BAT_SURFACE_SMOOTHING_LIKELIHOOD),
+    CHOICE("cross-validation", "generalized cross-validation", BAT_SURFACE_SMOOTHING_CROSS_VALIDATION),
+    CHOICE("noise", "restricted maximum likelihood with the noise that is given", BAT_SURFACE_SMOOTHING_NOISE),
+    CHOICE("given", "the weight of the options", BAT_SURFACE_SMOOTHING_GIVEN),
 };
 const bat_family bat_surface_smoothing_family = FAMILY("choice of smoothing", SMOOTHINGS);
 

@@ -22,23 +22,17 @@
 static const double RADIUS_FACTOR = 3;
 
 static const bat_choice METHODS[] = {
-    {.name = "auto", .summary = "shape-preserving", .value = BAT_CLOUD_PARAMETERIZATION_AUTO, .use = BAT_CHOICE_USE_UNNAMED},
-    {.name = "shape-preserving",
-     .summary = "Floater's weights on the Delaunay neighbours in local planes; docs/algorithms/parameterization.md",
-     .value = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING},
-    {.name = "inverse-distance",
-     .summary = "weights by the inverse distance of neighbours",
-     .value = BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE},
-    {.name = "uniform", .summary = "all neighbours weigh the same", .value = BAT_CLOUD_PARAMETERIZATION_UNIFORM},
-    {.name = "mean-value",
-     .summary = "Floater's mean values, for clouds that are meshes",
-     .value = BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE},
-    {.name = "stretch-minimizing",
-     .summary = "shape-preserving, evened out: for deep shapes",
-     .value = BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING},
-    {.name = "isometric",
-     .summary = "least distortion of triangles, along the boundary too: for the deepest shapes",
-     .value = BAT_CLOUD_PARAMETERIZATION_ISOMETRIC},
+    CHOICE_OF_USE(UNNAMED, "auto", "shape-preserving", BAT_CLOUD_PARAMETERIZATION_AUTO),
+    CHOICE("shape-preserving",
+           "Floater's weights on the Delaunay neighbours in local planes; docs/algorithms/parameterization.md",
+           BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING),
+    CHOICE("inverse-distance", "weights by the inverse distance of neighbours", BAT_CLOUD_PARAMETERIZATION_INVERSE_DISTANCE),
+    CHOICE("uniform", "all neighbours weigh the same", BAT_CLOUD_PARAMETERIZATION_UNIFORM),
+    CHOICE("mean-value", "Floater's mean values, for clouds that are meshes", BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE),
+    CHOICE("stretch-minimizing", "shape-preserving, evened out: for deep shapes",
+           BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING),
+    CHOICE("isometric", "least distortion of triangles, along the boundary too: for the deepest shapes",
+           BAT_CLOUD_PARAMETERIZATION_ISOMETRIC),
 };
 const bat_family bat_cloud_parameterization_family = FAMILY("parameterization", METHODS);
 
