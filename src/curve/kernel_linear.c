@@ -2,7 +2,6 @@
 
 #include "base/lanes.h"
 
-#include <float.h>
 #include <string.h>
 
 enum

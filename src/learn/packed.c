@@ -2,7 +2,6 @@
 
 #include "learn/klein.h"
 
-#include <float.h>
 #include <string.h>
 
 learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory)

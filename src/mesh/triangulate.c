@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Triangulation of a polygon in space: quads along the better diagonal, convex polygons as a fan, others by ear clipping

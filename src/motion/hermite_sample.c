@@ -6,7 +6,6 @@
 #include "motion/hermite_average.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// The step of the differences that give velocities, as a share of the interval: the error of the formula, some units of its

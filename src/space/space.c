@@ -5,7 +5,6 @@
 #include "space/builtin.h"
 
 #include <math.h>
-#include <string.h>
 
 /// A space by name: how it is made for points of `point_dim` numbers, 0 for the usual number.
 typedef struct space_row

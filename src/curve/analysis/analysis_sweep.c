@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "linalg/dense.h"
 
 #include <math.h>
 #include <stdlib.h>

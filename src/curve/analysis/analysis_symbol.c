@@ -5,7 +5,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 /// Rounding of a coefficient that a reader of decimal numbers or a short formula leaves.
 #define COEFFICIENT_ROUNDING (16.0 * DBL_EPSILON)

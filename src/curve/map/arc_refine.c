@@ -13,7 +13,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// Two edges of arcs that meet before refinement.
 typedef struct given_pair

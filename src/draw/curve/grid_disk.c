@@ -1,7 +1,6 @@
 #include "draw/curve/scene.h"
 
 #include <math.h>
-#include <string.h>
 
 static const double TURN = 6.28318530717958647693;
 

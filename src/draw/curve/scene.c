@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Checks and measurements of a picture's panels.

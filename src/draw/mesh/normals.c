@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Angle-limited vertex normals of non-manifold meshes.

@@ -11,9 +11,7 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Pictures of meshes: a page of shaded panels with a colour scale.

@@ -1,4 +1,3 @@
-#include "base/error.h"
 #include "draw/common/text.h"
 #include "draw/curve/view.h"
 #include "draw/motion/film.h"

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "io/common/number_text.h"
 
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <zlib.h>

@@ -4,7 +4,6 @@
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 
-#include <float.h>
 #include <math.h>
 #include <strings.h>
 

@@ -1,4 +1,3 @@
-#include "io/common/json.h"
 #include "base/error.h"
 #include "base/json_scan.h"
 #include "base/memory.h"
@@ -9,7 +8,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 /// @file

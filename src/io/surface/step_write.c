@@ -6,7 +6,6 @@
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /// @file
 /// A spline surface as an open shell of B-spline faces, in the schema AP242 of ISO 10303: the clear-text encoding of ISO

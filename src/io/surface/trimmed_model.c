@@ -9,7 +9,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// One tensor-product surface and curves in space. The image of a trimming curve is a cubic Hermite spline with enough knots

@@ -13,7 +13,6 @@
 #include <expat.h>
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 typedef struct xml_numbers

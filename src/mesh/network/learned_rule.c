@@ -9,7 +9,6 @@
 #include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,12 +1,10 @@
 #include "mesh/refine/scheme.h"
 
-#include "base/error.h"
 #include "batten/mesh_refine.h"
 #include "linalg/vector.h"
 #include "mesh/refine/sharpness.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// The scheme of Catmull and Clark, "Recursively generated B-spline surfaces on arbitrary topological meshes" (1978), with

@@ -1,13 +1,11 @@
 #include "mesh/refine/scheme.h"
 
-#include "base/error.h"
 #include "batten/mesh_refine.h"
 #include "linalg/vector.h"
 #include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// The scheme of Loop, "Smooth subdivision surfaces based on triangles" (1987), with boundaries, creases and corners.

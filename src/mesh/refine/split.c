@@ -3,8 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <stdlib.h>
-
 /// @file
 /// Children of faces, half-edges and edges, in parallel and without search.
 

@@ -10,7 +10,6 @@
 #include "search/select.h"
 
 #include <math.h>
-#include <string.h>
 
 // A node's points are consecutive in leaf order; its first child holds the lower half of them.
 

@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "batten/distributed.h"
-#include "batten/surface.h"
 #include "surface/cloud/local_plane.h"
 
 #include <math.h>

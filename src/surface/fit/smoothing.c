@@ -22,7 +22,6 @@
 
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 // Smallest admissible ratio of a Cholesky pivot to its diagonal entry. Below it only the first digits are correct.

@@ -7,8 +7,6 @@
 
 #include "surface/parameterize/weights.h"
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 #include "surface/cloud/delaunay.h"
 

@@ -5,7 +5,6 @@
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 
 #include <limits.h>
