@@ -2,14 +2,26 @@
 #define LINALG_VECTOR_H
 
 #include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
 
 /// @file
-/// Places in the plane.
+/// Short vectors. First: places in the plane.
 
 /// Twice the signed area of the triangle a b c: positive where it is counter-clockwise.
 static inline double vector2_turn(const double a[2], const double b[2], const double c[2])
 {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+// Vectors of n numbers.
+
+static inline double vector_dot(size_t n, const double *u, const double *v)
+{
+    double sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += u[i] * v[i];
+    return sum;
 }
 
 // Vectors of three numbers.
@@ -35,12 +47,34 @@ static inline void vector3_subtract(const double a[3], const double b[3], double
         difference[c] = a[c] - b[c];
 }
 
+static inline double vector3_length(const double a[3])
+{
+    return sqrt(vector3_dot(a, a));
+}
+
+/// Scale to length 1. False for a vector of length 0, which stays.
+static inline bool vector3_normalize(double a[3])
+{
+    double length = vector3_length(a);
+    for (int c = 0; c < 3 && length > 0; c++)
+        a[c] /= length;
+    return length > 0;
+}
+
+/// The angle between two vectors, accurate at 0 and at pi.
+static inline double vector3_angle(const double a[3], const double b[3])
+{
+    double product[3];
+    vector3_cross(a, b, product);
+    return atan2(vector3_length(product), vector3_dot(a, b));
+}
+
 /// The distance of two points.
 static inline double vector3_distance(const double a[3], const double b[3])
 {
     double difference[3];
     vector3_subtract(a, b, difference);
-    return sqrt(vector3_dot(difference, difference));
+    return vector3_length(difference);
 }
 
 #endif

@@ -30,14 +30,6 @@ static double scale_of(const bat_mesh *mesh)
     return largest > 0 ? ldexp(1.0, exponent < -1000 ? 1000 : -exponent) : 1.0;
 }
 
-static bool normalize(double vector[3])
-{
-    double length = sqrt(vector3_dot(vector, vector));
-    for (int k = 0; k < 3 && length > 0; k++)
-        vector[k] /= length;
-    return length > 0;
-}
-
 /// Add the normal of a face to its three vertices.
 static void add_face(const bat_mesh *mesh, size_t face, double scale, bat_mesh_normals weights, double *normals)
 {
@@ -72,6 +64,6 @@ bat_status bat_mesh_vertex_normals(const bat_mesh *mesh, bat_mesh_normals weight
     for (size_t f = 0; f < mesh->face_count; f++)
         add_face(mesh, f, scale, weights, normals);
     for (size_t v = 0; v < mesh->vertex_count; v++)
-        (void)normalize(normals + 3 * v);
+        (void)vector3_normalize(normals + 3 * v);
     return BAT_OK;
 }

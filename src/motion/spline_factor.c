@@ -1,6 +1,7 @@
 #include "motion/spline_system.h"
 
 #include "base/lanes.h"
+#include "linalg/vector.h"
 #include "space/builtin.h"
 #include "space/quaternion.h"
 
@@ -25,14 +26,6 @@ static const double STEP = 1.0 / 32;
 static const double PLACES[6] = {-3, -2, -1, 1, 2, 3};
 static const double FIRST[6] = {-1.0 / 60, 3.0 / 20, -3.0 / 4, 3.0 / 4, -3.0 / 20, 1.0 / 60};
 static const double SECOND[6] = {1.0 / 90, -3.0 / 20, 3.0 / 2, 3.0 / 2, -3.0 / 20, 1.0 / 90};
-
-static double dot(size_t n, const double *u, const double *v)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += u[i] * v[i];
-    return sum;
-}
 
 static void add(size_t n, double factor, const double *vector, double *sum)
 {
@@ -111,7 +104,7 @@ spline_turning spline_turning_of(double x)
 
 static void rotation_push(const double *c, const double *w, double *pushed)
 {
-    spline_turning t = spline_turning_of(dot(3, c, c));
+    spline_turning t = spline_turning_of(vector_dot(3, c, c));
     double once[3], twice[3];
     cross(c, w, once);
     cross(c, once, twice);
@@ -132,7 +125,7 @@ static void rotation_pull(const spline_turning *t, const double *c, const double
 static void rotation_rates(const spline_turning *t, const double *c, const double *first, const double *second,
                            double *velocity, double *acceleration)
 {
-    double along = dot(3, c, first), once[3], twice[3], other[3], bent[3], other_twice[3];
+    double along = vector_dot(3, c, first), once[3], twice[3], other[3], bent[3], other_twice[3];
     cross(c, first, once);
     cross(c, once, twice);
     cross(c, second, other);
@@ -186,8 +179,8 @@ static bat_status curved_push(const spline_factor *f, const double *middle, cons
 {
     double turned[DIM];
     size_t n = f->space.tangent_dim;
-    bending t = bending_of(dot(n, c, c), f->curvature);
-    double along = t.g * dot(n, c, w);
+    bending t = bending_of(vector_dot(n, c, c), f->curvature);
+    double along = t.g * vector_dot(n, c, w);
     for (size_t i = 0; i < n; i++)
         turned[i] = t.s * w[i] + along * c[i];
     return f->space.transport(&f->space, middle, q, turned, pushed);
@@ -199,9 +192,9 @@ static bat_status curved_pull(const spline_factor *f, const double *middle, cons
 {
     double brought[DIM];
     size_t n = f->space.tangent_dim;
-    bending t = bending_of(dot(n, c, c), f->curvature);
+    bending t = bending_of(vector_dot(n, c, c), f->curvature);
     bat_status status = f->space.transport(&f->space, q, middle, v, brought);
-    double along = t.g * dot(n, c, brought);
+    double along = t.g * vector_dot(n, c, brought);
     for (size_t i = 0; i < n; i++)
         pulled[i] = (brought[i] - along * c[i]) / t.s;
     return status;
@@ -213,9 +206,9 @@ static bat_status curved_acceleration(const spline_factor *f, const double *midd
     double turned[DIM];
     size_t n = f->space.tangent_dim;
     const double *value = c->value, *first = c->first, *second = c->second;
-    bending t = bending_of(dot(n, value, value), f->curvature);
-    double along = dot(n, value, first), squared = dot(n, first, first), x = dot(n, value, value);
-    double growth = squared + dot(n, value, second);
+    bending t = bending_of(vector_dot(n, value, value), f->curvature);
+    double along = vector_dot(n, value, first), squared = vector_dot(n, first, first), x = vector_dot(n, value, value);
+    double growth = squared + vector_dot(n, value, second);
     double of_value = 2 * t.g_slope * along * along + t.g * growth, of_first = (2 * t.s_slope + t.g) * along;
     // V = s c' + g along c
     double first_v = t.s * squared + t.g * along * along, value_v = t.s * along + t.g * along * x;
@@ -431,7 +424,7 @@ static void rotation_at(const double *record, double share, double *point, doubl
     quaternion_turn(record, c[0], c[1], c[2], point);
     if (acceleration != NULL)
     {
-        spline_turning turning = spline_turning_of(dot(3, c, c));
+        spline_turning turning = spline_turning_of(vector_dot(3, c, c));
         rotation_rates(&turning, c, first, second, velocity, acceleration);
     }
     else if (velocity != NULL)
@@ -491,7 +484,7 @@ static bool is_short(const double *c)
     const double full_turn = 6.28318530717958647693;
     double bound = 0;
     for (size_t k = 0; k < 4; k++)
-        bound += sqrt(dot(3, c + 3 * k, c + 3 * k));
+        bound += sqrt(vector_dot(3, c + 3 * k, c + 3 * k));
     return bound < full_turn;
 }
 

@@ -1,3 +1,4 @@
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <float.h>
@@ -13,14 +14,6 @@ static const double TOLERANCE = 1e-9;
 /// Points farther out than this x0 (at distance 346 from the apex) would overflow in products of two.
 static const double FARTHEST = 1e150;
 
-static double dot(size_t n, const double *u, const double *v)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += u[i] * v[i];
-    return sum;
-}
-
 static double height(double norm)
 {
     return sqrt(1 + norm * norm);
@@ -28,7 +21,7 @@ static double height(double norm)
 
 static const char *fault(const bat_space *space, const double *point)
 {
-    double norm = sqrt(dot(space->dimension, point + 1, point + 1)), expected = height(norm);
+    double norm = sqrt(vector_dot(space->dimension, point + 1, point + 1)), expected = height(norm);
     if (space_not_finite(space, point) != NULL)
         return space_not_finite(space, point);
     if (!(expected <= FARTHEST))
@@ -41,7 +34,7 @@ static const char *fault(const bat_space *space, const double *point)
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
     size_t n = space->dimension;
-    double a = coordinates[0], b = sqrt(dot(n, coordinates + 1, coordinates + 1));
+    double a = coordinates[0], b = sqrt(vector_dot(n, coordinates + 1, coordinates + 1));
     if (!(fabs(a) <= FARTHEST && b <= FARTHEST) || (b == 0 && a > 2))
         return BAT_INVALID_POINT;
     double s = a > 0 ? 0.5 * (a + b) : 0;
@@ -82,8 +75,8 @@ static void set_axis(size_t n, const double *vector, double norm, double *axis)
 ///   along = sinh(rho) - x0_p |x_q| (1 - cos alpha).
 static void see(size_t n, const double *p, const double *q, sight *s)
 {
-    s->norm_p = sqrt(dot(n, p, p));
-    s->norm_q = sqrt(dot(n, q, q));
+    s->norm_p = sqrt(vector_dot(n, p, p));
+    s->norm_q = sqrt(vector_dot(n, q, q));
     set_axis(n, s->norm_p > 0 ? p : q, s->norm_p > 0 ? s->norm_p : s->norm_q, s->axis);
     double difference_squared = 0, growth = 0;
     for (size_t i = 0; i < n; i++)
@@ -95,10 +88,10 @@ static void see(size_t n, const double *p, const double *q, sight *s)
     bool near = difference_squared < s->norm_q * s->norm_q;
     for (size_t i = 0; i < n; i++)
         s->cross[i] = near ? q[i] - p[i] : q[i];
-    double parallel = dot(n, s->cross, s->axis);
+    double parallel = vector_dot(n, s->cross, s->axis);
     for (size_t i = 0; i < n; i++)
         s->cross[i] -= parallel * s->axis[i];
-    double across_squared = dot(n, s->cross, s->cross);
+    double across_squared = vector_dot(n, s->cross, s->cross);
     s->across = sqrt(across_squared);
     double on_axis = near ? s->norm_p + parallel : parallel, sum = s->norm_p + s->norm_q;
     // |x_q| (1 - cos alpha)
@@ -136,7 +129,7 @@ static bat_status logarithm(const bat_space *space, const double *p, const doubl
 
 static bat_status finish(const bat_space *space, double *point)
 {
-    point[0] = height(sqrt(dot(space->dimension, point + 1, point + 1)));
+    point[0] = height(sqrt(vector_dot(space->dimension, point + 1, point + 1)));
     return point[0] <= FARTHEST ? BAT_OK : BAT_INVALID_POINT;
 }
 
@@ -148,20 +141,20 @@ static const double SHORT_STEP = 1;
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
     size_t n = space->dimension;
-    double norm = sqrt(dot(n, p + 1, p + 1)), length = sqrt(dot(n, tangent, tangent));
+    double norm = sqrt(vector_dot(n, p + 1, p + 1)), length = sqrt(vector_dot(n, tangent, tangent));
     if (!isfinite(length))
         return BAT_INVALID_POINT;
     double axis[BAT_SPACE_MAX_DIM], cross[BAT_SPACE_MAX_DIM];
     set_axis(n, norm > 0 ? p + 1 : tangent, norm > 0 ? norm : length, axis);
     set_axis(n, tangent, length, cross);
-    double a = dot(n, cross, axis);
+    double a = vector_dot(n, cross, axis);
     for (size_t i = 0; i < n; i++)
         cross[i] -= a * axis[i];
     double sinh_length = sinh(length), along;
     if (a >= 0 || length < SHORT_STEP)
         along = norm * cosh(length) + height(norm) * sinh_length * a;
     else
-        along = sinh(asinh(norm) - length) + height(norm) * sinh_length * (dot(n, cross, cross) / (1 - a));
+        along = sinh(asinh(norm) - length) + height(norm) * sinh_length * (vector_dot(n, cross, cross) / (1 - a));
     for (size_t i = 0; i < n; i++)
         q[i + 1] = along * axis[i] + sinh_length * cross[i];
     return finish(space, q);
@@ -179,13 +172,13 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     double unit[BAT_SPACE_MAX_DIM];
     set_axis(n, s.cross, s.across, unit);
     // Once more at right angles: the part across may itself be mostly rounding.
-    double slip = dot(n, unit, s.axis);
+    double slip = vector_dot(n, unit, s.axis);
     for (size_t i = 0; i < n; i++)
         unit[i] -= slip * s.axis[i];
-    double length = sqrt(dot(n, unit, unit));
+    double length = sqrt(vector_dot(n, unit, unit));
     set_axis(n, unit, length, unit);
     double versine = 2 * half * half / (1 + half * half), sine = 2 * half / (1 + half * half);
-    double along = dot(n, tangent, s.axis), across = dot(n, tangent, unit);
+    double along = vector_dot(n, tangent, s.axis), across = vector_dot(n, tangent, unit);
     double change_along = sine * across - versine * along, change_across = -sine * along - versine * across;
     for (size_t i = 0; i < n; i++)
         transported[i] = tangent[i] + change_along * s.axis[i] + change_across * unit[i];

@@ -1,6 +1,8 @@
 #ifndef SPACE_QUATERNION_H
 #define SPACE_QUATERNION_H
 
+#include "linalg/vector.h"
+
 #include <math.h>
 #include <stdbool.h>
 
@@ -13,11 +15,6 @@
 static inline double quaternion_dot(const double *p, const double *q)
 {
     return (p[0] * q[0] + p[1] * q[1]) + (p[2] * q[2] + p[3] * q[3]);
-}
-
-static inline double vector_dot(const double *u, const double *v)
-{
-    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
 static inline void quaternion_normalize(double *q)

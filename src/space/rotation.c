@@ -59,7 +59,7 @@ bat_status rotation_log(const bat_space *space, const double *p, const double *q
 bat_status rotation_exp(const bat_space *space, const double *p, const double *tangent, double *q)
 {
     (void)space;
-    if (!isfinite(vector_dot(tangent, tangent)))
+    if (!isfinite(vector3_dot(tangent, tangent)))
         return BAT_INVALID_POINT;
     quaternion_turn(p, tangent[0], tangent[1], tangent[2], q);
     return BAT_OK;
@@ -261,7 +261,7 @@ bat_status bat_rotation_from_vector(const double *vector, double *quaternion, ba
 void bat_rotation_to_vector(const double *quaternion, double *vector)
 {
     double sign = quaternion[0] < 0 ? -1 : 1;
-    double sine = sqrt(vector_dot(quaternion + 1, quaternion + 1));
+    double sine = sqrt(vector3_dot(quaternion + 1, quaternion + 1));
     double scale = sine > 0 ? sign * 2 * atan2(sine, fabs(quaternion[0])) / sine : 0;
     for (int i = 0; i < 3; i++)
         vector[i] = scale * quaternion[i + 1];

@@ -1,17 +1,10 @@
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <math.h>
 
 /// How far the squared length of a stored point may be from 1.
 static const double SQUARED_LENGTH_TOLERANCE = 2e-9;
-
-static double dot(size_t n, const double *u, const double *v)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += u[i] * v[i];
-    return sum;
-}
 
 /// |p + sign q|
 static double length_of_sum(size_t n, const double *p, const double *q, double sign)
@@ -29,7 +22,7 @@ static const char *fault(const bat_space *space, const double *point)
 {
     if (space_not_finite(space, point) != NULL)
         return space_not_finite(space, point);
-    double squared_length = dot(space->point_dim, point, point);
+    double squared_length = vector_dot(space->point_dim, point, point);
     return fabs(squared_length - 1) <= SQUARED_LENGTH_TOLERANCE ? NULL : "not of unit length";
 }
 
@@ -47,7 +40,7 @@ static bat_status project(const bat_space *space, const double *coordinates, dou
         return BAT_INVALID_POINT;
     for (size_t i = 0; i < n; i++)
         point[i] = coordinates[i] / largest;
-    double length = sqrt(dot(n, point, point));
+    double length = sqrt(vector_dot(n, point, point));
     for (size_t i = 0; i < n; i++)
         point[i] /= length;
     return BAT_OK;
@@ -72,10 +65,10 @@ static bat_status logarithm(const bat_space *space, const double *p, const doubl
     double sign = difference < sum ? -1 : 1;
     for (size_t i = 0; i < n; i++)
         tangent[i] = q[i] + sign * p[i];
-    double along = dot(n, tangent, p) / dot(n, p, p);
+    double along = vector_dot(n, tangent, p) / vector_dot(n, p, p);
     for (size_t i = 0; i < n; i++)
         tangent[i] -= along * p[i];
-    double length = sqrt(dot(n, tangent, tangent));
+    double length = sqrt(vector_dot(n, tangent, tangent));
     double scale = length > 0 ? 2 * atan2(difference, sum) / length : 1;
     for (size_t i = 0; i < n; i++)
         tangent[i] *= scale;
@@ -86,14 +79,14 @@ static bat_status logarithm(const bat_space *space, const double *p, const doubl
 static bat_status exponential(const bat_space *space, const double *p, const double *tangent, double *q)
 {
     size_t n = space->point_dim;
-    double length = sqrt(dot(n, tangent, tangent));
+    double length = sqrt(vector_dot(n, tangent, tangent));
     if (!isfinite(length))
         return BAT_INVALID_POINT;
     double cosine = cos(length);
     double ratio = length > 0 ? sin(length) / length : 1;
     for (size_t i = 0; i < n; i++)
         q[i] = cosine * p[i] + ratio * tangent[i];
-    double inverse = 1 / sqrt(dot(n, q, q));
+    double inverse = 1 / sqrt(vector_dot(n, q, q));
     for (size_t i = 0; i < n; i++)
         q[i] *= inverse;
     return BAT_OK;
@@ -125,13 +118,6 @@ static void random_point(const bat_space *space, bat_random *random, double *poi
     } while (project(space, point, point) != BAT_OK);
 }
 
-static void cross(const double *u, const double *v, double *w)
-{
-    w[0] = u[1] * v[2] - u[2] * v[1];
-    w[1] = u[2] * v[0] - u[0] * v[2];
-    w[2] = u[0] * v[1] - u[1] * v[0];
-}
-
 /// With the chords a = p - before and b = after - p, whose parts orthogonal to p are the two tangent directions:
 /// the sine is det(p, a, b), the cosine <a, b> - <a, p> <b, p>, both over the product of the parts' lengths.
 static double exterior_angle(const bat_space *space, const double *before, const double *p, const double *after)
@@ -143,8 +129,8 @@ static double exterior_angle(const bat_space *space, const double *before, const
         a[i] = p[i] - before[i];
         b[i] = after[i] - p[i];
     }
-    cross(a, b, normal);
-    return atan2(dot(3, p, normal), dot(3, a, b) - dot(3, a, p) * dot(3, b, p));
+    vector3_cross(a, b, normal);
+    return atan2(vector_dot(3, p, normal), vector_dot(3, a, b) - vector_dot(3, a, p) * vector_dot(3, b, p));
 }
 
 /// Eq. (7) of Ugail and Howard in closed form: the direction of p + q + tan(angle) p x q. (In their terms p + tan(e/2) T is
@@ -156,7 +142,7 @@ static bat_status apex(const bat_space *space, const double *p, const double *q,
         return BAT_CUT_LOCUS;
     for (int i = 0; i < 3; i++)
         chord[i] = q[i] - p[i];
-    cross(p, chord, normal);
+    vector3_cross(p, chord, normal);
     double slope = tan(angle);
     for (int i = 0; i < 3; i++)
         point[i] = p[i] + q[i] + slope * normal[i];

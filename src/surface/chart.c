@@ -186,11 +186,6 @@ typedef struct loop_frame
 
 _Static_assert(sizeof(loop_frame) == BAT_SURFACE_LOOP_FRAME * sizeof(double), "a frame consists of numbers");
 
-static double length_of(const double vector[3])
-{
-    return sqrt(vector3_dot(vector, vector));
-}
-
 static loop_frame frame_of(const bat_cloud *cloud, size_t i, const neighbour_list *near)
 {
     size_t count = cloud->boundary_count;
@@ -205,10 +200,10 @@ static loop_frame frame_of(const bat_cloud *cloud, size_t i, const neighbour_lis
     vector3_subtract(plane.centre, here, inward);
     memcpy(frame.normal, plane.axes[2], sizeof frame.normal);
     vector3_cross(along, frame.normal, frame.outward);
-    double length = length_of(frame.outward), sign = vector3_dot(frame.outward, inward) > 0 ? -1 : 1;
+    double length = vector3_length(frame.outward), sign = vector3_dot(frame.outward, inward) > 0 ? -1 : 1;
     for (int k = 0; k < 3 && length > 0; k++)
         frame.outward[k] *= sign / length;
-    frame.reach = REACH * fmax(length_of(ahead), length_of(back));
+    frame.reach = REACH * fmax(vector3_length(ahead), vector3_length(back));
     return frame;
 }
 
@@ -258,7 +253,7 @@ bat_status bat_surface_loop_outermost(const double *frames, size_t loop, const d
         memcpy(&frame, frames + k * BAT_SURFACE_LOOP_FRAME, sizeof frame);
         vector3_subtract(points + 3 * i, frame.place, arm);
         double outward = vector3_dot(arm, frame.outward);
-        if (outward > outwards[k] && length_of(arm) <= frame.reach &&
+        if (outward > outwards[k] && vector3_length(arm) <= frame.reach &&
             fabs(vector3_dot(arm, frame.normal)) <= OFF_PLANE * frame.reach)
         {
             outwards[k] = outward;

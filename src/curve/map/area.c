@@ -5,6 +5,7 @@
 #include "curve/polygon.h"
 #include "curve/refine.h"
 #include "curve/topology/edge_tree.h"
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <math.h>
@@ -56,11 +57,6 @@ static double determinant(const double *a, const double *b, const double *c)
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /// The signed area of the triangle between a fixed point and an edge; on the sphere by Eriksson's formula.
 static double triangle(const area_job *job, const double *fixed, const double *p, const double *q)
 {
@@ -73,7 +69,7 @@ static double triangle(const area_job *job, const double *fixed, const double *p
         to_p[c] = p[c] - fixed[c];
         to_q[c] = q[c] - fixed[c];
     }
-    return 2 * atan2(determinant(fixed, to_p, to_q), 1 + dot(fixed, p) + dot(p, q) + dot(q, fixed));
+    return 2 * atan2(determinant(fixed, to_p, to_q), 1 + vector3_dot(fixed, p) + vector3_dot(p, q) + vector3_dot(q, fixed));
 }
 
 /// A point in the middle of a ring.
@@ -84,7 +80,7 @@ static void middle_of(const area_job *job, const bat_curve *curve, double *middl
     for (size_t i = 0; i < curve->count; i++)
         for (size_t c = 0; c < job->dim; c++)
             middle[c] += curve->points[i * job->dim + c] / (double)curve->count;
-    double length = job->sphere ? sqrt(dot(middle, middle)) : 1;
+    double length = job->sphere ? sqrt(vector3_dot(middle, middle)) : 1;
     for (size_t c = 0; c < job->dim; c++)
         middle[c] /= length > 0 ? length : 1;
 }
@@ -133,7 +129,7 @@ static double left_of(const area_job *job, const bat_curve *line, size_t i, doub
     left[0] = job->sphere ? p[1] * along[2] - p[2] * along[1] : -along[1];
     left[1] = job->sphere ? p[2] * along[0] - p[0] * along[2] : along[0];
     left[2] = job->sphere ? p[0] * along[1] - p[1] * along[0] : 0;
-    across = sqrt(dot(left, left));
+    across = sqrt(vector3_dot(left, left));
     for (int c = 0; c < 3; c++)
         left[c] = across > 0 ? left[c] / across : 0;
     return sqrt(square);
@@ -324,7 +320,7 @@ static bat_status move_arcs(area_job *job, bat_error *error)
             (void)left_of(job, line, i, left);
             for (size_t c = 0; c < job->dim; c++)
                 point[c] += way * left[c];
-            double length = job->sphere ? sqrt(dot(point, point)) : 1;
+            double length = job->sphere ? sqrt(vector3_dot(point, point)) : 1;
             for (size_t c = 0; c < job->dim; c++)
                 point[c] /= length;
         }

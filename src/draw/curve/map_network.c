@@ -2,6 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -23,18 +24,6 @@ static const double DEGREE = 3.14159265358979323846 / 180.0;
 #define TALLEST 1.7
 /// The smallest side of a window, in radians: 6 cm on the Earth.
 #define MIN_SIDE 1e-8
-
-static double dot(const double *p, const double *q)
-{
-    return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-}
-
-static void normalize(double *p)
-{
-    double length = sqrt(dot(p, p));
-    for (int k = 0; k < 3 && length > 0.0; k++)
-        p[k] /= length;
-}
 
 /// The angle between two points, accurate when they are near.
 static double angle_between(const double *p, const double *q)
@@ -83,13 +72,13 @@ static void ball_centre(const bat_curve *const *curves, size_t count, double *ce
 static void map_cap(const bat_curve *const *curves, size_t count, double *centre, double *radius)
 {
     ball_centre(curves, count, centre);
-    if (dot(centre, centre) < 1e-6) // the curves are all around the sphere
+    if (vector3_dot(centre, centre) < 1e-6) // the curves are all around the sphere
     {
         *radius = PI;
         memcpy(centre, curves[0]->points, 3 * sizeof(double));
         return;
     }
-    normalize(centre);
+    (void)vector3_normalize(centre);
     double farthest = 0.0;
     for (size_t k = 0; k < count; k++)
     {
@@ -114,7 +103,7 @@ static void visit_edges(const bat_curve *const *curves, size_t count, void (*tak
         {
             const double *p = curve->points + 3 * (i - 1);
             const double *q = curve->points + 3 * (i < curve->count ? i : 0);
-            double angle = dot(p, q) < 1.0 - 0.5 * step * step ? angle_between(p, q) : 0.0;
+            double angle = vector3_dot(p, q) < 1.0 - 0.5 * step * step ? angle_between(p, q) : 0.0;
             double steps = ceil(angle / step);
             for (double s = 1.0; s < steps; s += 1.0)
             {

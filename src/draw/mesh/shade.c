@@ -168,13 +168,6 @@ typedef struct visible_point
     bool behind;      ///< the back of the face is visible
 } visible_point;
 
-static void normalize(double v[3])
-{
-    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int c = 0; c < 3 && length > 0; c++)
-        v[c] /= length;
-}
-
 /// Find the visible point of sample (x, y).
 static visible_point visible_at(const shading *s, size_t x, size_t y)
 {
@@ -198,7 +191,7 @@ static visible_point visible_at(const shading *s, size_t x, size_t y)
     for (int i = 0; i < 3; i++)
         visible.normal[i] = visible.behind ? -visible.normal[i] : visible.normal[i];
     visible.normal[2] = fmax(visible.normal[2], 0);
-    normalize(visible.normal);
+    (void)vector3_normalize(visible.normal);
     return visible;
 }
 

@@ -20,14 +20,6 @@
 #define DEEP_SHARE 1.5
 #define LEAN_SHARE 0.15
 
-static bool normalize(double v[3])
-{
-    double length = sqrt(vector3_dot(v, v));
-    for (int c = 0; c < 3 && length > 0; c++)
-        v[c] /= length;
-    return length > 0;
-}
-
 static void mean_of(const double *points, size_t count, double mean[3])
 {
     double sum[3] = {0};
@@ -99,7 +91,7 @@ static void face_lean(const double bulge[3], double size, double normal[3])
     double deep = vector3_dot(bulge, normal), lean[3];
     for (int c = 0; c < 3; c++)
         lean[c] = bulge[c] - deep * normal[c];
-    if (deep < DEEP_SHARE * size || sqrt(vector3_dot(lean, lean)) < LEAN_SHARE * deep || !normalize(lean))
+    if (deep < DEEP_SHARE * size || sqrt(vector3_dot(lean, lean)) < LEAN_SHARE * deep || !vector3_normalize(lean))
         return;
     for (int c = 0; c < 3; c++)
         normal[c] = lean[c];
@@ -115,7 +107,7 @@ static void find_normal(const patch_points *patch, double normal[3])
     vector_area(patch, middle, normal);
     // A flat rectangle has variances side^2 / 12.
     double flat = 12 * sqrt(variances[1]) * sqrt(variances[2]);
-    if (sqrt(vector3_dot(normal, normal)) < OPEN_SHARE * flat || !normalize(normal))
+    if (sqrt(vector3_dot(normal, normal)) < OPEN_SHARE * flat || !vector3_normalize(normal))
         for (int c = 0; c < 3; c++)
             normal[c] = axes[0][c];
     vector3_subtract(mean, middle, bulge);
@@ -138,7 +130,7 @@ static void find_right(const double up[3], const double forward[3], double right
         const double other[3] = {axis == 1, axis == 0, axis == 2};
         vector3_cross(other, forward, right);
     }
-    (void)normalize(right);
+    (void)vector3_normalize(right);
 }
 
 mesh_view surface_view_of(const patch_points *patch, const double direction[3], const double up[3])
@@ -148,12 +140,12 @@ mesh_view surface_view_of(const patch_points *patch, const double direction[3], 
     bool turned = is_given(direction), faces_z = fabs(normal[2]) > fabs(normal[1]);
     for (int c = 0; c < 3; c++)
         upwards[c] = is_given(up) ? up[c] : c == (faces_z ? 1 : 2);
-    (void)normalize(upwards);
+    (void)vector3_normalize(upwards);
     find_right(upwards, normal, right);
     vector3_cross(normal, right, across);
     for (int c = 0; c < 3; c++)
         eye[c] = turned ? direction[c] : normal[c] + ABOVE * across[c] - BESIDE * right[c];
-    (void)normalize(eye);
+    (void)vector3_normalize(eye);
     find_right(upwards, eye, right);
     vector3_cross(eye, right, across);
     mesh_view view;

@@ -257,11 +257,6 @@ static void corner_of(const scaled_mesh *scaled, size_t corner, double point[3])
         point[k] = position[k] * scaled->scale - scaled->middle[k];
 }
 
-static double length_of(const double a[3])
-{
-    return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
-}
-
 /// A face of the scaled mesh.
 typedef struct face_shape
 {
@@ -284,7 +279,7 @@ static void face_shape_of(const scaled_mesh *scaled, size_t face, face_shape *sh
         shape->longest = fmax(shape->longest, square);
     }
     vector3_cross(shape->edges[0], shape->edges[1], shape->normal);
-    shape->twice_area = length_of(shape->normal);
+    shape->twice_area = vector3_length(shape->normal);
     for (int c = 0; c < 3; c++)
         shape->angles[c] = atan2(shape->twice_area, -vector3_dot(shape->edges[c], shape->edges[(c + 2) % 3]));
 }
@@ -466,7 +461,7 @@ static void measure_edges(const scaled_mesh *scaled, const edge_groups *edges, b
         corner_of(scaled, bat_mesh_next(h), b);
         vector3_subtract(b, a, edge);
         for (size_t i = 0; i < count; i++)
-            reduced_add(&measures[i], length_of(edge));
+            reduced_add(&measures[i], vector3_length(edge));
     }
     reduced_end(measures, count, scaled->scale, summary);
 }

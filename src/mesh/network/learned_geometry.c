@@ -33,11 +33,6 @@ static inline void add_to(double to[3], double factor, const double vector[3])
         to[c] += factor * vector[c];
 }
 
-static inline double norm_of(const double vector[3])
-{
-    return sqrt(vector3_dot(vector, vector));
-}
-
 /// a / b, and 0 where b is 0.
 static inline double ratio(double a, double b)
 {
@@ -59,7 +54,7 @@ static inline double soft_sign(double height, double length)
 /// Divide by the length; a vector not longer than `min` becomes 0.
 static inline void normalize(double vector[3], double min)
 {
-    double length = norm_of(vector), factor = length > min && length > DBL_MIN ? 1 / length : 0;
+    double length = vector3_length(vector), factor = length > min && length > DBL_MIN ? 1 / length : 0;
     for (int c = 0; c < 3; c++)
         vector[c] *= factor;
 }
@@ -446,7 +441,7 @@ void learned_vertex_inputs(const learned_geometry *g, size_t old, size_t v, real
     }
     double rise = vector3_dot(n, u), second = vector3_dot(n, s);
     const double features[LEARNED_VERTEX_FEATURES] = {
-        2 * per * norm_of(u),
+        2 * per * vector3_length(u),
         2 * per * fabs(rise),
         (double)g->ring[v][0],
         (double)g->ring[v][1],

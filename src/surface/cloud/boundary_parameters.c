@@ -136,13 +136,6 @@ static void flatten(double vector[3], const double normal[3])
         vector[k] -= out * normal[k];
 }
 
-static double angle_between(const double a[3], const double b[3])
-{
-    double across[3];
-    vector3_cross(a, b, across);
-    return atan2(sqrt(vector3_dot(across, across)), vector3_dot(a, b));
-}
-
 /// The turning angle of the loop at a point, between chords of a given length: in space, and in the tangent plane, positive
 /// towards the patch.
 static void turns_at(const corner_search *search, size_t at, double chord, const local_plane *plane, double *in_space,
@@ -154,12 +147,12 @@ static void turns_at(const corner_search *search, size_t at, double chord, const
     cloud_loop_at(&search->loop, search->loop.arc[at] + chord, after);
     vector3_subtract(here, before, behind);
     vector3_subtract(after, here, ahead);
-    *in_space = angle_between(behind, ahead);
+    *in_space = vector3_angle(behind, ahead);
     flatten(behind, plane->axes[2]);
     flatten(ahead, plane->axes[2]);
     vector3_subtract(ahead, behind, bend);
     vector3_subtract(plane->centre, here, inward);
-    double angle = angle_between(behind, ahead);
+    double angle = vector3_angle(behind, ahead);
     *in_plane = vector3_dot(bend, inward) >= 0 ? angle : -angle;
 }
 

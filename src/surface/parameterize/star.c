@@ -142,19 +142,12 @@ void star_shape_preserving(const double (*ring)[2], size_t count, double *weight
         }
 }
 
-static double angle_between(const double a[3], const double b[3])
-{
-    double product[3];
-    vector3_cross(a, b, product);
-    return atan2(sqrt(vector3_dot(product, product)), vector3_dot(a, b));
-}
-
 bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
 {
     double sum = 0, largest = 0, angle = 0;
     for (size_t k = 0; k < count; k++)
     {
-        double between = angle_between(spokes[k], spokes[(k + 1) % count]);
+        double between = vector3_angle(spokes[k], spokes[(k + 1) % count]);
         sum += between;
         largest = fmax(largest, between);
     }
@@ -166,7 +159,7 @@ bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2])
         double length = sqrt(vector3_dot(spokes[k], spokes[k]));
         ring[k][0] = length * cos(angle);
         ring[k][1] = length * sin(angle);
-        angle += angle_between(spokes[k], spokes[(k + 1) % count]) * (turn / sum);
+        angle += vector3_angle(spokes[k], spokes[(k + 1) % count]) * (turn / sum);
     }
     return true;
 }
