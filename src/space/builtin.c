@@ -1,33 +1,5 @@
 #include "space/builtin.h"
 
-#include <math.h>
-#include <string.h>
-
-const char *space_not_finite(const bat_space *space, const double *point)
-{
-    for (size_t i = 0; i < space->point_dim; i++)
-        if (!isfinite(point[i]))
-            return "not finite";
-    return NULL;
-}
-
-bat_status space_project_valid(const bat_space *space, const double *coordinates, double *point)
-{
-    if (space->fault(space, coordinates) != NULL)
-        return BAT_INVALID_POINT;
-    memmove(point, coordinates, space->point_dim * sizeof *point);
-    return BAT_OK;
-}
-
-double space_inner(const bat_space *space, const double *p, const double *u, const double *v)
-{
-    (void)p;
-    double sum = 0;
-    for (size_t i = 0; i < space->tangent_dim; i++)
-        sum += u[i] * v[i];
-    return sum;
-}
-
 static bool is_same(const bat_space *a, const bat_space *b)
 {
     return a->dimension == b->dimension && a->point_dim == b->point_dim && a->tangent_dim == b->tangent_dim &&
