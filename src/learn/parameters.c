@@ -10,14 +10,12 @@ size_t learn_parameters_add(learn_parameters *set, size_t rows, size_t columns, 
     size_t numbers, end = 0;
     bool countable = !size_multiply_overflows(rows > 0 ? rows : 1, columns, &numbers) &&
                      !__builtin_add_overflow(set->total, numbers, &end);
-    void *list = set->list;
     if (set->status == BAT_OK && (!countable || strlen(name) >= LEARN_NAME_SIZE))
         set->status = BAT_TOO_LARGE;
-    if (set->status == BAT_OK && !array_grow(&list, &set->capacity, set->count + 1, sizeof *set->list))
+    if (set->status == BAT_OK && !ARRAY_GROW(set->list, set->capacity, set->count + 1))
         set->status = BAT_NO_MEMORY;
     if (set->status != BAT_OK)
         return 0;
-    set->list = list;
     learn_parameter *added = &set->list[set->count];
     *added =
         (learn_parameter){.rank = rows > 0 ? 2 : 1, .rows = rows > 0 ? rows : 1, .columns = columns, .offset = set->total};

@@ -1,6 +1,7 @@
 #include "curve/analysis/analysis_symbol.h"
 #include "curve/mask.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -54,17 +55,8 @@ static bat_status append(sweep *s, double begin, double end, bat_analysis_verdic
             return BAT_OK;
         }
     }
-    if (s->count == s->capacity)
-    {
-        const size_t capacity = 2 * s->capacity + 16;
-        bat_mask_interval *grown = realloc(s->intervals, capacity * sizeof *grown);
-        if (grown == NULL)
-            return error_memory(s->error, capacity * sizeof *grown);
-        s->intervals = grown;
-        s->capacity = capacity;
-    }
-    s->intervals[s->count++] = (bat_mask_interval){begin, end, verdict};
-    return BAT_OK;
+    bool added = ARRAY_ADD(s->intervals, s->capacity, s->count, (bat_mask_interval){begin, end, verdict});
+    return added ? BAT_OK : error_memory(s->error, (s->count + 1) * sizeof *s->intervals);
 }
 
 static bool same_support(const bat_mask *a, const bat_mask *b)

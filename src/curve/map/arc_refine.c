@@ -61,14 +61,9 @@ static int compare_pairs(const void *a, const void *b)
 static bool note_given(void *context, edge_place first, edge_place second)
 {
     arc_job *job = context;
-    void *given = job->given;
-    job->failed = !array_grow(&given, &job->given_capacity, job->given_count + 2, sizeof *job->given);
-    job->given = given;
-    if (job->failed)
-        return false;
-    job->given[job->given_count++] = (given_pair){{first, second}};
-    job->given[job->given_count++] = (given_pair){{second, first}};
-    return true;
+    job->failed = !ARRAY_ADD(job->given, job->given_capacity, job->given_count, (given_pair){{first, second}}) ||
+                  !ARRAY_ADD(job->given, job->given_capacity, job->given_count, (given_pair){{second, first}});
+    return !job->failed;
 }
 
 /// Find the given edges that meet, which may meet after refinement as well.

@@ -81,12 +81,8 @@ static size_t cell_hash(const cell_grid *grid, const double *cell)
 
 static bool grid_add(cell_grid *grid, const double *cell, size_t item)
 {
-    void *items = grid->items, *next = grid->next;
-    bool grown = array_grow(&items, &grid->item_capacity, grid->count + 1, sizeof(size_t));
-    grid->items = items;
-    grown = grown && array_grow(&next, &grid->next_capacity, grid->count + 1, sizeof(size_t));
-    grid->next = next;
-    if (!grown)
+    if (!ARRAY_GROW(grid->items, grid->item_capacity, grid->count + 1) ||
+        !ARRAY_GROW(grid->next, grid->next_capacity, grid->count + 1))
         return false;
     size_t *head = &grid->heads[cell_hash(grid, cell)];
     grid->items[grid->count] = item;
@@ -284,12 +280,7 @@ static bool note_near(snap_job *job, edge_place edge, const double *flat, const 
     for (int k = 0; k < 2; k++)
         if (memcmp(ends[k], point, job->dim * sizeof *point) == 0)
             return true;
-    void *added = job->added;
-    bool grown = array_grow(&added, &job->added_capacity, job->added_count + 1, sizeof *job->added);
-    job->added = added;
-    if (grown)
-        job->added[job->added_count++] = (added_vertex){edge.curve, edge.edge, share, point};
-    return grown;
+    return ARRAY_ADD(job->added, job->added_capacity, job->added_count, (added_vertex){edge.curve, edge.edge, share, point});
 }
 
 static bool note_pair(void *context, edge_place first, edge_place second)

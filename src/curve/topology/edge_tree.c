@@ -729,9 +729,7 @@ static bool keep_pair(void *context, edge_place first, edge_place second)
         MAX_KEPT = 1 << 16 ///< of a part: who searches for few wants no more memory for many
     };
     found_pairs *kept = context;
-    void *pairs = kept->pairs;
-    kept->failed = kept->count == MAX_KEPT || !array_grow(&pairs, &kept->capacity, kept->count + 1, sizeof *kept->pairs);
-    kept->pairs = pairs;
+    kept->failed = kept->count == MAX_KEPT || !ARRAY_GROW(kept->pairs, kept->capacity, kept->count + 1);
     if (kept->failed)
         return false;
     kept->pairs[kept->count][0] = first;

@@ -19,10 +19,8 @@ typedef struct point_listing
 /// Add a point, which the caller sets; null when out of memory.
 static inline double *listing_next(point_listing *listing)
 {
-    void *points = listing->points;
-    bool grown = array_grow(&points, &listing->capacity, 3 * (listing->count + 1), sizeof(double));
-    listing->points = points;
-    return grown ? listing->points + 3 * listing->count++ : NULL;
+    return ARRAY_GROW(listing->points, listing->capacity, 3 * (listing->count + 1)) ? listing->points + 3 * listing->count++
+                                                                                    : NULL;
 }
 
 /// Read the points of a text, which may be none. Free the listing also on failure.

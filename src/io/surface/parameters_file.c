@@ -96,10 +96,7 @@ static bat_status read_rows(const file_text *text, row_listing *listing, bat_err
     word_scan scan = word_scan_start(text->data, text->size);
     while (scan_next_content(&scan))
     {
-        void *rows = listing->rows;
-        bool grown = array_grow(&rows, &listing->capacity, 2 * (listing->count + 1), sizeof(double));
-        listing->rows = rows;
-        if (!grown)
+        if (!ARRAY_GROW(listing->rows, listing->capacity, 2 * (listing->count + 1)))
             return error_memory(error, listing->capacity * sizeof(double));
         bat_status status = read_row(&scan, listing->count, listing->rows + 2 * listing->count, error);
         if (status != BAT_OK)

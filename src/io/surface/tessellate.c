@@ -49,10 +49,7 @@ static uint32_t vertex_at(lattice *grid, surface_tessellation *made, uint32_t u,
     uint32_t *vertex = key_map_at(&grid->vertices, place_key(u, v));
     if (vertex == NULL || *vertex != NO_VERTEX)
         return vertex == NULL ? NO_VERTEX : *vertex;
-    void *places = grid->places;
-    bool grown = array_grow(&places, &grid->capacity, made->vertex_count + 1, 2 * sizeof *grid->places);
-    grid->places = places;
-    if (!grown)
+    if (!ARRAY_GROW(grid->places, grid->capacity, 2 * (size_t)made->vertex_count + 2))
         return NO_VERTEX;
     *vertex = (uint32_t)made->vertex_count;
     grid->places[2 * made->vertex_count] = u;
@@ -341,12 +338,8 @@ static void cut_free(cut_points *cut)
 
 static bool add_point(cut_points *cut, double x, double y, uint32_t next)
 {
-    void *places = cut->places, *links = cut->next;
-    bool grown = array_grow(&places, &cut->place_capacity, cut->count + 1, sizeof *cut->places);
-    cut->places = places;
-    grown = grown && array_grow(&links, &cut->next_capacity, cut->count + 1, sizeof *cut->next);
-    cut->next = links;
-    if (!grown)
+    if (!ARRAY_GROW(cut->places, cut->place_capacity, cut->count + 1) ||
+        !ARRAY_GROW(cut->next, cut->next_capacity, cut->count + 1))
         return false;
     const double place[3] = {x, y, 0};
     memcpy(cut->places[cut->count], place, sizeof place);

@@ -154,16 +154,14 @@ static xml_element begin_geometry(xml_state *state, const XML_Char **attributes)
 static xml_element begin_box(xml_state *state, const XML_Char **attributes)
 {
     xml_surface *surface = state->surface;
-    void *boxes = surface->boxes;
     size_t level;
     if (!whole_attribute(state, attributes, "level", UINT32_MAX, &level))
         return XML_OTHER;
-    if (!array_grow(&boxes, &surface->box_capacity, surface->box_count + 1, sizeof *surface->boxes))
+    if (!ARRAY_GROW(surface->boxes, surface->box_capacity, surface->box_count + 1))
     {
         stop(state, error_memory(state->error, surface->box_count * sizeof *surface->boxes));
         return XML_OTHER;
     }
-    surface->boxes = boxes;
     surface->boxes[surface->box_count] = (surface_box){.level = level, .line = current_line(state)};
     return XML_BOX;
 }

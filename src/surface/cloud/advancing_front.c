@@ -289,10 +289,7 @@ static void detach(front *work, uint32_t edge)
 /// Add a half-edge; false when out of memory. Its number is the count before.
 static bool add_edge(front *work, uint32_t from, uint32_t to, uint32_t opposite, const double normal[3])
 {
-    void *edges = work->edges;
-    bool grown = array_grow(&edges, &work->edge_capacity, work->edge_count + 1, sizeof *work->edges);
-    work->edges = edges;
-    if (!grown)
+    if (!ARRAY_GROW(work->edges, work->edge_capacity, work->edge_count + 1))
         return false;
     front_edge *edge = &work->edges[work->edge_count];
     *edge = (front_edge){.from = from, .to = to, .opposite = opposite, .next_out = work->first_out[from], .alive = true};
@@ -378,10 +375,7 @@ static bool comes_before(const front_candidate *a, const front_candidate *b)
 
 static bool queue_push(front *work, front_candidate candidate)
 {
-    void *queue = work->queue;
-    bool grown = array_grow(&queue, &work->queue_capacity, work->queue_count + 1, sizeof *work->queue);
-    work->queue = queue;
-    if (!grown)
+    if (!ARRAY_GROW(work->queue, work->queue_capacity, work->queue_count + 1))
         return false;
     size_t at = work->queue_count++;
     for (; at > 0 && comes_before(&candidate, &work->queue[(at - 1) / 2]); at = (at - 1) / 2)
@@ -449,9 +443,7 @@ static bool find_candidate(front *work, uint32_t number)
 
 static bool add_face(front *work, uint32_t a, uint32_t b, uint32_t c)
 {
-    void *faces = work->faces;
-    bool grown = array_grow(&faces, &work->face_capacity, work->face_count + 1, 3 * sizeof *work->faces);
-    work->faces = faces;
+    bool grown = ARRAY_GROW(work->faces, work->face_capacity, 3 * (work->face_count + 1));
     const uint32_t corners[3] = {a, b, c};
     for (size_t k = 0; k < 3 && grown; k++)
     {

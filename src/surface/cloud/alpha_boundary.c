@@ -106,10 +106,7 @@ static int compare_blocked(const void *a, const void *b)
 /// Compute the sorted intervals that the listed neighbours block. Returns their number, SIZE_MAX when out of memory.
 static size_t find_blocked(alpha_boundary_search *search, uint32_t point, const alpha_boundary_point *found)
 {
-    void *memory = search->blocked;
-    bool grown = array_grow(&memory, &search->blocked_capacity, search->near.count + 1, sizeof *search->blocked);
-    search->blocked = memory;
-    if (!grown)
+    if (!ARRAY_GROW(search->blocked, search->blocked_capacity, search->near.count + 1))
         return SIZE_MAX;
     size_t count = 0;
     for (size_t i = 0; i < search->near.count; i++)
@@ -273,12 +270,7 @@ typedef struct alpha_boundary_trace
 
 static bool path_add(alpha_boundary_trace *trace, uint32_t point)
 {
-    void *path = trace->path;
-    bool grown = array_grow(&path, &trace->path_capacity, trace->path_count + 1, sizeof *trace->path);
-    trace->path = path;
-    if (grown)
-        trace->path[trace->path_count++] = point;
-    return grown;
+    return ARRAY_ADD(trace->path, trace->path_capacity, trace->path_count, point);
 }
 
 /// The angle between two directions, 0 to pi.
@@ -426,10 +418,7 @@ static bat_status store_cycle(alpha_boundary_trace *trace, size_t begin, size_t 
     alpha_boundary_cycle cycle = {.points = memory_array(count, sizeof *line),
                                   .count = count,
                                   .length = length_of(distance_between, points, line, count)};
-    void *memory = cycles->cycles;
-    bool grown = array_grow(&memory, &cycles->capacity, cycles->count + 1, sizeof cycle);
-    cycles->cycles = memory;
-    if (cycle.points == NULL || !grown)
+    if (cycle.points == NULL || !ARRAY_GROW(cycles->cycles, cycles->capacity, cycles->count + 1))
     {
         free(cycle.points);
         return error_memory(error, count * sizeof *line);

@@ -219,21 +219,13 @@ static void insertion_sort(neighbour *entries, size_t count)
     }
 }
 
-static bool list_reserve(neighbour_list *list, size_t needed)
-{
-    void *entries = list->entries;
-    bool grown = array_grow(&entries, &list->capacity, needed, sizeof *list->entries);
-    list->entries = entries;
-    return grown;
-}
-
 /// Append the points of a leaf within the radius. False when out of memory.
 static bool add_leaf(const neighbour_tree *tree, node_range leaf, const double place[3], double max_squared,
                      neighbour_list *list)
 {
     double squared[LEAF_ITEMS];
     size_t count = leaf.end - leaf.begin;
-    if (!list_reserve(list, list->count + count))
+    if (!ARRAY_GROW(list->entries, list->capacity, list->count + count))
         return false;
     leaf_distances(tree, leaf.begin, count, place, squared);
     neighbour *out = list->entries + list->count;
@@ -322,7 +314,7 @@ bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3],
     wanted = wanted < tree->count ? wanted : tree->count;
     if (wanted == 0)
         return BAT_OK;
-    if (!list_reserve(list, wanted))
+    if (!ARRAY_GROW(list->entries, list->capacity, wanted))
         return error_memory(error, wanted * sizeof *list->entries);
     waiting[top++] = visit_to(tree, (node_range){ROOT, 0, tree->count}, place);
     while (top > 0)

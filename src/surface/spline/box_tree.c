@@ -39,7 +39,7 @@ static bool crosses(const box_tree_area *area, const box_tree_area *bounds, int 
 bat_status box_tree_make(uint64_t width, uint64_t height, box_tree *tree, bat_error *error)
 {
     *tree = (box_tree){.count = 1, .size = {width, height}};
-    if (!array_grow((void **)&tree->nodes, &tree->capacity, 1, sizeof *tree->nodes))
+    if (!ARRAY_GROW(tree->nodes, tree->capacity, 1))
         return error_memory(error, sizeof *tree->nodes);
     tree->nodes[0] = (box_tree_node){0};
     return BAT_OK;
@@ -63,7 +63,7 @@ static void copy_node(const box_tree *tree, uint32_t from, box_tree *copy, uint3
 bat_status box_tree_copy(const box_tree *tree, box_tree *copy, bat_error *error)
 {
     *copy = (box_tree){.size = {tree->size[0], tree->size[1]}};
-    if (!array_grow((void **)&copy->nodes, &copy->capacity, tree->count, sizeof *copy->nodes))
+    if (!ARRAY_GROW(copy->nodes, copy->capacity, tree->count))
         return error_memory(error, tree->count * sizeof *copy->nodes);
     copy->count = 1;
     copy_node(tree, 0, copy, 0);
@@ -89,8 +89,7 @@ static bool cut_leaf(box_tree *tree, uint32_t leaf, const box_tree_area *bounds,
     bool x = crosses(area, bounds, 0), y = crosses(area, bounds, 1);
     bool wide = bounds->high[0] - bounds->low[0] >= bounds->high[1] - bounds->low[1];
     uint8_t axis = y && (!x || !wide);
-    if (tree->count > UINT32_MAX - 2 ||
-        !array_grow((void **)&tree->nodes, &tree->capacity, tree->count + 2, sizeof *tree->nodes))
+    if (tree->count > UINT32_MAX - 2 || !ARRAY_GROW(tree->nodes, tree->capacity, tree->count + 2))
         return false;
     box_tree_node *node = &tree->nodes[leaf];
     *node =

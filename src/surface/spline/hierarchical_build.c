@@ -262,8 +262,8 @@ static bool store_refined(const bat_hierarchical_space *space, size_t level, uin
         refine_parent_rows(space, level, column, row, rows->supported, parents, rows);
     add_selected(locals, rows);
     size_t count = stored->count + rows->count;
-    if (!array_grow((void **)&stored->values, &stored->value_capacity, count * locals, sizeof *stored->values) ||
-        !array_grow((void **)&stored->indices, &stored->index_capacity, count, sizeof *stored->indices))
+    if (!ARRAY_GROW(stored->values, stored->value_capacity, count * locals) ||
+        !ARRAY_GROW(stored->indices, stored->index_capacity, count))
         return false;
     if (rows->count > 0)
     {
@@ -288,10 +288,8 @@ static bool store_cell(bat_hierarchical_space *space, hierarchical_cell *cell, c
     cell->coarse = (uint32_t)rows->count;
     cell->first = space->active_count;
     cell->matrix = space->extraction_count;
-    if (!array_grow((void **)&space->active, &space->active_capacity, space->active_count + cell->active,
-                    sizeof *space->active) ||
-        !array_grow((void **)&space->extraction, &space->extraction_capacity, space->extraction_count + rows->count * locals,
-                    sizeof *space->extraction))
+    if (!ARRAY_GROW(space->active, space->active_capacity, space->active_count + cell->active) ||
+        !ARRAY_GROW(space->extraction, space->extraction_capacity, space->extraction_count + rows->count * locals))
         return false;
     if (rows->count > 0)
     {

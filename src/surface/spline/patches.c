@@ -40,9 +40,7 @@ static bat_status hierarchical_boxes(const run_set *cells, uint32_t level, bat_s
             taken[next] = true;
             box.high[1]++;
         }
-        made = array_grow((void **)boxes, capacity, *count + 1, sizeof **boxes);
-        if (made)
-            (*boxes)[(*count)++] = box;
+        made = ARRAY_ADD(*boxes, *capacity, *count, box);
     }
     free(taken);
     return made ? BAT_OK : error_memory(error, (*count + 1) * sizeof **boxes);
@@ -54,7 +52,7 @@ bat_status hierarchical_space_regions(const bat_hierarchical_space *space, bat_s
     bat_spline_box *made = NULL;
     size_t made_count = 0, capacity = 0;
     // Allocate the array even if there is only one level.
-    bat_status status = array_grow((void **)&made, &capacity, 1, sizeof *made) ? BAT_OK : error_memory(error, sizeof *made);
+    bat_status status = ARRAY_GROW(made, capacity, 1) ? BAT_OK : error_memory(error, sizeof *made);
     for (uint32_t l = 1; l < space->levels && status == BAT_OK; l++)
         status = hierarchical_boxes(&space->level[l].region, l, &made, &made_count, &capacity, error);
     if (status != BAT_OK)
