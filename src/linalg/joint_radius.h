@@ -1,6 +1,7 @@
 #ifndef LINALG_JOINT_RADIUS_H
 #define LINALG_JOINT_RADIUS_H
 
+#include "base/memory.h"
 #include "batten/base.h"
 
 /// @file
@@ -81,6 +82,7 @@ bat_status joint_radius_word_below(const matrix_set *set, const matrix_word *wor
 /// Some listed vertices may lie inside; that costs time only.
 typedef struct polytope
 {
+    memory_pool pool; ///< holds the arrays
     size_t dimension;
     size_t count;
     size_t capacity;

@@ -50,10 +50,7 @@ static void reset_basis(polytope *p)
 
 static void polytope_free(polytope *p)
 {
-    free(p->vertices);
-    free(p->basis);
-    free(p->inverse);
-    free(p->scratch);
+    memory_pool_free(&p->pool);
     *p = (polytope){0};
 }
 
@@ -65,14 +62,15 @@ static bat_status polytope_make(size_t dimension, size_t capacity, double radius
     if (capacity < n)
         capacity = n;
     *result = (polytope){.dimension = n, .count = n, .capacity = capacity};
-    result->vertices = memory_array(capacity * n, sizeof *result->vertices);
-    result->basis = memory_array(n, sizeof *result->basis);
-    result->inverse = memory_array(n * n, sizeof *result->inverse);
-    result->scratch = memory_array(4 * n + capacity, sizeof *result->scratch);
-    if (result->vertices == NULL || result->basis == NULL || result->inverse == NULL || result->scratch == NULL)
+    result->vertices = memory_pool_array(&result->pool, capacity * n, sizeof *result->vertices);
+    result->basis = memory_pool_array(&result->pool, n, sizeof *result->basis);
+    result->inverse = memory_pool_array(&result->pool, n * n, sizeof *result->inverse);
+    result->scratch = memory_pool_array(&result->pool, 4 * n + capacity, sizeof *result->scratch);
+    bat_status status = memory_pool_check(&result->pool, error);
+    if (status != BAT_OK)
     {
         polytope_free(result);
-        return error_memory(error, capacity * n * sizeof(double));
+        return status;
     }
     memset(result->vertices, 0, n * n * sizeof *result->vertices);
     for (size_t i = 0; i < n; i++)

@@ -33,6 +33,7 @@ static const double OUTLYING = 3, CLOSE = 0.5;
 
 typedef struct smoother
 {
+    memory_pool pool; ///< holds the arrays
     const spline_factor *f;
     size_t count, dim, n; ///< keys; numbers of a point and of a tangent vector
     double sigma;
@@ -348,18 +349,16 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
     if (count < 3)
         return BAT_OK;
     bool turns = f->kind == FACTOR_ROTATION;
-    s.points = memory_array(count, dim * sizeof(double));
-    s.lengths = memory_array(count, sizeof(double));
-    s.frames = turns ? memory_array(count, n * n * sizeof(double)) : NULL;
-    s.residuals = memory_array(count, n * sizeof(double));
-    s.chords = memory_array(count, n * sizeof(double));
-    s.weights = memory_array(count, sizeof(double));
-    s.bends = memory_array(count, n * sizeof(double));
-    s.bands = memory_array(count, 3 * sizeof(double));
-    s.outlying = calloc(count, 1);
-    bool allocated = s.points != NULL && s.lengths != NULL && (!turns || s.frames != NULL) && s.residuals != NULL &&
-                     s.chords != NULL && s.weights != NULL && s.bends != NULL && s.bands != NULL && s.outlying != NULL;
-    bat_status status = allocated ? BAT_OK : error_memory(error, count * n * n * sizeof(double));
+    s.points = memory_pool_array(&s.pool, count, dim * sizeof(double));
+    s.lengths = memory_pool_array(&s.pool, count, sizeof(double));
+    s.frames = turns ? memory_pool_array(&s.pool, count, n * n * sizeof(double)) : NULL;
+    s.residuals = memory_pool_array(&s.pool, count, n * sizeof(double));
+    s.chords = memory_pool_array(&s.pool, count, n * sizeof(double));
+    s.weights = memory_pool_array(&s.pool, count, sizeof(double));
+    s.bends = memory_pool_array(&s.pool, count, n * sizeof(double));
+    s.bands = memory_pool_array(&s.pool, count, 3 * sizeof(double));
+    s.outlying = memory_pool_zeros(&s.pool, count, 1);
+    bat_status status = memory_pool_check(&s.pool, error);
     if (status == BAT_OK)
     {
         double total = 0;
@@ -374,14 +373,6 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
         deviations[i] = fmax(deviations[i], sqrt(square(n, s.residuals + i * n)) / sigma);
     if (status == BAT_OK)
         memcpy(points, s.points, count * dim * sizeof *points);
-    free(s.points);
-    free(s.lengths);
-    free(s.frames);
-    free(s.residuals);
-    free(s.chords);
-    free(s.weights);
-    free(s.bends);
-    free(s.bands);
-    free(s.outlying);
+    memory_pool_free(&s.pool);
     return status;
 }

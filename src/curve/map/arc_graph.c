@@ -282,16 +282,15 @@ static bat_status cut_all(graph_job *job, bat_error *error)
     arc_graph *graph = job->graph;
     // Every use but the last of a curve ends at a pass through a node; a point begins one use at most.
     size_t room = job->point_count + job->count;
-    graph->first_use = memory_array(job->count + 1, sizeof *graph->first_use);
-    graph->begins = memory_array(job->count, sizeof *graph->begins);
-    graph->uses = memory_array(room, sizeof *graph->uses);
-    graph->arcs = memory_array(room, sizeof *graph->arcs);
-    graph->origins = memory_array(room, sizeof *graph->origins);
-    graph->points = memory_array(2 * room, job->dim * sizeof *graph->points);
+    graph->first_use = memory_pool_array(&graph->pool, job->count + 1, sizeof *graph->first_use);
+    graph->begins = memory_pool_array(&graph->pool, job->count, sizeof *graph->begins);
+    graph->uses = memory_pool_array(&graph->pool, room, sizeof *graph->uses);
+    graph->arcs = memory_pool_array(&graph->pool, room, sizeof *graph->arcs);
+    graph->origins = memory_pool_array(&graph->pool, room, sizeof *graph->origins);
+    graph->points = memory_pool_array(&graph->pool, 2 * room, job->dim * sizeof *graph->points);
     job->edge_table = make_table(room, &job->edge_mask);
     job->edge_ends = memory_array(2 * room, sizeof *job->edge_ends);
-    if (graph->first_use == NULL || graph->begins == NULL || graph->uses == NULL || graph->arcs == NULL ||
-        graph->origins == NULL || graph->points == NULL || job->edge_table == NULL || job->edge_ends == NULL)
+    if (graph->pool.missing > 0 || job->edge_table == NULL || job->edge_ends == NULL)
         return error_memory(error, 2 * room * job->dim * sizeof *graph->points);
     for (size_t c = 0; c < job->count; c++)
     {
@@ -334,7 +333,7 @@ static bat_status number_components(graph_job *job, bat_error *error)
     arc_graph *graph = job->graph;
     size_t *parents = memory_array(graph->arc_count, sizeof *parents);
     size_t *arc_at = memory_array(job->vertex_count, sizeof *arc_at);
-    graph->components = memory_array(graph->arc_count, sizeof *graph->components);
+    graph->components = memory_pool_array(&graph->pool, graph->arc_count, sizeof *graph->components);
     if (parents == NULL || arc_at == NULL || graph->components == NULL)
     {
         free(parents);
@@ -402,12 +401,6 @@ bat_status arc_graph_make(const bat_curve *curves, size_t count, unsigned char *
 
 void arc_graph_free(arc_graph *graph)
 {
-    free(graph->arcs);
-    free(graph->points);
-    free(graph->origins);
-    free(graph->uses);
-    free(graph->components);
-    free(graph->first_use);
-    free(graph->begins);
+    memory_pool_free(&graph->pool);
     *graph = (arc_graph){0};
 }

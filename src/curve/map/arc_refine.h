@@ -1,6 +1,7 @@
 #ifndef CURVE_MAP_ARC_REFINE_H
 #define CURVE_MAP_ARC_REFINE_H
 
+#include "base/memory.h"
 #include "batten/curve.h"
 #include "batten/curve_map.h"
 #include "curve/topology/draw_back.h"
@@ -97,7 +98,8 @@ typedef struct arc_origin
 /// lines cross at a common vertex. All zero: empty.
 typedef struct arc_graph
 {
-    bat_curve *arcs; ///< arc_count polylines without channels; closed where a ring has no node; points are in `points`
+    memory_pool pool; ///< holds the arrays
+    bat_curve *arcs;  ///< arc_count polylines without channels; closed where a ring has no node; points are in `points`
     size_t arc_count;
     double *points;
     arc_origin *origins; ///< of each arc

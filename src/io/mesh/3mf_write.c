@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/json_scan.h"
+#include "base/memory.h"
 #include "io/common/number_text.h"
 #include "io/common/zip.h"
 #include "io/mesh/formats.h"
@@ -34,6 +35,7 @@ enum
 /// The plan of a file.
 typedef struct writer_3mf
 {
+    memory_pool pool; ///< holds the arrays
     const bat_mesh *mesh;
     label_table objects, materials;       ///< by their names alone
     uint32_t *object_of, *material_of;    ///< of each label that faces have
@@ -233,18 +235,17 @@ static void sort_by_object(const writer_3mf *writer, size_t count, uint32_t (*ob
 static bat_status plan(writer_3mf *writer, const bat_mesh_write_options *options, bat_error *error)
 {
     const bat_mesh *mesh = writer->mesh;
-    writer->object_of = memory_array(mesh->label_count, sizeof *writer->object_of);
-    writer->material_of = memory_array(mesh->label_count, sizeof *writer->material_of);
-    writer->vertex_object = memory_array(mesh->vertex_count, sizeof *writer->vertex_object);
-    writer->vertices = memory_array(mesh->vertex_count, sizeof *writer->vertices);
-    writer->faces = memory_array(mesh->face_count, sizeof *writer->faces);
-    if (writer->object_of == NULL || writer->material_of == NULL || writer->vertex_object == NULL ||
-        writer->vertices == NULL || writer->faces == NULL || !number_names(writer))
+    writer->object_of = memory_pool_array(&writer->pool, mesh->label_count, sizeof *writer->object_of);
+    writer->material_of = memory_pool_array(&writer->pool, mesh->label_count, sizeof *writer->material_of);
+    writer->vertex_object = memory_pool_array(&writer->pool, mesh->vertex_count, sizeof *writer->vertex_object);
+    writer->vertices = memory_pool_array(&writer->pool, mesh->vertex_count, sizeof *writer->vertices);
+    writer->faces = memory_pool_array(&writer->pool, mesh->face_count, sizeof *writer->faces);
+    if (writer->pool.missing > 0 || !number_names(writer))
         return no_memory(writer, error);
     bat_status status = part_vertices(writer, options, error);
-    writer->vertices_until = memory_array(writer->object_count + 1, sizeof *writer->vertices_until);
-    writer->faces_until = memory_array(writer->object_count + 1, sizeof *writer->faces_until);
-    if (writer->vertices_until == NULL || writer->faces_until == NULL)
+    writer->vertices_until = memory_pool_array(&writer->pool, writer->object_count + 1, sizeof *writer->vertices_until);
+    writer->faces_until = memory_pool_array(&writer->pool, writer->object_count + 1, sizeof *writer->faces_until);
+    if (writer->pool.missing > 0)
         return no_memory(writer, error);
     sort_by_object(writer, mesh->vertex_count, object_of_vertex, writer->vertices, writer->vertices_until);
     sort_by_object(writer, mesh->face_count, object_of_face, writer->faces, writer->faces_until);
@@ -255,13 +256,7 @@ static void plan_free(writer_3mf *writer)
 {
     label_table_free(&writer->objects);
     label_table_free(&writer->materials);
-    free(writer->object_of);
-    free(writer->material_of);
-    free(writer->vertex_object);
-    free(writer->vertices);
-    free(writer->faces);
-    free(writer->vertices_until);
-    free(writer->faces_until);
+    memory_pool_free(&writer->pool);
     text_free(&writer->model);
 }
 

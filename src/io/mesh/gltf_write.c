@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/json_scan.h"
+#include "base/memory.h"
 #include "io/common/base64.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"
@@ -35,6 +36,7 @@ typedef enum gltf_part
 
 typedef struct gltf_writer
 {
+    memory_pool pool; ///< holds the arrays
     const bat_mesh *mesh;
     const bat_mesh_write_options *options;
     size_t colour_places[MESH_COLOURS], colours;
@@ -65,15 +67,7 @@ typedef struct gltf_writer
 
 static void writer_free(gltf_writer *writer)
 {
-    free(writer->node_of);
-    free(writer->label_order);
-    free(writer->label_faces);
-    free(writer->faces);
-    free(writer->corners);
-    free(writer->origins);
-    free(writer->textures);
-    free(writer->next);
-    free(writer->node_vertices);
+    memory_pool_free(&writer->pool);
     label_table_free(&writer->objects);
     json_decref(writer->root);
     text_free(&writer->bytes);
@@ -111,9 +105,9 @@ static bool find_nodes(gltf_writer *writer)
 {
     const bat_mesh *mesh = writer->mesh;
     writer->label_count = mesh->face_labels != NULL ? mesh->label_count : 1;
-    writer->node_of = memory_array(writer->label_count, sizeof *writer->node_of);
+    writer->node_of = memory_pool_array(&writer->pool, writer->label_count, sizeof *writer->node_of);
     uint32_t *owner = memory_array(mesh->vertex_count, sizeof *owner);
-    bool room = writer->node_of != NULL && owner != NULL;
+    bool room = writer->pool.missing == 0 && owner != NULL;
     for (size_t i = 0; i < writer->label_count && room; i++)
     {
         const char *object = mesh->face_labels != NULL ? mesh->labels[i].object : NULL;
@@ -137,12 +131,11 @@ static bool order_faces(gltf_writer *writer)
 {
     const bat_mesh *mesh = writer->mesh;
     size_t labels = writer->label_count;
-    writer->label_order = memory_array(labels, sizeof *writer->label_order);
-    writer->label_faces = calloc(labels + 1, sizeof *writer->label_faces);
-    writer->faces = memory_array(mesh->face_count, sizeof *writer->faces);
+    writer->label_order = memory_pool_array(&writer->pool, labels, sizeof *writer->label_order);
+    writer->label_faces = memory_pool_zeros(&writer->pool, labels + 1, sizeof *writer->label_faces);
+    writer->faces = memory_pool_array(&writer->pool, mesh->face_count, sizeof *writer->faces);
     size_t *starts = calloc(writer->node_count + 1, sizeof *starts), *place = calloc(labels + 1, sizeof *place);
-    bool room = writer->label_order != NULL && writer->label_faces != NULL && writer->faces != NULL && starts != NULL &&
-                place != NULL;
+    bool room = writer->pool.missing == 0 && starts != NULL && place != NULL;
     if (room)
     {
         for (size_t i = 0; i < labels; i++)
@@ -174,13 +167,12 @@ static bool number_vertices(gltf_writer *writer)
     const bat_mesh *mesh = writer->mesh;
     size_t corners = 3 * mesh->face_count, label = 0;
     uint32_t *first = memory_array(mesh->vertex_count, sizeof *first);
-    writer->corners = memory_array(corners, sizeof *writer->corners);
-    writer->origins = memory_array(corners, sizeof *writer->origins);
-    writer->textures = memory_array(corners, sizeof *writer->textures);
-    writer->next = memory_array(corners, sizeof *writer->next);
-    writer->node_vertices = calloc(writer->node_count + 1, sizeof *writer->node_vertices);
-    bool room = first != NULL && writer->corners != NULL && writer->origins != NULL && writer->textures != NULL &&
-                writer->next != NULL && writer->node_vertices != NULL;
+    writer->corners = memory_pool_array(&writer->pool, corners, sizeof *writer->corners);
+    writer->origins = memory_pool_array(&writer->pool, corners, sizeof *writer->origins);
+    writer->textures = memory_pool_array(&writer->pool, corners, sizeof *writer->textures);
+    writer->next = memory_pool_array(&writer->pool, corners, sizeof *writer->next);
+    writer->node_vertices = memory_pool_zeros(&writer->pool, writer->node_count + 1, sizeof *writer->node_vertices);
+    bool room = first != NULL && writer->pool.missing == 0;
     if (room)
         memset(first, 0xff, mesh->vertex_count * sizeof *first);
     for (size_t i = 0; i < corners && room; i++)

@@ -1,6 +1,7 @@
 #ifndef MESH_DECIMATE_COLLAPSE_ERROR_H
 #define MESH_DECIMATE_COLLAPSE_ERROR_H
 
+#include "base/memory.h"
 #include "mesh/decimate/collapse.h"
 #include "mesh/decimate/quadric.h"
 #include "mesh/measure/closest.h"
@@ -116,6 +117,7 @@ error_placement memoryless_place(const collapse_mesh *mesh, const error_vertex *
 
 typedef struct tolerance
 {
+    memory_pool pool; ///< holds the arrays
     double bound;
     closest_tree tree; ///< of the given mesh
     double *samples;   ///< sample_count x 3

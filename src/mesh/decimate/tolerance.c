@@ -10,12 +10,7 @@
 void tolerance_free(tolerance *all)
 {
     closest_free(&all->tree);
-    free(all->samples);
-    free(all->first);
-    free(all->next);
-    free(all->place);
-    free(all->moved);
-    free(all->nearest);
+    memory_pool_free(&all->pool);
     *all = (tolerance){0};
 }
 
@@ -45,17 +40,17 @@ bat_status tolerance_make(const bat_mesh *fine, const bat_mesh_connectivity *top
     bat_status status = closest_build(fine, closest_largest(fine->positions, 3 * fine->vertex_count, 0), &made->tree, error);
     if (status != BAT_OK)
         return status;
-    made->samples = memory_array(count, 3 * sizeof *made->samples);
-    made->first = memory_array(fine->face_count, sizeof *made->first);
-    made->next = memory_array(count, sizeof *made->next);
-    made->place = calloc(fine->vertex_count + 1, sizeof *made->place);
-    made->moved = memory_array(count, sizeof *made->moved);
-    made->nearest = memory_array(count, sizeof *made->nearest);
-    if (made->samples == NULL || made->first == NULL || made->next == NULL || made->place == NULL || made->moved == NULL ||
-        made->nearest == NULL)
+    made->samples = memory_pool_array(&made->pool, count, 3 * sizeof *made->samples);
+    made->first = memory_pool_array(&made->pool, fine->face_count, sizeof *made->first);
+    made->next = memory_pool_array(&made->pool, count, sizeof *made->next);
+    made->place = memory_pool_zeros(&made->pool, fine->vertex_count + 1, sizeof *made->place);
+    made->moved = memory_pool_array(&made->pool, count, sizeof *made->moved);
+    made->nearest = memory_pool_array(&made->pool, count, sizeof *made->nearest);
+    status = memory_pool_check(&made->pool, error);
+    if (status != BAT_OK)
     {
         tolerance_free(made);
-        return error_memory(error, count * 3 * sizeof *made->samples);
+        return status;
     }
     memset(made->first, 0xff, fine->face_count * sizeof *made->first);
     for (size_t h = 0; h < 3 * fine->face_count; h++)
