@@ -4,7 +4,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/coordinates.h"
-#include "search/segment.h"
+#include "search/nearest.h"
 #include "space/builtin.h"
 
 #include <math.h>

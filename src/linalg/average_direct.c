@@ -1,5 +1,5 @@
-#include "linalg/average_system.h"
 #include "linalg/multifrontal.h"
+#include "linalg/sparse.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,8 +1,8 @@
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/symmetric.h"
+#include "linalg/sparse.h"
 
 #include <complex.h>
 #include <stdlib.h>

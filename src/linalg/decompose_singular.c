@@ -1,4 +1,4 @@
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 
 #include "base/error.h"
 #include "base/memory.h"

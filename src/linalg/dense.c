@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/blas.h"
-#include "linalg/decompose.h"
 
 #include <float.h>
 #include <math.h>

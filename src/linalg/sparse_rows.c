@@ -1,4 +1,4 @@
-#include "linalg/sparse_rows.h"
+#include "linalg/sparse.h"
 
 #include "base/error.h"
 #include "base/memory.h"

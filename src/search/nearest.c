@@ -2,8 +2,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "search/segment.h"
-#include "search/select.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "search/segment.h"
+#include "search/nearest.h"
 
 #include <math.h>
 #include <stdbool.h>

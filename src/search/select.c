@@ -1,4 +1,4 @@
-#include "search/select.h"
+#include "search/nearest.h"
 
 #include <stdbool.h>
 #include <stdint.h>

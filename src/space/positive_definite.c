@@ -1,4 +1,4 @@
-#include "linalg/symmetric.h"
+#include "linalg/sparse.h"
 #include "space/builtin.h"
 
 #include <float.h>

@@ -1,7 +1,7 @@
 #include "picture_helpers.h"
 
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 
 /// Every space, every format, every option that draws something.
 static void writes_all_spaces_in_all_formats(void **state)

@@ -2,7 +2,7 @@
 
 #include "check.h"
 
-#include "linalg/average_system.h"
+#include "linalg/sparse.h"
 
 static bat_status solve_iteratively(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
 {

@@ -2,7 +2,7 @@
 
 #include "check.h"
 
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 
 #include "surface_fit_helpers.h"
 
-#include "linalg/average_system.h"
+#include "linalg/sparse.h"
 #include "surface/fit/system.h"
 
 #include <SuiteSparse_config.h>

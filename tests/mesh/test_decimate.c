@@ -4,7 +4,7 @@
 #include "batten/mesh_measure.h"
 #include "batten/mesh_refine.h"
 #include "mesh/decimate/collapse.h"
-#include "mesh/decimate/quadric.h"
+#include "mesh/decimate/collapse_error.h"
 
 static bat_mesh decimate(const bat_mesh *fine, const bat_mesh_decimate_options *options, bool mapped)
 {

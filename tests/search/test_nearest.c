@@ -2,7 +2,6 @@
 
 #include "curve/measure/metric_tree.h"
 #include "search/nearest.h"
-#include "search/select.h"
 
 static double *random_rows(bat_random *random, size_t count, size_t size)
 {

@@ -1,7 +1,7 @@
 #include "hierarchical_helpers.h"
 #include "surface/spline/tensor_surface.h"
 
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 #include "surface/spline/hierarchical_space.h"
 
 enum

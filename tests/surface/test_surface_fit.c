@@ -3,7 +3,7 @@
 #include "surface/spline/hierarchical_space.h"
 #include "surface_fit_helpers.h"
 
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 #include "spline_fit.h"
 
 static bat_spline_surface fit(bat_hierarchical_space *space, const bat_surface_fit_data *data, const double *weights,

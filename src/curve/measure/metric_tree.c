@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "search/select.h"
+#include "search/nearest.h"
 
 #include <math.h>
 #include <stdlib.h>

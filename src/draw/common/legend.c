@@ -1,6 +1,6 @@
 #include "draw/common/legend.h"
 
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 
 #include <math.h>
 #include <stdlib.h>

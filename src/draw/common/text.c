@@ -1,4 +1,4 @@
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 
 #include <string.h>
 

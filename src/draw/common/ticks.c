@@ -1,6 +1,6 @@
 #include "draw/common/ticks.h"
 
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 
 #include <math.h>
 #include <stdio.h>

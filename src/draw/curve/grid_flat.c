@@ -1,4 +1,4 @@
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/common/ticks.h"
 #include "draw/curve/scene.h"
 

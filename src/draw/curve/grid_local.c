@@ -1,6 +1,6 @@
 #include "batten/space.h"
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
 #include <math.h>

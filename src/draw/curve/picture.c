@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 
 #include "base/memory.h"
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "draw/curve/scene.h"
 
 #include "base/error.h"
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 
 #include <math.h>
 #include <string.h>

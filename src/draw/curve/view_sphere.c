@@ -1,6 +1,6 @@
 #include "draw/curve/view.h"
 
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 #include <math.h>
 #include <string.h>
 

@@ -6,7 +6,7 @@
 #include "base/option.h"
 #include "draw/common/legend.h"
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/mesh/shade.h"
 
 #include <float.h>

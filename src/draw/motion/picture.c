@@ -3,7 +3,7 @@
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 #include "draw/motion/film.h"
 

@@ -1,4 +1,4 @@
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/curve/view.h"
 #include "draw/motion/film.h"
 

@@ -5,7 +5,7 @@
 #include "batten/surface_picture.h"
 #include "draw/common/legend.h"
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 #include "draw/surface/scene.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 #include "draw/surface/scene.h"
 
 #include "draw/common/sheet.h"
-#include "draw/common/text.h"
+#include "draw/common/style.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"
+#include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"
-#include "mesh/decimate/quadric.h"
 #include "mesh/labels.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "search/select.h"
+#include "search/nearest.h"
 
 #include <math.h>
 

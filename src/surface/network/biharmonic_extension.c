@@ -9,7 +9,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 #include "linalg/vector.h"
 
 #include <math.h>

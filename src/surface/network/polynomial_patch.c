@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/decompose.h"
+#include "linalg/dense.h"
 #include "linalg/vector.h"
 
 #include <cblas.h>

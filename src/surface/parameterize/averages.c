@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
-#include "linalg/average_system.h"
+#include "linalg/sparse.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "batten/cloud.h"
 #include "batten/cloud_parameterize.h"
 #include "linalg/multifrontal.h"
-#include "linalg/sparse_rows.h"
+#include "linalg/sparse.h"
 #include "surface/cloud/neighbours.h"
 
 #include <stdbool.h>
