@@ -14,6 +14,7 @@
         what, rows, sizeof *(rows), sizeof(rows) / sizeof *(rows), of_path                                                  \
     }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): initializers
 /// A row: its name, its summary and its enumerator.
 #define CHOICE(label, about, number) CHOICE_OF_USE(LISTED, label, about, number)
 /// A row with a use of bat_choice_use.
@@ -21,11 +22,17 @@
     {                                                                                                                       \
         .name = label, .summary = about, .value = number, .use = BAT_CHOICE_USE_##how                                       \
     }
+/// A row whose name may have settings after it.
+#define CHOICE_SET(label, defaults, about)                                                                                  \
+    {                                                                                                                       \
+        .name = label, .settings = defaults, .summary = about                                                               \
+    }
 /// The row of a format that is read and written.
 #define CHOICE_FORMAT(label, about, suffixes, number)                                                                       \
     {                                                                                                                       \
         .name = label, .summary = about, .endings = suffixes, .reads = true, .writes = true, .value = number                \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 
 /// The bat_measure of a struct's field.
 // NOLINTBEGIN(bugprone-macro-parentheses): `type` is a type
