@@ -6,7 +6,7 @@
 #include <string.h>
 
 /// @file
-/// The Catmull-Rom spline and the cubic spline: the velocities at the points.
+/// The Catmull-Rom, the cubic and the quintic spline: the derivatives at the points.
 
 enum
 {

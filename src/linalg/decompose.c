@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/sparse.h"
+#include "linalg/symmetric.h"
 
 #include <complex.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "batten/base.h"
 
 /// @file
-/// A hash table from 64-bit keys to 32-bit numbers.
+/// Hash tables: from 64-bit keys to 32-bit numbers, and of points.
 
 /// A reserved value that marks empty slots; no key may be equal to it.
 #define KEY_MAP_NO_KEY UINT64_MAX

@@ -1,4 +1,4 @@
-#include "linalg/sparse.h"
+#include "linalg/symmetric.h"
 #include "space/builtin.h"
 
 #include <float.h>

@@ -1,7 +1,7 @@
 #include "space/builtin.h"
 
 #include "base/error.h"
-#include "linalg/sparse.h"
+#include "linalg/symmetric.h"
 #include "space/quaternion.h"
 
 #include <math.h>

@@ -489,7 +489,7 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_op
 }
 
 /// The ways to reconstruct again where a surface is wrong or doubtful. All but the last have a boundary and charts of
-/// triangles (advancing_front.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The
+/// triangles (cloud/boundary.h). They begin with the smallest triangles, which leave narrow gaps of the boundary open. The
 /// first is also for meshes that are given, and for clouds with a known boundary.
 typedef enum other_way
 {

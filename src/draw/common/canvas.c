@@ -16,8 +16,7 @@
 #include <string.h>
 #include <strings.h>
 
-/// @file
-/// Pixel images aligned with the pixels of the page.
+// Pixel images aligned with the pixels of the page.
 
 pixel_box pixel_box_align(cairo_t *cairo, double per_point, const double box[4])
 {

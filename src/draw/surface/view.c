@@ -1,6 +1,6 @@
 #include "draw/surface/scene.h"
 
-#include "linalg/sparse.h"
+#include "linalg/symmetric.h"
 #include "linalg/vector.h"
 
 #include <math.h>

@@ -14,8 +14,10 @@
 #include <string.h>
 
 /// @file
-/// Writers of clouds. All formats are lines of text: comments or a header, a line for each point, and a line for each
-/// triangle in formats that have triangles.
+/// Clouds in any format.
+
+// Writing. All formats are lines of text: comments or a header, a line for each point, and a line for each
+// triangle in formats that have triangles.
 
 typedef struct row_style
 {
@@ -128,7 +130,7 @@ bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *
     return atomic_file_end(&file, status, error);
 }
 
-// Reading of clouds in any format: points, an optional file with the boundary, or the vertices of a mesh.
+// Reading: points, an optional file with the boundary, or the vertices of a mesh.
 
 /// The line of statement "v" number `point`, counted from 0.
 static size_t obj_line_of_point(const file_text *text, size_t point)

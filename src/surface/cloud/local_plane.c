@@ -6,7 +6,7 @@
 #include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "linalg/sparse.h"
+#include "linalg/symmetric.h"
 #include "linalg/vector.h"
 
 #include <math.h>
