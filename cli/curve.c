@@ -31,7 +31,7 @@ static const option_spec CURVE_OPTIONS[] = {
     {"tolerance", "E", METHOD, COMMON,
      "a stop, edge by edge: the fewest levels for which the limit curve is within E of the pieces (metres on the sphere)",
      POSITIVE(curve_job, refine.tolerance)},
-    {"fairness", "F", METHOD, 0, "learned: from 0, nearest to the data, to 1, smoothest; default 0.5",
+    {"fairness", "F", METHOD, 0, "learned: from 0, nearest to the data, to 1, smoothest; default 0.25",
      NUMBER(curve_job, fairness)},
     {"model", "FILE", METHOD, IS_READ, "learned: a trained network of your own, a safetensors file",
      TEXT(curve_job, model_file)},
@@ -404,7 +404,7 @@ static void begin(void *to)
     job->map = bat_curve_map_refine_defaults();
     job->motion = bat_motion_curves_defaults();
     job->draw = bat_curve_picture_defaults();
-    job->fairness = 0.5;
+    job->fairness = 0.25;
 }
 
 static void begin_motion(void *to)

@@ -153,9 +153,9 @@ static const scheme_row ROWS[] = {
     {.choice = CHOICE_SET("quintic", "parameters=chordal", "interpolates by a quintic Hermite spline, C2 in R^n; any space"),
      .defaults = {.parameters = BAT_CURVE_PARAMETERS_CHORDAL},
      .refine = spline_quintic},
-    {.choice = CHOICE_SET("learned", "fairness=0.5",
+    {.choice = CHOICE_SET("learned", "fairness=0.25",
                           "interpolates by a network, from nearest (0) to smoothest (1); plane, sphere, disk"),
-     .defaults = {.fairness = 0.5},
+     .defaults = {.fairness = 0.25},
      .make = make_learned},
 };
 const bat_family bat_curve_scheme_family = FAMILY("scheme", ROWS);

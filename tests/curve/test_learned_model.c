@@ -135,7 +135,7 @@ static void shipped_models_are_those_of_the_files(void **state)
     for (double fairness = 0; fairness <= 1; fairness += 0.25)
     {
         bat_curve_scheme own = bat_curve_scheme_learned(fairness), read = bat_curve_scheme_of_model(file);
-        assert_true(read.fairness == 0.5);
+        assert_true(read.fairness == 0.25);
         read.fairness = fairness;
         assert_same_scheme(&own, &read);
     }

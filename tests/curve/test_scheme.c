@@ -62,7 +62,7 @@ static void scheme_names_are_read_strictly(void **state)
     while (bat_choices(&bat_curve_scheme_family, listed) != NULL)
         listed++;
     assert_int_equal(listed, 17);
-    assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.5);
+    assert_true(scheme("learned").rule != NULL && scheme("learned").fairness == 0.25);
     assert_true(scheme("learned:fairness=1").fairness == 1);
 }
 

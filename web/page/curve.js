@@ -31,7 +31,7 @@ const EXAMPLES = {
   iss: { title: "ISS track (sphere)", space: "sphere", closed: true, points: lonLat(samples["iss-track.geojson"]) },
   petals: { title: "Petals (Poincaré disk)", space: "disk", closed: true, points: csvPoints(samples["hyperbolic.csv"]) },
 };
-const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.5, levels: 5, ends: "reflect", comb: false };
+const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false };
 
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
@@ -361,7 +361,7 @@ export function curveTab(app, section) {
   const closed = check("Closed", true, (value) => void set({ closed: value }).then(() => app.commit()));
   const comb = check("Curvature comb", false, (value) => void set({ comb: value }).then(() => app.commit()));
   const levels = slider("Levels", { min: 0, max: 8, step: 1, value: 5, change: (value) => { state.levels = value; void compute(); }, commit: () => app.commit() });
-  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.5, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: () => app.commit() });
+  const fairness = slider("Fairness of learned", { min: 0, max: 1, step: 0.05, value: 0.25, format: (value) => value.toFixed(2), change: (value) => { state.fairness = value; void compute(); }, commit: () => app.commit() });
   const ends = select("Ends of open curves", lists.curve_end_rule.map(({ name }) => [name]), "reflect", (value) => void set({ ends: value }).then(() => app.commit()));
   const boxes = new Map();
   const schemeList = h("div.schemes", { role: "group", "aria-label": "Schemes" });

@@ -9,9 +9,9 @@
 #include "curve/corner.h"
 #include "curve/curve_attributes.h"
 #include "curve/map/arc_refine.h"
+#include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
-#include "curve/pieces.h"
 #include "space/degrees.h"
 
 #include <stdlib.h>

@@ -50,6 +50,6 @@ void bat_curve_model_free(bat_curve_model *model)
 bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model)
 {
     bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&model->rule);
-    scheme.fairness = 0.5;
+    scheme.fairness = 0.25;
     return scheme;
 }
