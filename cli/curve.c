@@ -40,6 +40,10 @@ static const option_spec CURVE_OPTIONS[] = {
      "angles where they are meant, and ends of straight runs, which is the default for geographic files and drawings; "
      "180: none; a CSV column 'corner' (0 or 1) names corners, too",
      NO_FIELD},
+    {"smooth", "D", METHOD, 0,
+     "smooth the points first; ends and corners stay. Waves of length D keep half of their height (metres on the sphere); "
+     "auto: by the noise, which is estimated, and without the stairs of pixels",
+     NO_FIELD},
     {"ends", "RULE", METHOD, 0, "how open curves end: {}; default reflect",
      CHOICE(curve_job, refine.ends, bat_curve_end_rule_family)},
     {"simple", "WHICH", METHOD, 0,
@@ -239,6 +243,19 @@ static bool read_corners(curve_job *job)
     return true;
 }
 
+/// --smooth: a length, or auto.
+static bool read_smooth(curve_job *job)
+{
+    const char *text = argument(job->call.given, "smooth");
+    if (text == NULL)
+        return true;
+    char *end;
+    bool automatic = strcmp(text, "auto") == 0;
+    job->refine.smooth = automatic ? NAN : strtod(text, &end);
+    return automatic || (end != text && *end == '\0' && isfinite(job->refine.smooth) && job->refine.smooth >= 0) ||
+           argument_refused(job->call.given, "smooth", "a length from 0 on, or auto");
+}
+
 /// Check the corner angle and the stops. With a stop, --levels is the cap.
 static bool check_stops(curve_job *job)
 {
@@ -253,8 +270,8 @@ static bool check_stops(curve_job *job)
         return false;
     if (stops && job->panel_count > 0)
         return usage_refused(given, "--panel draws levels, and does not go with --max-edge and --tolerance");
-    if ((stops || refine->corner_angle > 0 || refine->find_corners) && job->best_tension)
-        return usage_refused(given, "--best-tension does not go with --max-edge, --tolerance and --corner-angle");
+    if ((stops || refine->corner_angle > 0 || refine->find_corners || refine->smooth != 0) && job->best_tension)
+        return usage_refused(given, "--best-tension does not go with --max-edge, --tolerance, --corner-angle and --smooth");
     return true;
 }
 
@@ -262,8 +279,8 @@ static bool check_stops(curve_job *job)
 
 /// Options of `batten curve` that only motions take, and those that they do not take.
 static const char *const FOR_MOTIONS[] = {"rate", "times", "velocities", "tangents", NULL};
-static const char *const FOR_CURVES[] = {"fairness",  "model",    "snap",         "best-tension",
-                                         "tolerance", "max-edge", "corner-angle", NULL};
+static const char *const FOR_CURVES[] = {"fairness",     "model",  "snap", "best-tension", "tolerance", "max-edge",
+                                         "corner-angle", "smooth", NULL};
 
 /// Those of splines: of `batten motion`, and of `batten curve`.
 static const char *const FOR_SPLINES[] = {"times", "ends", "extrapolate", "sigma", "outliers", NULL};
@@ -425,8 +442,8 @@ static bool check(void *of)
     if (job->call.output != NULL && job->write.format == BAT_CURVE_FORMAT_AUTO &&
         !usage_accepts(given, bat_choice_of_path(&bat_curve_format_family, job->call.output, true, &format, report_error())))
         return false;
-    if (!read_panels(job) || !check_stops(job) || !read_motion(job) || !read_scheme(job) || !check_exclusions(job) ||
-        !check_needs(job))
+    if (!read_panels(job) || !read_smooth(job) || !check_stops(job) || !read_motion(job) || !read_scheme(job) ||
+        !check_exclusions(job) || !check_needs(job))
         return false;
     job->is_streamed = is_streamed(job);
     return true;

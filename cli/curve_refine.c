@@ -123,7 +123,8 @@ static void choose_scheme(curve_job *job)
     const bat_curve_set *coarse = &job->coarse;
     bool plain = !job->refine.snap && job->refine.ends <= BAT_CURVE_END_RULE_REFLECT && !job->best_tension &&
                  job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_TOPOLOGY_ALWAYS &&
-                 !curve_stops(job) && !(job->refine.corner_angle > 0) && coarse->curves[0].corners == NULL;
+                 !curve_stops(job) && job->refine.smooth == 0 && !(job->refine.corner_angle > 0) &&
+                 coarse->curves[0].corners == NULL;
     if (!job->is_motion && plain && bat_motion_suits(coarse))
     {
         job->is_motion = true;
@@ -150,16 +151,18 @@ static void convert_lengths(curve_job *job, const bat_space *space)
     job->unit = globe ? " m" : "";
     job->refine.max_edge /= globe ? BAT_EARTH_RADIUS : 1;
     job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
+    job->refine.smooth /= globe ? BAT_EARTH_RADIUS : 1;
     job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
 }
 
-/// What the user did not choose, for geographic files and drawings: corners are kept, and a stop takes the place of levels.
+/// What the user did not choose, for geographic files and drawings: corners are kept, unless points are smoothed, and a stop
+/// takes the place of levels.
 static void choose_for_features(curve_job *job)
 {
     static const char *const OF_LEVELS[] = {"levels", "max-edge", "tolerance", "panel", "best-tension", NULL};
     static const double TOLERANCE = 0.02; // a fiftieth of the median edge
     const arguments *given = job->call.given;
-    if (!job->best_tension && argument(given, "corner-angle") == NULL)
+    if (!job->best_tension && job->refine.smooth == 0 && argument(given, "corner-angle") == NULL)
         job->refine.find_corners = true;
     if (argument_first(given, OF_LEVELS) == NULL)
         job->refine.relative_tolerance = TOLERANCE;
@@ -242,7 +245,7 @@ static void add_totals(curve_totals *sum, size_t count, const curve_totals *part
 /// Count the edges that refinement left straight.
 static void count_straight(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
 {
-    for (size_t i = 0; i < coarse->count && !job->is_motion; i++)
+    for (size_t i = 0; i < coarse->count && !job->is_motion && job->refine.smooth == 0; i++)
     {
         const bat_curve *curve = &coarse->curves[i];
         job->findings.edges += curve->closed ? curve->count : curve->count - 1;
@@ -576,6 +579,19 @@ static json_t *report_amount(const curve_job *job, bool as_json)
     return NULL;
 }
 
+/// What smoothing did, in the unit of lengths.
+static json_t *report_smooth(const curve_job *job, bool as_json)
+{
+    const bat_curve_refine_report *done = &job->findings.done.curves;
+    double unit = job->unit[0] != '\0' ? BAT_EARTH_RADIUS : 1;
+    bool estimated = isnan(job->refine.smooth);
+    return report_part(as_json,
+                       "smoothed: points moved by {mean_move:.3g}{unit} on average, by {largest_move:.3g}{unit} at most"
+                       "[estimated?; estimated noise {noise:.3g}{unit}]\n",
+                       "mean_move:n largest_move:n noise:n -estimated:b -unit:s", unit * done->mean_move,
+                       unit * done->largest_move, estimated ? unit * done->noise : NAN, (int)estimated, job->unit);
+}
+
 /// A row of the table that compares the curves before and after.
 static json_t *report_totals(const char *name, const curve_totals *t, bool as_json)
 {
@@ -592,6 +608,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
          corners = job->refine.corner_angle > 0 || job->refine.find_corners || findings->done.curves.corners > 0;
     size_t kept = findings->done.curves.corners;
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
+    json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
     if (!json && corners)
         (void)printf("%zu corner%s kept\n", kept, kept == 1 ? "" : "s");
     json_t *straight = findings->edges > 0 ? report_part(json, "{straight} of {edges} edges left straight\n",
@@ -620,17 +637,18 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
                           "mean_nn:n hausdorff:n -many:b", findings->mean_nn, findings->hausdorff, (int)many);
     if (!json)
         return NULL;
-    char keys[160];
-    (void)snprintf(keys, sizeof keys,
-                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? outliers:o? %s:o? corners:o? "
-                   "left_straight:o? "
-                   "projection:s? distance:o?",
-                   job->motion.times != NULL ? "times"
-                   : job->motion.rate > 0    ? "rate"
-                                             : "levels",
-                   findings->done.map ? "map" : "simple");
+    char keys[200];
+    (void)snprintf(
+        keys, sizeof keys,
+        "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? outliers:o? smoothed:o? %s:o? corners:o? "
+        "left_straight:o? "
+        "projection:s? distance:o?",
+        job->motion.times != NULL ? "times"
+        : job->motion.rate > 0    ? "rate"
+                                  : "levels",
+        findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, outliers, crossings,
+                         findings->written.left_out, outliers, smoothed, crossings,
                          corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
 }
 

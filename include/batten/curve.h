@@ -86,6 +86,10 @@ typedef struct bat_curve_refine_report
     size_t corners;        ///< vertices at which curves were cut, and flagged ends of open curves
     size_t min_levels;     ///< the fewest levels of a coarse edge; without stops, `levels`
     size_t max_levels;     ///< the most
+    size_t smoothed;       ///< points of curves that were to be smoothed; with it also:
+    double noise;          ///< the root mean square of the estimated noise of a coordinate; 0 where none is estimated
+    double mean_move;      ///< the mean way of their points by smoothing
+    double largest_move;   ///< the longest way
 } bat_curve_refine_report;
 
 /// Options of refinement. Begin with bat_curve_refine_defaults().
@@ -121,6 +125,11 @@ typedef struct bat_curve_refine_options
     /// The level of the given curve, for rules that decide the first levels only: with 2, the first computed level is the
     /// rule's third. So refinement by 2 levels and then by 3 gives what 5 levels give. 0 to 60; default 0.
     size_t first_level;
+    /// Smooth the points before refinement, by a spline in the geometry of the space that approximates them; ends and
+    /// corners stay. A length in the unit of the space's distance: waves of that length keep half of their height, shorter
+    /// ones less. NaN: by the noise of each curve, which is estimated; outliers count less, and borders of pixels lose their
+    /// stairs. docs/algorithms/smoothing.md has the formulas. 0: no smoothing. Default 0.
+    double smooth;
 } bat_curve_refine_options;
 
 /// The options' default values.

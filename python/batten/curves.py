@@ -170,7 +170,7 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     **settings
         Fields of ``bat_curve_refine_options``: `scheme`, a text as ``"learned"``, ``"four-point:w=0.0625"`` or one of
         ``choices("curve_scheme")``; `fairness` of the learned scheme, 0 to 1; `levels`; `ends`; `simple`; `tolerance`;
-        `max_edge`; `corner_angle`; `threads`; and further ones.
+        `max_edge`; `corner_angle`; `smooth`, a length, or NaN to estimate the noise; `threads`; and further ones.
 
     Returns
     -------

@@ -37,6 +37,7 @@ static bat_status curve_refine_options_check(const void *opaque, bat_error *erro
         OPTION_FIELD(bat_curve_refine_options, relative_tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
         OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+        OPTION_FIELD(bat_curve_refine_options, smooth, OPTION_ANGLE, 0, INFINITY),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     return status == BAT_OK ? bat_curve_scheme_check(&options->scheme, error) : status;

@@ -5,6 +5,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/refine.h"
+#include "curve/smooth.h"
 
 enum
 {
@@ -25,6 +26,7 @@ void refine_report_add(bat_curve_refine_report *sum, const bat_curve_refine_repo
         sum->left_crossing += one->left_crossing;
         sum->stopped += one->stopped;
         sum->corners += one->corners;
+        smooth_report_add(sum, one);
         sum->min_levels = one->min_levels < sum->min_levels ? one->min_levels : sum->min_levels;
         sum->max_levels = one->max_levels > sum->max_levels ? one->max_levels : sum->max_levels;
     }

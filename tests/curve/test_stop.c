@@ -483,7 +483,7 @@ static void straight_edges_are_counted(void **state)
     bat_curve line = {.space = &plane, .points = points, .count = 6};
     bat_curve_refine_options how = options("angle-6:turns=1", 3);
     bat_curve fine = refined(&line, &how);
-    assert_int_equal(bat_curve_straight_edges(&line, &fine), 2);
+    assert_int_equal(bat_curve_straight_edges(&line, &fine), 3);
     bat_curve_free(&fine);
     how.corner_angle = 0.1;
     fine = refined(&line, &how);

@@ -211,6 +211,8 @@ refused 2 '--tolerance is 0, but must be finite and above 0' curve good.in.csv -
 refused 2 '--tolerance is nan, but must be a finite number' curve good.in.csv --tolerance nan -o out.csv
 refused 2 '--corner-angle is 0, but must be auto, or above 0 and at most 180' curve good.in.csv --corner-angle 0 -o out.csv
 refused 2 '--corner-angle is 181, but must be auto, or above 0 and at most 180' curve good.in.csv --corner-angle 181 -o out.csv
+refused 2 '--smooth is -3, but must be a length from 0 on, or auto' curve good.in.csv --smooth -3 -o out.csv
+refused 2 'best-tension' curve good.in.csv --smooth 1 --best-tension --truth good.in.csv -o out.csv
 refused 2 '--levels is 41, but must be from 0 to 40' curve good.in.csv --tolerance 1 --levels 41 -o out.csv
 refused 2 'panel' curve good.in.csv --tolerance 1 --panel 1,2 --picture out.png
 refused 2 'best-tension' curve good.in.csv --corner-angle 30 --best-tension --truth good.in.csv -o out.csv

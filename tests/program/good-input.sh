@@ -47,6 +47,10 @@ check "stops are metres on the sphere" grep -q 'levels, pieces up to 200000 m, w
 "$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 1 -o one.csv --quiet
 "$batten" curve "$examples/outline.csv" --tolerance 0.01 --threads 4 -o four.csv --quiet
 check "a tolerance gives the same bytes for any number of threads" same one.csv four.csv
+"$batten" curve "$examples/coast-detailed.geojson" --smooth 20000 --levels 1 -o calm.geojson > calm.txt
+check "smoothing tells its moves in metres" grep -Eq '^smoothed: points moved by [0-9.]+ m on average, by [0-9.e+]+ m at most$' calm.txt
+"$batten" curve "$examples/coast-detailed.geojson" --smooth auto --levels 1 -o calm.geojson --json > calm.json
+check "smoothing estimates the noise" json calm.json '"noise": [1-9]'
 
 for i in 1 2 3 4 5; do
     tr -d '\n' < "$examples/coast.geojson" | sed 's/^.*"features": *\[//; s/\] *} *$//'

@@ -23,6 +23,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
         ENGINE_OPTION(bat_curve_map_refine_options, refine.tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_refine_options, refine.max_levels, ENGINE_SIZE),
         ENGINE_OPTION(bat_curve_map_refine_options, refine.first_level, ENGINE_SIZE),
+        ENGINE_OPTION(bat_curve_map_refine_options, refine.smooth, ENGINE_NUMBER),
         ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, topology, &bat_curve_map_topology_family),
         ENGINE_OPTION(bat_curve_map_refine_options, snap_tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_refine_options, keep_area, ENGINE_BOOL),

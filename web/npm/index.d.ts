@@ -98,6 +98,8 @@ export interface CurveRefineOptions extends Progress {
   tolerance?: number;
   max_levels?: number;
   first_level?: number;
+  /** A length; NaN: by the noise, which is estimated. */
+  smooth?: number;
 }
 
 export interface CurveMapOptions extends CurveRefineOptions {

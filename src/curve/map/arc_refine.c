@@ -1,6 +1,6 @@
 #include "curve/map/arc_refine.h"
+#include "curve/map/met_edges.h"
 
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
@@ -14,12 +14,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// Two edges of arcs that meet before refinement.
-typedef struct given_pair
-{
-    edge_place places[2]; ///< each pair occurs in both orders
-} given_pair;
-
 /// The state of a refinement.
 typedef struct arc_job
 {
@@ -27,9 +21,7 @@ typedef struct arc_job
     const bat_curve_refine_options *options;
     const map_chart *chart;
     bat_curve_map_refine_report *report;
-    given_pair *given; ///< in order
-    size_t given_count, given_capacity;
-    bool failed;         ///< out of memory while pairs were found
+    met_edges given;     ///< pairs of given edges
     size_t levels;       ///< levels before the polygons of the present step
     refined_arcs *fine;  ///< the result of the present step
     anchor_grid anchors; ///< a given point of each connected part
@@ -39,54 +31,18 @@ typedef struct arc_job
 
 // Edges that meet before refinement
 
-static int compare_sizes(size_t a, size_t b)
-{
-    return (a > b) - (a < b);
-}
-
-static int compare_pairs(const void *a, const void *b)
-{
-    const given_pair *p = a, *q = b;
-    for (int k = 0; k < 2; k++)
-    {
-        int order = compare_sizes(p->places[k].curve, q->places[k].curve);
-        if (order == 0)
-            order = compare_sizes(p->places[k].edge, q->places[k].edge);
-        if (order != 0)
-            return order;
-    }
-    return 0;
-}
-
-static bool note_given(void *context, edge_place first, edge_place second)
-{
-    arc_job *job = context;
-    job->failed = !ARRAY_ADD(job->given, job->given_capacity, job->given_count, (given_pair){{first, second}}) ||
-                  !ARRAY_ADD(job->given, job->given_capacity, job->given_count, (given_pair){{second, first}});
-    return !job->failed;
-}
-
 /// Find the given edges that meet, which may meet after refinement as well.
 static bat_status find_given(arc_job *job, bat_error *error)
 {
-    edge_tree tree;
-    bat_status status = edge_tree_make(job->before.curves, job->before.count, 0, job->options->threads, &tree, error);
-    tree.turn = job->chart->turn;
-    if (status == BAT_OK && !edge_tree_search(&tree, EDGE_PAIRS_ARCS, false, note_given, job))
-        status = error_memory(error, job->given_count * sizeof *job->given);
-    edge_tree_free(&tree);
-    if (job->given_count > 0)
-        qsort(job->given, job->given_count, sizeof *job->given, compare_pairs);
-    job->report->given_crossing = job->given_count / 2;
+    bat_status status = met_edges_find(&job->before, job->chart, job->options->threads, &job->given, error);
+    job->report->given_crossing = job->given.count / 2;
     return status;
 }
 
-/// Choose an anchor for each connected part: the first point of its first arc. On the globe it stands for the points one
-/// turn away as well.
-static bat_status set_anchors(arc_job *job, bat_error *error)
+bat_status arc_anchors_make(const arc_graph *graph, const map_chart *chart, const chart_curves *charts, anchor_grid *anchors,
+                            bat_error *error)
 {
-    const arc_graph *graph = job->graph;
-    size_t copies = job->chart->turn > 0 ? 3 : 1, room = copies * graph->component_count, count = 0, seen = 0;
+    size_t copies = chart->turn > 0 ? 3 : 1, room = copies * graph->component_count, count = 0, seen = 0;
     double *points = memory_array(room, 2 * sizeof *points);
     size_t *components = memory_array(room, sizeof *components);
     bat_status status = points != NULL && components != NULL ? BAT_OK : error_memory(error, room * 2 * sizeof *points);
@@ -98,13 +54,13 @@ static bat_status set_anchors(arc_job *job, bat_error *error)
         for (size_t k = 0; k < copies; k++, count++)
         {
             static const double TURNS[] = {0, -1, 1};
-            points[2 * count] = job->before.curves[a].points[0] + TURNS[k] * job->chart->turn;
-            points[2 * count + 1] = job->before.curves[a].points[1];
+            points[2 * count] = charts->curves[a].points[0] + TURNS[k] * chart->turn;
+            points[2 * count + 1] = charts->curves[a].points[1];
             components[count] = graph->components[a];
         }
     }
     if (status == BAT_OK && graph->component_count > 1)
-        status = anchor_grid_make(points, components, count, &job->anchors, error);
+        status = anchor_grid_make(points, components, count, anchors, error);
     free(points);
     free(components);
     return status;
@@ -114,25 +70,9 @@ static bat_status set_anchors(arc_job *job, bat_error *error)
 static bool may_meet(void *context, edge_place first, edge_place second)
 {
     const arc_job *job = context;
-    size_t edges[2];
-    edge_place places[2] = {first, second};
-    if (job->given_count == 0)
-        return false;
-    for (int k = 0; k < 2; k++)
-    {
-        const bat_curve *arc = &job->graph->arcs[places[k].curve];
-        edges[k] = polygon_edges(arc->count, arc->closed);
-        places[k].edge >>= job->levels;
-    }
-    for (size_t i = 0; i < 3; i++)
-        for (size_t j = 0; j < 3; j++)
-        {
-            given_pair pair = {{{places[0].curve, (places[0].edge + i + edges[0] - 1) % edges[0]},
-                                {places[1].curve, (places[1].edge + j + edges[1] - 1) % edges[1]}}};
-            if (bsearch(&pair, job->given, job->given_count, sizeof pair, compare_pairs) != NULL)
-                return true;
-        }
-    return false;
+    first.edge >>= job->levels;
+    second.edge >>= job->levels;
+    return met_edges_near(&job->given, job->graph->arcs, first, second);
 }
 
 // Steps
@@ -215,7 +155,7 @@ static bat_status draw_arcs_back(arc_job *job, bat_progress progress, bat_error 
     draw_rules rules = {.pairs = EDGE_PAIRS_ARCS,
                         .turn = job->chart->turn,
                         .move = job->chart->globe ? move_edge : NULL,
-                        .may_meet = job->given_count > 0 ? may_meet : NULL,
+                        .may_meet = job->given.count > 0 ? may_meet : NULL,
                         .context = job,
                         .anchors = &job->anchors,
                         .threads = job->options->threads,
@@ -404,7 +344,7 @@ bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_opti
         if (status == BAT_OK)
             status = find_given(&job, error);
         if (status == BAT_OK)
-            status = set_anchors(&job, error);
+            status = arc_anchors_make(graph, chart, &job.before, &job.anchors, error);
     }
     if (status == BAT_OK)
         status = run_steps(&job, error);
@@ -413,7 +353,7 @@ bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_opti
     anchor_grid_free(&job.anchors);
     chart_curves_free(&job.before);
     chart_curves_free(&job.after);
-    free(job.given);
+    met_edges_free(&job.given);
     return status;
 }
 

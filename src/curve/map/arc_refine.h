@@ -182,6 +182,14 @@ typedef struct refined_arcs
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
                              bat_curve_map_refine_report *report, refined_arcs *fine, bat_error *error);
 
+/// Choose an anchor for each connected part: the first point of its first arc. On the globe it stands for the points one
+/// turn away as well.
+/// @param charts  of the arcs
+/// @param anchors all zero before; release it with anchor_grid_free()
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status arc_anchors_make(const arc_graph *graph, const map_chart *chart, const chart_curves *charts, anchor_grid *anchors,
+                            bat_error *error);
+
 /// The row of a refined arc where vertex `i` of the arc is, for schemes that keep the given points.
 size_t refined_arcs_row(const refined_arcs *fine, const arc_graph *graph, size_t arc, size_t i);
 
@@ -202,7 +210,7 @@ void refined_arcs_free(refined_arcs *fine);
 /// @param tested  whether arcs may not meet
 /// @param largest receives the largest error of a ring, relative to its area
 /// @param error   its `curve` is the one whose area cannot be kept
-/// @return BAT_OK, BAT_UNSUPPORTED (another space, or areas that cannot be kept), BAT_NO_MEMORY
+/// @return BAT_OK, BAT_UNSUPPORTED (another space, or areas that cannot be kept; the arcs are as before), BAT_NO_MEMORY
 bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_t count,
                           const bat_curve_refine_options *options, const map_chart *chart, bool tested, refined_arcs *fine,
                           double *largest, bat_error *error);

@@ -9,9 +9,11 @@
 #include "curve/corner.h"
 #include "curve/curve_attributes.h"
 #include "curve/map/arc_refine.h"
+#include "curve/map/arc_smooth.h"
 #include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
+#include "curve/smooth.h"
 #include "space/degrees.h"
 
 #include <stdlib.h>
@@ -296,6 +298,20 @@ static void name_place(const map_job *job, bat_error *error)
     error->index = job->snapped.curves != NULL ? job->snapped.origins[origin.curve][point] : point;
 }
 
+/// Smooth the arcs. To keep areas, they move sideways as a whole first, so that the edges need to bulge less afterwards.
+static bat_status smooth_arcs(map_job *job, const map_chart *chart, bool tested, bool keep_area, bat_error *error)
+{
+    bat_status status = arcs_smooth(&job->graph, &job->refine, tested ? chart : NULL, &job->report.curves, error);
+    refined_arcs arcs = {.arcs = job->graph.arcs, .count = job->graph.arc_count};
+    bat_curve_refine_options moving = job->refine;
+    double largest;
+    moving.snap = true; // the points of arcs may move
+    if (status != BAT_OK || !keep_area || chart == NULL)
+        return status;
+    status = arcs_keep_area(&job->graph, job->curves, job->count, &moving, chart, tested, &arcs, &largest, error);
+    return status == BAT_UNSUPPORTED ? BAT_OK : status; // what is left to do comes after refinement
+}
+
 static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *options, bat_error *error)
 {
     const bat_space *space = job->curves[0].space;
@@ -309,9 +325,11 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     if (status != BAT_OK)
         return status;
     status = stop_resolve(job->curves, job->count, &job->refine, error);
-    if (status != BAT_OK)
-        return status;
-    status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &job->fine, error);
+    if (status == BAT_OK && smooth_wanted(&job->refine))
+        status = smooth_arcs(job, has_chart ? &chart : NULL, tested, options->keep_area, error);
+    job->refine.smooth = 0;
+    if (status == BAT_OK)
+        status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &job->fine, error);
     if (status != BAT_OK)
     {
         name_place(job, error);

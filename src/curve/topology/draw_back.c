@@ -98,10 +98,7 @@ static bool is_inside(const double *polygon, size_t count, const double *point)
     return inside;
 }
 
-/// Whether an anchor of another part than `component` lies inside a polygon, by the parity of edges to its right. The
-/// test is exact.
-/// @param polygon count x 2; the last point joins the first
-static bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t count, size_t component)
+bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t count, size_t component)
 {
     if (grid->count == 0)
         return false;

@@ -28,6 +28,11 @@ bat_status anchor_grid_make(const double *points, const size_t *components, size
                             bat_error *error);
 void anchor_grid_free(anchor_grid *grid);
 
+/// Whether an anchor of another part than `component` lies inside a polygon, by the parity of edges to its right. The test
+/// is exact.
+/// @param polygon count x 2; the last point joins the first
+bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t count, size_t component);
+
 // Refined curves drawn back towards their polygons until their edges no longer meet.
 
 /// A curve that was refined from another and contains its points.

@@ -254,6 +254,76 @@ static void test_borders_stay_shared_and_nothing_crosses(void **state)
     assert_true(sum.crossings > 20);
 }
 
+// Borders are smoothed once each, nodes stay, and what would meet comes back.
+static void test_smoothing_keeps_the_map(void **state)
+{
+    (void)state;
+    bat_space spaces[] = {bat_euclidean(2), bat_sphere(2), bat_disk()};
+    for (size_t s = 0; s < 3; s++)
+        for (double scale = 0.02; scale < 1; scale *= 3)
+        {
+            bat_curve_map_refine_report report;
+            bool keeps_area = s < 2 && scale < 0.1;
+            bat_curve_set coarse = make_map(&spaces[s], keeps_area ? 0.3 : 0.7);
+            bat_curve_map_refine_options how = map_options("learned", 2, &report);
+            how.refine.smooth = scale;
+            how.keep_area = keeps_area;
+            bat_curve_set fine = refined_map(&coarse, &how);
+            assert_int_equal(count_shared(&fine), INNER_BORDERS * BORDER_EDGES << 2);
+            assert_int_equal(count_crossings(&fine), 0);
+            assert_true(report.curves.largest_move > report.curves.mean_move && report.curves.mean_move > 0);
+            assert_true(!how.keep_area || (report.largest_area_error > 0 && report.largest_area_error < 1e-6));
+            size_t row = spaces[s].point_dim * sizeof(double); // corner (0, 0) of the first country is a node
+            assert_memory_equal(fine.curves[0].points + (BORDER_EDGES << 2) * spaces[s].point_dim,
+                                coarse.curves[0].points + BORDER_EDGES * spaces[s].point_dim, row);
+            bat_curve_set_free(&coarse);
+            bat_curve_set_free(&fine);
+        }
+}
+
+/// Whether a point lies in a ring.
+static bool is_inside(const bat_curve *ring, double x, double y)
+{
+    bool inside = false;
+    for (size_t i = 0; i < ring->count; i++)
+    {
+        const double *p = ring->points + 2 * i, *q = ring->points + 2 * ((i + 1) % ring->count);
+        inside ^= (p[1] > y) != (q[1] > y) && x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+    }
+    return inside;
+}
+
+// A narrow bay with an island: smoothing that fills the bay would put the island ashore.
+static void test_smoothing_does_not_pass_over_islands(void **state)
+{
+    (void)state;
+    enum
+    {
+        SIDE = 24
+    };
+    bat_space plane = bat_euclidean(2);
+    double shore[2 * 4 * SIDE], island[] = {11.9, 22.4, 12.1, 22.4, 12, 22.6};
+    for (size_t i = 0; i < SIDE; i++)
+    {
+        double t = (double)i, bay = i >= SIDE / 2 - 1 && i <= SIDE / 2 + 1 ? 3 : 0;
+        const double sides[4][2] = {{t, 0}, {SIDE, t}, {SIDE - t, SIDE - bay}, {0, SIDE - t}};
+        for (size_t k = 0; k < 4; k++)
+            memcpy(shore + 2 * (k * SIDE + i), sides[k], sizeof sides[k]);
+    }
+    bat_curve curves[] = {{.space = &plane, .points = shore, .count = 4 * SIDE, .closed = true},
+                          {.space = &plane, .points = island, .count = 3, .closed = true}};
+    bat_curve_set coarse = {.space = &plane, .curves = curves, .count = 2};
+    for (double scale = 5; scale < 50; scale *= 2)
+    {
+        bat_curve_map_refine_options how = map_options("learned", 2, NULL);
+        how.refine.smooth = scale;
+        bat_curve_set fine = refined_map(&coarse, &how);
+        assert_int_equal(count_crossings(&fine), 0);
+        assert_false(is_inside(&fine.curves[0], 12, 22.5));
+        bat_curve_set_free(&fine);
+    }
+}
+
 // Each crossing is mended where it begins, so that refinement through a file makes no difference.
 static void test_two_and_two_levels_are_four(void **state)
 {
@@ -598,6 +668,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_borders_stay_shared_and_nothing_crosses),
+        cmocka_unit_test(test_smoothing_keeps_the_map),
+        cmocka_unit_test(test_smoothing_does_not_pass_over_islands),
         cmocka_unit_test(test_two_and_two_levels_are_four),
         cmocka_unit_test(test_order_direction_and_threads_do_not_matter),
         cmocka_unit_test(test_separate_is_curves_refine),

@@ -260,7 +260,7 @@ static void sets_do_not_depend_on_threads(void **state)
     for (int i = 0; i < COUNT; i++)
         coarse[i] = star(&random, &plane, 20, i % 3 != 0);
     bat_curve_refine_report report = {0}, other = {0};
-    bat_curve_refine_options how = bat_curve_refine_defaults();
+    bat_curve_refine_options how = options("angle-4", 5);
     how.threads = 1;
     how.report = &report;
     assert_int_equal(bat_curves_refine(coarse, COUNT, &how, fine, NULL), BAT_OK);

@@ -1,0 +1,36 @@
+#ifndef CURVE_SMOOTH_H
+#define CURVE_SMOOTH_H
+
+#include "batten/curve.h"
+
+/// @file
+/// Smoothing of the points of a curve, before its refinement.
+
+/// Whether the options (null for the defaults) ask for smoothing.
+bool smooth_wanted(const bat_curve_refine_options *options);
+
+/// Smooth the points of a curve. Ends and corners stay.
+/// @param curve  a checked curve; only its points are read
+/// @param scale  bat_curve_refine_options::smooth, not 0
+/// @param corners curve->count flags, or null
+/// @param points receives curve->count rows
+/// @param noise  receives the estimated standard deviation of a coordinate; 0 where nothing is estimated
+/// @return BAT_OK, BAT_UNSUPPORTED (closed curves of other spaces than R^n and surfaces), BAT_CUT_LOCUS, BAT_INVALID_POINT
+///         or BAT_NO_MEMORY
+bat_status smooth_points(const bat_curve *curve, double scale, const unsigned char *corners, double *points, double *noise,
+                         bat_error *error);
+
+/// Add the moves of a curve's points to a report.
+void smooth_report(const bat_curve *given, const double *points, double noise, bat_curve_refine_report *report);
+/// Add the moves that one report tells to another.
+void smooth_report_add(bat_curve_refine_report *sum, const bat_curve_refine_report *one);
+
+/// A curve with smoothed points, with flags of its corners where it has corners or `options` a corner angle. One that is to
+/// stay simple, see bat_curve_simple, is drawn back until it is.
+/// @param smooth release it with bat_curve_free()
+/// @param report receives what smoothing did; its other numbers are 0
+/// @return as smooth_points(); BAT_INVALID_ARGUMENT or what bat_curve_check() returns
+bat_status smooth_curve(const bat_curve *curve, const bat_curve_refine_options *options, bat_curve *smooth,
+                        bat_curve_refine_report *report, bat_error *error);
+
+#endif

@@ -1,0 +1,45 @@
+#ifndef CURVE_SMOOTH_FIT_H
+#define CURVE_SMOOTH_FIT_H
+
+#include "batten/space.h"
+
+/// @file
+/// The smoothing spline of a polyline of R^n: Reinsch, Smoothing by spline functions, Numerische Mathematik 10 (1967). Its
+/// parameter follows by restricted likelihood. docs/algorithms/smoothing.md has the formulas.
+
+/// A polyline, developed into R^n, and its smoothing spline. The spline minimizes
+/// sum |move|^2 / slack + weight * integral |acceleration|^2 / variance over the parameter.
+typedef struct smooth_fit
+{
+    size_t count, dim; ///< points and numbers of each
+    bool closed;
+    double *ahead, *behind; ///< count x dim: vectors to the next and to the previous point; not used past open ends
+    double *residuals;      ///< count x dim: vectors from the points to the measurements
+    double *steps;          ///< count: the length of the parameter interval after each point, with mean 1
+    double *variances;      ///< count: of the acceleration in this interval, relative to its mean
+    double *slacks;         ///< count: variances of the measurements, relative to the noise; 0: the point is fixed
+    double weight;          ///< of the penalty
+    double noise;           ///< the standard deviation of a number of a point, from the restricted likelihood
+    double *bends;          ///< count x dim: the accelerations
+    double *bands;          ///< unknowns x (band + 1): the factor L D L^T, with the column below each diagonal element
+    double *inverse;        ///< the same band of the inverse
+    double *buffer;         ///< 2 x count
+} smooth_fit;
+
+/// Allocate for `count` points; `slacks`, `variances` and `steps` are 1, but the ends of open polylines are fixed, and
+/// `residuals` are 0.
+/// @param count at least 3, or 5 when closed
+/// @param fit   release it with smooth_fit_free(), also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status smooth_fit_make(size_t count, size_t dim, bool closed, smooth_fit *fit, bat_error *error);
+void smooth_fit_free(smooth_fit *fit);
+
+/// Choose the parameters, the variances, the slacks of outliers, and the weight by the measurements. The weight becomes 0
+/// where there is no noise.
+void smooth_fit_choose(smooth_fit *fit);
+
+/// Compute the accelerations for the weight, and each point's move towards the spline.
+/// @param moves receives count x dim numbers
+void smooth_fit_moves(smooth_fit *fit, double *moves);
+
+#endif
