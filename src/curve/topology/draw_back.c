@@ -201,6 +201,16 @@ static size_t edge_under(const draw_back_job *job, edge_place place)
     return low;
 }
 
+/// Whether two edges of one polygon share a vertex.
+static bool are_neighbours(const draw_back_job *job, const edge_place places[2])
+{
+    size_t low = places[0].edge < places[1].edge ? places[0].edge : places[1].edge;
+    size_t high = places[0].edge + places[1].edge - low;
+    const bat_curve *coarse = job->drawn[places[0].curve].coarse;
+    return places[0].curve == places[1].curve &&
+           (high - low <= 1 || (coarse->closed && low == 0 && high + 1 == coarse->count));
+}
+
 static bool note_pair(void *context, edge_place first, edge_place second)
 {
     draw_back_job *job = context;
@@ -219,6 +229,8 @@ static bool note_pair(void *context, edge_place first, edge_place second)
         edges[k] = &job->edges[job->first[places[k].curve] + places[k].edge];
         all_straight &= edges[k]->halvings == (job->rules->move != NULL ? COLLAPSED : STRAIGHT);
     }
+    if (all_straight && are_neighbours(job, places))
+        return true; // at their vertex
     if (all_straight)
         job->stuck = places[0];
     if (all_straight && job->rules->straight_may_meet)
