@@ -205,7 +205,7 @@ static void files_make_round_trips(void **state)
         assert_true(bat_curve_model_has_fairness(model));
         const bat_curve_angle_rule rule = learned_rule(f->parameters.values);
         bat_curve_scheme read = bat_curve_scheme_of_model(model), written = bat_curve_scheme_angle_rule(&rule);
-        written.fairness = 0.5;
+        written.fairness = 0.25;
         assert_same_scheme(&read, &written);
         bat_curve_model_free(model);
         free_file(f);

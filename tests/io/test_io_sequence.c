@@ -129,7 +129,8 @@ static void test_faults_name_line_and_feature(void **state)
     assert_bad(FEATURE("x", LINE) "\n\n{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,1", LINES, NULL, 3, "");
     assert_bad(FEATURE("x", LINE) "\n{\"type\":\"LineString\"\n" FEATURE("y", LINE), LINES, NULL, 2, "");
     assert_bad(LINE "\n" LINE "\n{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,95]]}\n", LINES, NULL, 3, "feature 2");
-    assert_bad(RS LINE "\n" RS "\n\n{\"type\":\"LineString\",\"coordinates\":[[0,0]]}\n", SEQUENCE, NULL, 4, "feature 1");
+    assert_bad(RS LINE "\n" RS "\n\n{\"type\":\"LineString\",\"coordinates\":[[0,0],[0,95]]}\n", SEQUENCE, NULL, 4,
+               "feature 1");
     assert_bad("{\"type\":\"FeatureCollection\",\"features\":[]}\n", LINES, NULL, 1, "not a FeatureCollection");
     assert_bad("\n \n", LINES, NULL, 0, "there are no lines or polygons");
     assert_bad(POINT "\n", LINES, NULL, 0, "there are no lines or polygons");

@@ -128,26 +128,26 @@ static double relative_distance(const bat_curve_train_score *scores, const bat_c
     return sum;
 }
 
-/// Batches differ too much for their losses to fall from epoch to epoch so soon: validation curves show it. After thirty
+/// Batches differ too much for their losses to fall from epoch to epoch so soon: validation curves show it. After sixty
 /// steps they are closer to the data at fairness 0, and fairer at fairness 1.
-static void thirty_steps_teach_something(void **state)
+static void sixty_steps_teach_something(void **state)
 {
     (void)state;
     if (DOUBLE)
         skip(); // twice as long, and no more is learned
-    const curve_train_size ten = {.steps = 10, .validation_curves = 10};
+    const curve_train_size size = {.steps = 20, .validation_curves = 10};
     bat_curve_train_options options = bat_curve_train_defaults(BAT_RECIPE_BATTEN);
     bat_curve_train_report report;
     bat_curve_train_score untrained[BAT_TENSION_SPACE_COUNT];
     bat_tension_set sets[BAT_TENSION_SPACE_COUNT];
     options.run.epochs = 3;
-    check_status(curve_train_sized(&options, &ten, &report, NULL), BAT_OK);
+    check_status(curve_train_sized(&options, &size, &report, NULL), BAT_OK);
     learn_parameters parameters = {0};
     check_status(learned_network_make(&parameters, NULL), BAT_OK);
     learned_network_start(&parameters, options.run.seed);
-    make_validation(ten.validation_curves, sets);
+    make_validation(size.validation_curves, sets);
     check_status(curve_batten_validate(&parameters, sets, 0, NULL, 0, untrained, NULL), BAT_OK);
-    assert_true(relative_distance(report.scores[0], untrained) < 0.99);
+    assert_true(relative_distance(report.scores[0], untrained) < 0.95);
     double angles[2] = {0, 0};
     for (int space = 0; space < BAT_TENSION_SPACE_COUNT; space++)
     {
@@ -193,7 +193,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(neither_threads_nor_stops_change_a_byte, make_folders, remove_folders),
         cmocka_unit_test_setup_teardown(models_are_what_was_trained, make_folders, remove_folders),
-        cmocka_unit_test(thirty_steps_teach_something),
+        cmocka_unit_test(sixty_steps_teach_something),
         cmocka_unit_test(options_out_of_range_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -229,8 +229,8 @@ static bool note_pair(void *context, edge_place first, edge_place second)
         edges[k] = &job->edges[job->first[places[k].curve] + places[k].edge];
         all_straight &= edges[k]->halvings == (job->rules->move != NULL ? COLLAPSED : STRAIGHT);
     }
-    if (all_straight && are_neighbours(job, places))
-        return true; // at their vertex
+    if (all_straight && job->rules->move != NULL && are_neighbours(job, places))
+        return true; // points at the start of an edge meet the edge before
     if (all_straight)
         job->stuck = places[0];
     if (all_straight && job->rules->straight_may_meet)

@@ -372,7 +372,7 @@ static void test_order_direction_and_threads_do_not_matter(void **state)
                 *p = *q;
                 *q = kept;
             }
-    bat_curve_map_refine_options how = map_options("learned", 3, NULL);
+    bat_curve_map_refine_options how = map_options("learned:fairness=0.5", 3, NULL);
     how.refine.threads = 1;
     bat_curve_set one = refined_map(&coarse, &how), other = refined_map(&turned, &how);
     how.refine.threads = 3;
