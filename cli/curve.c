@@ -227,33 +227,33 @@ static bool read_scheme(curve_job *job)
            usage_accepts(given, bat_curve_scheme_by_name(job->scheme, &job->refine.scheme, report_error()));
 }
 
-/// --corner-angle: degrees, or auto.
-static bool read_corners(curve_job *job)
+/// The number of an option, 0 where it is not given, NaN for "auto" and for what is no number.
+static double number_or_auto(const arguments *given, const char *name)
 {
-    const char *text = argument(job->call.given, "corner-angle");
-    bat_curve_refine_options *refine = &job->refine;
-    if (text == NULL)
-        return true;
+    const char *text = argument(given, name);
     char *end;
-    refine->find_corners = strcmp(text, "auto") == 0;
-    double degrees = refine->find_corners ? 0 : strtod(text, &end);
-    if (!refine->find_corners && (end == text || *end != '\0' || !(degrees > 0 && degrees <= 180)))
-        return argument_refused(job->call.given, "corner-angle", "auto, or above 0 and at most 180");
-    refine->corner_angle = degrees * DEGREE;
-    return true;
+    double number = text != NULL ? strtod(text, &end) : 0;
+    return text == NULL || (end != text && *end == '\0') ? number : NAN;
 }
 
-/// --smooth: a length, or auto.
-static bool read_smooth(curve_job *job)
+static bool is_auto(const arguments *given, const char *name)
 {
-    const char *text = argument(job->call.given, "smooth");
-    if (text == NULL)
-        return true;
-    char *end;
-    bool automatic = strcmp(text, "auto") == 0;
-    job->refine.smooth = automatic ? NAN : strtod(text, &end);
-    return automatic || (end != text && *end == '\0' && isfinite(job->refine.smooth) && job->refine.smooth >= 0) ||
-           argument_refused(job->call.given, "smooth", "a length from 0 on, or auto");
+    const char *text = argument(given, name);
+    return text != NULL && strcmp(text, "auto") == 0;
+}
+
+/// --corner-angle and --smooth.
+static bool read_corners(curve_job *job)
+{
+    const arguments *given = job->call.given;
+    bat_curve_refine_options *refine = &job->refine;
+    double angle = number_or_auto(given, "corner-angle"), smooth = refine->smooth = number_or_auto(given, "smooth");
+    refine->find_corners = is_auto(given, "corner-angle");
+    refine->corner_angle = refine->find_corners ? 0 : angle * DEGREE;
+    if (!refine->find_corners && argument(given, "corner-angle") != NULL && !(angle > 0 && angle <= 180))
+        return argument_refused(given, "corner-angle", "auto, or above 0 and at most 180");
+    return is_auto(given, "smooth") || (smooth >= 0 && isfinite(smooth)) ||
+           argument_refused(given, "smooth", "a length from 0 on, or auto");
 }
 
 /// Check the corner angle and the stops. With a stop, --levels is the cap.
@@ -442,8 +442,8 @@ static bool check(void *of)
     if (job->call.output != NULL && job->write.format == BAT_CURVE_FORMAT_AUTO &&
         !usage_accepts(given, bat_choice_of_path(&bat_curve_format_family, job->call.output, true, &format, report_error())))
         return false;
-    if (!read_panels(job) || !read_smooth(job) || !check_stops(job) || !read_motion(job) || !read_scheme(job) ||
-        !check_exclusions(job) || !check_needs(job))
+    if (!read_panels(job) || !check_stops(job) || !read_motion(job) || !read_scheme(job) || !check_exclusions(job) ||
+        !check_needs(job))
         return false;
     job->is_streamed = is_streamed(job);
     return true;

@@ -242,17 +242,6 @@ static void add_totals(curve_totals *sum, size_t count, const curve_totals *part
     sum->g1 = part->g1 > sum->g1 ? part->g1 : sum->g1;
 }
 
-/// Count the edges that refinement left straight.
-static void count_straight(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
-{
-    for (size_t i = 0; i < coarse->count && !job->is_motion && job->refine.smooth == 0; i++)
-    {
-        const bat_curve *curve = &coarse->curves[i];
-        job->findings.edges += curve->closed ? curve->count : curve->count - 1;
-        job->findings.straight += bat_curve_straight_edges(curve, &fine->curves[i]);
-    }
-}
-
 /// Measure a part of the curves, after others; job->findings is all zero before the first part.
 static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_curve_set *fine)
 {
@@ -268,7 +257,11 @@ static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_c
     add_totals(&findings->before, findings->curves, &before, coarse->count);
     add_totals(&findings->after, findings->curves, &after, coarse->count);
     findings->curves += coarse->count;
-    count_straight(job, coarse, fine);
+    for (size_t i = 0; i < coarse->count && !job->is_motion && job->refine.smooth == 0; i++)
+    {
+        findings->edges += coarse->curves[i].count - !coarse->curves[i].closed;
+        findings->straight += bat_curve_straight_edges(&coarse->curves[i], &fine->curves[i]);
+    }
     return EXIT_DONE;
 }
 
@@ -696,11 +689,7 @@ int curve_make(void *of)
     if (code == EXIT_DONE)
         code = refine_set(job, job->refine.levels, &job->fine, &job->findings.done);
     if (code == EXIT_DONE && !job->call.quiet)
-        code = measure_fairness(job, &job->coarse, &findings->before);
-    if (code == EXIT_DONE && !job->call.quiet)
-        code = measure_fairness(job, &job->fine, &findings->after);
-    if (code == EXIT_DONE && !job->call.quiet)
-        count_straight(job, &job->coarse, &job->fine);
+        code = measure_part(job, &job->coarse, &job->fine);
     findings->compared = job->truth != NULL && !job->call.quiet;
     if (code == EXIT_DONE && findings->compared)
         code = measure_distances(job);

@@ -118,8 +118,8 @@ BAT_API bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat
 BAT_API bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
                                          bool *simple, bat_error *error);
 
-/// The number of edges that a refinement left straight: its points lie within 1/1400 of the edge's length of it. Edges count
-/// up to the first whose end is no point of `fine`, which a scheme that moves points has.
+/// The number of edges that a refinement left straight: its points lie within 1/1400 of the edge's length of it. An edge
+/// whose end is no point of `fine` does not count, nor do those after the seventeenth.
 /// @param fine the refined curve; it begins with the first point of `coarse`
 BAT_API size_t bat_curve_straight_edges(const bat_curve *coarse, const bat_curve *fine);
 

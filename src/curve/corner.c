@@ -156,25 +156,37 @@ static size_t edge_at(const corner_search *search, size_t vertex, ptrdiff_t step
     return (size_t)(((ptrdiff_t)vertex + step) % (ptrdiff_t)n + (ptrdiff_t)n) % n;
 }
 
-/// Flag the corners between edges at right angles, those that short edges cut off included.
+/// The number of vertices from `i` on, after an edge at right angles, up to the next one, if there are at most `most`
+/// shorter edges between them and the line turns right or left there; else 0.
+static size_t right_turn(const corner_search *search, size_t i, size_t most)
+{
+    bool closed = search->curve->closed;
+    size_t edges = 0; // not at right angles
+    double turn = search->turns[i], longest = 0, before = search->lengths[edge_at(search, i, -1)];
+    if (!search->aligned[edge_at(search, i, -1)])
+        return 0;
+    while (!search->aligned[edge_at(search, i, (ptrdiff_t)edges)])
+    {
+        longest = fmax(longest, search->lengths[edge_at(search, i, (ptrdiff_t)edges)]);
+        edges++;
+        if (edges > most || (!closed && i + edges >= search->edges))
+            return 0;
+        turn += search->turns[(i + edges) % search->count];
+    }
+    double after = search->lengths[edge_at(search, i, (ptrdiff_t)edges)];
+    return fabs(fabs(turn) - RIGHT) < RIGHT / 2 && longest <= fmin(before, after) ? edges + 1 : 0;
+}
+
+/// Flag the right turns, those that short edges cut off included. One alone is none.
 static void flag_square(const corner_search *search, bool cut, unsigned char *flags)
 {
-    size_t n = search->count;
-    bool closed = search->curve->closed;
-    for (size_t i = closed ? 0 : 1; i < (closed ? n : n - 1); i++)
-    {
-        if (!search->aligned[edge_at(search, i, -1)])
-            continue;
-        size_t edges = 0; // not at right angles
-        while (edges <= MAX_CUT_EDGES && (closed || i + edges < search->edges) &&
-               !search->aligned[edge_at(search, i, (ptrdiff_t)edges)])
-            edges++;
-        if (edges > (cut ? MAX_CUT_EDGES : 0) || (!closed && i + edges >= search->edges))
-            continue;
-        for (size_t k = 0; k <= edges; k++)
-            if (edges > 0 || fabs(search->turns[i]) > MIN_CORNER * DEGREE)
-                flags[(i + k) % n] = 1;
-    }
+    size_t n = search->count, first = search->curve->closed ? 0 : 1, end = search->curve->closed ? n : n - 1;
+    size_t most = cut ? MAX_CUT_EDGES : 0, found = 0;
+    for (size_t i = first; i < end; i++)
+        found += right_turn(search, i, most) > 0;
+    for (size_t i = first; i < end && found > 1; i++)
+        for (size_t k = right_turn(search, i, most); k > 0; k--)
+            flags[(i + k - 1) % n] = 1;
 }
 
 static bool is_right(double turn)

@@ -194,6 +194,11 @@ static bat_status choose_levels(pieces *all, piece *part, void *context, bat_pro
     const bat_curve_refine_options *options = &all->plan.options;
     bat_curve curve = curve_of(all, part);
     unsigned char *levels = all->levels + part->edge;
+    if (part->edges == 1 && !part->closed && options->relative_tolerance > 0)
+    {
+        levels[0] = 0;
+        return BAT_OK;
+    }
     if (part->straight)
     {
         size_t needed = stop_levels_of_geodesic(options, edge_length(&curve));

@@ -26,7 +26,8 @@ static inline bool stop_wanted(const bat_curve_refine_options *options)
 /// the limit curve.
 /// @return BAT_OK, or BAT_UNSUPPORTED with the way out
 bat_status stop_check(const bat_curve_refine_options *options, bat_error *error);
-/// Replace relative_tolerance by the tolerance that it means for these curves, or by none.
+/// Set the tolerance that relative_tolerance means for these curves, unless there is one, and on the sphere the longest
+/// piece; without a scheme that can be stopped, relative_tolerance becomes 0.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_options *options, bat_error *error);
 /// The failure of an edge that needs more levels than are allowed.

@@ -30,6 +30,10 @@ enum
 };
 _Static_assert(WINDOW >= 1 << (MAX_TESTED + STOP_LOOKAHEAD), "a window holds whole pieces of every level under test");
 
+/// Readers of maps draw lines that are straight in longitude and latitude. At 70 degrees of latitude they are at most this
+/// many times the square of a geodesic's length away from it.
+static const double SPHERE_SAGITTA = 0.35;
+
 /// Deviations of later levels decay at most and at least by these ratios.
 static const double MIN_RATIO = 0.25, MAX_RATIO = 0.75;
 
@@ -82,14 +86,19 @@ bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_
 {
     double share = options->relative_tolerance, median = 0;
     bat_status status = BAT_OK;
+    if (!(share > 0) || options->tolerance > 0)
+        return BAT_OK;
     options->relative_tolerance = 0;
-    if (!(share > 0) || count == 0 || stop_check(options, NULL) != BAT_OK)
+    if (count == 0 || stop_check(options, NULL) != BAT_OK)
         return BAT_OK;
     status = median_edge(curves, count, &median, error);
-    double tolerance = share * median;
-    if (status == BAT_OK && tolerance > 0 && !(options->tolerance > 0 && options->tolerance < tolerance))
-        options->tolerance = tolerance;
-    return status;
+    if (status != BAT_OK || !(median > 0))
+        return status;
+    options->relative_tolerance = share;
+    options->tolerance = share * median;
+    if (space_is_sphere(curves->space) && options->max_edge == 0)
+        options->max_edge = sqrt(options->tolerance / SPHERE_SAGITTA);
+    return BAT_OK;
 }
 
 size_t stop_deepest(const bat_curve_refine_options *options, size_t edges)

@@ -1,6 +1,14 @@
 #include "batten/curve_measure.h"
 
+#include "curve/polygon.h"
+
 #include <string.h>
+
+enum
+{
+    /// So many vertices may be missing: a map joins and drops a few points, other schemes move all.
+    MAX_MISSED = 16
+};
 
 /// By how much the way over a point may be longer than a straight edge, relative to it. A point in the middle is then within
 /// 1/1400 of the edge's length.
@@ -9,7 +17,7 @@ static const double MAX_EXCESS = 1e-6;
 size_t bat_curve_straight_edges(const bat_curve *coarse, const bat_curve *fine)
 {
     const bat_space *space = coarse->space;
-    size_t dim = space->point_dim, edges = coarse->closed ? coarse->count : coarse->count - 1, straight = 0, row = 0;
+    size_t dim = space->point_dim, edges = polygon_edges(coarse->count, coarse->closed), straight = 0, row = 0, missed = 0;
     for (size_t j = 0; j < edges; j++)
     {
         const double *p = coarse->points + j * dim, *q = coarse->points + (j + 1) % coarse->count * dim;
@@ -23,7 +31,11 @@ size_t bat_curve_straight_edges(const bat_curve *coarse, const bat_curve *fine)
                 is_straight && space->distance(space, p, x) + space->distance(space, x, q) <= length * (1 + MAX_EXCESS);
         }
         if (at == fine->count && !(coarse->closed && j + 1 == edges))
-            return straight; // points were moved
+        {
+            if (++missed > MAX_MISSED)
+                return straight;
+            continue;
+        }
         straight += is_straight;
         row = at;
     }
