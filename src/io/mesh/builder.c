@@ -223,7 +223,7 @@ static bool complete_texture(mesh_builder *builder)
 static bat_status check_triangles(const bat_mesh *mesh, const uint32_t *offsets, bat_error *error)
 {
     size_t made = 0;
-    for (size_t f = 0; made < mesh->face_count; f++)
+    for (size_t f = 0; mesh->faces != NULL && made < mesh->face_count; f++)
         for (uint32_t i = offsets[f] + 2; i < offsets[f + 1]; i++, made++)
         {
             const uint32_t *corner = mesh->faces + 3 * made;
