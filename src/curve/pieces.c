@@ -291,7 +291,7 @@ static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_op
     size_t levels = whole.levels;
     whole.levels = stop_wanted(&whole) ? 0 : levels;
     bat_status status = refine_plan_make(coarse, &whole, &all->plan, error);
-    if (status == BAT_OK && whole.relative_tolerance > 0)
+    if (status == BAT_OK && whole.relative_tolerance > 0 && !(whole.tolerance > 0))
     {
         whole = all->plan.options;
         status = stop_resolve(coarse, 1, &whole, error);

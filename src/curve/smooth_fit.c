@@ -1,5 +1,6 @@
 #include "curve/smooth_fit.h"
 
+#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -297,12 +298,6 @@ static double find_weight(smooth_fit *f)
     return least;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const double *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 /// Give outliers more slack, by their residuals from a spline that follows the measurements closely. Returns their number.
 static size_t find_outliers(smooth_fit *f)
 {
@@ -322,7 +317,7 @@ static size_t find_outliers(smooth_fit *f)
             if (f->slacks[i] > 0)
                 sorted[counted++] = sizes[i];
         }
-        qsort(sorted, counted, sizeof *sorted, compare_numbers);
+        qsort(sorted, counted, sizeof *sorted, ascending);
         // The median of the length of a standard normal vector, after Wilson and Hilferty.
         double dim = (double)f->dim, median = sqrt(dim * pow(1 - 2 / (9 * dim), 3));
         double scale = sorted[counted / 2] / median;

@@ -85,13 +85,12 @@ static bat_status median_edge(const bat_curve *curves, size_t count, double *med
 bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_options *options, bat_error *error)
 {
     double share = options->relative_tolerance, median = 0;
-    bat_status status = BAT_OK;
     if (!(share > 0) || options->tolerance > 0)
         return BAT_OK;
     options->relative_tolerance = 0;
     if (count == 0 || stop_check(options, NULL) != BAT_OK)
         return BAT_OK;
-    status = median_edge(curves, count, &median, error);
+    bat_status status = median_edge(curves, count, &median, error);
     if (status != BAT_OK || !(median > 0))
         return status;
     options->relative_tolerance = share;

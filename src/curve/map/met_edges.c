@@ -28,14 +28,8 @@ static int compare_pairs(const void *a, const void *b)
 static bool note_pair(void *context, edge_place first, edge_place second)
 {
     met_edges *met = context;
-    void *pairs = met->pairs;
-    met->failed = !array_grow(&pairs, &met->capacity, met->count + 2, sizeof *met->pairs);
-    met->pairs = pairs;
-    if (met->failed)
-        return false;
-    met->pairs[met->count++] = (met_pair){{first, second}};
-    met->pairs[met->count++] = (met_pair){{second, first}};
-    return true;
+    return ARRAY_ADD(met->pairs, met->capacity, met->count, (met_pair){{first, second}}) &&
+           ARRAY_ADD(met->pairs, met->capacity, met->count, (met_pair){{second, first}});
 }
 
 bat_status met_edges_find(const chart_curves *charts, const map_chart *chart, int threads, met_edges *met, bat_error *error)

@@ -17,7 +17,6 @@ typedef struct met_edges
 {
     met_pair *pairs; ///< in order
     size_t count, capacity;
-    bool failed; ///< out of memory while pairs were found
 } met_edges;
 
 /// Find the edges of arcs that meet, other than at ends that two arcs share.

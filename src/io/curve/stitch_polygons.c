@@ -1,6 +1,7 @@
 #include "io/curve/stitch_seam.h"
 
 #include "base/array_grow.h"
+#include "base/ascending.h"
 
 #include <math.h>
 #include <string.h>
@@ -93,16 +94,10 @@ typedef struct seam_nodes
     double tolerance;
 } seam_nodes;
 
-static int compare_doubles(const void *a, const void *b)
-{
-    const double *p = a, *q = b;
-    return (*p > *q) - (*p < *q);
-}
-
 static void merge_nodes(seam_nodes *nodes)
 {
     if (nodes->count > 0)
-        qsort(nodes->latitudes, nodes->count, sizeof *nodes->latitudes, compare_doubles);
+        qsort(nodes->latitudes, nodes->count, sizeof *nodes->latitudes, ascending);
     size_t count = 0;
     for (size_t i = 0; i < nodes->count; i++)
         if (count == 0 || nodes->latitudes[i] - nodes->latitudes[count - 1] > nodes->tolerance)
