@@ -124,7 +124,7 @@ static void choose_scheme(curve_job *job)
     bool plain = !job->refine.snap && job->refine.ends <= BAT_CURVE_END_RULE_REFLECT && !job->best_tension &&
                  job->refine.simple != BAT_CURVE_SIMPLE_ALWAYS && job->map.topology != BAT_CURVE_MAP_TOPOLOGY_ALWAYS &&
                  !curve_stops(job) && job->refine.smooth == 0 && !(job->refine.corner_angle > 0) &&
-                 coarse->curves[0].corners == NULL;
+                 !job->refine.find_corners && coarse->curves[0].corners == NULL;
     if (!job->is_motion && plain && bat_motion_suits(coarse))
     {
         job->is_motion = true;
