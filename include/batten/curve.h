@@ -119,8 +119,8 @@ typedef struct bat_curve_refine_options
     /// pieces. The distance is estimated, see docs/algorithms/curve-schemes.md. 0: none. Default 0.
     double tolerance;
     /// `tolerance` in median edges of the curve, of a map in those of all curves, for schemes that can be stopped; others go
-    /// by `levels`. On the sphere pieces are also so short that lines straight in degrees are within it, up to 70 degrees
-    /// of latitude. Edges between corners are not divided. Does not count with `tolerance`. 0: none. Default 0.
+    /// by `levels`. On the sphere, up to 70 degrees of latitude, lines that are straight in degrees are within it, too.
+    /// Edges between corners are not divided. Does not count with `tolerance`. 0: none. Default 0.
     double relative_tolerance;
     size_t max_levels; ///< with a stop, in place of `levels`: the most levels of an edge, 0 to 40; default 20
     /// The level of the given curve, for rules that decide the first levels only: with 2, the first computed level is the
