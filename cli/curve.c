@@ -53,6 +53,13 @@ static const option_spec CURVE_OPTIONS[] = {
      "shared: borders that curves share stay shared, and nothing crosses; separate: every curve by itself, and GeoJSON "
      "sequences of any size go through memory part by part; default: features, which is shared where IN has features",
      CHOICE(curve_job, map.topology, bat_curve_map_topology_family)},
+    {"edges", "HOW", METHOD, 0,
+     "which edges of a map on the sphere are straight in longitude and latitude: {}; default auto, those longer than a "
+     "degree along parallels and meridians",
+     CHOICE(curve_job, map.edges, bat_curve_map_edges_family)},
+    {"join", "HOW", METHOD, 0,
+     "whether lines of a map go on smoothly where two ends and no third line meet: {}; default auto, they do",
+     CHOICE(curve_job, map.join, bat_curve_map_join_family)},
     {"snap-tolerance", "D", METHOD, 0, "join points of a map nearer than D to each other (metres on the sphere)",
      POSITIVE(curve_job, map.snap_tolerance)},
     {"keep-area", NULL, METHOD, 0, "keep the areas of rings", FLAG(curve_job, map.keep_area)},

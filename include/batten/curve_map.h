@@ -21,6 +21,27 @@ typedef enum bat_curve_map_topology
 /// Which sets are maps, by name.
 extern BAT_API const bat_family bat_curve_map_topology_family;
 
+/// Which edges of a map on the sphere are straight in longitude and latitude, as those of files are (RFC 7946, 3.1.1).
+typedef enum bat_curve_map_edges
+{
+    BAT_CURVE_MAP_EDGES_AUTO,     ///< the default: runs along parallels and meridians, longer than a degree, stay on them
+    BAT_CURVE_MAP_EDGES_GEODESIC, ///< none: edges are geodesics
+    BAT_CURVE_MAP_EDGES_STRAIGHT  ///< all runs longer than a degree
+} bat_curve_map_edges;
+
+/// Which edges are straight in degrees, by name.
+extern BAT_API const bat_family bat_curve_map_edges_family;
+
+/// Whether lines of a map that meet end to end go on.
+typedef enum bat_curve_map_join
+{
+    BAT_CURVE_MAP_JOIN_AUTO, ///< the default: lines whose ends are in one point where no third is are refined as one
+    BAT_CURVE_MAP_JOIN_NO    ///< every line is refined as one with ends
+} bat_curve_map_join;
+
+/// How lines of a map are joined, by name.
+extern BAT_API const bat_family bat_curve_map_join_family;
+
 /// What refinement of a map found and did.
 typedef struct bat_curve_map_refine_report
 {
@@ -28,6 +49,7 @@ typedef struct bat_curve_map_refine_report
     bat_curve_refine_report curves; ///< levels and corners; of a set that is no map, all
     size_t arcs;                    ///< polylines between nodes, and rings without nodes
     size_t shared;                  ///< arcs that belong to more than one curve
+    size_t joints;                  ///< pairs of line ends that were joined, see bat_curve_map_join
     size_t nodes;                   ///< vertices at which arcs end
     size_t given_crossing;          ///< pairs of given edges that cross or touch; what they become may do so, too
     size_t crossings;               ///< pairs of refined edges that crossed or touched, over all levels
@@ -43,6 +65,8 @@ typedef struct bat_curve_map_refine_options
     /// Of each arc. `simple`: BAT_CURVE_SIMPLE_NEVER lets arcs cross. `report`: not used.
     bat_curve_refine_options refine;
     bat_curve_map_topology topology; ///< default BAT_CURVE_MAP_TOPOLOGY_FEATURES
+    bat_curve_map_edges edges;       ///< default BAT_CURVE_MAP_EDGES_AUTO
+    bat_curve_map_join join;         ///< default BAT_CURVE_MAP_JOIN_AUTO; only with schemes that keep the given points
     /// Points nearer to each other than this become one, and points nearer to an edge become its vertices, in the unit of
     /// the space's distance. 0: only equal points are shared. Default 0.
     double snap_tolerance;

@@ -33,6 +33,8 @@ static const struct
     ROW(bat_curve_end_rule),
     ROW(bat_curve_simple),
     ROW(bat_curve_map_topology),
+    ROW(bat_curve_map_edges),
+    ROW(bat_curve_map_join),
     ROW(bat_curve_format),
     ROW(bat_curve_projection),
     ROW(bat_analysis_verdict),

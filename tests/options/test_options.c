@@ -826,6 +826,7 @@ static const option_family FAMILIES[] = {
     {HEAD(curve_map_refine),
      {call_map_refine},
      {BAD(curve_map_refine, refine.levels, BAD_SIZE, 61), BAD(curve_map_refine, topology, BAD_INT, 4),
+      BAD(curve_map_refine, edges, BAD_INT, 3), BAD(curve_map_refine, join, BAD_INT, 2),
       BAD(curve_map_refine, topology, BAD_INT, -1), BAD(curve_map_refine, snap_tolerance, BAD_NUMBER, -1),
       BAD(curve_map_refine, snap_tolerance, BAD_NUMBER, NAN), BAD(curve_map_refine, decimals, BAD_INT, -1),
       BAD(curve_map_refine, decimals, BAD_INT, 13)}},

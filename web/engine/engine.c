@@ -616,6 +616,8 @@ EMSCRIPTEN_KEEPALIVE char *engine_families(void)
         {"curve_end_rule", &bat_curve_end_rule_family},
         {"curve_simple", &bat_curve_simple_family},
         {"curve_map_topology", &bat_curve_map_topology_family},
+        {"curve_map_edges", &bat_curve_map_edges_family},
+        {"curve_map_join", &bat_curve_map_join_family},
         {"curve_format", &bat_curve_format_family},
         {"curve_model", &bat_curve_model_family},
         {"motion_scheme", &bat_motion_scheme_family},

@@ -104,6 +104,8 @@ export interface CurveRefineOptions extends Progress {
 
 export interface CurveMapOptions extends CurveRefineOptions {
   topology?: string;
+  edges?: string;
+  join?: string;
   snap_tolerance?: number;
   keep_area?: boolean;
   decimals?: number;

@@ -13,6 +13,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /// The state of a refinement.
 typedef struct arc_job
@@ -20,6 +21,7 @@ typedef struct arc_job
     const arc_graph *graph;
     const bat_curve_refine_options *options;
     const map_chart *chart;
+    const degree_edges *straight;
     bat_curve_map_refine_report *report;
     met_edges given;     ///< pairs of given edges
     size_t levels;       ///< levels before the polygons of the present step
@@ -135,6 +137,17 @@ static bool goes_by_levels(const arc_job *job)
            scheme_goes_by_levels(&job->options->scheme);
 }
 
+/// Whether each level begins with the coordinates that a file would hold.
+static bool is_rounded(const arc_job *job)
+{
+    return goes_by_levels(job) && job->chart->globe;
+}
+
+static bool is_same_place(const double *flat, size_t i, size_t j)
+{
+    return flat[2 * i] == flat[2 * j] && flat[2 * i + 1] == flat[2 * j + 1];
+}
+
 static bool move_edge(void *context, size_t curve, size_t edge, size_t begin, size_t end, draw_move move)
 {
     arc_job *job = context;
@@ -224,27 +237,39 @@ static bat_status keep_apart(arc_job *job, bat_progress progress, bat_error *err
     return keeps ? draw_arcs_back(job, progress, error) : refuse_crossings(job, error);
 }
 
-/// Make the new points of arcs of one edge even on geodesics, where there are corners: edges between two corners are
-/// straight, without rounding. Every scheme makes them straight but for rounding.
-static bat_status straighten(const arc_job *job, refined_arcs *next, bat_error *error)
+/// Place the new points of an arc evenly on its edges.
+static bat_status place_on_edges(const bat_curve *before, bool in_degrees, bat_curve *after, bat_error *error)
 {
-    for (size_t a = 0; a < next->count && job->graph->has_corners && keeps_points(job->options); a++)
+    size_t dim = after->space->point_dim, step = (after->count - 1) / (before->count - 1);
+    for (size_t i = 0; i < after->count; i++)
     {
-        const bat_curve *before = &arcs_of(job)[a];
-        bat_curve *after = &next->arcs[a];
-        size_t dim = after->space->point_dim;
-        if (job->graph->arcs[a].count != 2 || job->graph->arcs[a].closed)
+        const double *p = before->points + i / step * dim;
+        double *point = after->points + i * dim;
+        if (i % step == 0)
             continue;
-        size_t step = (after->count - 1) / (before->count - 1);
-        for (size_t i = 0; i < after->count; i++)
-        {
-            const double *p = before->points + i / step * dim;
-            if (i % step != 0 &&
-                polygon_edge_point(after->space, p, p + dim, i % step, step, after->points + i * dim) != BAT_OK)
-                return error_set(error, BAT_CUT_LOCUS, 0, 0, "there is no unique geodesic along the edge after point 0");
-        }
+        if (in_degrees)
+            degrees_edge_point(p, p + dim, (double)(i % step) / (double)step, point);
+        else if (polygon_edge_point(after->space, p, p + dim, i % step, step, point) != BAT_OK)
+            return error_set(error, BAT_CUT_LOCUS, 0, 0, "there is no unique geodesic along the edge after point 0");
     }
     return BAT_OK;
+}
+
+/// Straighten arcs of one edge where there are corners, without rounding; every scheme makes them straight but for rounding.
+/// On the sphere, straighten also arcs that are straight in degrees. Levels that go on from a file's decimals look at their
+/// own polygon alone.
+static bat_status straighten(const arc_job *job, refined_arcs *next, bat_error *error)
+{
+    bool rounded = is_rounded(job);
+    bat_status status = BAT_OK;
+    for (size_t a = 0; a < next->count && keeps_points(job->options) && status == BAT_OK; a++)
+    {
+        const bat_curve *before = &arcs_of(job)[a], *first = rounded ? before : &job->graph->arcs[a];
+        bool in_degrees = job->straight != NULL && degrees_straight(before, job->straight);
+        if (in_degrees || (job->graph->has_corners && first->count == 2 && !first->closed))
+            status = place_on_edges(before, in_degrees, &next->arcs[a], error);
+    }
+    return status;
 }
 
 static void free_arcs(bat_curve *arcs, size_t count)
@@ -252,6 +277,88 @@ static void free_arcs(bat_curve *arcs, size_t count)
     for (size_t i = 0; arcs != NULL && i < count; i++)
         bat_curve_free(&arcs[i]);
     free(arcs);
+}
+
+/// Number the places of an arc's points in its chart, as a file holds them, where points that were drawn back to the start
+/// of an edge repeat it: a point has the number of the one before it if it repeats it, and 0 before the end of a ring if it
+/// repeats the first.
+/// @param numbers of each point; may be null
+/// @return how many there are
+static size_t number_places(const bat_curve *arc, const double *flat, size_t *numbers)
+{
+    size_t end = arc->count, count = 0;
+    while (arc->closed && end > 1 && is_same_place(flat, end - 1, 0))
+        end--;
+    for (size_t i = 0; i < arc->count; i++)
+    {
+        count += i == 0 || (i < end && !is_same_place(flat, i, i - 1));
+        if (numbers != NULL)
+            numbers[i] = i < end ? count - 1 : 0;
+    }
+    return count;
+}
+
+/// Refine an arc of the globe by a level as if it had each place once. New points between points of one place lie between
+/// them.
+static bat_status refine_repeating(const arc_job *job, size_t a, const bat_curve_refine_options *how, bat_curve *fine,
+                                   bat_error *error)
+{
+    const bat_curve *arc = &arcs_of(job)[a];
+    const double *flat = job->before.curves[a].points;
+    size_t row = 3 * sizeof(double), *numbers = memory_array(arc->count, sizeof *numbers);
+    bat_curve once = *arc, reduced = {0};
+    once.points = memory_array(arc->count, row);
+    *fine = (bat_curve){.space = arc->space, .closed = arc->closed, .count = 2 * arc->count - !arc->closed};
+    fine->points = memory_array(fine->count, row);
+    if (numbers == NULL || once.points == NULL || fine->points == NULL)
+    {
+        free(numbers);
+        free(once.points);
+        return error_memory(error, fine->count * row);
+    }
+    once.count = number_places(arc, flat, numbers);
+    for (size_t i = 0; i < arc->count; i++)
+        chart_to_point(job->chart, flat + 2 * i, once.points + 3 * numbers[i]);
+    bool whole = once.count > 1 + (size_t)arc->closed;
+    bat_status status = whole ? bat_curve_refine(&once, how, &reduced, error) : BAT_OK;
+    for (size_t i = 0; i < fine->count && status == BAT_OK; i++)
+    {
+        size_t before = i / 2, after = before + 1 < arc->count ? before + 1 : 0;
+        const double *p = arc->points + 3 * before, *q = arc->points + 3 * after;
+        if (i % 2 == 0)
+            memcpy(fine->points + 3 * i, p, row);
+        else if (whole && numbers[before] != numbers[after])
+            memcpy(fine->points + 3 * i, reduced.points + 3 * (2 * numbers[before] + 1), row);
+        else
+            status = bat_space_geodesic(arc->space, p, q, 0.5, fine->points + 3 * i);
+    }
+    free(numbers);
+    free(once.points);
+    bat_curve_free(&reduced);
+    return status;
+}
+
+/// Refine the arcs, those with repeated places without them.
+static bat_status refine_arcs(const arc_job *job, const bat_curve_refine_options *how, bat_curve *fine, bat_error *error)
+{
+    const bat_curve *arcs = arcs_of(job);
+    size_t count = job->graph->arc_count, plain = 0;
+    bool rounded = is_rounded(job);
+    bat_curve *given = memory_array(count, sizeof *given), *made = memory_array(count, sizeof *made);
+    bat_status status = given != NULL && made != NULL ? BAT_OK : error_memory(error, count * sizeof *given);
+    for (size_t a = 0; a < count && status == BAT_OK; a++)
+        if (rounded && number_places(&arcs[a], job->before.curves[a].points, NULL) < arcs[a].count)
+            status = error_curve(error, refine_repeating(job, a, how, &fine[a], error), a);
+        else
+            given[plain++] = arcs[a];
+    if (status == BAT_OK)
+        status = bat_curves_refine(given, plain, how, made, error);
+    for (size_t a = 0, next = 0; a < count && status == BAT_OK; a++)
+        if (fine[a].points == NULL)
+            fine[a] = made[next++];
+    free(given);
+    free(made);
+    return status;
 }
 
 /// Refine the present polygons, which have job->levels levels, by `how`, and keep them apart.
@@ -271,7 +378,7 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, ba
     if (stop_wanted(how))
         status = refine_pieces(job, &one, &next, error);
     else
-        status = bat_curves_refine(arcs_of(job), count, &one, next.arcs, error);
+        status = refine_arcs(job, &one, next.arcs, error);
     if (status == BAT_OK)
         status = straighten(job, &next, error);
     if (status != BAT_OK)
@@ -292,6 +399,73 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, ba
     return status;
 }
 
+/// Copies of the arcs of the graph, as the polygons of the first step.
+static bat_status copy_arcs(arc_job *job, bat_error *error)
+{
+    size_t count = job->graph->arc_count;
+    bat_curve *arcs = calloc(count > 0 ? count : 1, sizeof *arcs);
+    *job->fine = (refined_arcs){.arcs = arcs, .count = count};
+    if (arcs == NULL)
+        return error_memory(error, count * sizeof *arcs);
+    for (size_t a = 0; a < count; a++)
+    {
+        arcs[a] = job->graph->arcs[a];
+        size_t size = arcs[a].count * arcs[a].space->point_dim * sizeof(double);
+        arcs[a].points = memory_array(size, 1);
+        if (arcs[a].points == NULL)
+            return error_memory(error, size);
+        memcpy(arcs[a].points, job->graph->arcs[a].points, size);
+    }
+    return BAT_OK;
+}
+
+/// Give the arcs of the globe the coordinates that the file will hold, so that a file between two levels changes nothing.
+/// Points that would repeat their neighbours stay as they are.
+static void round_arcs(const arc_job *job)
+{
+    for (size_t a = 0; a < job->fine->count; a++)
+    {
+        const double *flat = job->before.curves[a].points;
+        size_t count = job->fine->arcs[a].count;
+        for (size_t i = 0; i < count; i++)
+            if (!is_same_place(flat, i, i > 0 ? i - 1 : count - 1) && !is_same_place(flat, i, i + 1 < count ? i + 1 : 0))
+                chart_to_point(job->chart, flat + 2 * i, job->fine->arcs[a].points + 3 * i);
+    }
+}
+
+/// Give the vertices of the graph the coordinates back that were rounded.
+static void restore_given(const arc_job *job)
+{
+    for (size_t a = 0; a < job->fine->count; a++)
+    {
+        const bat_curve *given = &job->graph->arcs[a];
+        for (size_t i = 0; i < given->count; i++)
+            memcpy(job->fine->arcs[a].points + 3 * refined_arcs_row(job->fine, job->graph, a, i), given->points + 3 * i,
+                   3 * sizeof(double));
+    }
+}
+
+/// Refine level by level, from one polygon of the file's decimals to the next.
+static bat_status run_levels(arc_job *job, bat_curve_refine_options *how, bat_error *error)
+{
+    double whole = ldexp(1, (int)job->options->levels) - 1;
+    bat_status status = job->chart->globe ? copy_arcs(job, error) : BAT_OK;
+    how->levels = 1;
+    for (size_t level = 0; level < job->options->levels && status == BAT_OK; level++)
+    {
+        progress_part part = {job->options->progress, (ldexp(1, (int)level) - 1) / whole, ldexp(1, (int)level) / whole};
+        how->progress = progress_of_part(&part);
+        how->first_level = job->options->first_level + level;
+        job->levels = level;
+        if (job->chart->globe)
+            round_arcs(job);
+        status = run_step(job, how, error);
+    }
+    if (status == BAT_OK && job->chart->globe)
+        restore_given(job);
+    return status;
+}
+
 /// The steps: one, or one for each level.
 static bat_status run_steps(arc_job *job, bat_error *error)
 {
@@ -303,18 +477,7 @@ static bat_status run_steps(arc_job *job, bat_error *error)
         job->report->curves.min_levels = job->report->curves.max_levels = how.levels;
     if (!goes_by_levels(job) || how.levels == 0)
         return run_step(job, &how, error);
-    bat_status status = BAT_OK;
-    double whole = ldexp(1, (int)job->options->levels) - 1;
-    how.levels = 1;
-    for (size_t level = 0; level < job->options->levels && status == BAT_OK; level++)
-    {
-        progress_part part = {job->options->progress, (ldexp(1, (int)level) - 1) / whole, ldexp(1, (int)level) / whole};
-        how.progress = progress_of_part(&part);
-        how.first_level = job->options->first_level + level;
-        job->levels = level;
-        status = run_step(job, &how, error);
-    }
-    return status;
+    return run_levels(job, &how, error);
 }
 
 /// Whether the arcs of a graph have room for all levels.
@@ -333,10 +496,11 @@ static bat_status check_room(const arc_job *job, bat_error *error)
 }
 
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             bat_curve_map_refine_report *report, refined_arcs *fine, bat_error *error)
+                             const degree_edges *straight, bat_curve_map_refine_report *report, refined_arcs *fine,
+                             bat_error *error)
 {
     *fine = (refined_arcs){0};
-    arc_job job = {.graph = graph, .options = options, .chart = chart, .report = report, .fine = fine};
+    arc_job job = {.graph = graph, .options = options, .chart = chart, .straight = straight, .report = report, .fine = fine};
     bat_status status = check_room(&job, error);
     if (status == BAT_OK && chart != NULL)
     {

@@ -72,11 +72,34 @@ bat_status chart_curves_make(const map_chart *chart, const bat_curve *curves, si
                              size_t *const *starts, int threads, chart_curves *charts, bat_error *error);
 void chart_curves_free(chart_curves *charts);
 
+/// The point of the sphere at a place of the chart.
+void chart_to_point(const map_chart *chart, const double *flat, double *point);
+
 /// Move the points begin + 1 … end - 1 of a refined curve of the sphere, in the chart, for edge `edge` of the curve before.
 /// @param coarse the chart of the curve before
 /// @param flat   the chart of the refined curve; its points move as well
 void chart_move(const map_chart *chart, const bat_curve *coarse, bat_curve *fine, bat_curve *flat, size_t edge, size_t begin,
                 size_t end, draw_move move);
+
+// Edges of the sphere that are straight in degrees, such as borders along a parallel.
+
+/// Which edges are straight in degrees.
+typedef struct degree_edges
+{
+    bat_curve_map_edges edges;
+    double unit; ///< degrees that rounding may change
+} degree_edges;
+
+/// The way in degrees from one point of the sphere to another. A pole has the longitude of the other point.
+void degrees_along(const double *p, const double *q, double *from, double *along);
+/// Whether an open arc is straight in degrees.
+bool degrees_straight(const bat_curve *arc, const degree_edges *how);
+/// The point at a share of the straight line in degrees between two points.
+void degrees_edge_point(const double *p, const double *q, double share, double *point);
+/// Flag all vertices of runs of edges that are straight in degrees and longer than a degree. Runs along parallels and
+/// meridians are also longer than 20 units of the coordinates' last decimal, since shorter ones occur by chance.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status degrees_flag_runs(const bat_curve *curve, const degree_edges *how, unsigned char *flags, bat_error *error);
 
 // A set of curves, cut into arcs at nodes. Curves that run over the same edges share the arcs.
 
@@ -175,12 +198,14 @@ typedef struct refined_arcs
 /// Refine the arcs of a graph.
 /// @param options complete and valid, with a scheme; corners are ends of arcs already
 /// @param chart   where arcs must not meet; null: nothing is tested
+/// @param straight which edges are straight in degrees; null: none
 /// @param report  receives what was found and done
 /// @param fine    release it with refined_arcs_free(), also on failure
 /// @param error   its `curve` is the failing arc, its `index` the point of that arc
 /// @return as bat_curve_map_refine()
 bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             bat_curve_map_refine_report *report, refined_arcs *fine, bat_error *error);
+                             const degree_edges *straight, bat_curve_map_refine_report *report, refined_arcs *fine,
+                             bat_error *error);
 
 /// Choose an anchor for each connected part: the first point of its first arc. On the globe it stands for the points one
 /// turn away as well.

@@ -114,6 +114,12 @@ void chart_curves_free(chart_curves *charts)
     *charts = (chart_curves){0};
 }
 
+void chart_to_point(const map_chart *chart, const double *flat, double *point)
+{
+    degrees_to_point(nearest_longitude(chart, flat[0], 0) / chart->units_per_degree, flat[1] / chart->units_per_degree,
+                     point);
+}
+
 void chart_move(const map_chart *chart, const bat_curve *coarse, bat_curve *fine, bat_curve *flat, size_t edge, size_t begin,
                 size_t end, draw_move move)
 {
@@ -142,8 +148,7 @@ void chart_move(const map_chart *chart, const bat_curve *coarse, bat_curve *fine
             double on_edge = p[c] + share * (q[c] - p[c]);
             place[c] = move == DRAW_HALF ? on_edge + (now[c] - on_edge) / 2 : on_edge;
         }
-        double longitude = nearest_longitude(chart, place[0], 0) / chart->units_per_degree;
-        degrees_to_point(longitude, place[1] / chart->units_per_degree, point);
+        chart_to_point(chart, place, point);
         chart_point(chart, point, place[0], flat->points + 2 * i);
     }
 }

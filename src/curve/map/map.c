@@ -10,6 +10,7 @@
 #include "curve/curve_attributes.h"
 #include "curve/map/arc_refine.h"
 #include "curve/map/arc_smooth.h"
+#include "curve/map/chain.h"
 #include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
@@ -27,6 +28,19 @@ static const bat_choice TOPOLOGIES[] = {
 };
 const bat_family bat_curve_map_topology_family = FAMILY("map topology", TOPOLOGIES);
 
+static const bat_choice EDGES[] = {
+    CHOICE("auto", "those along parallels and meridians, longer than a degree, stay on them", BAT_CURVE_MAP_EDGES_AUTO),
+    CHOICE("geodesic", "edges are parts of great circles", BAT_CURVE_MAP_EDGES_GEODESIC),
+    CHOICE("straight", "those longer than a degree are straight in longitude and latitude", BAT_CURVE_MAP_EDGES_STRAIGHT),
+};
+const bat_family bat_curve_map_edges_family = FAMILY("map edges", EDGES);
+
+static const bat_choice JOINS[] = {
+    CHOICE("auto", "two lines that meet where no third does go on as one", BAT_CURVE_MAP_JOIN_AUTO),
+    CHOICE("no", "every line ends where it ends", BAT_CURVE_MAP_JOIN_NO),
+};
+const bat_family bat_curve_map_join_family = FAMILY("map join", JOINS);
+
 bat_curve_map_refine_options bat_curve_map_refine_defaults(void)
 {
     return (bat_curve_map_refine_options){.refine = bat_curve_refine_defaults(), .decimals = 10};
@@ -37,6 +51,8 @@ static bat_status curve_map_refine_options_check(const void *opaque, bat_error *
     const bat_curve_map_refine_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_curve_map_refine_options, topology, bat_curve_map_topology_family),
+        OPTION_FAMILY(bat_curve_map_refine_options, edges, bat_curve_map_edges_family),
+        OPTION_FAMILY(bat_curve_map_refine_options, join, bat_curve_map_join_family),
         OPTION_FIELD(bat_curve_map_refine_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_map_refine_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
     };
@@ -49,15 +65,20 @@ const bat_options_table bat_curve_map_refine_fields = {"bat_curve_map_refine_opt
 /// A map during refinement.
 typedef struct map_job
 {
-    const bat_curve *curves; ///< the given ones, or those of `snapped`
+    const bat_curve *curves; ///< the given ones, or those of `snapped`, or the chains
     size_t count;
+    const bat_curve *lines; ///< `line_count` of them, of which the chains are made
+    size_t line_count;
     snapped_curves snapped;
+    line_chains chains;
+    degree_edges straight;
     bat_curve_refine_options refine; ///< complete
     bat_curve_map_refine_report report;
     unsigned char **corners; ///< of each curve; null without corners
     arc_graph graph;
     refined_arcs fine;
-    bat_curve *result;
+    bat_curve *result; ///< `count` refined curves
+    bat_curve *cut;    ///< the lines that are cut out of them, where there are chains
 } map_job;
 
 /// Run a function for each curve.
@@ -80,6 +101,12 @@ static bat_status check_curve(map_job *job, size_t curve, bat_error *error)
     return bat_curve_check(&job->curves[curve], error);
 }
 
+/// Whether edges can be straight in degrees.
+static bool has_straight_edges(const map_job *job)
+{
+    return job->straight.edges != BAT_CURVE_MAP_EDGES_GEODESIC && corners_stay(&job->refine);
+}
+
 /// Find the corners of a curve.
 static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
 {
@@ -88,12 +115,15 @@ static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
     job->corners[curve] = memory_array(given->count, 1);
     if (job->corners[curve] == NULL)
         return error_memory(error, given->count);
-    return corners_find(given, &job->refine, job->corners[curve], &count, error);
+    bat_status status = corners_find(given, &job->refine, job->corners[curve], &count, error);
+    if (status == BAT_OK && has_straight_edges(job))
+        status = degrees_flag_runs(given, &job->straight, job->corners[curve], error);
+    return status;
 }
 
 static bat_status find_all_corners(map_job *job, bat_error *error)
 {
-    bool has_corners = false;
+    bool has_corners = has_straight_edges(job);
     for (size_t i = 0; i < job->count; i++)
         has_corners |= corners_wanted(&job->curves[i], &job->refine);
     if (!has_corners)
@@ -108,9 +138,28 @@ static bat_status find_all_corners(map_job *job, bat_error *error)
     return status;
 }
 
-/// Check the given curves, join their points, and cut them into arcs.
-static bat_status prepare(map_job *job, const map_chart *chart, double tolerance, bat_error *error)
+/// Join lines that meet end to end.
+static bat_status join_lines(map_job *job, bat_curve_map_join join, bat_error *error)
 {
+    job->lines = job->curves;
+    job->line_count = job->count;
+    if (join == BAT_CURVE_MAP_JOIN_NO || !scheme_keeps_points(&job->refine.scheme) || job->refine.snap)
+        return BAT_OK;
+    bat_status status = line_chains_make(job->curves, job->count, &job->chains, error);
+    job->report.joints = job->chains.joints;
+    if (status == BAT_OK && job->chains.joints > 0)
+    {
+        job->curves = job->chains.curves;
+        job->count = job->chains.count;
+    }
+    return status;
+}
+
+/// Check the given curves, join their points and lines, and cut them into arcs.
+static bat_status prepare(map_job *job, const map_chart *chart, const bat_curve_map_refine_options *options,
+                          bat_error *error)
+{
+    double tolerance = options->snap_tolerance;
     bat_status status = for_each_curve(job, check_curve, error);
     if (status == BAT_OK && chart != NULL)
         status = snapped_curves_make(job->curves, job->count, chart, tolerance, job->refine.threads, &job->snapped, error);
@@ -120,7 +169,9 @@ static bat_status prepare(map_job *job, const map_chart *chart, double tolerance
         job->curves = job->snapped.curves;
     job->report.snapped = job->snapped.moved + job->snapped.added;
     job->report.largest_snap = job->snapped.largest;
-    status = find_all_corners(job, error);
+    status = join_lines(job, options->join, error);
+    if (status == BAT_OK)
+        status = find_all_corners(job, error);
     if (status == BAT_OK)
         status = arc_graph_make(job->curves, job->count, job->corners, scheme_keeps_points(&job->refine.scheme), &job->graph,
                                 error);
@@ -156,11 +207,12 @@ static size_t point_in_row(const use_rows *rows, size_t offset, size_t i)
     return rows->use->reversed ? (offset + count - i) % count : (offset + i) % count;
 }
 
-/// The row at which point 0 of a ring lies, when the first use begins at point graph->begins[curve].
-static size_t row_of_first_point(const map_job *job, size_t curve)
+/// The row at which a point of a curve lies, when the first use begins at point graph->begins[curve].
+static size_t row_of_point(const map_job *job, size_t curve, size_t point)
 {
     const arc_graph *graph = &job->graph;
-    size_t begin = graph->begins[curve], left = begin > 0 ? job->curves[curve].count - begin : 0, row = 0;
+    size_t begin = graph->begins[curve], count = job->curves[curve].count, row = 0;
+    size_t left = point >= begin ? point - begin : point + count - begin;
     for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && scheme_keeps_points(&job->refine.scheme);
          u++)
     {
@@ -175,7 +227,7 @@ static size_t row_of_first_point(const map_job *job, size_t curve)
         left -= edges;
         row += rows.count;
     }
-    return 0;
+    return job->curves[curve].closed || point == 0 ? 0 : row;
 }
 
 /// Refine the channels of a curve over one use, in the direction of the arc, so that the points are the arc's.
@@ -254,7 +306,7 @@ static bat_status assemble_curve(map_job *job, size_t curve, bat_error *error)
     if (result->points == NULL || (given->channel_count > 0 && result->channels == NULL) ||
         (job->corners != NULL && result->corners == NULL))
         return error_memory(error, result->count * given->space->point_dim * sizeof(double));
-    size_t first = row_of_first_point(job, curve), row = 0, begin = graph->begins[curve];
+    size_t first = row_of_point(job, curve, 0), row = 0, begin = graph->begins[curve];
     bat_status status = BAT_OK;
     for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && status == BAT_OK; u++)
     {
@@ -270,16 +322,51 @@ static bat_status assemble_curve(map_job *job, size_t curve, bat_error *error)
     return status;
 }
 
+/// Cut the lines out of the chains.
+static bat_status cut_line(map_job *job, size_t line, bat_error *error)
+{
+    chain_member member = job->chains.members[line];
+    const bat_curve *chain = &job->curves[member.chain], *given = &job->lines[line];
+    const bat_curve *refined = &job->result[member.chain];
+    size_t rows[2], end = member.first + given->count - 1;
+    for (size_t k = 0; k < 2; k++)
+    {
+        size_t row = row_of_point(job, member.chain, (k == 0 ? member.first : end) % chain->count);
+        rows[k] = chain->closed ? turned_row(row, row_of_point(job, member.chain, 0), refined->count) : row;
+    }
+    if (!given->closed)
+        return line_chains_cut(refined, rows[0], rows[1], member.reversed, &job->cut[line], error);
+    job->cut[line] = *refined; // a ring is alone in its chain
+    job->result[member.chain] = (bat_curve){.space = refined->space};
+    return BAT_OK;
+}
+
+static bat_status cut_chains(map_job *job, bat_error *error)
+{
+    job->cut = calloc(job->line_count, sizeof *job->cut);
+    bat_status status = job->cut != NULL ? BAT_OK : error_memory(error, job->line_count * sizeof *job->cut);
+    for (size_t i = 0; i < job->line_count && status == BAT_OK; i++)
+        status = cut_line(job, i, error);
+    return status;
+}
+
 // The whole
+
+static void free_curves(bat_curve *curves, size_t count)
+{
+    for (size_t i = 0; i < count && curves != NULL; i++)
+        bat_curve_free(&curves[i]);
+    free(curves);
+}
 
 static void free_job(map_job *job)
 {
     for (size_t i = 0; i < job->count && job->corners != NULL; i++)
         free(job->corners[i]);
-    for (size_t i = 0; i < job->count && job->result != NULL; i++)
-        bat_curve_free(&job->result[i]);
     free(job->corners);
-    free(job->result);
+    free_curves(job->result, job->count);
+    free_curves(job->cut, job->line_count);
+    line_chains_free(&job->chains);
     arc_graph_free(&job->graph);
     snapped_curves_free(&job->snapped);
     refined_arcs_free(&job->fine);
@@ -293,9 +380,15 @@ static void name_place(const map_job *job, bat_error *error)
     arc_origin origin = job->graph.origins[error->curve];
     error->curve = origin.curve;
     if (error->index == BAT_NO_INDEX)
+    {
+        if (job->chains.joints > 0)
+            line_chains_find(&job->chains, job->lines, job->line_count, &error->curve, &error->index);
         return;
+    }
     size_t point = (origin.point + error->index) % job->curves[origin.curve].count;
-    error->index = job->snapped.curves != NULL ? job->snapped.origins[origin.curve][point] : point;
+    if (job->chains.joints > 0)
+        line_chains_find(&job->chains, job->lines, job->line_count, &error->curve, &point);
+    error->index = job->snapped.curves != NULL ? job->snapped.origins[error->curve][point] : point;
 }
 
 /// Smooth the arcs. To keep areas, they move sideways as a whole first, so that the edges need to bulge less afterwards.
@@ -314,6 +407,7 @@ static bat_status smooth_arcs(map_job *job, const map_chart *chart, bool tested,
 
 static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *options, bat_error *error)
 {
+    static const double ROUNDED = 1.5; // units of the file by which rounding changes a straight line
     const bat_space *space = job->curves[0].space;
     map_chart chart;
     bool has_chart = chart_of_space(space, options->decimals, &chart);
@@ -321,7 +415,9 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     if (job->refine.ends == BAT_CURVE_END_RULE_FREE)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "the end rule free leaves gaps between the arcs of a map; refine the curves separately");
-    bat_status status = prepare(job, has_chart ? &chart : NULL, options->snap_tolerance, error);
+    job->straight.edges = has_chart && chart.globe ? options->edges : BAT_CURVE_MAP_EDGES_GEODESIC;
+    job->straight.unit = has_chart && chart.globe ? ROUNDED / chart.units_per_degree : 0;
+    bat_status status = prepare(job, has_chart ? &chart : NULL, options, error);
     if (status != BAT_OK)
         return status;
     status = stop_resolve(job->curves, job->count, &job->refine, error);
@@ -329,7 +425,8 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
         status = smooth_arcs(job, has_chart ? &chart : NULL, tested, options->keep_area, error);
     job->refine.smooth = 0;
     if (status == BAT_OK)
-        status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL, &job->report, &job->fine, error);
+        status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL,
+                                   has_straight_edges(job) ? &job->straight : NULL, &job->report, &job->fine, error);
     if (status != BAT_OK)
     {
         name_place(job, error);
@@ -344,7 +441,8 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     job->result = calloc(job->count, sizeof *job->result);
     if (job->result == NULL)
         return error_memory(error, job->count * sizeof *job->result);
-    return for_each_curve(job, assemble_curve, error);
+    status = for_each_curve(job, assemble_curve, error);
+    return status == BAT_OK && job->chains.joints > 0 ? cut_chains(job, error) : status;
 }
 
 /// Whether a set is refined as a map.
@@ -380,10 +478,10 @@ bat_status bat_curve_map_refine(const bat_curve_set *coarse, const bat_curve_map
         job.refine.scheme = bat_curve_scheme_for(coarse->space, NULL);
     status = job.report.map && coarse->count > 0 ? refine_map(&job, options, error) : refine_separately(&job, error);
     if (status == BAT_OK)
-        status = bat_curve_set_like(coarse, job.result, fine, error);
+        status = bat_curve_set_like(coarse, job.cut != NULL ? job.cut : job.result, fine, error);
     if (status == BAT_OK)
     {
-        job.result = NULL;
+        *(job.cut != NULL ? &job.cut : &job.result) = NULL;
         if (options->report != NULL)
             *options->report = job.report;
     }

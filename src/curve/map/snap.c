@@ -510,7 +510,7 @@ static bat_status add_vertices(snap_job *job, bat_error *error)
 
 static double default_tolerance(const snap_job *job)
 {
-    static const double SHARE = 0.75; // of a unit of the file: points nearer to each other may be rounded to one
+    static const double SHARE = 1.4143; // of a unit of the file: only points nearer to each other are rounded to one
     double largest = 0;
     if (job->sphere)
         return fmax(SNAP_ROUNDING_SPHERE, SHARE / job->chart->units_per_radian);

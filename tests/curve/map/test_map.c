@@ -329,27 +329,36 @@ static void test_two_and_two_levels_are_four(void **state)
 {
     (void)state;
     static const char *const NAMES[] = {"four-point", "log-exp-4", "angle-6", "learned"};
-    bat_space plane = bat_euclidean(2);
-    bat_curve_set coarse = make_map(&plane, 0.9);
-    for (size_t n = 0; n < 4; n++)
+    bat_space plane = bat_euclidean(2), sphere = bat_sphere(2);
+    bat_curve_set maps[] = {make_map(&plane, 0.9), make_map(&sphere, 0.9)};
+    for (size_t n = 0; n < 8; n++)
     {
+        if (n == 4)
+            continue; // the sphere has no linear schemes
+        const bat_curve_set coarse = maps[n / 4];
         bat_curve_map_refine_report report;
-        bat_curve_map_refine_options two = map_options(NAMES[n], 2, &report), four = map_options(NAMES[n], 4, &report);
+        bat_curve_map_refine_options two = map_options(NAMES[n % 4], 2, &report),
+                                     four = map_options(NAMES[n % 4], 4, &report);
         bat_curve_set half = refined_map(&coarse, &two);
         two.refine.first_level = 2;
         bat_curve_set twice = refined_map(&half, &two), once = refined_map(&coarse, &four);
+        size_t shorter = 0;
         assert_true(report.crossings > 0);
         for (size_t c = 0; c < coarse.count; c++)
         {
-            assert_int_equal(once.curves[c].count, twice.curves[c].count);
-            for (size_t i = 0; i < 2 * once.curves[c].count; i++)
-                assert_true(fabs(once.curves[c].points[i] - twice.curves[c].points[i]) <= 1e-13);
+            // Points that were drawn back to the start of their edge are dropped before further levels.
+            bool dropped = once.curves[c].count != twice.curves[c].count;
+            shorter += dropped;
+            for (size_t i = 0; !dropped && i < coarse.space->point_dim * once.curves[c].count; i++)
+                assert_true(fabs(once.curves[c].points[i] - twice.curves[c].points[i]) <= 1e-12); // 6e-11 degrees
         }
+        assert_true(n < 4 ? shorter == 0 : 4 * shorter <= coarse.count);
         bat_curve_set_free(&half);
         bat_curve_set_free(&once);
         bat_curve_set_free(&twice);
     }
-    bat_curve_set_free(&coarse);
+    bat_curve_set_free(&maps[0]);
+    bat_curve_set_free(&maps[1]);
 }
 
 static void test_order_direction_and_threads_do_not_matter(void **state)

@@ -1,0 +1,294 @@
+#include "curve/map/chain.h"
+#include "curve/map/arc_refine.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// A point where lines end. End 2 i is the first point of curve i, end 2 i + 1 the last.
+typedef struct line_joint
+{
+    size_t end;               ///< the first that was found here; BAT_NO_INDEX for an empty place of the table
+    const double *sides[2];   ///< the points before, at most two different ones
+    size_t first[2], last[2]; ///< the ends that come from each of them, a list by `next`; BAT_NO_INDEX for none
+    size_t counts[2];
+    bool blocked; ///< lines can't go on here
+} line_joint;
+
+typedef struct chain_job
+{
+    const bat_curve *curves;
+    size_t count, dim;
+    line_joint *table;
+    size_t mask;
+    size_t *next;  ///< of each end, the next one in the list of a joint
+    size_t *links; ///< of each end, the one that goes on; BAT_NO_INDEX for none
+} chain_job;
+
+static const double *point_at(const chain_job *job, size_t end, size_t step)
+{
+    const bat_curve *curve = &job->curves[end / 2];
+    return curve->points + (end % 2 == 0 ? step : curve->count - 1 - step) * job->dim;
+}
+
+static bool is_same(const chain_job *job, const double *p, const double *q)
+{
+    for (size_t c = 0; c < job->dim; c++)
+        if (p[c] != q[c])
+            return false;
+    return true;
+}
+
+/// The joint at a point, or the empty place for it.
+static line_joint *joint_at(const chain_job *job, const double *point)
+{
+    size_t slot = doubles_hash(point, job->dim) & job->mask;
+    while (job->table[slot].end != BAT_NO_INDEX && !is_same(job, point_at(job, job->table[slot].end, 0), point))
+        slot = (slot + 1) & job->mask;
+    return &job->table[slot];
+}
+
+/// The side of a joint on which a neighbour is, or 2, and the joint is blocked.
+static size_t side_of(const chain_job *job, line_joint *joint, const double *neighbour)
+{
+    for (size_t side = 0; side < 2; side++)
+    {
+        if (joint->sides[side] == NULL)
+            joint->sides[side] = neighbour;
+        if (is_same(job, joint->sides[side], neighbour))
+            return side;
+    }
+    joint->blocked = true;
+    return 2;
+}
+
+static void add_end(chain_job *job, size_t end)
+{
+    const bat_curve *curve = &job->curves[end / 2];
+    line_joint *joint = joint_at(job, point_at(job, end, 0));
+    if (joint->end == BAT_NO_INDEX)
+        joint->end = end;
+    joint->blocked |= curve->corners != NULL && curve->corners[end % 2 == 0 ? 0 : curve->count - 1] != 0;
+    size_t side = side_of(job, joint, point_at(job, end, 1));
+    job->next[end] = BAT_NO_INDEX;
+    if (side == 2)
+        return;
+    if (joint->counts[side]++ == 0)
+        joint->first[side] = end;
+    else
+        job->next[joint->last[side]] = end;
+    joint->last[side] = end;
+}
+
+/// Block the joints that a curve passes another way.
+static void pass_joints(const chain_job *job, const bat_curve *curve)
+{
+    size_t n = curve->count;
+    for (size_t i = curve->closed ? 0 : 1; i + !curve->closed < n; i++)
+    {
+        line_joint *joint = joint_at(job, curve->points + i * job->dim);
+        if (joint->end == BAT_NO_INDEX)
+            continue;
+        size_t before = side_of(job, joint, curve->points + (i > 0 ? i - 1 : n - 1) * job->dim);
+        size_t after = side_of(job, joint, curve->points + (i + 1 < n ? i + 1 : 0) * job->dim);
+        joint->blocked |= before == after || (curve->corners != NULL && curve->corners[i] != 0);
+    }
+}
+
+/// Whether two ends hold the same channels.
+static bool channels_agree(const chain_job *job, size_t p, size_t q)
+{
+    const bat_curve *a = &job->curves[p / 2], *b = &job->curves[q / 2];
+    size_t channels = a->channel_count;
+    return channels == b->channel_count && (channels == 0 || memcmp(a->channels + (p % 2 == 0 ? 0 : a->count - 1) * channels,
+                                                                    b->channels + (q % 2 == 0 ? 0 : b->count - 1) * channels,
+                                                                    channels * sizeof *a->channels) == 0);
+}
+
+/// Link the ends of a joint in pairs, one of each side. Returns the number of pairs.
+static size_t link_joint(chain_job *job, const line_joint *joint)
+{
+    size_t pairs = 0;
+    if (joint->blocked || joint->counts[0] != joint->counts[1])
+        return 0;
+    for (size_t p = joint->first[0], q = joint->first[1]; p != BAT_NO_INDEX; p = job->next[p], q = job->next[q])
+        if (channels_agree(job, p, q))
+        {
+            job->links[p] = q;
+            job->links[q] = p;
+            pairs++;
+        }
+    return pairs;
+}
+
+static bat_status find_links(chain_job *job, line_chains *chains, bat_error *error)
+{
+    size_t ends = 0, size = 4;
+    for (size_t i = 0; i < job->count; i++)
+        ends += job->curves[i].closed || job->curves[i].count < 2 ? 0 : 2;
+    if (ends == 0)
+        return BAT_OK;
+    while (size < 2 * ends)
+        size *= 2;
+    job->mask = size - 1;
+    job->table = memory_array(size, sizeof *job->table);
+    job->next = memory_array(2 * job->count, sizeof *job->next);
+    job->links = memory_array(2 * job->count, sizeof *job->links);
+    if (job->table == NULL || job->next == NULL || job->links == NULL)
+        return error_memory(error, size * sizeof *job->table);
+    for (size_t i = 0; i < size; i++)
+        job->table[i] = (line_joint){BAT_NO_INDEX, {NULL, NULL}, {BAT_NO_INDEX, BAT_NO_INDEX}, {0, 0}, {0, 0}, false};
+    for (size_t end = 0; end < 2 * job->count; end++)
+    {
+        const bat_curve *curve = &job->curves[end / 2];
+        job->links[end] = BAT_NO_INDEX;
+        if (!curve->closed && curve->count >= 2)
+            add_end(job, end);
+    }
+    for (size_t i = 0; i < job->count; i++)
+        pass_joints(job, &job->curves[i]);
+    for (size_t i = 0; i < size; i++)
+        if (job->table[i].end != BAT_NO_INDEX)
+            chains->joints += link_joint(job, &job->table[i]);
+    return BAT_OK;
+}
+
+/// Put a curve into the last chain, from its end `end` on. Its first point is there already unless the chain is empty.
+static void add_member(const chain_job *job, size_t end, line_chains *chains)
+{
+    const bat_curve *from = &job->curves[end / 2];
+    bat_curve *chain = &chains->curves[chains->count - 1];
+    size_t dim = job->dim, channels = from->channel_count, first = chain->count > 0 ? chain->count - 1 : 0;
+    chains->members[end / 2] = (chain_member){chains->count - 1, first, end % 2 != 0};
+    for (size_t i = 0; i < from->count; i++)
+    {
+        size_t row = end % 2 == 0 ? i : from->count - 1 - i;
+        memcpy(chain->points + (first + i) * dim, from->points + row * dim, dim * sizeof *chain->points);
+        if (channels > 0)
+            memcpy(chain->channels + (first + i) * channels, from->channels + row * channels,
+                   channels * sizeof *chain->channels);
+        if (from->corners != NULL)
+            chain->corners[first + i] = from->corners[row];
+    }
+    chain->count = first + from->count;
+}
+
+/// Walk the chain that begins with end `end`, and add its members to `chains`.
+static bat_status add_chain(const chain_job *job, size_t end, line_chains *chains, bat_error *error)
+{
+    const bat_curve *like = &job->curves[end / 2];
+    size_t points = 0, at = end;
+    bool corners = false;
+    do
+    {
+        points += job->curves[at / 2].count;
+        corners |= job->curves[at / 2].corners != NULL;
+        at = job->links[at ^ 1];
+    } while (at != BAT_NO_INDEX && at != end);
+    bat_curve *chain = &chains->curves[chains->count++];
+    *chain = (bat_curve){.space = like->space, .closed = like->closed || at == end, .channel_count = like->channel_count};
+    chain->points = memory_array(points, job->dim * sizeof *chain->points);
+    if (like->channel_count > 0)
+        chain->channels = memory_array(points, like->channel_count * sizeof *chain->channels);
+    if (corners)
+        chain->corners = calloc(points, 1);
+    if (chain->points == NULL || (like->channel_count > 0 && chain->channels == NULL) || (corners && chain->corners == NULL))
+        return error_memory(error, points * job->dim * sizeof *chain->points);
+    at = end;
+    do
+    {
+        add_member(job, at, chains);
+        at = job->links[at ^ 1];
+    } while (at != BAT_NO_INDEX && at != end);
+    chain->count -= chain->closed && !like->closed; // the last point is the first
+    return BAT_OK;
+}
+
+static bat_status make_chains(const chain_job *job, line_chains *chains, bat_error *error)
+{
+    chains->curves = calloc(job->count, sizeof *chains->curves);
+    chains->members = memory_array(job->count, sizeof *chains->members);
+    if (chains->curves == NULL || chains->members == NULL)
+        return error_memory(error, job->count * sizeof *chains->members);
+    for (size_t i = 0; i < job->count; i++)
+        chains->members[i].chain = BAT_NO_INDEX;
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < job->count && status == BAT_OK; i++)
+    {
+        size_t end = 2 * i; // walk back to where the chain begins
+        if (chains->members[i].chain != BAT_NO_INDEX)
+            continue;
+        while (job->links[end] != BAT_NO_INDEX && (job->links[end] ^ 1) != 2 * i)
+            end = job->links[end] ^ 1;
+        status = add_chain(job, end, chains, error);
+    }
+    return status;
+}
+
+bat_status line_chains_make(const bat_curve *curves, size_t count, line_chains *chains, bat_error *error)
+{
+    *chains = (line_chains){0};
+    chain_job job = {.curves = curves, .count = count, .dim = count > 0 ? curves[0].space->point_dim : 1};
+    bat_status status = find_links(&job, chains, error);
+    if (status == BAT_OK && chains->joints > 0)
+        status = make_chains(&job, chains, error);
+    free(job.table);
+    free(job.next);
+    free(job.links);
+    return status;
+}
+
+void line_chains_find(const line_chains *chains, const bat_curve *curves, size_t count, size_t *curve, size_t *point)
+{
+    for (size_t i = 0; i < count; i++)
+    {
+        chain_member member = chains->members[i];
+        size_t points = chains->curves[*curve].count;
+        if (member.chain != *curve)
+            continue;
+        size_t step = *point == BAT_NO_INDEX ? 0 : (*point + points - member.first) % points;
+        if (step >= curves[i].count)
+            continue;
+        if (*point != BAT_NO_INDEX)
+            *point = member.reversed ? curves[i].count - 1 - step : step;
+        *curve = i;
+        return;
+    }
+}
+
+bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bool reversed, bat_curve *line,
+                           bat_error *error)
+{
+    size_t dim = chain->space->point_dim, channels = chain->channel_count;
+    size_t count = last >= first && !(last == first && chain->closed) ? last - first + 1 : last + chain->count - first + 1;
+    *line = (bat_curve){.space = chain->space, .count = count, .channel_count = channels};
+    line->points = memory_array(count, dim * sizeof *line->points);
+    if (channels > 0)
+        line->channels = memory_array(count, channels * sizeof *line->channels);
+    if (chain->corners != NULL)
+        line->corners = memory_array(count, 1);
+    if (line->points == NULL || (channels > 0 && line->channels == NULL) ||
+        (chain->corners != NULL && line->corners == NULL))
+        return error_memory(error, count * dim * sizeof *line->points);
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t from = (first + i) % chain->count, to = reversed ? count - 1 - i : i;
+        memcpy(line->points + to * dim, chain->points + from * dim, dim * sizeof *line->points);
+        if (channels > 0)
+            memcpy(line->channels + to * channels, chain->channels + from * channels, channels * sizeof *line->channels);
+        if (chain->corners != NULL)
+            line->corners[to] = chain->corners[from];
+    }
+    return BAT_OK;
+}
+
+void line_chains_free(line_chains *chains)
+{
+    for (size_t i = 0; i < chains->count; i++)
+        bat_curve_free(&chains->curves[i]);
+    free(chains->curves);
+    free(chains->members);
+    *chains = (line_chains){0};
+}
