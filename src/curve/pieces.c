@@ -30,10 +30,11 @@ typedef struct piece
     size_t edges; ///< how many
     bool closed;  ///< the whole curve, without corners
     bool straight;
-    bool cut[2];      ///< whether it begins and ends at a corner
-    refine_plan plan; ///< without stops, of a piece that is not straight
-    size_t row;       ///< its first row, from the first corner on
-    size_t count;     ///< its rows, that of its end included
+    bool cut[2];          ///< whether it begins and ends at a corner
+    refine_plan plan;     ///< without stops, of a piece that is not straight
+    size_t row;           ///< its first row, from the first corner on
+    size_t count;         ///< its rows, that of its end included
+    refine_source source; ///< of its points, from the search for levels to the refinement; without buffer: none
 } piece;
 
 /// How a curve is refined.
@@ -64,6 +65,8 @@ bool pieces_wanted(const bat_curve *coarse, const bat_curve_refine_options *opti
 
 static void pieces_free(pieces *all)
 {
+    for (size_t i = 0; i < all->count; i++)
+        refine_source_free(&all->list[i].source);
     free(all->corners);
     free(all->list);
     free(all->levels);
@@ -196,6 +199,7 @@ static bat_status choose_levels(pieces *all, piece *part, void *context, bat_pro
     unsigned char *levels = all->levels + part->edge;
     if (part->edges == 1 && !part->closed && options->relative_tolerance > 0)
     {
+        part->straight = true;
         levels[0] = 0;
         return BAT_OK;
     }
@@ -206,15 +210,13 @@ static bat_status choose_levels(pieces *all, piece *part, void *context, bat_pro
         return needed != SIZE_MAX ? BAT_OK : stop_needs_more(0, options->max_levels, error);
     }
     size_t deepest = stop_deepest(options, part->edges);
-    refine_source source;
     refine_kernel kernel = scheme_kernel(curve.space, &options->scheme);
     bat_status status = refine_source_make(curve.space, curve.points, &curve, &options->scheme, &kernel, &all->plan, deepest,
-                                           &source, error);
+                                           &part->source, error);
     if (status != BAT_OK)
         return status;
-    status = stop_levels(&source, options, all->keeps_points, part->edges, deepest, all->threads, progress, levels, error);
-    refine_source_free(&source);
-    return status;
+    return stop_levels(&part->source, options, all->keeps_points, part->edges, deepest, all->threads, progress, levels,
+                       error);
 }
 
 /// Plan a piece of the same levels everywhere.
@@ -347,7 +349,21 @@ static bat_status run_straight(const bat_curve *curve, size_t levels, double *po
     return BAT_OK;
 }
 
-/// Rows with levels of their own.
+/// Rows with levels of their own, from a source that is released.
+static bat_status run_source(const pieces *all, const piece *part, refine_source *source, bat_progress progress,
+                             double *fine, bat_error *error)
+{
+    size_t dim = source->space->point_dim;
+    bat_status status =
+        stop_run(source, all->levels + part->edge, part->edges, !part->closed, all->threads, progress, fine, error);
+    refine_source_free(source);
+    bool finite = true;
+    for (size_t i = 0; i < part->count * dim && status == BAT_OK; i++)
+        finite = finite && isfinite(fine[i]);
+    return finite ? status : error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "new points are too large for doubles");
+}
+
+/// The same from rows.
 static bat_status run_stopped(const pieces *all, const piece *part, const bat_curve *curve, const bat_space *space,
                               const double *rows, const bat_curve_scheme *scheme, const refine_kernel *kernel,
                               bat_progress progress, double *fine, bat_error *error)
@@ -355,31 +371,22 @@ static bat_status run_stopped(const pieces *all, const piece *part, const bat_cu
     size_t deepest = stop_deepest(&all->plan.options, part->edges);
     refine_source source;
     bat_status status = refine_source_make(space, rows, curve, scheme, kernel, &all->plan, deepest, &source, error);
-    if (status != BAT_OK)
-        return status;
-    status = stop_run(&source, all->levels + part->edge, part->edges, !part->closed, all->threads, progress, fine, error);
-    refine_source_free(&source);
-    bool finite = true;
-    for (size_t i = 0; i < part->count * space->point_dim && status == BAT_OK; i++)
-        finite = finite && isfinite(fine[i]);
-    return finite ? status : error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "new points are too large for doubles");
+    return status == BAT_OK ? run_source(all, part, &source, progress, fine, error) : status;
 }
 
 /// Points with levels of their own, then channels.
-static bat_status run_separate(const pieces *all, const piece *part, const bat_curve *curve, bat_progress progress,
-                               double *points, double *channels, bat_error *error)
+static bat_status run_separate(const pieces *all, piece *part, const bat_curve *curve, bat_progress progress, double *points,
+                               double *channels, bat_error *error)
 {
     double dim = (double)curve->space->point_dim, share = channels != NULL ? dim / (dim + (double)curve->channel_count) : 1;
     progress_part parts[2] = {{progress, 0, share}, {progress, share, 1 - share}};
     const bat_curve_scheme *scheme = &all->plan.options.scheme;
-    refine_kernel kernel = scheme_kernel(curve->space, scheme);
-    bat_status status = run_stopped(all, part, curve, curve->space, curve->points, scheme, &kernel,
-                                    progress_of_part(&parts[0]), points, error);
+    bat_status status = run_source(all, part, &part->source, progress_of_part(&parts[0]), points, error);
     if (status != BAT_OK || channels == NULL)
         return status;
     bat_space values = bat_euclidean(curve->channel_count);
     bat_curve_scheme mask = scheme_kind_of(scheme)->channels(scheme);
-    kernel = scheme_kernel(&values, &mask);
+    refine_kernel kernel = scheme_kernel(&values, &mask);
     return run_stopped(all, part, curve, &values, curve->channels, &mask, &kernel, progress_of_part(&parts[1]), channels,
                        error);
 }
@@ -418,7 +425,7 @@ static void keep_ends(const piece *part, const double *rows, size_t dim, double 
 }
 
 /// The points and channels of a piece, part->count rows.
-static bat_status run_rows(const pieces *all, const piece *part, bat_progress progress, double *points, double *channels,
+static bat_status run_rows(const pieces *all, piece *part, bat_progress progress, double *points, double *channels,
                            bat_error *error)
 {
     bat_curve curve = curve_of(all, part);
