@@ -43,28 +43,28 @@ static void assert_note(const char *text, const char *words)
 static void polygons_that_share_the_antimeridian_are_joined(void **state)
 {
     (void)state;
-    // No great circle: the corners on the antimeridian are given points.
-    assert_curves(POLYGONS("[[[[170,10],[180,10],[180,20],[170,20],[170,10]]],"
-                           "[[[-180,10],[-170,10],[-170,20],[-180,20],[-180,10]]]]"),
-                  "lon,lat\n# closed\n170,10\n180,10\n-170,10\n-170,20\n180,20\n170,20\n");
+    // Neither great circle nor parallel: the corners on the antimeridian are given points.
+    assert_curves(POLYGONS("[[[[170,10],[180,11],[180,21],[170,20],[170,10]]],"
+                           "[[[-180,11],[-170,10],[-170,20],[-180,21],[-180,11]]]]"),
+                  "lon,lat\n# closed\n170,10\n180,11\n-170,10\n-170,20\n180,21\n170,20\n");
     // The equator is a great circle.
-    assert_curves(POLYGONS("[[[[170,0],[180,0],[180,20],[170,20],[170,0]]],"
-                           "[[[-180,0],[-170,0],[-170,20],[-180,20],[-180,0]]]]"),
-                  "lon,lat\n# closed\n170,0\n-170,0\n-170,20\n180,20\n170,20\n");
+    assert_curves(POLYGONS("[[[[170,0],[180,0],[180,21],[170,20],[170,0]]],"
+                           "[[[-180,0],[-170,0],[-170,20],[-180,21],[-180,0]]]]"),
+                  "lon,lat\n# closed\n170,0\n-170,0\n-170,20\n180,21\n170,20\n");
     // The parts have different directions.
-    assert_curves(POLYGONS("[[[[170,0],[180,0],[180,20],[170,20],[170,0]]],"
-                           "[[[-180,0],[-180,20],[-170,20],[-170,0],[-180,0]]]]"),
-                  "lon,lat\n# closed\n170,0\n-170,0\n-170,20\n180,20\n170,20\n");
-    assert_note(POLYGONS("[[[[170,0],[180,0],[180,20],[170,20],[170,0]]],"
-                         "[[[-180,0],[-170,0],[-170,20],[-180,20],[-180,0]]]]"),
+    assert_curves(POLYGONS("[[[[170,0],[180,0],[180,21],[170,20],[170,0]]],"
+                           "[[[-180,0],[-180,21],[-170,20],[-170,0],[-180,0]]]]"),
+                  "lon,lat\n# closed\n170,0\n-170,0\n-170,20\n180,21\n170,20\n");
+    assert_note(POLYGONS("[[[[170,0],[180,0],[180,21],[170,20],[170,0]]],"
+                         "[[[-180,0],[-170,0],[-170,20],[-180,21],[-180,0]]]]"),
                 "joined 2 polygons cut at the antimeridian into 1");
-    // Cut at the meridian of Greenwich, in longitudes up to 360 degrees.
+    // Cut at the meridian of Greenwich, in longitudes up to 360 degrees; along parallels.
     assert_curves(POLYGONS("[[[[0,50],[5,50],[5,55],[0,55],[0,50]]],[[[350,50],[360,50],[360,55],[350,55],[350,50]]]]"),
-                  "lon,lat\n# closed\n-10,50\n0,50\n5,50\n5,55\n0,55\n-10,55\n");
+                  "lon,lat\n# closed\n-10,50\n5,50\n5,55\n-10,55\n");
     // The latitudes of the two sides differ in the last digits of a double.
-    assert_curves(POLYGONS("[[[[170,0],[180,0],[180,20.00000000000014],[170,20],[170,0]]],"
-                           "[[[-180,0],[-170,0],[-170,20],[-180,20],[-180,0]]]]"),
-                  "lon,lat\n# closed\n170,0\n-170,0\n-170,20\n180,20\n170,20\n");
+    assert_curves(POLYGONS("[[[[170,0],[180,0],[180,21.00000000000014],[170,20],[170,0]]],"
+                           "[[[-180,0],[-170,0],[-170,20],[-180,21],[-180,0]]]]"),
+                  "lon,lat\n# closed\n170,0\n-170,0\n-170,20\n180,21\n170,20\n");
 }
 
 static void only_what_is_covered_twice_is_removed(void **state)
@@ -199,8 +199,8 @@ static void lines_are_joined(void **state)
     assert_curves(LINES("[[[170,10],[180,11]],[[180,11],[170,12]]]"), "lon,lat\n170,10\n180,11\n\n180,11\n170,12\n");
     assert_curves(LINES("[[[170,10],[180,11]],[[-180,11.1],[-170,12]]]"), "lon,lat\n170,10\n180,11\n\n180,11.1\n-170,12\n");
     // Pieces in a circle are a closed curve.
-    assert_curves(LINES("[[[-180,10],[-170,10],[-170,20],[-180,20]],[[180,20],[170,20],[170,10],[180,10]]]"),
-                  "lon,lat\n# closed\n180,10\n-170,10\n-170,20\n180,20\n170,20\n170,10\n");
+    assert_curves(LINES("[[[-180,11],[-170,10],[-170,20],[-180,21]],[[180,21],[170,20],[170,10],[180,11]]]"),
+                  "lon,lat\n# closed\n180,11\n-170,10\n-170,20\n180,21\n170,20\n170,10\n");
     assert_note(LINES("[[[170,10],[180,11]],[[-180,11],[-170,12]]]"), "joined 2 lines cut at the antimeridian into 1");
 }
 

@@ -41,6 +41,19 @@ static void chart_point(const map_chart *chart, const double *point, double near
     flat[1] = (double)units.latitude;
 }
 
+/// A longitude near which the chart of a curve begins: that of the first point off the poles.
+static double first_longitude(const map_chart *chart, const bat_curve *curve)
+{
+    double flat[2] = {0, 0};
+    for (size_t i = 0; i < curve->count; i++)
+    {
+        chart_point(chart, curve->points + 3 * i, 0, flat);
+        if (fabs(flat[1]) < 90 * chart->units_per_degree)
+            break;
+    }
+    return flat[0];
+}
+
 /// The chart of one curve, in room for one point more than it has.
 static void chart_curve(const map_chart *chart, const bat_curve *curve, const bat_curve *coarse, const size_t *starts,
                         bat_curve *flat)
@@ -48,7 +61,7 @@ static void chart_curve(const map_chart *chart, const bat_curve *curve, const ba
     size_t edges = polygon_edges(curve->count, curve->closed), next_kept = 0, kept_index = 0;
     size_t coarse_edges = coarse != NULL ? polygon_edges(coarse->count, coarse->closed) : 0;
     size_t step = coarse_edges > 0 ? edges / coarse_edges : 0;
-    double near = 0;
+    double near = first_longitude(chart, curve);
     for (size_t i = 0; i < curve->count; i++)
     {
         double *point = flat->points + 2 * i;

@@ -79,10 +79,18 @@ static double unit_of(const bat_curve *curve, const degree_edges *how)
     return unit;
 }
 
-/// Flag the vertices of a run of edges if it is long enough.
+/// Whether a vertex is a pole, where no point is by chance.
+static bool is_pole(const bat_curve *curve, size_t vertex)
+{
+    const double *point = curve->points + 3 * (vertex % curve->count);
+    return hypot(point[0], point[1]) < 1e-11;
+}
+
+/// Flag the vertices of a run of edges if it is long enough, or ends at a pole.
 static void flag_run(const bat_curve *curve, size_t first, size_t edges, double length, double least, unsigned char *flags)
 {
-    for (size_t k = 0; k <= edges && length >= least; k++)
+    bool meant = edges > 0 && (length >= least || is_pole(curve, first) || is_pole(curve, first + edges));
+    for (size_t k = 0; k <= edges && meant; k++)
         flags[(first + k) % curve->count] = 1;
 }
 

@@ -144,14 +144,16 @@ static bool interior_is_left(const degree_grid *grid, const globe_curve *ring)
 }
 
 /// Give vertices after edges along the antimeridian the sign of the interior: going north, 180 degrees when it is on the
-/// left.
-static void assign_border_sides(const degree_grid *grid, const globe_curve *ring)
+/// left. At poles set the direction in which the interior lies.
+static void assign_border_sides(const degree_grid *grid, globe_curve *ring)
 {
     bool known = false, left = false;
     for (size_t i = 0; i < ring->count; i++)
     {
         const degree_units before = ring->shown[i > 0 ? i - 1 : ring->count - 1];
         degree_units *shown = &ring->shown[i];
+        if (on_pole(grid, *shown) && ring->pole_turn == 0)
+            ring->pole_turn = interior_is_left(grid, ring) ? -1 : 1;
         if (on_pole(grid, *shown) || !on_meridian(grid, *shown) || before.latitude == shown->latitude ||
             !(on_pole(grid, before) || on_meridian(grid, before)))
             continue;
@@ -167,10 +169,16 @@ static size_t next_vertex(const globe_curve *curve, size_t index)
     return index + 1 < curve->count ? index + 1 : 0;
 }
 
-/// Whether the edge from a vertex to the next crosses the antimeridian. A shortest arc spans at most 180 degrees.
+/// Whether the edge from a vertex to the next crosses the antimeridian. A shortest arc spans at most 180 degrees. At a pole
+/// a polygon turns through its interior.
 static bool crosses(const degree_grid *grid, const globe_curve *curve, size_t index)
 {
-    return llabs(curve->shown[index].longitude - curve->shown[next_vertex(curve, index)].longitude) > grid->half_turn;
+    const degree_units here = curve->shown[index], next = curve->shown[next_vertex(curve, index)];
+    if (curve->pole_turn != 0 && on_pole(grid, here))
+        return here.latitude != next.latitude &&
+               ((curve->pole_turn > 0) == (here.latitude > 0) ? next.longitude < here.longitude
+                                                              : next.longitude > here.longitude);
+    return llabs(here.longitude - next.longitude) > grid->half_turn;
 }
 
 static size_t edge_count(const globe_curve *curve)
@@ -191,6 +199,7 @@ bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
     }
     if (special)
         assign_longitudes(grid, curve);
+    curve->pole_turn = 0;
     if (special && curve->closed && curve->role != GLOBE_LINE)
         assign_border_sides(grid, curve);
     curve->cut_count = 0;
@@ -210,27 +219,41 @@ static double chord_angle(const double *p, const double *q)
     return 2.0 * atan2(sqrt(difference), sqrt(sum));
 }
 
-/// The intersection of the arc from a vertex to the next with the antimeridian, on the vertex's side. On the arc from p to q
-/// the point with y = 0 is parallel to |q_y| p + |p_y| q.
+/// The intersection of the edge from a vertex to the next with the antimeridian, on the vertex's side. On the arc from p to
+/// q the point with y = 0 is parallel to |q_y| p + |p_y| q. An edge along a parallel, longer than a degree, is cut on it.
 static globe_position crossing(const degree_grid *grid, const globe_curve *curve, size_t index)
 {
     if (on_meridian(grid, curve->shown[index]))
         return globe_curve_position(curve, index);
     size_t next = next_vertex(curve, index);
+    if (on_pole(grid, curve->shown[index])) // the border turns there to the longitude of the next vertex
+    {
+        globe_position pole = globe_curve_position(curve, index);
+        pole.shown.longitude = pole.shown.longitude < 0 ? -grid->half_turn : grid->half_turn;
+        return pole;
+    }
     const double *p = curve->points + 3 * index, *q = curve->points + 3 * next;
     double weight_p = fabs(q[1]), weight_q = fabs(p[1]);
     double x = weight_p * p[0] + weight_q * q[0], z = weight_p * p[2] + weight_q * q[2];
     double length = hypot(x, z);
     globe_position before = globe_curve_position(curve, index), after = globe_curve_position(curve, next);
     double share = 0.5;
-    if (length > 0.0)
+    int64_t latitude = llrint(atan2(z, fabs(x)) * grid->units_per_radian);
+    int64_t to_cut = grid->half_turn - llabs(before.shown.longitude),
+            from_cut = grid->half_turn - llabs(after.shown.longitude);
+    if (llabs(before.shown.latitude - after.shown.latitude) <= 1 && to_cut + from_cut > grid->half_turn / 180)
+    {
+        latitude = before.shown.latitude; // the edge stays on its parallel
+        share = (double)to_cut / (double)(to_cut + from_cut);
+    }
+    else if (length > 0.0)
     {
         const double c[3] = {x / length, 0.0, z / length};
         double to_p = chord_angle(p, c), to_q = chord_angle(c, q);
         share = to_p + to_q > 0.0 ? to_p / (to_p + to_q) : 0.5;
     }
     globe_position cut = {.shown.longitude = before.shown.longitude < 0 ? -grid->half_turn : grid->half_turn,
-                          .shown.latitude = llrint(atan2(z, fabs(x)) * grid->units_per_radian),
+                          .shown.latitude = latitude,
                           .values = before.values,
                           .after = after.values,
                           .share = share};

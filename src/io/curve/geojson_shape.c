@@ -236,13 +236,28 @@ static char *write_position(char *out, const geojson_shape *shape, const geojson
     return write_values(out, shape, position);
 }
 
+/// Whether two positions that follow each other need one between them: a border that reaches a pole at the longitude of one
+/// vertex leaves it at that of the next.
+static bool turns_at_pole(const geojson_style *style, degree_units before, degree_units after)
+{
+    bool pole = style->globe && llabs(before.latitude) == style->grid.quarter_turn && before.latitude != after.latitude;
+    return pole && before.longitude != after.longitude;
+}
+
 static char *write_curve_position(char *out, const geojson_shape *shape, const geojson_style *style,
-                                  const globe_curve *curve, size_t index)
+                                  const globe_curve *curve, size_t index, size_t before)
 {
     globe_position position = {.values = curve->values != NULL ? curve->values + index * curve->value_stride : NULL};
     if (style->globe)
     {
         position.shown = curve->shown[index];
+        if (before != index && turns_at_pole(style, curve->shown[before], position.shown))
+        {
+            globe_position turned = {.shown = {position.shown.longitude, curve->shown[before].latitude}};
+            turned.values = curve->values != NULL ? curve->values + before * curve->value_stride : NULL;
+            out = write_position(out, shape, style, &turned);
+            *out++ = ',';
+        }
         return write_position(out, shape, style, &position);
     }
     const double *point = curve->points + 2 * index;
@@ -272,11 +287,11 @@ static void write_curve(const geojson_shape *shape, const geojson_style *style, 
     {
         if (merges && i > 0 && i < end && same_units(shown[i], shown[i - 1]))
             continue;
-        char *out = text_reserve(text, position_size(shape) + 2);
+        char *out = text_reserve(text, 2 * position_size(shape) + 2);
         if (out == NULL)
             return;
         *out++ = *separator;
-        text_advance(text, write_curve_position(out, shape, style, curve, i < end ? i : 0));
+        text_advance(text, write_curve_position(out, shape, style, curve, i < end ? i : 0, i > 0 ? i - 1 : i));
         separator = ",";
     }
     text_append_string(text, "]");
@@ -295,9 +310,16 @@ static void write_piece(const geojson_shape *shape, const geojson_style *style, 
         if (inside && same_units(position->shown, lines->positions[i - 1].shown))
             continue;
         text_append_string(text, separator);
-        char *out = text_reserve(text, position_size(shape));
+        char *out = text_reserve(text, 2 * position_size(shape));
         if (out == NULL)
             return;
+        if (i > begin && turns_at_pole(style, lines->positions[i - 1].shown, position->shown))
+        {
+            globe_position turned = lines->positions[i - 1];
+            turned.shown.longitude = position->shown.longitude;
+            out = write_position(out, shape, style, &turned);
+            *out++ = ',';
+        }
         text_advance(text, write_position(out, shape, style, position));
         separator = ",";
     }

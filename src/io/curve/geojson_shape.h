@@ -44,6 +44,7 @@ typedef struct globe_curve
     bool closed;
     globe_role role;  ///< of a closed curve
     int pole;         ///< of an outer ring around the axis, as in globe_polygon_cut()
+    int pole_turn;    ///< at the north pole a polygon's border turns 1 eastwards, -1 westwards; 0 for lines and off poles
     size_t cut_count; ///< the number of edges that cross the antimeridian, set by globe_curve_show()
 } globe_curve;
 

@@ -138,9 +138,10 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Whether a junction lies on the great circle between its neighbours, which are on different sides of the seam. The writer
-/// never cuts an edge of almost 180 degrees, whose great circle rounding decides.
-static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex, const stitch_vertex *after, double offset)
+/// Whether a junction lies on the great circle or parallel between its neighbours, which are on different sides of the seam.
+/// The writer never cuts an edge of almost 180 degrees, whose great circle rounding decides.
+static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex, const stitch_vertex *after,
+                       const stitch_tolerance *tolerance)
 {
     static const double RADIAN = 57.295779513082320876798154814105, COSINE_OF_179_DEGREES = -0.99984769515639124;
     double p[3], c[3], q[3];
@@ -149,9 +150,13 @@ static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex,
     point_of(after, q);
     if (!(p[1] * q[1] < 0) || dot(p, q) < COSINE_OF_179_DEGREES || dot(p, c) + dot(c, q) < 0)
         return false;
+    double highest = fmax(fmax(before->latitude, vertex->latitude), after->latitude);
+    double lowest = fmin(fmin(before->latitude, vertex->latitude), after->latitude);
+    if (highest - lowest <= tolerance->latitude && 360 - fabs(before->longitude - after->longitude) > 1)
+        return true;
     const double normal[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
     const double from_p[3] = {c[0] - p[0], c[1] - p[1], c[2] - p[2]};
-    return fabs(dot(normal, from_p)) <= offset / RADIAN * sqrt(dot(normal, normal));
+    return fabs(dot(normal, from_p)) <= tolerance->offset / RADIAN * sqrt(dot(normal, normal));
 }
 
 static size_t remove_junctions(stitch_path *path, bool closed, const stitch_tolerance *tolerance)
@@ -166,7 +171,7 @@ static size_t remove_junctions(stitch_path *path, bool closed, const stitch_tole
             // Vertex 0 has not moved yet, or is the next one of the last.
             const stitch_vertex *before = count > 0 ? &vertices[count - 1] : &vertices[given - 1];
             const stitch_vertex *after = &vertices[i + 1 < given ? i + 1 : 0];
-            if (is_between(before, &vertices[i], after, tolerance->offset))
+            if (is_between(before, &vertices[i], after, tolerance))
                 continue;
         }
         vertices[count++] = vertices[i];
