@@ -75,6 +75,8 @@ static int refine_set(curve_job *job, size_t levels, bat_curve_set *fine, bat_cu
     how.report = report;
     bat_status status = bat_curve_map_refine(&job->coarse, &how, fine, report_error());
     report_progress_end();
+    if (status == BAT_OK && report != NULL && report->map)
+        job->write.given = &job->coarse;
     return status == BAT_OK ? EXIT_DONE : report_curve(job, report_error());
 }
 

@@ -82,6 +82,9 @@ typedef struct bat_curve_write_options
     int threads;             ///< 0: as many as OpenMP gives; the bytes do not depend on it; default 0
     const char *crs; ///< the coordinate reference system of the coordinates, such as "EPSG:25833", for the member "crs" of
                      ///< GeoJSON and for formats of GDAL; default null: what the file that was read names
+    /// The map that was refined to the set: its polygons are judged as the file will hold them, and one that crosses itself,
+    /// loses area or leaves a shared border is an error. GeoJSON and formats of GDAL; default null
+    const bat_curve_set *given;
     bat_curve_write_report *report; ///< receives what was left out; default null
 } bat_curve_write_options;
 

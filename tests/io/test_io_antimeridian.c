@@ -171,6 +171,13 @@ static void a_ring_around_a_pole_is_closed_over_it(void **state)
                POLYGON("[[[0,0],[120,0],[180,0],[180,90],[-180,90],[-180,0],[-120,0],[0,0]]]"));
 }
 
+static void vertices_along_the_antimeridian_have_one_sign(void **state)
+{
+    (void)state;
+    assert_cut(POLYGON("[[[170,0],[180,1],[-180,5],[180,8],[170,9],[170,0]]]"),
+               POLYGON("[[[170,0],[180,1],[180,5],[180,8],[170,9],[170,0]]]"));
+}
+
 static void a_sector_turns_at_the_pole(void **state)
 {
     (void)state;
@@ -391,6 +398,7 @@ int main(void)
                                        cmocka_unit_test(a_polygon_that_touches_stays_whole),
                                        cmocka_unit_test(holes_go_with_their_part),
                                        cmocka_unit_test(a_ring_around_a_pole_is_closed_over_it),
+                                       cmocka_unit_test(vertices_along_the_antimeridian_have_one_sign),
                                        cmocka_unit_test(a_sector_turns_at_the_pole),
                                        cmocka_unit_test(two_rings_around_the_axis_bound_a_belt),
                                        cmocka_unit_test(the_map_of_a_region_agrees_with_the_globe),

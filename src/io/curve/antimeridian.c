@@ -143,6 +143,19 @@ static bool interior_is_left(const degree_grid *grid, const globe_curve *ring)
     return ((turn > 0.0) != globe_ring_encloses_south(grid, ring)) != hole;
 }
 
+bool geojson_interior_is_left(const geojson_style *style, const globe_curve *ring)
+{
+    if (style->globe)
+        return interior_is_left(&style->grid, ring);
+    double area = 0;
+    for (size_t i = 0; i < ring->count; i++)
+    {
+        const double *p = ring->points + 2 * i, *q = ring->points + 2 * (i + 1 < ring->count ? i + 1 : 0);
+        area += p[0] * q[1] - q[0] * p[1];
+    }
+    return (area > 0) != (ring->role == GLOBE_HOLE);
+}
+
 /// Give vertices after edges along the antimeridian the sign of the interior: going north, 180 degrees when it is on the
 /// left. At poles set the direction in which the interior lies.
 static void assign_border_sides(const degree_grid *grid, globe_curve *ring)

@@ -39,7 +39,8 @@ curve_writer geojson_write;
 /// that is a bare geometry, the geometry.
 typedef bat_status geojson_taker(void *context, size_t index, const json_t *feature, bat_error *error);
 /// Call `take` for one feature after the other, until it fails.
-bat_status geojson_each(const bat_curve_set *set, int precision, geojson_taker *take, void *context, bat_error *error);
+bat_status geojson_each(const bat_curve_set *set, const bat_curve_set *given, int precision, geojson_taker *take,
+                        void *context, bat_error *error);
 
 curve_reader obj_read;
 curve_writer obj_write;

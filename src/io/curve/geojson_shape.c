@@ -236,14 +236,6 @@ static char *write_position(char *out, const geojson_shape *shape, const geojson
     return write_values(out, shape, position);
 }
 
-/// Whether two positions that follow each other need one between them: a border that reaches a pole at the longitude of one
-/// vertex leaves it at that of the next.
-static bool turns_at_pole(const geojson_style *style, degree_units before, degree_units after)
-{
-    bool pole = style->globe && llabs(before.latitude) == style->grid.quarter_turn && before.latitude != after.latitude;
-    return pole && before.longitude != after.longitude;
-}
-
 static char *write_curve_position(char *out, const geojson_shape *shape, const geojson_style *style,
                                   const globe_curve *curve, size_t index, size_t before)
 {
@@ -251,7 +243,7 @@ static char *write_curve_position(char *out, const geojson_shape *shape, const g
     if (style->globe)
     {
         position.shown = curve->shown[index];
-        if (before != index && turns_at_pole(style, curve->shown[before], position.shown))
+        if (before != index && geojson_turns_at_pole(style, curve->shown[before], position.shown))
         {
             globe_position turned = {.shown = {position.shown.longitude, curve->shown[before].latitude}};
             turned.values = curve->values != NULL ? curve->values + before * curve->value_stride : NULL;
@@ -313,7 +305,7 @@ static void write_piece(const geojson_shape *shape, const geojson_style *style, 
         char *out = text_reserve(text, 2 * position_size(shape));
         if (out == NULL)
             return;
-        if (i > begin && turns_at_pole(style, lines->positions[i - 1].shown, position->shown))
+        if (i > begin && geojson_turns_at_pole(style, lines->positions[i - 1].shown, position->shown))
         {
             globe_position turned = lines->positions[i - 1];
             turned.shown.longitude = position->shown.longitude;

@@ -118,6 +118,18 @@ typedef struct geojson_style
     bool further;     ///< the channels after it are further numbers
 } geojson_style;
 
+/// Whether the interior of the polygon is on the left of a ring, after globe_curve_show().
+bool geojson_interior_is_left(const geojson_style *style, const globe_curve *ring);
+
+/// Whether two positions that follow each other need one between them: a border that reaches a pole at the longitude of one
+/// vertex leaves it at that of the next.
+static inline bool geojson_turns_at_pole(const geojson_style *style, degree_units before, degree_units after)
+{
+    int64_t pole = before.latitude < 0 ? -before.latitude : before.latitude;
+    return style->globe && pole == style->grid.quarter_turn && before.latitude != after.latitude &&
+           before.longitude != after.longitude;
+}
+
 /// The curves of one geometry, prepared for output. All zero: empty. A shape is reused for many geometries and keeps its
 /// memory.
 typedef struct geojson_shape

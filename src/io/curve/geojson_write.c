@@ -4,6 +4,7 @@
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 #include "io/curve/geojson_shape.h"
+#include "io/curve/judge.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -16,6 +17,7 @@
 typedef struct geojson_writer
 {
     const bat_curve_set *set;
+    const bat_curve_set *given;       ///< see bat_curve_write_options
     const geojson_document *document; ///< null for a set from another format
     geojson_style style;
     text_buffer crs; ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
@@ -30,8 +32,8 @@ typedef struct geojson_output
 {
     const geojson_writer *writer;
     const geojson_feature *feature;
-    const json_t *top; ///< the object whose opening brace and member "crs" are written already
-    geojson_shape shape;
+    const json_t *top;          ///< the object whose opening brace and member "crs" are written already
+    geojson_shape shape, given; ///< `given`: of the given curves, to judge the other
     text_buffer *text;
     text_buffer *after; ///< of a collection: the text that follows its features
     bat_error *error;
@@ -81,9 +83,15 @@ static bat_status make_shape(geojson_output *out, const char *type, const geojso
     const bat_curve *curves = writer->set->curves + first;
     if (geometry->polygon_count == 0)
         return geojson_shape_lines(&out->shape, &writer->style, type, curves, geometry->curve_count, first, out->error);
-    size_t polygon = out->feature->polygon + geometry->polygon;
-    return geojson_shape_polygons(&out->shape, &writer->style, type, curves, writer->document->polygons + polygon,
-                                  geometry->polygon_count, first, out->error);
+    const stitch_polygon *polygons = writer->document->polygons + out->feature->polygon + geometry->polygon;
+    bat_status status = geojson_shape_polygons(&out->shape, &writer->style, type, curves, polygons, geometry->polygon_count,
+                                               first, out->error);
+    if (status != BAT_OK || writer->given == NULL)
+        return status;
+    bool held = geojson_shape_polygons(&out->given, &writer->style, type, writer->given->curves + first, polygons,
+                                       geometry->polygon_count, first, NULL) == BAT_OK;
+    out->given.left_out = 0;
+    return held ? judge_polygons(&out->given, &out->shape, &writer->style, first, out->error) : BAT_OK;
 }
 
 static bool write_shape_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
@@ -224,6 +232,7 @@ static bat_status format_block(const void *context, size_t block, text_buffer *t
     }
     add_left_out(writer, &out.shape);
     geojson_shape_free(&out.shape);
+    geojson_shape_free(&out.given);
     return status;
 }
 
@@ -378,8 +387,8 @@ static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_optio
 }
 
 /// Make a writer without a member "crs".
-static bat_status start_writer(bat_curve_format format, const bat_curve_set *set, int precision, geojson_writer *writer,
-                               bat_error *error)
+static bat_status start_writer(bat_curve_format format, const bat_curve_set *set, const bat_curve_set *given, int precision,
+                               geojson_writer *writer, bat_error *error)
 {
     bool globe = strcmp(set->space->name, "sphere") == 0 && set->space->point_dim == 3;
     if (!globe && set->space->point_dim != 2)
@@ -389,18 +398,19 @@ static bat_status start_writer(bat_curve_format format, const bat_curve_set *set
     const bat_curve_attributes *attributes = set->attributes;
     bool same = attributes_are_geojson(attributes);
     *writer = (geojson_writer){.set = set,
+                               .given = given != NULL && given->count == set->count ? given : NULL,
                                .document = same ? attributes->remainder.content : NULL,
                                .format = format,
                                .wraps = format == BAT_CURVE_FORMAT_GEOJSON && same &&
                                         attributes->format != BAT_CURVE_FORMAT_GEOJSON,
                                .style = {globe, precision, degree_grid_of(precision), altitude_channel(set), same}};
-    return BAT_OK;
+    return writer->given != NULL ? judge_borders(given, set, error) : BAT_OK;
 }
 
 bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
     geojson_writer writer;
-    bat_status status = start_writer(options->format, set, options->precision, &writer, error);
+    bat_status status = start_writer(options->format, set, options->given, options->precision, &writer, error);
     if (status != BAT_OK)
         return status;
     writer.report = options->report;
@@ -417,7 +427,7 @@ bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format,
                               const bat_curve_write_options *options, text_sink *sink, bat_error *error)
 {
     geojson_writer writer;
-    bat_status status = start_writer(format, set, options->precision, &writer, error);
+    bat_status status = start_writer(format, set, options->given, options->precision, &writer, error);
     if (status != BAT_OK)
         return status;
     assert(writer.document != NULL); // parts come from a file of GeoJSON
@@ -433,12 +443,13 @@ bat_status geojson_part_write(const bat_curve_set *set, bat_curve_format format,
     return status;
 }
 
-bat_status geojson_each(const bat_curve_set *set, int precision, geojson_taker *take, void *context, bat_error *error)
+bat_status geojson_each(const bat_curve_set *set, const bat_curve_set *given, int precision, geojson_taker *take,
+                        void *context, bat_error *error)
 {
     geojson_writer writer;
     text_buffer text = {0};
     // As records, so that a bare geometry remains one.
-    bat_status status = start_writer(BAT_CURVE_FORMAT_GEOJSON_LINES, set, precision, &writer, error);
+    bat_status status = start_writer(BAT_CURVE_FORMAT_GEOJSON_LINES, set, given, precision, &writer, error);
     if (status != BAT_OK)
         return status;
     geojson_output out = {.writer = &writer, .text = &text, .error = error};
@@ -458,6 +469,7 @@ bat_status geojson_each(const bat_curve_set *set, int precision, geojson_taker *
         json_decref(tree);
     }
     geojson_shape_free(&out.shape);
+    geojson_shape_free(&out.given);
     text_free(&text);
     return status;
 }

@@ -373,11 +373,28 @@ static void snap_meridian(const stitch_seam *seam, const stitch_ring *ring, size
     }
 }
 
+/// Give vertices that follow each other along the seam the same sign: no border goes around the Earth between two latitudes.
+static void match_sides(const stitch_seam *seam, size_t count, double *degrees)
+{
+    size_t first = 0;
+    while (first < count && stitch_on_seam(seam, degrees[2 * first]))
+        first++;
+    for (size_t k = 1; k < count && first < count; k++)
+    {
+        const double *before = degrees + 2 * ((first + k - 1) % count);
+        double *here = degrees + 2 * ((first + k) % count);
+        if (stitch_on_seam(seam, before[0]) && stitch_on_seam(seam, here[0]) && before[1] != here[1] &&
+            fabs(before[0] - here[0]) > HALF_TURN)
+            here[0] = before[0];
+    }
+}
+
 /// Move a closure over a pole that ends short of the seam onto it. The ring then has its degrees in `snapped`.
 static void snap_closure(const stitch_seam *seam, stitch_ring *ring, double *snapped)
 {
     size_t count = ring->curve->count;
     memcpy(snapped, ring->degrees, 2 * count * sizeof *snapped);
+    match_sides(seam, count, snapped);
     // A wedge with its tip at a pole does not go around the axis.
     bool around = fabs(turn_off_poles(seam, ring->degrees, count)) > HALF_TURN;
     for (size_t i = 0; i < count && around; i++)

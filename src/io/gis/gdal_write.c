@@ -572,7 +572,7 @@ bat_status gis_write(const char *path, const char *drivers, const bat_curve_set 
     if (status == BAT_OK)
         status = choose_system(&writer, error);
     if (status == BAT_OK)
-        status = geojson_each(set, options->precision, take_geometry, &writer, error);
+        status = geojson_each(set, options->given, options->precision, take_geometry, &writer, error);
     if (status == BAT_OK)
         status = write_whole(create_layer, &writer, path, error);
     for (size_t i = 0; i < writer.count; i++)
