@@ -17,6 +17,8 @@
 #   make install    the library and the program to PREFIX, below DESTDIR
 #   make install-research  the library batten-research beside them
 #   make clean      remove what was built
+#
+# GIS=no leaves GDAL out of what is installed.
 
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PREFIX ?= /usr/local
@@ -106,7 +108,7 @@ clean:
 	@rm -rf build out dist
 
 dependencies:
-	@scripts/install-deps
+	@scripts/install-deps $(if $(filter no,$(GIS)),--without-gis)
 	@mkdir -p build
 
 ci-dependencies:

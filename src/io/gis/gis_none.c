@@ -7,7 +7,7 @@
 static bat_status missing(bat_error *error)
 {
     return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                     "this needs GDAL, which this build of batten does without: run scripts/install-deps gis (or install "
+                     "this needs GDAL, which this build of batten does without: run scripts/install-deps (or install "
                      "libgdal-dev), then configure and build again");
 }
 
