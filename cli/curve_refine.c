@@ -512,6 +512,8 @@ static void print_notes(const curve_job *job, FILE *stream)
     char place[160] = "";
     for (size_t i = 0; (note = bat_curve_set_note(fine, i)) != NULL; i++)
         report_text(stream, "note: %s\n", note);
+    if (written->lost != NULL)
+        report_text(stream, "note: the written format has no place for %s\n", written->lost);
     if (written->left_out == 0)
         return;
     if (written->first_left_out < fine->count && fine->curves != NULL)

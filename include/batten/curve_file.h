@@ -71,6 +71,7 @@ typedef struct bat_curve_write_report
 {
     size_t left_out;       ///< rings of GeoJSON polygons that have no area at the precision
     size_t first_left_out; ///< the curve of the first; BAT_NO_INDEX for none and for a file written part by part
+    const char *lost;      ///< what the file that was read has and the format cannot hold, in words; null for nothing
 } bat_curve_write_report;
 
 /// Options of writing. Begin with bat_curve_write_defaults().

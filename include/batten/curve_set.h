@@ -22,14 +22,16 @@ typedef enum bat_curve_format
                             ///< "rigid"
     BAT_CURVE_FORMAT_EUROC, ///< the same as the EuRoC data set writes them: nanoseconds, x, y, z, qw, qx, qy, qz, with names
     BAT_CURVE_FORMAT_KITTI, ///< poses as the KITTI benchmark writes them: matrices of 3 rows and 4 columns, without times
-    BAT_CURVE_FORMAT_GPKG,  ///< GeoPackage; this and the following need GDAL
-    BAT_CURVE_FORMAT_SHP,   ///< Shapefile
     BAT_CURVE_FORMAT_GPX,
+    BAT_CURVE_FORMAT_WKT,     ///< well-known text, a geometry after the other
+    BAT_CURVE_FORMAT_WKT_CSV, ///< a table with a column of well-known text
+    BAT_CURVE_FORMAT_TOPOJSON,
+    BAT_CURVE_FORMAT_GPKG, ///< GeoPackage; this and the following need GDAL
+    BAT_CURVE_FORMAT_SHP,  ///< Shapefile
     BAT_CURVE_FORMAT_KML,
-    BAT_CURVE_FORMAT_FGB,      ///< FlatGeobuf
-    BAT_CURVE_FORMAT_DXF,      ///< drawings; always in the plane
-    BAT_CURVE_FORMAT_TOPOJSON, ///< read only
-    BAT_CURVE_FORMAT_GDAL      ///< whatever GDAL recognizes
+    BAT_CURVE_FORMAT_FGB, ///< FlatGeobuf
+    BAT_CURVE_FORMAT_DXF, ///< drawings; always in the plane
+    BAT_CURVE_FORMAT_GDAL ///< whatever GDAL recognizes
 } bat_curve_format;
 
 /// What a file tells beyond its curves: GeoJSON features with their properties, CSV column names. Opaque, shared by

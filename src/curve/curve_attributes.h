@@ -65,12 +65,14 @@ struct bat_curve_attributes
     char time_text[ATTRIBUTES_TIME_SIZE]; ///< a time of the file, where times were dates and are written as such; else empty
 };
 
-/// Whether curves come from GeoJSON or a sequence of it. Null is allowed.
+/// Whether curves come from GeoJSON, a sequence of it, or a format whose content is kept as GeoJSON. Null is allowed.
 static inline bool attributes_are_geojson(const bat_curve_attributes *attributes)
 {
     return attributes != NULL &&
            (attributes->format == BAT_CURVE_FORMAT_GEOJSON || attributes->format == BAT_CURVE_FORMAT_GEOJSON_LINES ||
-            attributes->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE);
+            attributes->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE || attributes->format == BAT_CURVE_FORMAT_GPX ||
+            attributes->format == BAT_CURVE_FORMAT_WKT || attributes->format == BAT_CURVE_FORMAT_WKT_CSV ||
+            attributes->format == BAT_CURVE_FORMAT_TOPOJSON);
 }
 
 /// Attributes with one owner.

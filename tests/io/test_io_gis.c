@@ -178,36 +178,6 @@ static void a_layer_keeps_its_name_and_its_numbers(void **state)
     free(as_geojson("b.gpkg", "b"));
 }
 
-static void tracks_of_gpx(void **state)
-{
-    (void)state;
-    round_trip(LINES, ".gpkg");
-    put("a.gpx", "<?xml version=\"1.0\"?><gpx version=\"1.1\" creator=\"x\" xmlns=\"http://www.topografix.com/GPX/1/1\">"
-                 "<wpt lat=\"1\" lon=\"2\"/><trk><name>home</name><trkseg><trkpt lat=\"52.5\" lon=\"13.25\"><ele>30.5</ele>"
-                 "<time>2024-05-06T07:08:09Z</time></trkpt><trkpt lat=\"52.75\" lon=\"13.5\"><ele>31</ele></trkpt></trkseg>"
-                 "<trkseg><trkpt lat=\"1\" lon=\"2\"><ele>-1</ele></trkpt><trkpt lat=\"3\" "
-                 "lon=\"4\"><ele>2</ele></trkpt></trkseg></trk></gpx>");
-    bat_curve_set set = must_read_file("a.gpx", NULL);
-    assert_int_equal(set.count, 2);
-    assert_string_equal(set.space->name, "sphere");
-    assert_non_null(strstr(bat_curve_set_note(&set, 0), "without the times"));
-    must_write_file("b.gpx", &set);
-    bat_curve_set_free(&set);
-    char *once = as_geojson("a.gpx", NULL), *twice = as_geojson("b.gpx", NULL);
-    assert_non_null(strstr(once, "\"name\":\"home\""));
-    assert_non_null(strstr(once, "[13.25,52.5,30.5]"));
-    assert_same_features(once, twice, "b.gpx");
-    free(once);
-    free(twice);
-    set = must_read(POLYGONS, BAT_CURVE_FORMAT_GEOJSON, NULL);
-    bat_error error;
-    size_t files = count_files(false);
-    assert_int_equal(bat_curve_write("c.gpx", &set, NULL, &error), BAT_UNSUPPORTED);
-    assert_non_null(strstr(error.text, "no polygons"));
-    assert_int_equal(count_files(false), files);
-    bat_curve_set_free(&set);
-}
-
 /// Make a file with layers by GDAL itself. Each gets one line with altitudes and measures, or without.
 typedef struct made_layer
 {
@@ -666,7 +636,6 @@ int main(void)
         GIS_TEST(every_format_keeps_lines_and_their_values),
         GIS_TEST(every_format_keeps_polygons_and_empty_features),
         GIS_TEST(a_layer_keeps_its_name_and_its_numbers),
-        GIS_TEST(tracks_of_gpx),
         GIS_TEST(types_of_fields_and_of_geometries_survive),
         GIS_TEST(a_file_with_several_layers_needs_a_choice),
         GIS_TEST(projected_data_stay_in_their_plane),

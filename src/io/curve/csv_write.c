@@ -37,8 +37,12 @@ typedef struct csv_layout
 static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_options *options, csv_layout *layout,
                                 bat_error *error)
 {
+    // Of GPX, some curves can have altitudes in their channels.
+    bool places = set->attributes != NULL && set->attributes->format == BAT_CURVE_FORMAT_GPX;
     size_t channels = set->curves[0].channel_count;
     for (size_t i = 1; i < set->count; i++)
+        channels = places && set->curves[i].channel_count < channels ? set->curves[i].channel_count : channels;
+    for (size_t i = 1; i < set->count && !places; i++)
         if (set->curves[i].channel_count != channels)
             return error_set(error, BAT_UNSUPPORTED, i, 0, "CSV cannot hold curve %zu with %zu columns beside one with %zu",
                              i, set->curves[i].channel_count, channels);

@@ -7,6 +7,7 @@
 #include "curve/curve_attributes.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
+#include "io/curve/gpx.h"
 #include "io/gis/gis.h"
 #include "space/degrees.h"
 
@@ -55,6 +56,9 @@ static const curve_format FORMATS[] = {
                "curves: GeoJSON text sequences (RFC 8142), a feature after each record separator",
                .read = geojson_sequence_read, .write = geojson_write),
     FORMAT_ROW("obj", BAT_CURVE_FORMAT_OBJ, ".obj", "curves: line elements", .read = obj_read, .write = obj_write),
+    FORMAT_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx",
+               "curves: tracks and routes of GPX, with times and other values of points", .read = gpx_read,
+               .write = gpx_write),
     FORMAT_ROW("tum", BAT_CURVE_FORMAT_TUM, ".tum", "motions: poses in time, timestamp tx ty tz qx qy qz qw",
                .read = csv_read, .write = trajectory_write),
     FORMAT_ROW("euroc", BAT_CURVE_FORMAT_EUROC, NULL,
@@ -65,7 +69,6 @@ static const curve_format FORMATS[] = {
     // By GDAL.
     FORMAT_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL", .drivers = "GPKG"),
     FORMAT_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL", .drivers = "ESRI Shapefile"),
-    FORMAT_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx", "curves: tracks or routes of GPX, by GDAL", .drivers = "GPX"),
     FORMAT_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL", .drivers = "LIBKML,KML"),
     FORMAT_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL", .drivers = "FlatGeobuf"),
     FORMAT_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL", .drivers = "DXF"),
@@ -110,7 +113,7 @@ static bat_status format_for_path(const char *path, bool writes, bat_curve_forma
     return status;
 }
 
-/// The format of a text: GeoJSON begins with a brace, OBJ with a statement; all others are CSV.
+/// The format of a text: GeoJSON begins with a brace, GPX with a tag, OBJ with a statement; all others are CSV.
 static bat_curve_format format_of_text(const file_text *text)
 {
     text_line line = text_line_start(text);
@@ -119,6 +122,8 @@ static bat_curve_format format_of_text(const file_text *text)
         size_t length = (size_t)(line.end - line.begin);
         if (length == 0 || *line.begin == '#')
             continue;
+        if (*line.begin == '<')
+            return BAT_CURVE_FORMAT_GPX;
         if (*line.begin == '{' || *line.begin == RECORD_SEPARATOR)
             return BAT_CURVE_FORMAT_GEOJSON;
         static const char *const statements[] = {"v ", "vn ", "vt ", "l ", "o ", "g ", "s ", "mtllib ", "usemtl "};
@@ -342,6 +347,8 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
         status = curve_format_choose(path, set->attributes, &chosen, &chosen.format, error);
     if (status != BAT_OK)
         return status;
+    if (chosen.report != NULL)
+        chosen.report->lost = gpx_lost(set, chosen.format);
     const curve_format *row = row_of(chosen.format);
     if (row->write == NULL && path == NULL)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",

@@ -42,6 +42,9 @@ typedef bat_status geojson_taker(void *context, size_t index, const json_t *feat
 bat_status geojson_each(const bat_curve_set *set, const bat_curve_set *given, int precision, geojson_taker *take,
                         void *context, bat_error *error);
 
+curve_reader gpx_read;
+curve_writer gpx_write;
+
 curve_reader obj_read;
 curve_writer obj_write;
 

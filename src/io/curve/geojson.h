@@ -67,6 +67,8 @@ typedef struct geojson_document
     bool measures; ///< the third number of a position is a measure and no altitude; of a layer without altitudes
     struct geojson_layer *layer; ///< what the room gis keeps of the layer that the features are from; null for none
     void (*layer_free)(struct geojson_layer *layer);
+    struct gpx_source *gpx; ///< the text of a GPX file; null for none
+    void (*gpx_free)(struct gpx_source *source);
 } geojson_document;
 
 /// Make room for the polygons and the curves of a document. False when out of memory.

@@ -41,6 +41,8 @@ void geojson_document_free(geojson_document *document)
     free(document->origins);
     if (document->layer != NULL)
         document->layer_free(document->layer);
+    if (document->gpx != NULL)
+        document->gpx_free(document->gpx);
     *document = (geojson_document){0};
 }
 

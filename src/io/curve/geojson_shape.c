@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "io/common/number_text.h"
+#include "io/curve/csv.h"
 
 #include <math.h>
 
@@ -69,7 +70,9 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
     shape->curve_count = count;
     shape->cut = false;
     shape->value_count = 0;
-    if (count > 0 && style->altitude < curves[0].channel_count)
+    if (count > 0 && style->located)
+        shape->value_count = curves[0].channel_count - CSV_PLACE_CHANNELS;
+    else if (count > 0 && style->altitude < curves[0].channel_count)
         shape->value_count = style->further ? curves[0].channel_count - style->altitude : 1;
     clear_lines(&shape->pieces);
     clear_lines(&shape->parts.rings);
@@ -86,7 +89,9 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
                              "curve %zu has %zu channels, curve %zu of its geometry %zu", first + i, curve->channel_count,
                              first, curves[0].channel_count);
         shape->curves[i] = (globe_curve){.points = curve->points,
-                                         .values = shape->value_count > 0 ? curve->channels + style->altitude : NULL,
+                                         .values = shape->value_count > 0 ? curve->channels + style->altitude
+                                                   : style->located       ? curve->channels
+                                                                          : NULL,
                                          .value_stride = curve->channel_count,
                                          .shown = shown,
                                          .count = curve->count,
@@ -269,7 +274,7 @@ static bool same_units(degree_units a, degree_units b)
 /// the one before are left out.
 static void write_curve(const geojson_shape *shape, const geojson_style *style, const globe_curve *curve, text_buffer *text)
 {
-    bool merges = style->globe && shape->value_count == 0;
+    bool merges = style->globe && shape->value_count == 0 && !style->located;
     const degree_units *shown = curve->shown;
     const char *separator = "[";
     size_t end = curve->count;
@@ -298,7 +303,7 @@ static void write_piece(const geojson_shape *shape, const geojson_style *style, 
     for (size_t i = begin; i < end + ring; i++)
     {
         const globe_position *position = &lines->positions[i < end ? i : begin];
-        bool inside = i > begin && i < end && shape->value_count == 0;
+        bool inside = i > begin && i < end && shape->value_count == 0 && !style->located;
         if (inside && same_units(position->shown, lines->positions[i - 1].shown))
             continue;
         text_append_string(text, separator);
@@ -368,6 +373,42 @@ void geojson_shape_write(const geojson_shape *shape, const geojson_style *style,
     }
     if (multiple)
         text_append_string(text, "]");
+}
+
+/// The value of a position of a piece.
+static void write_piece_value(const geojson_shape *shape, const globe_position *position, geojson_value_writer *write,
+                              const void *context, text_buffer *text)
+{
+    size_t i = 0;
+    while (i + 1 < shape->curve_count &&
+           !(position->values >= shape->curves[i].values &&
+             position->values < shape->curves[i].values + shape->curves[i].count * shape->curves[i].value_stride))
+        i++;
+    const globe_curve *curve = &shape->curves[i];
+    write(context, i, (size_t)(position->values - curve->values) / curve->value_stride, position->share, text);
+}
+
+void geojson_shape_values(const geojson_shape *shape, geojson_value_writer *write, const void *context, text_buffer *text)
+{
+    bool multiple = strncmp(shape->type, "Multi", 5) == 0;
+    size_t lines = shape->cut ? shape->pieces.count : shape->curve_count;
+    text_append_string(text, multiple ? "[" : "");
+    for (size_t line = 0; line < lines; line++)
+    {
+        const globe_curve *curve = &shape->curves[shape->cut ? 0 : line];
+        size_t begin = shape->cut ? globe_line_begin(&shape->pieces, line) : 0;
+        size_t end = shape->cut ? shape->pieces.ends[line] : curve->count + curve->closed;
+        for (size_t i = begin; i < end; i++)
+        {
+            text_append_string(text, i > begin ? "," : line > 0 ? ",[" : "[");
+            if (shape->cut)
+                write_piece_value(shape, &shape->pieces.positions[i], write, context, text);
+            else
+                write(context, line, i < curve->count ? i : 0, 0, text);
+        }
+        text_append_string(text, "]");
+    }
+    text_append_string(text, multiple ? "]" : "");
 }
 
 void geojson_shape_free(geojson_shape *shape)

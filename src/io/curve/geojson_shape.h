@@ -116,6 +116,8 @@ typedef struct geojson_style
     degree_grid grid; ///< of degrees
     size_t altitude;  ///< the channel of the third number, or BAT_NO_INDEX
     bool further;     ///< the channels after it are further numbers
+    bool located;     ///< curves have places as their last channels, as in GPX, and altitudes before them where there are
+                      ///< any; every point is written, for geojson_shape_values()
 } geojson_style;
 
 /// Whether the interior of the polygon is on the left of a ring, after globe_curve_show().
@@ -165,6 +167,12 @@ bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style,
 bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *style, const char *type,
                                   const bat_curve *curves, const stitch_polygon *polygons, size_t polygon_count,
                                   size_t first, bat_error *error);
+
+/// Append the value of a position: of point `index` of curve `curve` of the shape, or at a share of the edge after it.
+typedef void geojson_value_writer(const void *context, size_t curve, size_t index, double share, text_buffer *text);
+
+/// Write a value for each position of lines of a style that is located, in arrays as geojson_shape_write() does.
+void geojson_shape_values(const geojson_shape *shape, geojson_value_writer *write, const void *context, text_buffer *text);
 
 void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text);
 

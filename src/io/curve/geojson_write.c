@@ -4,6 +4,7 @@
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 #include "io/curve/geojson_shape.h"
+#include "io/curve/gpx.h"
 #include "io/curve/judge.h"
 
 #include <assert.h>
@@ -22,6 +23,7 @@ typedef struct geojson_writer
     geojson_style style;
     text_buffer crs; ///< the member "crs" to write in place of the document's, `"crs":{...}`; empty for none
     bat_curve_format format;
+    bool values;                    ///< features have the values of the points of GPX
     bool continued;                 ///< features of the collection stand before these
     bool wraps;                     ///< the features are in a collection: geometries in place of features become features
     block_cut blocks;               ///< of features or, without a document, of curves
@@ -140,11 +142,29 @@ static bat_status write_geometry(geojson_output *out, json_t *geometry)
     return status == BAT_OK ? write_members(out, geometry, write_shape_member) : status;
 }
 
+/// Write the properties of a feature from GPX, whose geometry is the last shape, with the values of its points.
+static void write_properties(geojson_output *out, json_t *properties, bat_status *status)
+{
+    text_buffer *text = out->text;
+    json_text(text, properties);
+    if (text->failed)
+        return;
+    text->size--; // the brace
+    text_append_string(text, json_object_size(properties) > 0 ? "," : "");
+    text_append_string(text, "\"coordinateProperties\":");
+    if (!gpx_properties_write(out->writer->set, &out->shape, out->feature->curve, text))
+        *status = error_memory(out->error, text->size);
+    text_append_string(text, "}");
+}
+
 static bool write_feature_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
 {
-    if (strcmp(key, "geometry") != 0)
+    if (out->writer->values && strcmp(key, "properties") == 0)
+        write_properties(out, value, status);
+    else if (strcmp(key, "geometry") == 0)
+        *status = write_geometry(out, value);
+    else
         return false;
-    *status = write_geometry(out, value);
     return true;
 }
 
@@ -402,8 +422,14 @@ static bat_status start_writer(bat_curve_format format, const bat_curve_set *set
                                .document = same ? attributes->remainder.content : NULL,
                                .format = format,
                                .wraps = format == BAT_CURVE_FORMAT_GEOJSON && same &&
-                                        attributes->format != BAT_CURVE_FORMAT_GEOJSON,
-                               .style = {globe, precision, degree_grid_of(precision), altitude_channel(set), same}};
+                                        (attributes->format == BAT_CURVE_FORMAT_GEOJSON_LINES ||
+                                         attributes->format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE),
+                               .style = {.globe = globe,
+                                         .decimals = precision,
+                                         .grid = degree_grid_of(precision),
+                                         .altitude = altitude_channel(set),
+                                         .further = same && attributes->csv == NULL,
+                                         .located = same && attributes->csv != NULL}};
     return writer->given != NULL ? judge_borders(given, set, error) : BAT_OK;
 }
 
@@ -414,6 +440,7 @@ bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options
     if (status != BAT_OK)
         return status;
     writer.report = options->report;
+    writer.values = writer.style.located;
     if (writer.document != NULL && writer.document->measures)
         writer.style.altitude = BAT_NO_INDEX;
     status = choose_crs(&writer, options, error);

@@ -155,8 +155,8 @@ static void survey(OGRGeometryH geometry, number_survey *found)
         survey(gdal.OGR_G_GetGeometryRef(geometry, i), found);
 }
 
-/// Remove altitudes and measures that are not defined, and the altitudes of KML and GPX where all are 0: there that
-/// may mean that there are none.
+/// Remove altitudes and measures that are not defined, and the altitudes of KML where all are 0: there that may mean that
+/// there are none.
 static void remove_undefined(layer_reader *reader, OGRGeometryH geometry)
 {
     number_survey found = {.altitudes = true, .measures = true, .flat = true};
@@ -390,8 +390,7 @@ static const char *layer_names(GDALDatasetH dataset, bool all, char *names, size
     return names;
 }
 
-/// Choose the layer of the options, or the only one of lines and polygons. GPX has the layers "tracks" and "routes": the
-/// first that has any.
+/// Choose the layer of the options, or the only one of lines and polygons.
 static bat_status choose_layer(GDALDatasetH dataset, const bat_curve_read_options *options, OGRLayerH *chosen,
                                bat_error *error)
 {
@@ -406,18 +405,15 @@ static bat_status choose_layer(GDALDatasetH dataset, const bat_curve_read_option
                                options->layer, layer_names(dataset, true, names, sizeof names));
     }
     size_t count = 0;
-    bool gpx = strcmp(gdal.GDALGetDriverShortName(gdal.GDALGetDatasetDriver(dataset)), "GPX") == 0;
     for (int i = 0; i < gdal.GDALDatasetGetLayerCount(dataset); i++)
     {
         OGRLayerH layer = gdal.GDALDatasetGetLayer(dataset, i);
-        if (!is_of_curves(layer) || (gpx && gdal.OGR_L_GetFeatureCount(layer, 1) == 0))
-            continue;
-        *chosen = count == 0 || (gpx && strcmp(gdal.OGR_L_GetName(layer), "tracks") == 0) ? layer : *chosen;
-        count++;
+        if (is_of_curves(layer) && count++ == 0)
+            *chosen = layer;
     }
     if (count == 0)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there are no lines or polygons");
-    if (count > 1 && !gpx)
+    if (count > 1)
     {
         (void)error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "there are %zu layers: %s", count,
                         layer_names(dataset, false, names, sizeof names));
@@ -508,11 +504,7 @@ static bool note_all(const layer_reader *reader, GDALDatasetH dataset, const bat
 {
     bool noted = true, sphere = strcmp(system->space, "sphere") == 0;
     int layers = gdal.GDALDatasetGetLayerCount(dataset);
-    const char *driver = gdal.GDALGetDriverShortName(gdal.GDALGetDatasetDriver(dataset));
-    if (strcmp(driver, "GPX") == 0)
-        noted = attributes_note(attributes, "read the %s of the GPX file, without the times and other values of its points",
-                                gdal.OGR_L_GetName(reader->layer));
-    else if (layers > 1 && options->layer == NULL)
+    if (layers > 1 && options->layer == NULL)
         noted = attributes_note(attributes, "read the layer '%s', the only one of %d with lines or polygons",
                                 gdal.OGR_L_GetName(reader->layer), layers);
     if (noted && system->guessed)
@@ -536,7 +528,7 @@ static bat_status read_layer(layer_reader *reader, GDALDatasetH dataset, const b
     OGRwkbGeometryType type = gdal.OGR_L_GetGeomType(reader->layer);
     reader->fields = gdal.OGR_L_GetLayerDefn(reader->layer);
     const char *driver = gdal.GDALGetDriverShortName(gdal.GDALGetDatasetDriver(dataset));
-    reader->zeros = strstr(driver, "KML") != NULL || strcmp(driver, "GPX") == 0;
+    reader->zeros = strstr(driver, "KML") != NULL;
     reader->ids = gdal.OGR_L_GetFIDColumn(reader->layer)[0] != '\0';
     reader->measures = gdal.OGR_GT_HasM(type) && !gdal.OGR_GT_HasZ(type);
     layer_system system;
@@ -595,7 +587,6 @@ bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_
     if (status != BAT_OK)
         return status;
     char *spelled = gdal_path(path);
-    gdal.CPLSetThreadLocalConfigOption("GPX_ELE_AS_25D", "YES");
     char **allowed = drivers != NULL ? gdal.CSLTokenizeString2(drivers, ",", 0) : NULL;
     GDALDatasetH dataset = spelled != NULL ? gdal.GDALOpenEx(spelled, GDAL_OF_VECTOR | GDAL_OF_VERBOSE_ERROR,
                                                              (const char *const *)allowed, NULL, NULL)
@@ -610,7 +601,6 @@ bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_
         status = read_layer(&reader, dataset, options, set, error);
     if (dataset != NULL)
         gdal.GDALClose(dataset);
-    gdal.CPLSetThreadLocalConfigOption("GPX_ELE_AS_25D", NULL);
     gdal.CSLDestroy(allowed);
     free(spelled);
     gdal_end();

@@ -63,14 +63,23 @@ bool system_is_swapped(OGRSpatialReferenceH system)
     return swapped;
 }
 
+/// Where a set of a system goes.
+typedef enum system_target
+{
+    TO_SPHERE, ///< longitude and latitude on the ellipsoid of its system
+    TO_PLANE,  ///< back
+    TO_WGS84
+} system_target;
+
 /// The transformation between a plane and longitude and latitude in degrees: on the ellipsoid of the plane's system where
 /// possible, because that is the same point of the Earth and comes back exactly; else WGS 84.
-static OGRCoordinateTransformationH transformation(const char *name, bool to_sphere)
+static OGRCoordinateTransformationH transformation(const char *name, system_target target)
 {
     OGRSpatialReferenceH plane = system_by_name(name);
+    bool to_sphere = target != TO_PLANE;
     if (plane == NULL)
         return NULL;
-    OGRSpatialReferenceH globe = gdal.OSRCloneGeogCS(plane);
+    OGRSpatialReferenceH globe = target != TO_WGS84 ? gdal.OSRCloneGeogCS(plane) : NULL;
     if (globe != NULL && !system_is_degrees(globe))
     {
         gdal.OSRDestroySpatialReference(globe);
@@ -110,8 +119,9 @@ static bool copy_curve(const bat_curve *curve, const bat_space *space, bat_curve
 
 /// Transform the points of a curve into those of its copy.
 static bat_status transform_curve(OGRCoordinateTransformationH transform, const bat_curve *curve, bat_curve *copy,
-                                  bool to_sphere, bat_error *error)
+                                  bat_error *error)
 {
+    bool from_plane = curve->space->point_dim == 2, to_sphere = copy->space->point_dim == 3;
     static const double DEGREES = 57.295779513082320876798154814105;
     double *x = memory_array(curve->count, 2 * sizeof *x), *y = x + curve->count;
     int *done = memory_array(curve->count, sizeof *done);
@@ -119,8 +129,8 @@ static bat_status transform_curve(OGRCoordinateTransformationH transform, const 
     for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
     {
         const double *point = curve->points + i * curve->space->point_dim;
-        x[i] = to_sphere ? point[0] : atan2(point[1], point[0]) * DEGREES;
-        y[i] = to_sphere ? point[1] : atan2(point[2], hypot(point[0], point[1])) * DEGREES;
+        x[i] = from_plane ? point[0] : atan2(point[1], point[0]) * DEGREES;
+        y[i] = from_plane ? point[1] : atan2(point[2], hypot(point[0], point[1])) * DEGREES;
     }
     if (status == BAT_OK)
         (void)gdal.OCTTransformEx(transform, (int)curve->count, x, y, NULL, done);
@@ -143,23 +153,24 @@ static bat_status transform_curve(OGRCoordinateTransformationH transform, const 
 }
 
 /// Make a set of the transformed curves, which shares the attributes.
-static bat_status transform_set(const bat_curve_set *set, bool to_sphere, bat_curve_set *result, bat_error *error)
+static bat_status transform_set(const bat_curve_set *set, const char *crs, system_target target, bat_curve_set *result,
+                                bat_error *error)
 {
     gdal_messages messages;
     bat_status status = gdal_begin(&messages, error);
     if (status != BAT_OK)
         return status;
     bat_curve_set moved = {.space = malloc(sizeof *moved.space), .curves = calloc(set->count, sizeof *moved.curves)};
-    OGRCoordinateTransformationH transform = transformation(set->attributes->crs, to_sphere);
+    OGRCoordinateTransformationH transform = transformation(crs, target);
     if (moved.space == NULL || moved.curves == NULL)
         status = error_memory(error, set->count * sizeof *moved.curves);
     else if (transform == NULL)
         status = gdal_fault(&messages, BAT_UNSUPPORTED, error, "the coordinate system cannot be transformed");
     if (status == BAT_OK)
-        *moved.space = to_sphere ? bat_sphere(2) : bat_euclidean(2);
+        *moved.space = target != TO_PLANE ? bat_sphere(2) : bat_euclidean(2);
     for (; status == BAT_OK && moved.count < set->count; moved.count++)
         status = copy_curve(&set->curves[moved.count], moved.space, &moved.curves[moved.count])
-                     ? transform_curve(transform, &set->curves[moved.count], &moved.curves[moved.count], to_sphere, error)
+                     ? transform_curve(transform, &set->curves[moved.count], &moved.curves[moved.count], error)
                      : error_memory(error, set->curves[moved.count].count * sizeof(double));
     if (transform != NULL)
         gdal.OCTDestroyCoordinateTransformation(transform);
@@ -183,7 +194,7 @@ bat_status gis_to_sphere(bat_curve_set *set, bat_error *error)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                          "the file names no coordinate system, so its points cannot go to the sphere");
     bat_curve_set moved;
-    bat_status status = transform_set(set, true, &moved, error);
+    bat_status status = transform_set(set, set->attributes->crs, TO_SPHERE, &moved, error);
     if (status != BAT_OK)
         return status;
     bat_curve_set_free(set);
@@ -194,5 +205,10 @@ bat_status gis_to_sphere(bat_curve_set *set, bat_error *error)
 
 bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error)
 {
-    return transform_set(set, false, plane, error);
+    return transform_set(set, set->attributes->crs, TO_PLANE, plane, error);
+}
+
+bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error)
+{
+    return transform_set(set, crs, TO_WGS84, globe, error);
 }

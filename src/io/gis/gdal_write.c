@@ -39,8 +39,7 @@ static bool is_driver(const layer_writer *writer, const char *name)
 /// Whether the format holds longitude and latitude of WGS 84 alone.
 static bool is_global(const layer_writer *writer)
 {
-    return is_driver(writer, "GPX") || is_driver(writer, "KML") || is_driver(writer, "LIBKML") ||
-           is_driver(writer, "GeoJSONSeq");
+    return is_driver(writer, "KML") || is_driver(writer, "LIBKML") || is_driver(writer, "GeoJSONSeq");
 }
 
 static void add_position(OGRGeometryH geometry, const json_t *position, bool measures)
@@ -124,8 +123,6 @@ static const unsigned LINES = 1U << wkbLineString | 1U << wkbMultiLineString,
 static bat_status check_types(const layer_writer *writer, bat_error *error)
 {
     bool lines = (writer->types & ~LINES) == 0, polygons = (writer->types & ~POLYGONS) == 0;
-    if (is_driver(writer, "GPX") && !lines)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GPX holds lines, but no polygons and points");
     if (is_driver(writer, "ESRI Shapefile") && !lines && !polygons)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a Shapefile holds lines or polygons, not both");
     return BAT_OK;
@@ -139,9 +136,7 @@ static OGRwkbGeometryType choose_type(layer_writer *writer)
     bool any = is_global(writer) ||
                (writer->document != NULL && writer->document->layer != NULL && writer->document->layer->any_geometry);
     OGRwkbGeometryType type = wkbUnknown;
-    if (is_driver(writer, "GPX"))
-        type = wkbMultiLineString;
-    else if (!any && lines)
+    if (!any && lines)
         type = writer->types == 1U << wkbLineString ? wkbLineString : wkbMultiLineString;
     else if (!any && polygons)
         type = writer->types == 1U << wkbPolygon ? wkbPolygon : wkbMultiPolygon;
@@ -413,8 +408,6 @@ static void choose_name(const layer_writer *writer, const char *path, char *name
     const char *base = atomic_name_shown(path), *ending = strrchr(base, '.');
     if (document != NULL && document->layer != NULL)
         given = document->layer->name;
-    if (is_driver(writer, "GPX"))
-        given = given != NULL && strcmp(given, "routes") == 0 ? given : "tracks";
     if (given != NULL)
         (void)snprintf(name, size, "%s", given);
     else
@@ -433,14 +426,12 @@ static bat_status create_layer(void *context, const char *path, bat_error *error
     if (status != BAT_OK)
         return status;
     OGRwkbGeometryType type = choose_type(writer);
-    char **options = is_driver(writer, "GPX") ? gdal.CSLSetNameValue(NULL, "GPX_USE_EXTENSIONS", "YES") : NULL;
     // Polygons that are not valid are written like others.
     gdal.CPLSetThreadLocalConfigOption("LIBKML_STRICT_COMPLIANCE", "NO");
-    GDALDatasetH dataset = gdal.GDALCreate(writer->driver, path, 0, 0, 0, GDT_Unknown, options);
-    gdal.CSLDestroy(options);
+    GDALDatasetH dataset = gdal.GDALCreate(writer->driver, path, 0, 0, 0, GDT_Unknown, NULL);
     if (dataset == NULL)
         return gdal_fault(&writer->messages, BAT_FILE_ACCESS, error, "GDAL cannot make the file");
-    options = layer_options(writer);
+    char **options = layer_options(writer);
     OGRSpatialReferenceH system = is_global(writer) ? system_by_name("OGC:CRS84") : writer->system;
     writer->layer = gdal.GDALDatasetCreateLayer(dataset, name, system, type, options);
     if (writer->layer == NULL)

@@ -50,4 +50,8 @@ bat_status gis_to_sphere(bat_curve_set *set, bat_error *error);
 /// The reverse of gis_to_sphere(), into a new set that shares the attributes.
 bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error);
 
+/// Move a set of a coordinate system, in its plane or its degrees, to longitude and latitude of WGS 84, as
+/// gis_to_plane() does.
+bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error);
+
 #endif

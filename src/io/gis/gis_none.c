@@ -57,3 +57,11 @@ bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_erro
     (void)plane;
     return missing(error);
 }
+
+bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error)
+{
+    (void)set;
+    (void)crs;
+    (void)globe;
+    return missing(error);
+}
