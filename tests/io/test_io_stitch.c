@@ -451,7 +451,7 @@ static void a_crs_chooses_the_space(void **state)
         bat_curve_set_free(&set);
         assert_rewritten(cases[i].text, GEOJSON, NULL, cases[i].text);
     }
-    assert_note(WITH_CRS("urn:ogc:def:crs:EPSG::25833"), "plane coordinates in EPSG:25833, which the member crs names");
+    assert_note(WITH_CRS("urn:ogc:def:crs:EPSG::25833"), "plane coordinates in EPSG:25833, which the file names");
     bat_curve_set set = must_read(WITH_CRS("urn:ogc:def:crs:EPSG::25833"), GEOJSON, "sphere");
     assert_string_equal(set.space->name, "sphere");
     bat_curve_set_free(&set);
@@ -514,7 +514,7 @@ static void topojson_is_named(void **state)
     bat_error error;
     assert_int_equal(read_string("{\"type\":\"Topology\",\"objects\":{},\"arcs\":[]}", GEOJSON, NULL, &set, &error),
                      BAT_UNSUPPORTED);
-    assert_non_null(strstr(error.remedy_effect, "ogr2ogr"));
+    assert_non_null(strstr(error.remedy_effect, "topojson"));
 }
 
 static void the_countries_of_the_world_are_joined(void **state)

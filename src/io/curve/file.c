@@ -59,6 +59,12 @@ static const curve_format FORMATS[] = {
     FORMAT_ROW("gpx", BAT_CURVE_FORMAT_GPX, ".gpx",
                "curves: tracks and routes of GPX, with times and other values of points", .read = gpx_read,
                .write = gpx_write),
+    FORMAT_ROW("wkt", BAT_CURVE_FORMAT_WKT, ".wkt .ewkt", "curves: well-known text, a geometry after the other",
+               .read = wkt_read, .write = wkt_write),
+    FORMAT_ROW("wkt-csv", BAT_CURVE_FORMAT_WKT_CSV, NULL, "curves: CSV with a column of well-known text, and attributes",
+               .read = wkt_table_read, .write = wkt_table_write),
+    FORMAT_ROW("topojson", BAT_CURVE_FORMAT_TOPOJSON, ".topojson", "curves: TopoJSON, shared borders stored once",
+               .read = topojson_read, .write = topojson_write),
     FORMAT_ROW("tum", BAT_CURVE_FORMAT_TUM, ".tum", "motions: poses in time, timestamp tx ty tz qx qy qz qw",
                .read = csv_read, .write = trajectory_write),
     FORMAT_ROW("euroc", BAT_CURVE_FORMAT_EUROC, NULL,
@@ -72,12 +78,6 @@ static const curve_format FORMATS[] = {
     FORMAT_ROW("kml", BAT_CURVE_FORMAT_KML, ".kml .kmz", "curves: KML, by GDAL", .drivers = "LIBKML,KML"),
     FORMAT_ROW("fgb", BAT_CURVE_FORMAT_FGB, ".fgb", "curves: FlatGeobuf, by GDAL", .drivers = "FlatGeobuf"),
     FORMAT_ROW("dxf", BAT_CURVE_FORMAT_DXF, ".dxf", "curves: drawings in DXF, by GDAL", .drivers = "DXF"),
-    {.choice = {.name = "topojson",
-                .summary = "curves: TopoJSON, by GDAL",
-                .endings = ".topojson",
-                .reads = true,
-                .value = BAT_CURVE_FORMAT_TOPOJSON},
-     .drivers = "TopoJSON"},
     FORMAT_ROW("gdal", BAT_CURVE_FORMAT_GDAL, ".zip", "curves: any vector format of GDAL, also remote or packed",
                .drivers = NULL),
 };
@@ -183,9 +183,9 @@ static bat_status check_format_options(bat_curve_format format, const bat_curve_
     if (format != BAT_CURVE_FORMAT_CSV && (options->columns != NULL || options->group != NULL))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only CSV has %s, not the format %s",
                          options->columns != NULL ? "columns" : "a column to group by", name);
-    if (row_of(format)->read != NULL && options->layer != NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only formats of GDAL have layers, not the format %s",
-                         name);
+    if (row_of(format)->read != NULL && options->layer != NULL && format != BAT_CURVE_FORMAT_TOPOJSON)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "only TopoJSON and formats of GDAL have layers, not the format %s", name);
     return BAT_OK;
 }
 
@@ -195,6 +195,8 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
     if (format == BAT_CURVE_FORMAT_AUTO)
         format = format_of_text(text);
     // Poses tell themselves by their content, where nobody names the format.
+    if (format == BAT_CURVE_FORMAT_CSV && wkt_is_table(text))
+        format = BAT_CURVE_FORMAT_WKT_CSV;
     bool taken = false, named = options->format != BAT_CURVE_FORMAT_AUTO;
     if (format == BAT_CURVE_FORMAT_CSV && options->layer == NULL)
     {
@@ -206,6 +208,9 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
     if (options->key_times != NULL && format != BAT_CURVE_FORMAT_KITTI)
         return error_option(error, "key_times", "go with KITTI poses, not the format %s",
                             bat_choice_name(&bat_curve_format_family, (int)format));
+    if (format == BAT_CURVE_FORMAT_GEOJSON && !named &&
+        geojson_text_has_type(text->data, text->data + text->size, "Topology"))
+        format = BAT_CURVE_FORMAT_TOPOJSON;
     if (format == BAT_CURVE_FORMAT_GEOJSON && geojson_is_sequence(text->data, text->size))
         format = BAT_CURVE_FORMAT_GEOJSON_LINES;
     if (row_of(format)->read == NULL)
@@ -291,7 +296,7 @@ static bat_status check_write(const bat_curve_set *set, const bat_curve_write_op
 }
 
 /// The format for a path. A .txt file has the format of the input, if that was of TUM or KITTI, and a .csv file that of
-/// EuRoC.
+/// EuRoC or of a table of well-known text.
 static bat_status format_of_output(const char *path, const bat_curve_attributes *attributes, bat_curve_format *format,
                                    bat_error *error)
 {
@@ -300,7 +305,8 @@ static bat_status format_of_output(const char *path, const bat_curve_attributes 
     bool text = dot != NULL && strcasecmp(dot, ".txt") == 0, table = dot != NULL && strcasecmp(dot, ".csv") == 0;
     bat_curve_format given = attributes != NULL ? attributes->format : BAT_CURVE_FORMAT_AUTO;
     bool kept = (text && (given == BAT_CURVE_FORMAT_TUM || given == BAT_CURVE_FORMAT_KITTI)) ||
-                (table && given == BAT_CURVE_FORMAT_EUROC);
+                (table && given == BAT_CURVE_FORMAT_EUROC) ||
+                (*format == BAT_CURVE_FORMAT_CSV && given == BAT_CURVE_FORMAT_WKT_CSV);
     if (status == BAT_OK && kept)
         *format = given;
     return status;
@@ -327,6 +333,22 @@ static bool goes_back(const bat_curve_set *set)
     return set->attributes != NULL && set->attributes->on_sphere && set->space->point_dim == 3;
 }
 
+/// What of a file another format cannot hold, in words; null for nothing. GeoJSON has no measures without altitudes.
+static const char *lost_of(const bat_curve_set *set, bat_curve_format format)
+{
+    const bat_curve_attributes *attributes = set->attributes;
+    if (!attributes_are_geojson(attributes) || attributes->format == BAT_CURVE_FORMAT_GPX)
+        return gpx_lost(set, format);
+    const geojson_document *document = attributes->remainder.content;
+    bool geojson = format == BAT_CURVE_FORMAT_TOPOJSON || format == BAT_CURVE_FORMAT_GEOJSON ||
+                   format == BAT_CURVE_FORMAT_GEOJSON_LINES || format == BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
+    bool flat = format == BAT_CURVE_FORMAT_GPX || format == BAT_CURVE_FORMAT_KML || format == BAT_CURVE_FORMAT_DXF;
+    bool both = false;
+    for (size_t i = 0; i < set->count; i++)
+        both = both || set->curves[i].channel_count > 1;
+    return (document->measures && (geojson || flat)) || (both && flat) ? "measures" : NULL;
+}
+
 /// Write a set to a file, or to `memory` where the path is null or one of a compressed file.
 static bat_status write_set(const char *path, const bat_curve_set *set, const bat_curve_write_options *options,
                             text_buffer *memory, bat_error *error)
@@ -348,7 +370,7 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
     if (status != BAT_OK)
         return status;
     if (chosen.report != NULL)
-        chosen.report->lost = gpx_lost(set, chosen.format);
+        chosen.report->lost = lost_of(set, chosen.format);
     const curve_format *row = row_of(chosen.format);
     if (row->write == NULL && path == NULL)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",

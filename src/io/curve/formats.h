@@ -45,6 +45,19 @@ bat_status geojson_each(const bat_curve_set *set, const bat_curve_set *given, in
 curve_reader gpx_read;
 curve_writer gpx_write;
 
+/// Well-known text (OGC 06-103r4, section 7), also with "SRID=4326;" before a geometry as PostGIS writes it.
+curve_reader wkt_read;
+curve_writer wkt_write;
+
+/// Tables with a column of well-known text.
+curve_reader wkt_table_read;
+curve_writer wkt_table_write;
+/// Whether a text is such a table.
+bool wkt_is_table(const file_text *text);
+
+curve_reader topojson_read;
+curve_writer topojson_write;
+
 curve_reader obj_read;
 curve_writer obj_write;
 

@@ -67,6 +67,8 @@ typedef struct geojson_document
     bool measures; ///< the third number of a position is a measure and no altitude; of a layer without altitudes
     struct geojson_layer *layer; ///< what the room gis keeps of the layer that the features are from; null for none
     void (*layer_free)(struct geojson_layer *layer);
+    char *column;        ///< the name of the column of geometries in a table; null for none, and for a table without names
+    size_t column_place; ///< among the columns
     struct gpx_source *gpx; ///< the text of a GPX file; null for none
     void (*gpx_free)(struct gpx_source *source);
 } geojson_document;
@@ -146,6 +148,9 @@ json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end
 /// tree, also on failure.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_geometry);
+
+/// Whether a text begins with an object whose "type" is `type`.
+bool geojson_text_has_type(const char *begin, const char *end, const char *type);
 
 /// Whether the "type" of an object is `type`.
 bool geojson_has_type(const json_t *object, const char *type);

@@ -41,6 +41,7 @@ void geojson_document_free(geojson_document *document)
     free(document->origins);
     if (document->layer != NULL)
         document->layer_free(document->layer);
+    free(document->column);
     if (document->gpx != NULL)
         document->gpx_free(document->gpx);
     *document = (geojson_document){0};

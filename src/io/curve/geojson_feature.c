@@ -41,6 +41,12 @@ static json_scanner find_type(json_scanner scan)
     return type;
 }
 
+bool geojson_text_has_type(const char *begin, const char *end, const char *type)
+{
+    const json_scanner found = find_type((json_scanner){begin, end});
+    return json_scan_is(&found, type);
+}
+
 static bool is_curves(const json_scanner *type)
 {
     return json_scan_is(type, GEOMETRY_NAMES[GEOMETRY_LINE]) || json_scan_is(type, GEOMETRY_NAMES[GEOMETRY_LINES]) ||

@@ -257,7 +257,7 @@ static bat_status choose_space(geojson_reader *reader, const json_t *root, const
     if (geojson_has_type(root, "Topology"))
         return error_remedy(reader->error,
                             error_set(reader->error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the file is TopoJSON"),
-                            "read.format", "topojson reads it, ogr2ogr converts it");
+                            "read.format", "topojson reads it");
     const char *crs = crs_name_of(root, &reader->unnamed_crs);
     if (crs != NULL)
     {
@@ -320,7 +320,7 @@ static bool add_notes(const geojson_reader *reader, bat_curve_attributes *attrib
     char first[160];
     bool done = true;
     if (reader->plane_crs)
-        done = attributes_note(attributes, "plane coordinates in %.80s, which the member crs names", reader->crs);
+        done = attributes_note(attributes, "plane coordinates in %.80s, which the file names", reader->crs);
     if (done && reader->unnamed_crs && reader->degrees)
         done = attributes_note(attributes, "the member crs has no name: read as longitude and latitude");
     (void)first_in(found->first_join, first, sizeof first);

@@ -370,13 +370,19 @@ static void write_crs(const char *short_name, text_buffer *text)
     text_append_string(text, "}}");
 }
 
+/// Whether a set is from a file of GeoJSON itself, or of a layer.
+static bool is_of_geojson(const bat_curve_attributes *attributes)
+{
+    return attributes_are_geojson(attributes) && attributes->format <= BAT_CURVE_FORMAT_GEOJSON_SEQUENCE;
+}
+
 /// Find the member "crs" to write: that of the options; for a set that is not from GeoJSON also that of its file.
 /// Coordinates of the plane need one, as GeoJSON without it is longitude and latitude. A set from GeoJSON may go back as it
 /// came.
 static bat_status choose_crs(geojson_writer *writer, const bat_curve_write_options *options, bat_error *error)
 {
     const bat_curve_attributes *attributes = writer->set->attributes;
-    bool globe = writer->style.globe, geojson = writer->document != NULL && writer->document->layer == NULL;
+    bool globe = writer->style.globe, geojson = is_of_geojson(attributes) && writer->document->layer == NULL;
     if (options->crs == NULL && !geojson && attributes != NULL && attributes->crs != NULL &&
         strlen(attributes->crs) < CRS_NAME_SIZE && !(globe && crs_is_default(attributes->crs)))
         write_crs(attributes->crs, &writer->crs);
@@ -429,7 +435,7 @@ static bat_status start_writer(bat_curve_format format, const bat_curve_set *set
                                          .grid = degree_grid_of(precision),
                                          .altitude = altitude_channel(set),
                                          .further = same && attributes->csv == NULL,
-                                         .located = same && attributes->csv != NULL}};
+                                         .located = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_GPX}};
     return writer->given != NULL ? judge_borders(given, set, error) : BAT_OK;
 }
 

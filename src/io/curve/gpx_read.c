@@ -117,9 +117,14 @@ static csv_field trimmed(const char *begin, const char *end)
     return (csv_field){begin, end};
 }
 
+static csv_field trimmed_text(const text_buffer *text)
+{
+    return text->size > 0 ? trimmed(text->data, text->data + text->size) : (csv_field){"", ""};
+}
+
 static bool is_blank(const text_buffer *text)
 {
-    csv_field inner = trimmed(text->data, text->data + text->size);
+    csv_field inner = trimmed_text(text);
     return inner.begin == inner.end;
 }
 
@@ -262,7 +267,7 @@ static void begin_curve(gpx_reader *reader)
 static void take_indent(gpx_reader *reader)
 {
     text_buffer *frame = &reader->source->frame, *tags = &reader->source->tags;
-    csv_field inner = trimmed(frame->data, frame->data + frame->size);
+    csv_field inner = trimmed_text(frame);
     size_t size = (size_t)(inner.end - frame->data);
     reader->curve.indent = (text_range){tags->size, tags->size + frame->size - size};
     text_append(tags, inner.end, frame->size - size);
@@ -477,7 +482,7 @@ static size_t find_column(gpx_reader *reader, const char *name)
 static void take_value(gpx_reader *reader, const char *name)
 {
     gpx_source *source = reader->source;
-    csv_field field = trimmed(reader->text.data, reader->text.data + reader->text.size);
+    csv_field field = trimmed_text(&reader->text);
     if (field.begin == field.end)
         return;
     size_t column = find_column(reader, name);
@@ -494,7 +499,7 @@ static void take_value(gpx_reader *reader, const char *name)
 /// Take the text of an element of a track, route or waypoint as a property.
 static void take_property(gpx_reader *reader, const char *name)
 {
-    csv_field field = trimmed(reader->text.data, reader->text.data + reader->text.size);
+    csv_field field = trimmed_text(&reader->text);
     const char *local = local_name(name);
     size_t size = (size_t)(field.end - field.begin);
     double value;

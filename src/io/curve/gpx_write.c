@@ -20,6 +20,7 @@ typedef struct gpx_writer
     text_buffer text;
     text_buffer open, value; ///< the start tags of the open elements in a point; a value
     text_buffer lines;       ///< of a new file: the tracks, which follow the waypoints
+    bool flat;               ///< the third number of a position is a measure
     bat_error *error;
 } gpx_writer;
 
@@ -132,16 +133,15 @@ static void close_tags(gpx_writer *writer, size_t kept)
 /// Open the elements around a column, and close others.
 static void open_tags(gpx_writer *writer, const char *parents, size_t size)
 {
-    const char *at = writer->open.data, *end = writer->open.data + writer->open.size;
+    const text_buffer *open = &writer->open;
     size_t kept = 0;
-    while (at < end)
+    while (kept < open->size)
     {
-        const char *next = tag_end(at, end);
-        size_t length = (size_t)(next - writer->open.data);
-        if (length > size || memcmp(parents + kept, at, length - kept) != 0)
+        const char *at = open->data + kept;
+        size_t length = (size_t)(tag_end(at, open->data + open->size) - at);
+        if (length > size - kept || memcmp(parents + kept, at, length) != 0)
             break;
-        kept = length;
-        at = next;
+        kept += length;
     }
     close_tags(writer, kept);
     text_append(&writer->text, parents + kept, size - kept);
@@ -179,10 +179,11 @@ static bool append_row(gpx_writer *writer, const gpx_source *source, const gpx_c
         return false;
     text_append_string(&writer->text, "\">");
     size_t begin = writer->text.size, content = source->rows[place.from].content;
+    size_t content_size = source->rows[place.from + 1].content - content;
     if (place.share > 0)
         append_between(writer, source, place, altitude);
-    else
-        text_append(&writer->text, source->contents.data + content, source->rows[place.from + 1].content - content);
+    else if (content_size > 0)
+        text_append(&writer->text, source->contents.data + content, content_size);
     if (writer->text.size > begin)
     {
         append_end(&writer->text, name, size);
@@ -382,9 +383,9 @@ static void append_properties(text_buffer *text, const json_t *feature, bool way
 }
 
 /// Append a position of GeoJSON.
-static void append_position(text_buffer *text, const char *name, const json_t *position, bool end)
+static void append_position(text_buffer *text, const char *name, const json_t *position, bool flat, bool end)
 {
-    const json_t *altitude = json_array_get(position, 2);
+    const json_t *altitude = flat ? NULL : json_array_get(position, 2);
     text_append_string(text, "<");
     text_append_string(text, name);
     append_real(text, " lat=\"", json_number_value(json_array_get(position, 1)));
@@ -401,11 +402,11 @@ static void append_position(text_buffer *text, const char *name, const json_t *p
     }
 }
 
-static void append_segment(text_buffer *text, const json_t *positions)
+static void append_segment(text_buffer *text, const json_t *positions, bool flat)
 {
     text_append_string(text, "<trkseg>\n");
     for (size_t i = 0; i < json_array_size(positions); i++)
-        append_position(text, "trkpt", json_array_get(positions, i), true);
+        append_position(text, "trkpt", json_array_get(positions, i), flat, true);
     text_append_string(text, "</trkseg>\n");
 }
 
@@ -413,7 +414,7 @@ static void append_waypoint(gpx_writer *writer, const json_t *feature, const jso
 {
     if (json_array_size(position) == 0)
         return;
-    append_position(&writer->text, "wpt", position, false);
+    append_position(&writer->text, "wpt", position, writer->flat, false);
     append_properties(&writer->text, feature, true);
     text_append_string(&writer->text, "</wpt>\n");
 }
@@ -437,9 +438,9 @@ static bat_status append_geometry(gpx_writer *writer, const json_t *feature, con
         text_append_string(lines, "<trk>");
         append_properties(lines, feature, false);
         if (kind == GEOMETRY_LINE)
-            append_segment(lines, parts);
+            append_segment(lines, parts, writer->flat);
         for (size_t i = 0; kind == GEOMETRY_LINES && i < json_array_size(parts); i++)
-            append_segment(lines, json_array_get(parts, i));
+            append_segment(lines, json_array_get(parts, i), writer->flat);
         text_append_string(lines, "</trk>\n");
     }
     for (size_t i = 0; i < json_array_size(members) && status == BAT_OK; i++)
@@ -569,8 +570,9 @@ bat_status gpx_write(const bat_curve_set *set, const bat_curve_write_options *op
         return status;
     gpx_writer writer = {
         .set = moved.curves != NULL ? &moved : set, .decimals = options->precision, .sink = sink, .error = error};
-    status =
-        same ? write_again(&writer, ((const geojson_document *)attributes->remainder.content)->gpx) : write_new(&writer);
+    const geojson_document *document = attributes_are_geojson(attributes) ? attributes->remainder.content : NULL;
+    writer.flat = document != NULL && document->measures;
+    status = same ? write_again(&writer, document->gpx) : write_new(&writer);
     if (status == BAT_OK)
         status = flush(&writer, true);
     text_free(&writer.text);

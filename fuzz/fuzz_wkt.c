@@ -1,0 +1,14 @@
+#include "fuzz_round_trip.h"
+
+#include <stdint.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    round_trip(data, size, BAT_CURVE_FORMAT_WKT, NULL, false);
+    round_trip(data, size, BAT_CURVE_FORMAT_WKT, "plane", false);
+    round_trip(data, size, BAT_CURVE_FORMAT_WKT_CSV, NULL, false);
+    round_trip(data, size, BAT_CURVE_FORMAT_WKT_CSV, "plane", false);
+    return 0;
+}

@@ -1,0 +1,471 @@
+#include "io/curve/wkt.h"
+
+#include "base/error.h"
+#include "io/common/json.h"
+#include "io/common/number_text.h"
+#include "io/curve/csv.h"
+#include "io/curve/formats.h"
+
+#include <inttypes.h>
+
+/// @file
+/// Tables with a column of well-known text, as geographic information systems and databases write them. The other columns
+/// are the properties of features. Fields in quotes may contain separators and line breaks.
+
+typedef struct table_field
+{
+    const char *begin, *end; ///< within the quotes
+    bool quoted;
+} table_field;
+
+/// A position in a table.
+typedef struct table_scan
+{
+    const char *at, *end;
+    char separator;
+    table_field *fields; ///< of the last row
+    size_t count, capacity;
+} table_scan;
+
+static table_scan table_start(const file_text *text)
+{
+    text_line line = text_line_start(text);
+    char separator = ' ';
+    while (separator == ' ' && text_line_next(text, &line) && line.begin == line.end)
+        continue;
+    if (line.number > 0)
+        separator = csv_find_separator(&line);
+    return (table_scan){.at = text->data, .end = text->data + text->size, .separator = separator == ' ' ? ',' : separator};
+}
+
+static bool ends_row(const table_scan *scan)
+{
+    return scan->at == scan->end || *scan->at == '\n' || *scan->at == '\r';
+}
+
+/// Advance behind a field.
+static table_field next_field(table_scan *scan)
+{
+    while (scan->at < scan->end && *scan->at == ' ')
+        scan->at++;
+    table_field field = {.begin = scan->at, .quoted = scan->at < scan->end && *scan->at == '"'};
+    if (field.quoted)
+    {
+        field.begin = ++scan->at;
+        while (scan->at < scan->end && (*scan->at != '"' || (scan->at + 1 < scan->end && scan->at[1] == '"')))
+            scan->at += *scan->at == '"' ? 2 : 1;
+        field.end = scan->at;
+    }
+    while (!ends_row(scan) && *scan->at != scan->separator)
+        scan->at++;
+    if (field.quoted)
+        return field;
+    csv_field inner = csv_trimmed(field.begin, scan->at);
+    return (table_field){inner.begin, inner.end, false};
+}
+
+/// Read the next row that is not blank; false at the end, or when out of memory.
+static bool next_row(table_scan *scan)
+{
+    while (scan->at < scan->end && (*scan->at == '\n' || *scan->at == '\r'))
+        scan->at++;
+    scan->count = 0;
+    if (scan->at == scan->end)
+        return false;
+    for (bool more = true; more;)
+    {
+        table_field field = next_field(scan);
+        if (!ARRAY_ADD(scan->fields, scan->capacity, scan->count, field))
+            return false;
+        more = scan->at < scan->end && *scan->at == scan->separator;
+        scan->at += more;
+    }
+    return true;
+}
+
+/// The column of the last row that has a geometry; BAT_NO_INDEX for none.
+static size_t geometry_column(const table_scan *scan)
+{
+    for (size_t i = 0; i < scan->count; i++)
+        if (wkt_begins(scan->fields[i].begin, scan->fields[i].end))
+            return i;
+    return BAT_NO_INDEX;
+}
+
+/// Find the column of geometries in the first rows.
+static size_t find_column(const file_text *text, bool *named)
+{
+    enum
+    {
+        FIRST_ROWS = 50
+    };
+    table_scan scan = table_start(text);
+    size_t column = BAT_NO_INDEX;
+    for (size_t row = 0; row < FIRST_ROWS && column == BAT_NO_INDEX && next_row(&scan); row++)
+    {
+        column = geometry_column(&scan);
+        *named = row > 0;
+    }
+    free(scan.fields);
+    return column;
+}
+
+bool wkt_is_table(const file_text *text)
+{
+    bool named;
+    return find_column(text, &named) != BAT_NO_INDEX;
+}
+
+typedef struct table_reader
+{
+    table_scan scan;
+    wkt_scanner wkt;
+    text_buffer geojson;
+    table_field *names; ///< null for a table without them
+    char *column;       ///< the name of the column of geometries
+    size_t count, place;
+    unsigned char *numbers; ///< whether each column holds numbers
+    const char *counted;
+} table_reader;
+
+/// Append the text of a field as a string of JSON.
+static void append_string(text_buffer *text, const table_field *field)
+{
+    text_buffer plain = {0};
+    for (const char *at = field->begin; at < field->end; at++)
+    {
+        text_append(&plain, at, 1);
+        at += field->quoted && *at == '"' ? 1 : 0; // the second of two
+    }
+    json_text_string(text, plain.size > 0 ? plain.data : "", plain.size);
+    text->failed = text->failed || plain.failed;
+    text_free(&plain);
+}
+
+/// Whether a text is a number that comes back as the same text.
+static bool is_number(const table_field *field)
+{
+    char again[NUMBER_TEXT_SIZE];
+    int64_t whole;
+    double value;
+    const char *stop = again;
+    size_t size = (size_t)(field->end - field->begin);
+    if (csv_read_whole((csv_field){field->begin, field->end}, INT64_DIGITS, &whole))
+        stop += snprintf(again, sizeof again, "%" PRId64, whole);
+    else if (number_read(field->begin, field->end, &value) == NULL)
+        stop = number_write(again, value);
+    return size > 0 && !field->quoted && (size_t)(stop - again) == size && memcmp(again, field->begin, size) == 0;
+}
+
+/// Find the columns whose cells are numbers or empty.
+static bat_status find_numbers(table_reader *reader, bool named)
+{
+    table_scan *scan = &reader->scan;
+    const char *begin = scan->at;
+    bat_status status = BAT_OK;
+    for (size_t row = 0; status == BAT_OK && next_row(scan); row++)
+    {
+        if (row == 0)
+        {
+            reader->count = scan->count;
+            reader->numbers = memory_array(scan->count, 1);
+            status = reader->numbers != NULL ? BAT_OK : error_memory(reader->wkt.error, scan->count);
+            if (status == BAT_OK)
+                memset(reader->numbers, 1, scan->count);
+        }
+        for (size_t i = 0; i < scan->count && i < reader->count && status == BAT_OK && !(row == 0 && named); i++)
+            if (scan->fields[i].quoted || scan->fields[i].begin < scan->fields[i].end)
+                reader->numbers[i] = reader->numbers[i] && is_number(&scan->fields[i]);
+    }
+    if (status == BAT_OK && scan->at < scan->end)
+        status = error_memory(reader->wkt.error, scan->capacity * sizeof *scan->fields);
+    scan->at = begin;
+    return status;
+}
+
+static void append_value(text_buffer *text, const table_field *field, bool number)
+{
+    size_t size = (size_t)(field->end - field->begin);
+    if (!field->quoted && size == 0)
+        text_append_string(text, "null");
+    else if (number)
+        text_append(text, field->begin, size);
+    else
+        append_string(text, field);
+}
+
+/// Append the name of a column, or its number from 1.
+static void append_name(const table_reader *reader, size_t column, text_buffer *text)
+{
+    char name[32];
+    if (reader->names != NULL)
+    {
+        append_string(text, &reader->names[column]);
+        return;
+    }
+    (void)snprintf(name, sizeof name, "\"column%zu\"", column + 1);
+    text_append_string(text, name);
+}
+
+static bat_status read_row(table_reader *reader)
+{
+    text_buffer *geojson = &reader->geojson;
+    const table_scan *scan = &reader->scan;
+    const table_field *geometry = &scan->fields[reader->place];
+    const char *separator = "";
+    reader->wkt.at = scan->fields[0].begin;
+    if (scan->count != reader->count)
+        return wkt_fault(&reader->wkt, "%zu columns where the first row has %zu", scan->count, reader->count);
+    geojson_made_pad(scan->fields[0].begin, &reader->counted, geojson);
+    text_append_string(geojson, "{\"type\":\"Feature\",\"properties\":{");
+    for (size_t i = 0; i < scan->count; i++)
+    {
+        if (i == reader->place)
+            continue;
+        text_append_string(geojson, separator);
+        append_name(reader, i, geojson);
+        text_append_string(geojson, ":");
+        append_value(geojson, &scan->fields[i], reader->numbers[i] != 0);
+        separator = ",";
+    }
+    text_append_string(geojson, "},\"geometry\":");
+    bat_status status = BAT_OK;
+    reader->wkt.at = geometry->begin;
+    reader->wkt.end = geometry->end;
+    if (geometry->begin == geometry->end)
+        text_append_string(geojson, "null");
+    else
+        status = wkt_scan_geometry(&reader->wkt, geojson);
+    if (status == BAT_OK && csv_trimmed(reader->wkt.at, reader->wkt.end).begin != reader->wkt.end)
+        status = wkt_fault(&reader->wkt, "the geometry has ended here");
+    text_append_string(geojson, "}");
+    return status;
+}
+
+/// Keep the names of the first row. Two of one name are refused.
+static bat_status take_names(table_reader *reader)
+{
+    const table_scan *scan = &reader->scan;
+    const table_field *names = scan->fields;
+    for (size_t i = 0; i < scan->count; i++)
+        for (size_t k = 0; k < i; k++)
+        {
+            size_t size = (size_t)(names[i].end - names[i].begin);
+            reader->wkt.at = names[i].begin;
+            if (size == (size_t)(names[k].end - names[k].begin) && memcmp(names[i].begin, names[k].begin, size) == 0)
+                return wkt_fault(&reader->wkt, "two columns have the name '%.*s'", (int)(size < 60 ? size : 60),
+                                 names[i].begin);
+        }
+    reader->names = memory_array(scan->count, sizeof *names);
+    if (reader->names == NULL)
+        return error_memory(reader->wkt.error, scan->count * sizeof *names);
+    memcpy(reader->names, names, scan->count * sizeof *names);
+    if (reader->place >= scan->count)
+        return wkt_fault(&reader->wkt, "the first row has no name for the column of geometries");
+    const table_field *name = &names[reader->place];
+    reader->column = strndup(name->begin, (size_t)(name->end - name->begin));
+    return reader->column != NULL ? BAT_OK : error_memory(reader->wkt.error, 1);
+}
+
+static bat_status read_rows(table_reader *reader, bool named)
+{
+    bat_status status = find_numbers(reader, named);
+    text_append_string(&reader->geojson, GEOJSON_MADE_BEGIN);
+    for (size_t row = 0; status == BAT_OK && next_row(&reader->scan); row++)
+    {
+        text_append_string(&reader->geojson, row > (named ? 1 : 0) ? "," : "");
+        status = row == 0 && named ? take_names(reader) : read_row(reader);
+    }
+    return status == BAT_OK && reader->scan.at < reader->scan.end ? error_memory(reader->wkt.error, reader->geojson.size)
+                                                                  : status;
+}
+
+bat_status wkt_table_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
+{
+    bat_error unread;
+    bool named = false;
+    table_reader reader = {
+        .scan = table_start(text), .wkt = wkt_scanner_start(text, error != NULL ? error : &unread), .counted = text->data};
+    reader.place = find_column(text, &named);
+    bat_status status = reader.place != BAT_NO_INDEX
+                            ? read_rows(&reader, named)
+                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "no column of the table has well-known text");
+    if (status == BAT_OK)
+        status =
+            geojson_made_read(&reader.wkt.made, &reader.geojson, BAT_CURVE_FORMAT_WKT_CSV, options, set, reader.wkt.error);
+    if (status == BAT_OK)
+    {
+        geojson_document *document = set->attributes->remainder.content;
+        document->column = reader.column;
+        document->column_place = reader.place;
+        reader.column = NULL;
+    }
+    free(reader.scan.fields);
+    free(reader.names);
+    free(reader.numbers);
+    free(reader.column);
+    text_free(&reader.geojson);
+    return status;
+}
+
+// Writing.
+
+typedef struct table_writer
+{
+    const geojson_document *document; ///< null for none
+    json_t *names;                    ///< the properties of all features, and "id"
+    size_t place;                     ///< of the geometry
+    text_buffer text, srid;
+    text_buffer geometry; ///< of the feature
+    bool measures;
+    text_sink *sink;
+} table_writer;
+
+/// Append a text as a field, in quotes where it needs them.
+static void append_text(text_buffer *text, const char *begin, size_t size)
+{
+    bool plain = size > 0 && begin[0] != ' ' && begin[size - 1] != ' ';
+    for (size_t i = 0; i < size && plain; i++)
+        plain = strchr(",;\t\r\n\"", begin[i]) == NULL;
+    if (plain)
+    {
+        text_append(text, begin, size);
+        return;
+    }
+    text_append_string(text, "\"");
+    for (size_t i = 0; i < size; i++)
+        text_append(text, begin[i] == '"' ? "\"\"" : begin + i, begin[i] == '"' ? 2 : 1);
+    text_append_string(text, "\"");
+}
+
+static void append_json(text_buffer *text, const json_t *value)
+{
+    text_buffer tree = {0};
+    if (value == NULL || json_is_null(value))
+        return;
+    if (json_is_string(value))
+    {
+        append_text(text, json_string_value(value), json_string_length(value));
+        return;
+    }
+    json_text(&tree, value);
+    if (json_is_number(value))
+        text_append(text, tree.data, tree.size);
+    else
+        append_text(text, tree.data, tree.size);
+    text->failed = text->failed || tree.failed;
+    text_free(&tree);
+}
+
+static const char ID[] = "id";
+
+/// Collect the names of the properties. The id of a feature is one, unless there is one of that name.
+static json_t *collect_names(const geojson_document *document)
+{
+    json_t *names = json_object(), *value;
+    const char *name;
+    bool ids = false, done = names != NULL;
+    for (size_t i = 0; document != NULL && i < document->feature_count; i++)
+    {
+        const json_t *tree = document->features[i].tree;
+        ids = ids || json_object_get(tree, ID) != NULL;
+        json_object_foreach(json_object_get(tree, "properties"), name, value)
+        {
+            if (json_object_get(names, name) == NULL)
+                done = done && json_object_set_new(names, name, json_null()) == 0;
+        }
+    }
+    if (ids && json_object_get(names, ID) == NULL)
+        done = done && json_object_set_new(names, ID, json_null()) == 0;
+    if (done)
+        return names;
+    json_decref(names);
+    return NULL;
+}
+
+static void append_separator(text_buffer *text, size_t *column)
+{
+    text_append_string(text, (*column)++ > 0 ? "," : "");
+}
+
+static void append_geometry(table_writer *writer, size_t *column)
+{
+    const text_buffer *wkt = &writer->geometry;
+    append_separator(&writer->text, column);
+    if (wkt->size > 0)
+        append_text(&writer->text, wkt->data, wkt->size);
+}
+
+static bat_status take_feature(void *context, size_t index, const json_t *feature, bat_error *error)
+{
+    table_writer *writer = context;
+    bool bare = !geojson_has_type(feature, "Feature");
+    const json_t *geometry = bare ? feature : json_object_get(feature, "geometry");
+    json_t *properties = json_object_get(feature, "properties"), *unused;
+    text_buffer *text = &writer->text, *wkt = &writer->geometry;
+    const char *name;
+    size_t column = 0;
+    (void)index;
+    text->size = wkt->size = 0;
+    if (!json_is_null(geometry))
+    {
+        text_append(wkt, writer->srid.data, writer->srid.size);
+        wkt_append_geometry(geometry, writer->measures, wkt);
+    }
+    json_object_foreach(writer->names, name, unused)
+    {
+        const json_t *value = json_object_get(properties, name);
+        if (column == writer->place)
+            append_geometry(writer, &column);
+        append_separator(text, &column);
+        append_json(text, value == NULL && strcmp(name, ID) == 0 ? json_object_get(feature, ID) : value);
+    }
+    if (column <= writer->place)
+        append_geometry(writer, &column);
+    text_append_string(text, "\n");
+    return wkt->failed ? error_memory(error, wkt->size) : sink_write(writer->sink, text, error);
+}
+
+static bat_status write_header(table_writer *writer, const char *geometry, bat_error *error)
+{
+    const char *name;
+    json_t *unused;
+    size_t column = 0;
+    text_append_string(&writer->geometry, geometry); // in its place
+    json_object_foreach(writer->names, name, unused)
+    {
+        if (column == writer->place)
+            append_geometry(writer, &column);
+        append_separator(&writer->text, &column);
+        append_text(&writer->text, name, strlen(name));
+    }
+    if (column <= writer->place)
+        append_geometry(writer, &column);
+    text_append_string(&writer->text, "\n");
+    return sink_write(writer->sink, &writer->text, error);
+}
+
+bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
+                           bat_error *error)
+{
+    const bat_curve_attributes *attributes = set->attributes;
+    const geojson_document *document = attributes_are_geojson(attributes) ? attributes->remainder.content : NULL;
+    bool same = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_WKT_CSV;
+    const char *geometry = same ? document->column : "WKT";
+    table_writer writer = {.document = document,
+                           .names = collect_names(document),
+                           .place = same ? document->column_place : 0,
+                           .measures = document != NULL && document->measures,
+                           .sink = sink};
+    bat_status status = writer.names != NULL ? BAT_OK : error_memory(error, sizeof *writer.names);
+    wkt_append_srid(set, options, &writer.srid);
+    if (status == BAT_OK && geometry != NULL)
+        status = write_header(&writer, geometry, error);
+    if (status == BAT_OK)
+        status = geojson_each(set, options->precision, take_feature, &writer, error);
+    json_decref(writer.names);
+    text_free(&writer.text);
+    text_free(&writer.srid);
+    text_free(&writer.geometry);
+    return status;
+}
