@@ -209,6 +209,42 @@ static void other_formats_become_gpx(void **state)
     bat_curve_set_free(&set);
 }
 
+static void geojson_with_times_becomes_gpx(void **state)
+{
+    (void)state;
+    static const char text[] = "{\"type\":\"Feature\",\"properties\":{\"a\":1,\"coordinateProperties\":{\"times\":[[\"2020-"
+                               "01-01T00:00:00Z\",\"2020-01-01T"
+                               "00:00:10Z\"],[null,\"x\"]],\"hr\":[[1,2],[3,null]]}},\"geometry\":{\"type\":"
+                               "\"MultiLineString\",\"coordinates\":[[[0,0],"
+                               "[1,1]],[[2,2],[3,3]]]}}";
+    bat_curve_set set = must_read(text, BAT_CURVE_FORMAT_GEOJSON, NULL);
+    char *written = must_write(&set, BAT_CURVE_FORMAT_GPX);
+    assert_has(written,
+               "<extensions><ogr:a>1</ogr:a></extensions>\n<trkseg>\n<trkpt lat=\"0\" lon=\"0\"><time>2020-01-01T00:00:00Z"
+               "</time><extensions><ogr:hr>1</ogr:hr></extensions></trkpt>");
+    assert_has(written, "<trkpt lat=\"3\" lon=\"3\"><time>x</time></trkpt>");
+    free(written);
+    written = must_write(&set, BAT_CURVE_FORMAT_GEOJSON);
+    assert_has(written, "\"hr\":[[1,2],[3,null]]");
+    free(written);
+    // Values for each given point are not those of the refined curve.
+    bat_curve more = {.space = set.space, .points = malloc(3 * 3 * sizeof(double)), .count = 3};
+    assert_non_null(more.points);
+    memcpy(more.points, set.curves[0].points, 6 * sizeof(double));
+    memcpy(more.points + 6, set.curves[1].points, 3 * sizeof(double));
+    bat_curve_free(&set.curves[0]);
+    set.curves[0] = more;
+    bat_curve_write_options options = bat_curve_write_defaults();
+    bat_curve_write_report report;
+    size_t size;
+    options.report = &report;
+    assert_int_equal(bat_curve_write_memory(&set, &options, &written, &size, NULL), BAT_OK);
+    assert_has(written, "\"properties\":{\"a\":1}");
+    assert_has(report.lost, "each given point");
+    free(written);
+    bat_curve_set_free(&set);
+}
+
 static void bad_files_are_refused(void **state)
 {
     (void)state;
@@ -248,10 +284,15 @@ static void bad_files_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_file_comes_back_as_it_was),        cmocka_unit_test(new_points_get_values_between),
-        cmocka_unit_test(a_loop_is_closed_where_times_allow), cmocka_unit_test(bounds_grow_with_the_curves),
-        cmocka_unit_test(other_formats_keep_times),           cmocka_unit_test(what_a_format_cannot_hold_is_told),
-        cmocka_unit_test(other_formats_become_gpx),           cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(a_file_comes_back_as_it_was),
+        cmocka_unit_test(new_points_get_values_between),
+        cmocka_unit_test(a_loop_is_closed_where_times_allow),
+        cmocka_unit_test(bounds_grow_with_the_curves),
+        cmocka_unit_test(other_formats_keep_times),
+        cmocka_unit_test(what_a_format_cannot_hold_is_told),
+        cmocka_unit_test(other_formats_become_gpx),
+        cmocka_unit_test(geojson_with_times_becomes_gpx),
+        cmocka_unit_test(bad_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -120,6 +120,11 @@ static const test_case CASES[] = {
     {"surface picture", &VERB_SURFACE,
      "surface hull.xyz --picture out.png --parameterization uniform --functions 20 --quiet"},
     {"shape", &VERB_SHAPE, "shape stone -o out.ply --vertices 200"},
+    {"curve gpx", &VERB_CURVE, "curve track.gpx -o out.gpx --levels 2 --threads 1"},
+    {"curve gpx geojson", &VERB_CURVE, "curve track.gpx -o out.geojson --levels 1 --threads 1"},
+    {"curve csv gpx", &VERB_CURVE, "curve track.gpx -o out.csv --levels 1 --threads 1"},
+    {"curve wkt table", &VERB_CURVE, "curve shapes.csv -o out.csv --levels 1 --threads 1"},
+    {"curve topojson", &VERB_CURVE, "curve two.topojson -o out.topojson --levels 1 --threads 1"},
     {"curve sequence", &VERB_CURVE, "curve lines.geojsonl -o out.geojsonl --levels 2 --topology separate --threads 1"},
     {"shape map", &VERB_SHAPE, "shape map -o out.geojson --countries 12 --detail 1"},
     {"shape cloud", &VERB_SHAPE, "shape scan -o out.xyz --vertices 200"},
@@ -412,6 +417,19 @@ static int make_input(void **state)
                "[[[0,0],[20,0],[20,20],[0,20],[0,0]]]}}]}");
     write_file("lines.geojsonl", "{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,1],[2,0]]}\n"
                                  "{\"type\":\"Polygon\",\"coordinates\":[[[0,0],[1,1],[2,0],[0,0]]]}\n");
+    write_file(
+        "track.gpx",
+        "<gpx><metadata><bounds minlat=\"0\" minlon=\"0\" maxlat=\"1\" maxlon=\"1\"/></metadata><wpt lat=\"1\" lon=\"2\">"
+        "<name>w</name></wpt><trk><name>t</name><trkseg><trkpt lat=\"0\" lon=\"0\"><ele>1</ele><time>2024-05-01T12:00:00Z"
+        "</time></trkpt><trkpt lat=\"0\" lon=\"1\"><ele>2</ele><time>2024-05-01T12:00:01Z</time><extensions><hr>9</hr>"
+        "</extensions></trkpt><trkpt lat=\"1\" lon=\"1\"><ele>3</ele></trkpt></trkseg></trk></gpx>");
+    write_file("shapes.csv",
+               "id,g,n\n1,\"LINESTRING Z (0 0 1, 1 1 2, 2 0 3)\",a\n2,\"POLYGON ((0 0, 1 0, 1 1, 0 0))\",\"b,\"\n");
+    write_file(
+        "two.topojson",
+        "{\"type\":\"Topology\",\"objects\":{\"a\":{\"type\":\"GeometryCollection\",\"geometries\":[{\"type\":\"Polygon\","
+        "\"arcs\":[[0,1]]},{\"type\":\"Polygon\",\"arcs\":[[2,-1]]}]}},\"arcs\":[[[5,0],[6,5],[5,9]],[[5,9],[0,9],[0,0],"
+        "[5,0]],[[5,0],[11,1],[11,9],[5,9]]]}");
     write_file("path.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 1 1 1\nl 1 2 3 4\n");
     write_file("rotation.csv", "0 0 0 0 0 0 0 1\n1 1 0 0 0.28 0 0 0.96\n2.5 1 1 0 0.6 0 0 0.8\n4 1 1 1 0.48 0.36 0 0.8\n");
     write_file("keys.csv", "time,qw,qx,qy,qz\n0,1,0,0,0\n1,0.96,0.28,0,0\n2,0.8,0.6,0,0\n3,0.8,0.48,0.36,0\n");
@@ -434,10 +452,10 @@ static int make_input(void **state)
     make(&VERB_SURFACE, "surface hull.xyz -o trimmed.json --trim --functions 20 --force --quiet");
     if (mkdir("runs", 0700) != 0 || chdir("runs") != 0)
         return -1;
-    static const char *const inputs[] = {"plane.csv",      "many.csv",     "table.csv", "track.geojson", "path.obj",
-                                         "lines.geojsonl", "rotation.csv", "keys.csv",  "sheet.obj",     "fins.obj",
-                                         "cage.ply",       "stone.ply",    "hull.xyz",  "scan.xyz",      "fit.xml",
-                                         "tiles.obj",      "fit.json",     "hull.uv",   "strait.csv",    "trimmed.json"};
+    static const char *const inputs[] = {
+        "plane.csv", "many.csv", "table.csv",  "track.geojson", "path.obj",  "lines.geojsonl", "rotation.csv", "keys.csv",
+        "sheet.obj", "fins.obj", "cage.ply",   "stone.ply",     "hull.xyz",  "scan.xyz",       "fit.xml",      "tiles.obj",
+        "fit.json",  "hull.uv",  "strait.csv", "trimmed.json",  "track.gpx", "shapes.csv",     "two.topojson"};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; i++)
     {
         char target[64];

@@ -194,10 +194,13 @@ static bat_status read_format(const file_text *text, bat_curve_format format, co
 {
     if (format == BAT_CURVE_FORMAT_AUTO)
         format = format_of_text(text);
+    bool table = false, taken = false, named = options->format != BAT_CURVE_FORMAT_AUTO;
+    bool chosen_columns = options->columns != NULL || options->group != NULL;
+    bat_status told = format == BAT_CURVE_FORMAT_CSV && !chosen_columns ? wkt_is_table(text, &table, error) : BAT_OK;
+    if (told != BAT_OK)
+        return told;
+    format = table ? BAT_CURVE_FORMAT_WKT_CSV : format;
     // Poses tell themselves by their content, where nobody names the format.
-    if (format == BAT_CURVE_FORMAT_CSV && wkt_is_table(text))
-        format = BAT_CURVE_FORMAT_WKT_CSV;
-    bool taken = false, named = options->format != BAT_CURVE_FORMAT_AUTO;
     if (format == BAT_CURVE_FORMAT_CSV && options->layer == NULL)
     {
         bat_status status =

@@ -53,7 +53,7 @@ curve_writer wkt_write;
 curve_reader wkt_table_read;
 curve_writer wkt_table_write;
 /// Whether a text is such a table.
-bool wkt_is_table(const file_text *text);
+bat_status wkt_is_table(const file_text *text, bool *is_table, bat_error *error);
 
 curve_reader topojson_read;
 curve_writer topojson_write;

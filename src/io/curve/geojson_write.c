@@ -157,10 +157,54 @@ static void write_properties(geojson_output *out, json_t *properties, bat_status
     text_append_string(text, "}");
 }
 
+/// The number of values in nested arrays, or in the first of an object.
+static size_t count_values(json_t *value)
+{
+    size_t count = 0;
+    if (json_is_object(value))
+        return count_values(json_object_iter_value(json_object_iter(value)));
+    for (size_t i = 0; i < json_array_size(value); i++)
+    {
+        json_t *part = json_array_get(value, i);
+        count += json_is_array(part) ? count_values(part) : 1;
+    }
+    return count;
+}
+
+/// Whether a property has values of points that the feature no longer has, as togeojson writes them.
+static bool is_outdated(const geojson_writer *writer, const geojson_feature *feature, const char *name, json_t *value)
+{
+    size_t points = 0;
+    if (strcmp(name, "coordinateProperties") != 0 && strcmp(name, "coordTimes") != 0)
+        return false;
+    for (size_t i = 0; i < feature->curve_count; i++)
+        points += writer->set->curves[feature->curve + i].count + writer->set->curves[feature->curve + i].closed;
+    return count_values(value) != points;
+}
+
+/// Write properties without those that are outdated.
+static void write_current_properties(geojson_output *out, json_t *properties)
+{
+    const char *separator = "{";
+    for (void *at = json_object_iter(properties); at != NULL; at = json_object_iter_next(properties, at))
+    {
+        const char *name = json_object_iter_key(at);
+        json_t *value = json_object_iter_value(at);
+        if (is_outdated(out->writer, out->feature, name, value))
+            continue;
+        write_key(out, separator, name);
+        json_text(out->text, value);
+        separator = ",";
+    }
+    text_append_string(out->text, *separator == '{' ? "{}" : "}");
+}
+
 static bool write_feature_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
 {
     if (out->writer->values && strcmp(key, "properties") == 0)
         write_properties(out, value, status);
+    else if (json_is_object(value) && strcmp(key, "properties") == 0)
+        write_current_properties(out, value);
     else if (strcmp(key, "geometry") == 0)
         *status = write_geometry(out, value);
     else
@@ -447,6 +491,16 @@ bat_status geojson_write(const bat_curve_set *set, const bat_curve_write_options
         return status;
     writer.report = options->report;
     writer.values = writer.style.located;
+    for (size_t i = 0; writer.document != NULL && options->report != NULL && i < writer.document->feature_count; i++)
+    {
+        json_t *properties = json_object_get(writer.document->features[i].tree, "properties"), *value;
+        const char *name;
+        json_object_foreach(properties, name, value)
+        {
+            if (is_outdated(&writer, &writer.document->features[i], name, value))
+                options->report->lost = "properties with a value for each given point";
+        }
+    }
     if (writer.document != NULL && writer.document->measures)
         writer.style.altitude = BAT_NO_INDEX;
     status = choose_crs(&writer, options, error);

@@ -373,7 +373,8 @@ static void append_properties(text_buffer *text, const json_t *feature, bool way
         append_extension(text, "id", id);
     json_object_foreach(properties, name, value)
     {
-        if (!is_member(name, waypoint) && !json_is_null(value))
+        bool of_points = strcmp(name, "coordinateProperties") == 0 || strcmp(name, "coordTimes") == 0;
+        if (!is_member(name, waypoint) && !json_is_null(value) && !of_points)
             append_extension(text, name, value);
     }
     if (text->size == empty)
@@ -382,31 +383,69 @@ static void append_properties(text_buffer *text, const json_t *feature, bool way
         text_append_string(text, "</extensions>\n");
 }
 
-/// Append a position of GeoJSON.
-static void append_position(text_buffer *text, const char *name, const json_t *position, bool flat, bool end)
+/// Append the start tag of a position of GeoJSON, and its altitude.
+static void append_position(text_buffer *text, const char *name, const json_t *position, bool flat)
 {
     const json_t *altitude = flat ? NULL : json_array_get(position, 2);
     text_append_string(text, "<");
     text_append_string(text, name);
     append_real(text, " lat=\"", json_number_value(json_array_get(position, 1)));
     append_real(text, "\" lon=\"", json_number_value(json_array_get(position, 0)));
-    text_append_string(text, end && altitude == NULL ? "\"/>\n" : "\">");
+    text_append_string(text, "\">");
     if (altitude == NULL)
         return;
     append_real(text, "<ele>", json_number_value(altitude));
     text_append_string(text, "</ele>");
-    if (end)
-    {
-        append_end(text, name, strlen(name));
-        text_append_string(text, "\n");
-    }
 }
 
-static void append_segment(text_buffer *text, const json_t *positions, bool flat)
+/// The value of a point among those that a property has for a line of a feature; null for none.
+static const json_t *value_of_point(const json_t *values, const json_t *positions, size_t line, size_t point)
+{
+    const json_t *of_line = json_is_array(json_array_get(values, 0)) ? json_array_get(values, line) : values;
+    bool fits = json_array_size(of_line) == json_array_size(positions);
+    const json_t *value = fits ? json_array_get(of_line, point) : NULL;
+    return json_is_null(value) ? NULL : value;
+}
+
+/// Append the values that togeojson has for a point: its time, and others as extensions.
+static void append_point_values(text_buffer *text, const json_t *feature, const json_t *positions, size_t line, size_t point)
+{
+    const json_t *properties = json_object_get(feature, "properties");
+    json_t *all = json_object_get(properties, "coordinateProperties"), *values;
+    const json_t *times = json_object_get(all, "times");
+    const json_t *time =
+        value_of_point(times != NULL ? times : json_object_get(properties, "coordTimes"), positions, line, point);
+    const char *name;
+    if (time != NULL)
+    {
+        text_append_string(text, "<time>");
+        append_value(text, time);
+        text_append_string(text, "</time>");
+    }
+    size_t begin = text->size;
+    text_append_string(text, "<extensions>");
+    size_t empty = text->size;
+    json_object_foreach(all, name, values)
+    {
+        const json_t *value = values != times ? value_of_point(values, positions, line, point) : NULL;
+        if (value != NULL)
+            append_extension(text, name, value);
+    }
+    if (text->size == empty)
+        text->size = begin;
+    else
+        text_append_string(text, "</extensions>");
+}
+
+static void append_segment(text_buffer *text, const json_t *feature, const json_t *positions, size_t line, bool flat)
 {
     text_append_string(text, "<trkseg>\n");
     for (size_t i = 0; i < json_array_size(positions); i++)
-        append_position(text, "trkpt", json_array_get(positions, i), flat, true);
+    {
+        append_position(text, "trkpt", json_array_get(positions, i), flat);
+        append_point_values(text, feature, positions, line, i);
+        text_append_string(text, "</trkpt>\n");
+    }
     text_append_string(text, "</trkseg>\n");
 }
 
@@ -414,7 +453,7 @@ static void append_waypoint(gpx_writer *writer, const json_t *feature, const jso
 {
     if (json_array_size(position) == 0)
         return;
-    append_position(&writer->text, "wpt", position, writer->flat, false);
+    append_position(&writer->text, "wpt", position, writer->flat);
     append_properties(&writer->text, feature, true);
     text_append_string(&writer->text, "</wpt>\n");
 }
@@ -438,9 +477,9 @@ static bat_status append_geometry(gpx_writer *writer, const json_t *feature, con
         text_append_string(lines, "<trk>");
         append_properties(lines, feature, false);
         if (kind == GEOMETRY_LINE)
-            append_segment(lines, parts, writer->flat);
+            append_segment(lines, feature, parts, 0, writer->flat);
         for (size_t i = 0; kind == GEOMETRY_LINES && i < json_array_size(parts); i++)
-            append_segment(lines, json_array_get(parts, i), writer->flat);
+            append_segment(lines, feature, json_array_get(parts, i), i, writer->flat);
         text_append_string(lines, "</trk>\n");
     }
     for (size_t i = 0; i < json_array_size(members) && status == BAT_OK; i++)

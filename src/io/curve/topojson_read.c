@@ -13,6 +13,7 @@
 
 enum
 {
+    MAX_SRID = 999999,
     MAX_DEPTH = 32,     ///< of collections
     MAX_REPETITION = 64 ///< of the file's size: what arcs that are used again and again may become
 };
@@ -248,9 +249,10 @@ static int srid_of(const json_t *root)
     const char *name =
         json_string_value(json_object_get(json_object_get(json_object_get(root, "crs"), "properties"), "name"));
     char *brief = name != NULL ? crs_short_name(name) : NULL;
-    int srid = 0;
-    if (brief != NULL)
-        (void)sscanf(brief, "EPSG:%6d", &srid);
+    static const char prefix[] = "EPSG:";
+    long code =
+        brief != NULL && strncmp(brief, prefix, sizeof prefix - 1) == 0 ? strtol(brief + sizeof prefix - 1, NULL, 10) : 0;
+    int srid = code > 0 && code <= MAX_SRID ? (int)code : 0;
     free(brief);
     return srid;
 }

@@ -25,6 +25,7 @@ typedef struct table_scan
     char separator;
     table_field *fields; ///< of the last row
     size_t count, capacity;
+    bool failed; ///< out of memory
 } table_scan;
 
 static table_scan table_start(const file_text *text)
@@ -75,7 +76,8 @@ static bool next_row(table_scan *scan)
     for (bool more = true; more;)
     {
         table_field field = next_field(scan);
-        if (!ARRAY_ADD(scan->fields, scan->capacity, scan->count, field))
+        scan->failed = !ARRAY_ADD(scan->fields, scan->capacity, scan->count, field);
+        if (scan->failed)
             return false;
         more = scan->at < scan->end && *scan->at == scan->separator;
         scan->at += more;
@@ -92,28 +94,33 @@ static size_t geometry_column(const table_scan *scan)
     return BAT_NO_INDEX;
 }
 
-/// Find the column of geometries in the first rows.
-static size_t find_column(const file_text *text, bool *named)
+/// Find the column of geometries in the first rows; BAT_NO_INDEX for none.
+static bat_status find_column(const file_text *text, size_t *column, bool *named, bat_error *error)
 {
     enum
     {
         FIRST_ROWS = 50
     };
     table_scan scan = table_start(text);
-    size_t column = BAT_NO_INDEX;
-    for (size_t row = 0; row < FIRST_ROWS && column == BAT_NO_INDEX && next_row(&scan); row++)
+    *column = BAT_NO_INDEX;
+    *named = false;
+    for (size_t row = 0; row < FIRST_ROWS && *column == BAT_NO_INDEX && next_row(&scan); row++)
     {
-        column = geometry_column(&scan);
+        *column = geometry_column(&scan);
         *named = row > 0;
     }
+    bat_status status = scan.failed ? error_memory(error, scan.count * sizeof *scan.fields) : BAT_OK;
     free(scan.fields);
-    return column;
+    return status;
 }
 
-bool wkt_is_table(const file_text *text)
+bat_status wkt_is_table(const file_text *text, bool *is_table, bat_error *error)
 {
     bool named;
-    return find_column(text, &named) != BAT_NO_INDEX;
+    size_t column;
+    bat_status status = find_column(text, &column, &named, error);
+    *is_table = column != BAT_NO_INDEX;
+    return status;
 }
 
 typedef struct table_reader
@@ -177,7 +184,7 @@ static bat_status find_numbers(table_reader *reader, bool named)
             if (scan->fields[i].quoted || scan->fields[i].begin < scan->fields[i].end)
                 reader->numbers[i] = reader->numbers[i] && is_number(&scan->fields[i]);
     }
-    if (status == BAT_OK && scan->at < scan->end)
+    if (status == BAT_OK && scan->failed)
         status = error_memory(reader->wkt.error, scan->capacity * sizeof *scan->fields);
     scan->at = begin;
     return status;
@@ -213,9 +220,6 @@ static bat_status read_row(table_reader *reader)
     const table_scan *scan = &reader->scan;
     const table_field *geometry = &scan->fields[reader->place];
     const char *separator = "";
-    reader->wkt.at = scan->fields[0].begin;
-    if (scan->count != reader->count)
-        return wkt_fault(&reader->wkt, "%zu columns where the first row has %zu", scan->count, reader->count);
     geojson_made_pad(scan->fields[0].begin, &reader->counted, geojson);
     text_append_string(geojson, "{\"type\":\"Feature\",\"properties\":{");
     for (size_t i = 0; i < scan->count; i++)
@@ -267,6 +271,22 @@ static bat_status take_names(table_reader *reader)
     return reader->column != NULL ? BAT_OK : error_memory(reader->wkt.error, 1);
 }
 
+/// Check that a row has as many fields as the first, all of them text.
+static bat_status check_row(table_reader *reader)
+{
+    const table_scan *scan = &reader->scan;
+    reader->wkt.at = scan->fields[0].begin;
+    if (scan->count != reader->count)
+        return wkt_fault(&reader->wkt, "%zu columns where the first row has %zu", scan->count, reader->count);
+    for (size_t i = 0; i < scan->count; i++)
+    {
+        const char *fault = csv_field_fault((csv_field){scan->fields[i].begin, scan->fields[i].end});
+        if (fault != NULL)
+            return wkt_fault(&reader->wkt, "field %zu %s", i + 1, fault);
+    }
+    return BAT_OK;
+}
+
 static bat_status read_rows(table_reader *reader, bool named)
 {
     bat_status status = find_numbers(reader, named);
@@ -274,10 +294,11 @@ static bat_status read_rows(table_reader *reader, bool named)
     for (size_t row = 0; status == BAT_OK && next_row(&reader->scan); row++)
     {
         text_append_string(&reader->geojson, row > (named ? 1 : 0) ? "," : "");
-        status = row == 0 && named ? take_names(reader) : read_row(reader);
+        status = check_row(reader);
+        if (status == BAT_OK)
+            status = row == 0 && named ? take_names(reader) : read_row(reader);
     }
-    return status == BAT_OK && reader->scan.at < reader->scan.end ? error_memory(reader->wkt.error, reader->geojson.size)
-                                                                  : status;
+    return status == BAT_OK && reader->scan.failed ? error_memory(reader->wkt.error, reader->geojson.size) : status;
 }
 
 bat_status wkt_table_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
@@ -286,10 +307,11 @@ bat_status wkt_table_read(const file_text *text, const bat_curve_read_options *o
     bool named = false;
     table_reader reader = {
         .scan = table_start(text), .wkt = wkt_scanner_start(text, error != NULL ? error : &unread), .counted = text->data};
-    reader.place = find_column(text, &named);
-    bat_status status = reader.place != BAT_NO_INDEX
-                            ? read_rows(&reader, named)
-                            : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "no column of the table has well-known text");
+    bat_status status = find_column(text, &reader.place, &named, error);
+    if (status == BAT_OK && reader.place == BAT_NO_INDEX)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "no column of the table has well-known text");
+    if (status == BAT_OK)
+        status = read_rows(&reader, named);
     if (status == BAT_OK)
         status =
             geojson_made_read(&reader.wkt.made, &reader.geojson, BAT_CURVE_FORMAT_WKT_CSV, options, set, reader.wkt.error);
