@@ -636,17 +636,17 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     if (!json)
         return NULL;
     char keys[200];
-    (void)snprintf(
-        keys, sizeof keys,
-        "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? outliers:o? smoothed:o? %s:o? corners:o? "
-        "left_straight:o? "
-        "projection:s? distance:o?",
-        job->motion.times != NULL ? "times"
-        : job->motion.rate > 0    ? "rate"
-                                  : "levels",
-        findings->done.map ? "map" : "simple");
+    (void)snprintf(keys, sizeof keys,
+                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? smoothed:o? "
+                   "%s:o? corners:o? "
+                   "left_straight:o? "
+                   "projection:s? distance:o?",
+                   job->motion.times != NULL ? "times"
+                   : job->motion.rate > 0    ? "rate"
+                                             : "levels",
+                   findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, outliers, smoothed, crossings,
+                         findings->written.left_out, findings->written.lost, outliers, smoothed, crossings,
                          corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
 }
 

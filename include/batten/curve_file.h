@@ -7,8 +7,8 @@
 BAT_C_BEGIN
 
 /// @file
-/// Readers and writers of curves: CSV, GeoJSON and sequences of it, OBJ line elements, trajectories of TUM, EuRoC and KITTI
-/// and, by GDAL, formats of geographic information systems. docs/formats.md describes the formats.
+/// Readers and writers of curves: CSV, GeoJSON and sequences of it, GPX, WKT, TopoJSON, OBJ line elements, trajectories of
+/// TUM, EuRoC and KITTI and, by GDAL, formats of geographic information systems. docs/formats.md describes the formats.
 
 /// The formats by name. bat_choice_of_path() takes the ending before ".gz", and BAT_CURVE_FORMAT_GDAL for other paths that
 /// end so or begin with "/vsi".
@@ -31,7 +31,7 @@ typedef struct bat_curve_read_options
     /// CSV: take dates with times of day (ISO 8601) in a column of times as times, in seconds, as motions need them; see
     /// bat_curve_set_time_origin(). They are written as such dates again. Default false: as texts, with new ones between.
     bool dates;
-    const char *layer; ///< formats with layers: its name; default null: the only one with lines or polygons
+    const char *layer; ///< formats with layers, and TopoJSON: its name; default null: the only one with lines or polygons
     bool on_sphere;    ///< take projected coordinates to the sphere, and back when they are written, by PROJ;
                        ///< default false
     /// CSV: the order and the unit of columns roll, pitch and yaw, as "zyx" or "zyx,degrees" or "xyz,radians": the body

@@ -595,7 +595,7 @@ static void options_of_other_formats_are_refused(void **state)
 static void a_build_without_gdal_says_what_to_install(void **state)
 {
     (void)state;
-    static const char *const paths[] = {"a.gpkg", "a.shp", "a.gpx", "a.kml", "a.fgb", "a.zip", "a.geojson.gz", "/vsimem/a"};
+    static const char *const paths[] = {"a.gpkg", "a.shp", "a.kml", "a.fgb", "a.zip", "a.geojson.gz", "/vsimem/a"};
     bat_curve_set set = must_read(LINES, BAT_CURVE_FORMAT_GEOJSON, NULL);
     for (size_t i = 0; i < sizeof paths / sizeof *paths; i++)
     {

@@ -90,6 +90,10 @@ static void other_tables_are_known(void **state)
                      "\"LINESTRING (0 0,1 1)\",7\n\"LINESTRING (0 0,2 1)\",8\n");
     assert_rewritten("WKT\n\"SRID=25833;LINESTRING Z (0 0 1,1 1 2)\"\n", TABLE, NULL,
                      "WKT\n\"SRID=25833;LINESTRING Z (0 0 1,1 1 2)\"\n");
+    // A name that begins like a geometry is none.
+    bat_curve_set names = must_read("x,y,name\n0,0,Point Z\n1,1,Point Mugu\n", BAT_CURVE_FORMAT_CSV, NULL);
+    assert_int_equal(names.attributes->format, BAT_CURVE_FORMAT_CSV);
+    bat_curve_set_free(&names);
     bat_curve_set set =
         must_read("{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"id\":\"x\",\"properties\":"
                   "{\"a\":[1,2],\"b\":true},\"geometry\":{\"type\":\"LineString\",\"coordinates\":[[0,0],[1,1]]}}]}",

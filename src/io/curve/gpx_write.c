@@ -611,7 +611,8 @@ bat_status gpx_write(const bat_curve_set *set, const bat_curve_write_options *op
         .set = moved.curves != NULL ? &moved : set, .decimals = options->precision, .sink = sink, .error = error};
     const geojson_document *document = attributes_are_geojson(attributes) ? attributes->remainder.content : NULL;
     writer.flat = document != NULL && document->measures;
-    status = same ? write_again(&writer, document->gpx) : write_new(&writer);
+    const gpx_source *source = same && document != NULL ? document->gpx : NULL;
+    status = source != NULL ? write_again(&writer, source) : write_new(&writer);
     if (status == BAT_OK)
         status = flush(&writer, true);
     text_free(&writer.text);

@@ -259,7 +259,7 @@ static int srid_of(const json_t *root)
 
 static bat_status read_topology(topology_reader *reader, const bat_curve_read_options *options, bat_curve_set *set)
 {
-    const char *name = NULL;
+    const char *name = "";
     json_t *object = NULL;
     if (!geojson_has_type(reader->root, "Topology"))
         return fault(reader, "the file is no TopoJSON: its type is not Topology");

@@ -125,15 +125,17 @@ bool wkt_begins(const char *begin, const char *end)
     wkt_scanner scan = {.at = begin, .end = end};
     skip_blanks(&scan);
     if ((size_t)(end - scan.at) > sizeof srid && strncasecmp(scan.at, srid, sizeof srid - 1) == 0)
-        return true;
+    {
+        const char *semicolon = memchr(scan.at, ';', (size_t)(end - scan.at));
+        scan.at = semicolon != NULL ? semicolon + 1 : scan.at;
+        skip_blanks(&scan);
+    }
     size_t size = word_size(scan.at, end);
     if (type_of(scan.at, size, &form) == NULL)
         return false;
     scan.at += size;
-    skip_blanks(&scan);
-    size = word_size(scan.at, end);
-    return take(&scan, '(') || take_word(&scan, "Z") || take_word(&scan, "M") || take_word(&scan, "ZM") ||
-           take_word(&scan, "EMPTY");
+    (void)(take_word(&scan, "Z") || take_word(&scan, "M") || take_word(&scan, "ZM"));
+    return take(&scan, '(') || take_word(&scan, "EMPTY");
 }
 
 /// Read a position of two to four numbers, without brackets.
