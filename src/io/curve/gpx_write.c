@@ -585,7 +585,7 @@ static bat_status write_new(gpx_writer *writer)
     for (size_t i = 0; table && i < writer->set->count && status == BAT_OK; i++)
         status = append_table_curve(writer, i);
     if (!table)
-        status = geojson_each(writer->set, writer->decimals, take_feature, writer, writer->error);
+        status = geojson_each(writer->set, NULL, writer->decimals, take_feature, writer, writer->error);
     if (writer->lines.failed)
         status = error_memory(writer->error, writer->lines.size);
     text_append(&writer->text, writer->lines.data, writer->lines.size);

@@ -414,7 +414,7 @@ bat_status topojson_write(const bat_curve_set *set, const bat_curve_write_option
     const geojson_document *document = attributes_are_geojson(set->attributes) ? set->attributes->remainder.content : NULL;
     topology_writer writer = {.numbers = document != NULL && document->measures ? 2 : MAX_NUMBERS, .error = error};
     append_begin(&writer, set, options);
-    bat_status status = geojson_each(set, options->precision, take_feature, &writer, error);
+    bat_status status = geojson_each(set, options->given, options->precision, take_feature, &writer, error);
     if (status == BAT_OK)
         status = write_topology(&writer, sink);
     free(writer.points);

@@ -484,7 +484,7 @@ bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_optio
     if (status == BAT_OK && geometry != NULL)
         status = write_header(&writer, geometry, error);
     if (status == BAT_OK)
-        status = geojson_each(set, options->precision, take_feature, &writer, error);
+        status = geojson_each(set, options->given, options->precision, take_feature, &writer, error);
     json_decref(writer.names);
     text_free(&writer.text);
     text_free(&writer.srid);

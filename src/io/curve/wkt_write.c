@@ -111,7 +111,7 @@ bat_status wkt_write(const bat_curve_set *set, const bat_curve_write_options *op
     const geojson_document *document = attributes_are_geojson(attributes) ? attributes->remainder.content : NULL;
     wkt_writer writer = {.measures = document != NULL && document->measures, .sink = sink};
     wkt_append_srid(set, options, &writer.srid);
-    bat_status status = geojson_each(set, options->precision, take_feature, &writer, error);
+    bat_status status = geojson_each(set, options->given, options->precision, take_feature, &writer, error);
     text_free(&writer.text);
     text_free(&writer.srid);
     return status;
