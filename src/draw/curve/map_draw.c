@@ -1,5 +1,6 @@
 #include "draw/curve/scene.h"
 
+#include <math.h>
 #include <string.h>
 
 /// @file
@@ -41,11 +42,48 @@ static size_t polygon_end(const bat_curve_picture_panel *panel, size_t first)
     return end;
 }
 
+/// Add the area and the perimeter of the present path.
+static void measure_path(cairo_t *cairo, double *area, double *perimeter)
+{
+    cairo_path_t *path = cairo_copy_path(cairo);
+    double start[2] = {0}, at[2] = {0}, sum = 0;
+    for (int i = 0; i < path->num_data; i += path->data[i].header.length)
+    {
+        const cairo_path_data_t *data = &path->data[i];
+        bool closes = data->header.type == CAIRO_PATH_CLOSE_PATH;
+        double x = closes ? start[0] : data[1].point.x, y = closes ? start[1] : data[1].point.y;
+        if (data->header.type == CAIRO_PATH_MOVE_TO)
+        {
+            start[0] = x;
+            start[1] = y;
+        }
+        else
+        {
+            sum += (at[0] * y - x * at[1]) / 2;
+            *perimeter += hypot(x - at[0], y - at[1]);
+        }
+        at[0] = x;
+        at[1] = y;
+    }
+    cairo_path_destroy(path);
+    *area += fabs(sum);
+}
+
+/// How much thinner the borders of small polygons are, so that their fills are seen. Squares of side s have 4 / s of
+/// perimeter for their area.
+static double border_share(double area, double perimeter)
+{
+    static const double SHARE = 0.08, LEAST = 0.2; // of the side of a polygon, and of the usual width
+    double side = perimeter > 0 ? 4 * area / perimeter : LINE_BORDER / SHARE;
+    return fmin(fmax(SHARE * side / LINE_BORDER, LEAST), 1);
+}
+
 /// Fill a polygon, with a clip only where it needs one: SVG files repeat the clip for every path.
 static void fill_polygon(cairo_t *cairo, const draw_view *view, const scene_frame *frame, const bat_curve *const *rings,
-                         size_t count)
+                         size_t count, double *area, double *perimeter)
 {
     view_region region = view_trace_polygon(view, rings, count, cairo);
+    measure_path(cairo, area, perimeter);
     if (!region.inside || !region.outside)
     {
         if (region.inside)
@@ -75,12 +113,13 @@ static void fill_polygon(cairo_t *cairo, const draw_view *view, const scene_fram
     cairo_path_destroy(path);
 }
 
-void map_draw_fills(cairo_t *cairo, const draw_view *view, const scene_panel *panel)
+void map_draw_fills(cairo_t *cairo, draw_view *view, const scene_panel *panel)
 {
     const bat_curve *rings[MAX_RINGS];
     draw_view coarse = *view;
     coarse.tolerance = FILL_TOLERANCE;
     const bat_curve_picture_panel *drawn = panel->drawn;
+    double area = 0, perimeter = 0;
     bool results = false;
     for (size_t i = 0; i < drawn->layer_count; i++)
         results = results || (drawn->layers[i].polygon > 0 && drawn->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE);
@@ -95,8 +134,9 @@ void map_draw_fills(cairo_t *cairo, const draw_view *view, const scene_panel *pa
         for (size_t i = first; i < end; i++)
             rings[i - first] = drawn->layers[i].curve;
         style_use_colour(cairo, style_fill(panel->network.colours[first]));
-        fill_polygon(cairo, &coarse, &panel->frame, rings, end - first);
+        fill_polygon(cairo, &coarse, &panel->frame, rings, end - first, &area, &perimeter);
     }
+    view->borders = border_share(area, perimeter);
     cairo_set_fill_rule(cairo, rule);
 }
 
@@ -188,6 +228,7 @@ bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_pan
         if (layer->role != role || edges == 0)
             continue;
         line_style line = map_line(panel, i);
+        line.width *= layer->polygon > 0 && view->borders > 0 ? view->borders : 1;
         bool same = same_line(&line, &group.line);
         if (!same)
             flush(&group);

@@ -101,6 +101,7 @@ typedef struct draw_view
     double scale;
     double origin_x, origin_y;
     double tolerance; ///< the allowed error of curved edges on the page
+    double borders;   ///< of a map, the share of the usual width at which borders are drawn; 0 for all of it
 } draw_view;
 
 view_space view_space_of(const bat_space *space);
