@@ -60,6 +60,9 @@ static const option_spec CURVE_OPTIONS[] = {
     {"join", "HOW", METHOD, 0,
      "whether lines of a map go on smoothly where two ends and no third line meet: {}; default auto, they do",
      CHOICE(curve_job, map.join, bat_curve_map_join_family)},
+    {"simplify", "D", METHOD, 0,
+     "drop points of a map first, where the edges in their place are within D (metres on the sphere)",
+     POSITIVE(curve_job, map.simplify)},
     {"snap-tolerance", "D", METHOD, 0, "join points of a map nearer than D to each other (metres on the sphere)",
      POSITIVE(curve_job, map.snap_tolerance)},
     {"keep-area", NULL, METHOD, 0, "keep the areas of rings", FLAG(curve_job, map.keep_area)},
@@ -202,8 +205,9 @@ static bool check_exclusions(const curve_job *job)
     const arguments *given = job->call.given;
     if (argument(given, "closed") != NULL && argument(given, "open") != NULL)
         return usage_refused(given, "--closed and --open exclude each other");
-    if (job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE && (job->map.keep_area || job->map.snap_tolerance > 0))
-        return usage_refused(given, "--topology separate does not go with --keep-area and --snap-tolerance");
+    if (job->map.topology == BAT_CURVE_MAP_TOPOLOGY_SEPARATE &&
+        (job->map.keep_area || job->map.snap_tolerance > 0 || job->map.simplify > 0))
+        return usage_refused(given, "--topology separate does not go with --keep-area, --simplify and --snap-tolerance");
     if (job->read.on_sphere && strcmp(argument(given, "on"), "sphere") != 0)
         return argument_refused(given, "on", "sphere");
     if (job->best_tension && job->scheme != NULL && (job->model_file != NULL || !curve_has_tension(&job->refine.scheme)))

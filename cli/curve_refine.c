@@ -154,6 +154,7 @@ static void convert_lengths(curve_job *job, const bat_space *space)
     job->refine.max_edge /= globe ? BAT_EARTH_RADIUS : 1;
     job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
     job->refine.smooth /= globe ? BAT_EARTH_RADIUS : 1;
+    job->map.simplify /= globe ? BAT_EARTH_RADIUS : 1;
     job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
 }
 
@@ -259,7 +260,7 @@ static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_c
     add_totals(&findings->before, findings->curves, &before, coarse->count);
     add_totals(&findings->after, findings->curves, &after, coarse->count);
     findings->curves += coarse->count;
-    for (size_t i = 0; i < coarse->count && !job->is_motion && job->refine.smooth == 0; i++)
+    for (size_t i = 0; i < coarse->count && !job->is_motion && job->refine.smooth == 0 && job->map.simplify == 0; i++)
     {
         findings->edges += coarse->curves[i].count - !coarse->curves[i].closed;
         findings->straight += bat_curve_straight_edges(&coarse->curves[i], &fine->curves[i]);
@@ -478,17 +479,19 @@ static json_t *report_map(const bat_curve_map_refine_report *map, const char *un
     return report_part(
         as_json,
         "map: {arcs} arc[!one_arc?s] between {nodes} node[!one_node?s], {shared} shared\n"
+        "[dropped?simplified: {dropped} points dropped\n]"
         "[joints?lines: {joints} pairs of ends meet where no third line does, and go on smoothly\n]"
         "[snapped?joined: {snapped} points moved onto others or added to edges, by {snap:.3g}{unit} at most\n]"
         "[given_crossing?crossing before: {given_crossing} pairs of given edges cross or touch, and may do so refined\n]"
         "[keeps_areas?areas kept to {largest_area_error:.1g} of them\n]"
         "[crossings?kept apart: {crossings} pairs of refined edges met; the new points of {drawn_back} edges were drawn "
         "back\n]",
-        "arcs:z -one_arc:b nodes:z -one_node:b shared:z joints:z given_crossing:z crossings:z drawn_back:z snapped:z "
+        "arcs:z -one_arc:b nodes:z -one_node:b shared:z dropped:z joints:z given_crossing:z crossings:z drawn_back:z "
+        "snapped:z "
         "largest_area_error:n -keeps_areas:b -snap:n -unit:s",
-        map->arcs, (int)(map->arcs == 1), map->nodes, (int)(map->nodes == 1), map->shared, map->joints, map->given_crossing,
-        map->crossings, map->drawn_back, map->snapped, map->largest_area_error, (int)(map->largest_area_error > 0),
-        map->largest_snap * (unit[0] != '\0' ? BAT_EARTH_RADIUS : 1), unit);
+        map->arcs, (int)(map->arcs == 1), map->nodes, (int)(map->nodes == 1), map->shared, map->dropped, map->joints,
+        map->given_crossing, map->crossings, map->drawn_back, map->snapped, map->largest_area_error,
+        (int)(map->largest_area_error > 0), map->largest_snap * (unit[0] != '\0' ? BAT_EARTH_RADIUS : 1), unit);
 }
 
 /// The notes of the reader; JSON's null where there are none.

@@ -49,6 +49,7 @@ typedef struct bat_curve_map_refine_report
     bat_curve_refine_report curves; ///< levels and corners; of a set that is no map, all
     size_t arcs;                    ///< polylines between nodes, and rings without nodes
     size_t shared;                  ///< arcs that belong to more than one curve
+    size_t dropped;                 ///< points, see bat_curve_map_refine_options::simplify
     size_t joints;                  ///< pairs of line ends that were joined, see bat_curve_map_join
     size_t nodes;                   ///< vertices at which arcs end
     size_t given_crossing;          ///< pairs of given edges that cross or touch; what they become may do so, too
@@ -70,6 +71,9 @@ typedef struct bat_curve_map_refine_options
     /// Points nearer to each other than this become one, and points nearer to an edge become its vertices, in the unit of
     /// the space's distance. 0: only equal points are shared. Default 0.
     double snap_tolerance;
+    /// Points are dropped first, by Douglas and Peucker's algorithm on each arc: none is farther than this from the edge in
+    /// its place. Borders stay shared, and nothing crosses that did not. 0: none. Default 0.
+    double simplify;
     bool keep_area; ///< rings keep the area of their polygons to 1e-6 of it; plane and sphere. Default false
     int decimals;   ///< of degrees on the sphere, 0 to 12: the rounded curves do not cross. Default 10, as in files
     bat_curve_map_refine_report *report; ///< receives what was done when the call succeeds. Default null

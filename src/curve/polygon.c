@@ -1,6 +1,8 @@
 #include "curve/polygon.h"
 
 #include "base/error.h"
+#include "linalg/vector.h"
+#include "space/builtin.h"
 
 #include <math.h>
 #include <string.h>
@@ -193,4 +195,69 @@ bat_status polygon_extend(const bat_space *space, double *points, size_t count, 
                                bat_status_name(status));
     }
     return BAT_OK;
+}
+
+static double flat_distance(size_t dim, const double *p, const double *q, const double *point)
+{
+    double along = 0, square = 0, distance = 0;
+    for (size_t c = 0; c < dim; c++)
+    {
+        along += (point[c] - p[c]) * (q[c] - p[c]);
+        square += (q[c] - p[c]) * (q[c] - p[c]);
+    }
+    double share = square > 0 ? fmin(fmax(along / square, 0), 1) : 0;
+    for (size_t c = 0; c < dim; c++)
+    {
+        double off = point[c] - p[c] - share * (q[c] - p[c]);
+        distance += off * off;
+    }
+    return sqrt(distance);
+}
+
+/// The angle between unit vectors that differ by a vector.
+static double angle_of(const double *difference)
+{
+    return 2 * asin(fmin(sqrt(vector3_dot(difference, difference)) / 2, 1));
+}
+
+static double sphere_distance(const double *p, const double *q, const double *point)
+{
+    double edge[3], from_p[3], from_q[3], normal[3], inwards[3];
+    for (int c = 0; c < 3; c++)
+    {
+        edge[c] = q[c] - p[c];
+        from_p[c] = point[c] - p[c];
+        from_q[c] = point[c] - q[c];
+    }
+    vector3_cross(p, edge, normal);
+    double square = vector3_dot(normal, normal);
+    vector3_cross(normal, p, inwards);
+    bool inside = square > 0 && vector3_dot(inwards, from_p) > 0;
+    vector3_cross(q, normal, inwards);
+    if (inside && vector3_dot(inwards, from_q) > 0)
+        return asin(fmin(fabs(vector3_dot(normal, from_p)) / sqrt(square), 1));
+    return fmin(angle_of(from_p), angle_of(from_q));
+}
+
+edge_geometry polygon_geometry_of(const bat_space *space)
+{
+    return space_is_euclidean(space) ? GEOMETRY_FLAT : space_is_sphere(space) ? GEOMETRY_SPHERE : GEOMETRY_ANY;
+}
+
+double polygon_edge_distance(const bat_space *space, edge_geometry geometry, const double *p, const double *q,
+                             const double *point)
+{
+    double edge[BAT_SPACE_MAX_DIM], way[BAT_SPACE_MAX_DIM], foot[BAT_SPACE_MAX_DIM];
+    if (geometry == GEOMETRY_FLAT)
+        return flat_distance(space->point_dim, p, q, point);
+    if (geometry == GEOMETRY_SPHERE)
+        return sphere_distance(p, q, point);
+    double nearer = fmin(space->distance(space, p, point), space->distance(space, q, point));
+    if (!(nearer > 0) || space->log(space, p, q, edge) != BAT_OK || space->log(space, p, point, way) != BAT_OK)
+        return nearer;
+    double square = space->inner(space, p, edge, edge);
+    double share = square > 0 ? space->inner(space, p, edge, way) / square : 0;
+    if (!(share > 0 && share < 1) || bat_space_geodesic(space, p, q, share, foot) != BAT_OK)
+        return nearer;
+    return fmin(nearer, space->distance(space, foot, point));
 }

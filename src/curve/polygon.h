@@ -43,4 +43,19 @@ bat_status polygon_value_beyond(const bat_space *space, const double *end, ptrdi
 bat_status polygon_extend(const bat_space *space, double *points, size_t count, bool closed, polygon_end end, size_t before,
                           size_t after, bat_error *error);
 
+/// How the distance of a point from an edge is computed.
+typedef enum edge_geometry
+{
+    GEOMETRY_ANY,
+    GEOMETRY_FLAT,
+    GEOMETRY_SPHERE ///< the sphere in R^3
+} edge_geometry;
+
+edge_geometry polygon_geometry_of(const bat_space *space);
+
+/// The distance of a point from the geodesic from p to q; in other spaces than R^n and S^2 from its foot in the tangent
+/// space at p, which is never nearer.
+double polygon_edge_distance(const bat_space *space, edge_geometry geometry, const double *p, const double *q,
+                             const double *point);
+
 #endif

@@ -8,7 +8,6 @@
 #include "base/threads.h"
 #include "batten/curve_measure.h"
 #include "curve/polygon.h"
-#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <limits.h>
@@ -129,76 +128,6 @@ size_t stop_levels_of_geodesic(const bat_curve_refine_options *options, double l
     return levels <= options->max_levels ? levels : SIZE_MAX;
 }
 
-/// How the distance of a point from an edge is computed.
-typedef enum edge_geometry
-{
-    GEOMETRY_ANY,
-    GEOMETRY_FLAT,
-    GEOMETRY_SPHERE ///< the sphere in R^3
-} edge_geometry;
-
-static double flat_distance(size_t dim, const double *p, const double *q, const double *point)
-{
-    double along = 0, square = 0, distance = 0;
-    for (size_t c = 0; c < dim; c++)
-    {
-        along += (point[c] - p[c]) * (q[c] - p[c]);
-        square += (q[c] - p[c]) * (q[c] - p[c]);
-    }
-    double share = square > 0 ? fmin(fmax(along / square, 0), 1) : 0;
-    for (size_t c = 0; c < dim; c++)
-    {
-        double off = point[c] - p[c] - share * (q[c] - p[c]);
-        distance += off * off;
-    }
-    return sqrt(distance);
-}
-
-/// The angle between unit vectors that differ by a vector.
-static double angle_of(const double *difference)
-{
-    return 2 * asin(fmin(sqrt(vector3_dot(difference, difference)) / 2, 1));
-}
-
-static double sphere_distance(const double *p, const double *q, const double *point)
-{
-    double edge[3], from_p[3], from_q[3], normal[3], inwards[3];
-    for (int c = 0; c < 3; c++)
-    {
-        edge[c] = q[c] - p[c];
-        from_p[c] = point[c] - p[c];
-        from_q[c] = point[c] - q[c];
-    }
-    vector3_cross(p, edge, normal);
-    double square = vector3_dot(normal, normal);
-    vector3_cross(normal, p, inwards);
-    bool inside = square > 0 && vector3_dot(inwards, from_p) > 0;
-    vector3_cross(q, normal, inwards);
-    if (inside && vector3_dot(inwards, from_q) > 0)
-        return asin(fmin(fabs(vector3_dot(normal, from_p)) / sqrt(square), 1));
-    return fmin(angle_of(from_p), angle_of(from_q));
-}
-
-/// The distance of a point from the geodesic from p to q; in other spaces from its foot in the tangent space at p, which is
-/// never nearer.
-static double chord_distance(const bat_space *space, edge_geometry geometry, const double *p, const double *q,
-                             const double *point)
-{
-    double edge[BAT_SPACE_MAX_DIM], way[BAT_SPACE_MAX_DIM], foot[BAT_SPACE_MAX_DIM];
-    if (geometry == GEOMETRY_FLAT)
-        return flat_distance(space->point_dim, p, q, point);
-    if (geometry == GEOMETRY_SPHERE)
-        return sphere_distance(p, q, point);
-    double nearer = fmin(space->distance(space, p, point), space->distance(space, q, point));
-    if (!(nearer > 0) || space->log(space, p, q, edge) != BAT_OK || space->log(space, p, point, way) != BAT_OK)
-        return nearer;
-    double square = space->inner(space, p, edge, edge);
-    double share = square > 0 ? space->inner(space, p, edge, way) / square : 0;
-    if (!(share > 0 && share < 1) || bat_space_geodesic(space, p, q, share, foot) != BAT_OK)
-        return nearer;
-    return fmin(nearer, space->distance(space, foot, point));
-}
-
 /// The levels of one edge that are tested next.
 typedef struct tested
 {
@@ -246,15 +175,16 @@ static void measure_piece(const level_search *search, const double *points, size
         return;
     size_t quarter = stride / 4 * dim;
     const double *middle = points + 2 * quarter;
-    double at_middle = chord_distance(space, geometry, points, end, middle);
+    double at_middle = polygon_edge_distance(space, geometry, points, end, middle);
     maxima->first = larger(maxima->first, at_middle);
     maxima->deviation = larger(maxima->deviation, at_middle);
     for (size_t half = 0; half < 2; half++)
     {
         const double *begin = points + 2 * half * quarter;
         const double *new_point = begin + quarter;
-        maxima->second = larger(maxima->second, chord_distance(space, geometry, begin, begin + 2 * quarter, new_point));
-        maxima->deviation = larger(maxima->deviation, chord_distance(space, geometry, points, end, new_point));
+        maxima->second =
+            larger(maxima->second, polygon_edge_distance(space, geometry, begin, begin + 2 * quarter, new_point));
+        maxima->deviation = larger(maxima->deviation, polygon_edge_distance(space, geometry, points, end, new_point));
     }
 }
 
@@ -475,9 +405,7 @@ bat_status stop_levels(const refine_source *source, const bat_curve_refine_optio
 {
     level_search search = {.source = source,
                            .options = options,
-                           .geometry = space_is_euclidean(source->space) ? GEOMETRY_FLAT
-                                       : space_is_sphere(source->space)  ? GEOMETRY_SPHERE
-                                                                         : GEOMETRY_ANY,
+                           .geometry = polygon_geometry_of(source->space),
                            .lookahead = options->tolerance > 0 ? STOP_LOOKAHEAD : 0,
                            .most = deepest > STOP_LOOKAHEAD ? deepest - STOP_LOOKAHEAD : 0,
                            .tests = memory_array(edges, sizeof *search.tests),

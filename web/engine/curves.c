@@ -27,13 +27,14 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
         ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, topology, &bat_curve_map_topology_family),
         ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, edges, &bat_curve_map_edges_family),
         ENGINE_OPTION_CHOICE(bat_curve_map_refine_options, join, &bat_curve_map_join_family),
+        ENGINE_OPTION(bat_curve_map_refine_options, simplify, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_refine_options, snap_tolerance, ENGINE_NUMBER),
         ENGINE_OPTION(bat_curve_map_refine_options, keep_area, ENGINE_BOOL),
         ENGINE_OPTION(bat_curve_map_refine_options, decimals, ENGINE_INT),
     };
     // Without the prefix that tells the inner struct.
     engine_option rows[ENGINE_COUNT(OPTIONS)];
-    const size_t of_maps = 6, count = ENGINE_COUNT(OPTIONS) - (map ? 0 : of_maps);
+    const size_t of_maps = 7, count = ENGINE_COUNT(OPTIONS) - (map ? 0 : of_maps);
     memcpy(rows, OPTIONS, sizeof rows);
     for (size_t i = 0; i < ENGINE_COUNT(rows) - of_maps; i++)
         rows[i].name += strlen("refine.");

@@ -106,6 +106,7 @@ export interface CurveMapOptions extends CurveRefineOptions {
   topology?: string;
   edges?: string;
   join?: string;
+  simplify?: number;
   snap_tolerance?: number;
   keep_area?: boolean;
   decimals?: number;

@@ -185,6 +185,18 @@ bat_status snapped_curves_make(const bat_curve *curves, size_t count, const map_
 
 void snapped_curves_free(snapped_curves *snapped);
 
+// Fewer points.
+
+/// Copies of curves without the points that Douglas and Peucker's algorithm drops, arc by arc: shared borders stay shared, no
+/// dropped point is farther than the tolerance from the edge in its place, and arcs meet and pass where they did before.
+/// Nodes, ends and corners stay, and rings keep three points.
+///
+/// @param chart  of their space; null: nothing tests whether arcs meet
+/// @param simple `moved` receives the number of dropped points; release it with snapped_curves_free(), also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status simplified_curves_make(const bat_curve *curves, size_t count, double tolerance, const map_chart *chart,
+                                  int threads, snapped_curves *simple, bat_error *error);
+
 // Refinement of the arcs of a map, so that those that do not meet before do not meet after.
 
 /// Refined arcs. All zero: empty.

@@ -53,6 +53,7 @@ static bat_status curve_map_refine_options_check(const void *opaque, bat_error *
         OPTION_FAMILY(bat_curve_map_refine_options, topology, bat_curve_map_topology_family),
         OPTION_FAMILY(bat_curve_map_refine_options, edges, bat_curve_map_edges_family),
         OPTION_FAMILY(bat_curve_map_refine_options, join, bat_curve_map_join_family),
+        OPTION_FIELD(bat_curve_map_refine_options, simplify, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_map_refine_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_curve_map_refine_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
     };
@@ -65,11 +66,11 @@ const bat_options_table bat_curve_map_refine_fields = {"bat_curve_map_refine_opt
 /// A map during refinement.
 typedef struct map_job
 {
-    const bat_curve *curves; ///< the given ones, or those of `snapped`, or the chains
+    const bat_curve *curves; ///< the given ones, or those of `snapped` or `simple`, or the chains
     size_t count;
     const bat_curve *lines; ///< `line_count` of them, of which the chains are made
     size_t line_count;
-    snapped_curves snapped;
+    snapped_curves snapped, simple;
     line_chains chains;
     degree_edges straight;
     bat_curve_refine_options refine; ///< complete
@@ -169,6 +170,15 @@ static bat_status prepare(map_job *job, const map_chart *chart, const bat_curve_
         job->curves = job->snapped.curves;
     job->report.snapped = job->snapped.moved + job->snapped.added;
     job->report.largest_snap = job->snapped.largest;
+    if (options->simplify > 0)
+    {
+        status = simplified_curves_make(job->curves, job->count, options->simplify, chart, job->refine.threads, &job->simple,
+                                        error);
+        if (status != BAT_OK)
+            return status;
+        job->curves = job->simple.curves;
+        job->report.dropped = job->simple.moved;
+    }
     status = join_lines(job, options->join, error);
     if (status == BAT_OK)
         status = find_all_corners(job, error);
@@ -368,6 +378,7 @@ static void free_job(map_job *job)
     free_curves(job->cut, job->line_count);
     line_chains_free(&job->chains);
     arc_graph_free(&job->graph);
+    snapped_curves_free(&job->simple);
     snapped_curves_free(&job->snapped);
     refined_arcs_free(&job->fine);
 }
@@ -388,6 +399,7 @@ static void name_place(const map_job *job, bat_error *error)
     size_t point = (origin.point + error->index) % job->curves[origin.curve].count;
     if (job->chains.joints > 0)
         line_chains_find(&job->chains, job->lines, job->line_count, &error->curve, &point);
+    point = job->simple.curves != NULL ? job->simple.origins[error->curve][point] : point;
     error->index = job->snapped.curves != NULL ? job->snapped.origins[error->curve][point] : point;
 }
 

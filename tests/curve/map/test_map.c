@@ -642,6 +642,51 @@ static void test_islands_stay_where_they_are(void **state)
     bat_curve_set_free(&coarse);
 }
 
+/// The distance of a point of the plane from a curve.
+static double distance_from(const bat_curve *curve, const double *point)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i + !curve->closed < curve->count; i++)
+    {
+        const double *p = curve->points + 2 * i, *q = curve->points + 2 * ((i + 1) % curve->count);
+        double along[2] = {q[0] - p[0], q[1] - p[1]}, way[2] = {point[0] - p[0], point[1] - p[1]};
+        double share = (along[0] * way[0] + along[1] * way[1]) / (along[0] * along[0] + along[1] * along[1]);
+        share = fmin(fmax(share, 0), 1);
+        least = fmin(least, hypot(way[0] - share * along[0], way[1] - share * along[1]));
+    }
+    return least;
+}
+
+static void test_simplified_maps_stay_maps(void **state)
+{
+    (void)state;
+    static const double TOLERANCES[] = {0.001, 0.01, 0.03, 0.3};
+    bat_space plane = bat_euclidean(2), sphere = bat_sphere(2);
+    for (size_t n = 0; n < 8; n++)
+    {
+        bat_curve_map_refine_report report;
+        bat_curve_set coarse = make_map(n < 4 ? &plane : &sphere, 0.9), again;
+        bat_curve_map_refine_options how = map_options("learned", 0, &report);
+        how.simplify = TOLERANCES[n % 4];
+        assert_int_equal(count_crossings(&coarse), 0);
+        bat_curve_set simple = refined_map(&coarse, &how);
+        assert_int_equal(count_crossings(&simple), 0);
+        assert_true(report.dropped > 0);
+        for (size_t c = 0; c < coarse.count; c++)
+        {
+            assert_true(simple.curves[c].count >= (coarse.curves[c].closed ? 3 : 2));
+            for (size_t i = 0; i < coarse.curves[c].count && n < 4; i++)
+                assert_true(distance_from(&simple.curves[c], coarse.curves[c].points + 2 * i) <= how.simplify * (1 + 1e-9));
+        }
+        // What is simple stays as it is.
+        again = refined_map(&simple, &how);
+        assert_int_equal(report.dropped, 0);
+        bat_curve_set_free(&again);
+        bat_curve_set_free(&simple);
+        bat_curve_set_free(&coarse);
+    }
+}
+
 static void test_what_cannot_be_is_refused(void **state)
 {
     (void)state;
@@ -689,6 +734,7 @@ int main(void)
         cmocka_unit_test(test_corners_are_nodes),
         cmocka_unit_test(test_stops_work_on_maps),
         cmocka_unit_test(test_islands_stay_where_they_are),
+        cmocka_unit_test(test_simplified_maps_stay_maps),
         cmocka_unit_test(test_what_cannot_be_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
