@@ -74,12 +74,12 @@ static void fill_ring(const geojson_shape *shape, const geojson_style *style, si
 
 static bat_status flat_rings_make(const geojson_shape *shape, const geojson_style *style, flat_rings *flat, bat_error *error)
 {
-    size_t room = 0;
+    size_t room = shape->cut ? 2 * shape->parts.rings.position_count : 0;
     flat->plane = bat_euclidean(2);
     flat->count = shape->cut ? shape->parts.rings.count : shape->curve_count;
-    for (size_t i = 0; i < shape->curve_count; i++)
-        room += 2 * shape->curves[i].count;
-    room = shape->cut ? 2 * shape->parts.rings.position_count : room;
+    for (size_t i = 0; i < shape->curve_count && !shape->cut; i++)
+        for (size_t k = 0; k < shape->curves[i].count; k++)
+            room += style->globe && llabs(shape->curves[i].shown[k].latitude) == style->grid.quarter_turn ? 2 : 1;
     flat->rings = memory_array(flat->count, sizeof *flat->rings);
     flat->points = memory_array(room, 2 * sizeof *flat->points);
     if (flat->rings == NULL || flat->points == NULL)
@@ -251,9 +251,9 @@ bat_status judge_polygons(const geojson_shape *given, const geojson_shape *fine,
     double place[2], old_place[2];
     bat_status status = flat_rings_make(fine, style, &after, error);
     if (status == BAT_OK)
-        status = flat_rings_make(given, style, &before, error);
-    if (status == BAT_OK)
         status = find_fault(&after, &crosses, place, error);
+    if (status == BAT_OK)
+        status = flat_rings_make(given, style, &before, error);
     if (status == BAT_OK && crosses)
         status = find_fault(&before, &crossed, old_place, error);
     double unit = style->globe ? (double)style->grid.half_turn / 180 : 1;
@@ -333,7 +333,7 @@ bat_status judge_borders(const bat_curve_set *given, const bat_curve_set *fine, 
     size_t edges = 0, size = 2;
     for (size_t i = 0; i < given->count; i++)
         edges += given->curves[i].count;
-    while (size < 2 * edges)
+    while (size < edges + edges / 2)
         size *= 2;
     border_judge judge = {given->space->point_dim, size - 1, calloc(size, sizeof *judge.table)};
     if (judge.table == NULL)
