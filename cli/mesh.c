@@ -35,6 +35,7 @@ typedef struct mesh_job
     double *limit_normals;           ///< of the limit surface; null for none
     bat_mesh_scheme scheme;          ///< the one that refined
     const char *reason;              ///< for the scheme, where it was not given; else null
+    bool solid;                      ///< refined by the learned scheme, or adaptively
 
     // Of `batten decimate`.
     bat_mesh_decimate_options decimate;
@@ -122,8 +123,8 @@ static void end(void *of)
 
 static const option_spec REFINE_OPTIONS[] = {
     {"scheme", "NAME", METHOD, COMMON,
-     "{}; default auto: catmull-clark for mostly quads or other polygons, loop for meshes with creases, corners or fewer "
-     "than 100 faces, else learned",
+     "{}; default auto: catmull-clark for mostly quads or other polygons, loop for meshes with creases or corners, and of "
+     "fewer than 100 faces but solids of flat faces, else learned",
      CHOICE(mesh_job, refine.scheme, bat_mesh_scheme_family)},
     {"levels", "K", METHOD, COMMON, "how often to refine; default 2", WHOLE(mesh_job, refine.levels, 0, MAX_LEVELS)},
     {"tolerance", "E", METHOD, COMMON,
@@ -131,7 +132,8 @@ static const option_spec REFINE_OPTIONS[] = {
      POSITIVE(mesh_job, refine.tolerance)},
     {"max-edge", "L", METHOD, 0, "the same, until no edge is longer than L", POSITIVE(mesh_job, refine.max_edge)},
     {"crease-angle", "DEG", METHOD, COMMON,
-     "learned, loop, catmull-clark: keep edges sharp at which faces meet at a greater angle",
+     "learned, loop, catmull-clark: keep edges sharp at which faces meet at a greater angle; default: found on "
+     "solids by learned, else none",
      DEGREES(mesh_job, refine.crease_angle, 0)},
     {"limit", NULL, METHOD, COMMON, "move the vertices onto the limit surface of loop or catmull-clark",
      FLAG(mesh_job, refine.limit)},
@@ -223,19 +225,22 @@ static int read_given(mesh_job *job)
     if (status != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, error);
     job->boundary_edges = links.boundary_edge_count;
-    job->scheme = job->refine.scheme;
-    if (job->scheme == BAT_MESH_SCHEME_AUTO)
+    job->scheme = job->refine.scheme == BAT_MESH_SCHEME_AUTO ? bat_mesh_scheme_for(&job->given) : job->refine.scheme;
+    job->solid = job->scheme == BAT_MESH_SCHEME_LEARNED && job->refine.crease_angle == 0 && bat_mesh_is_solid(&job->given);
+    if (job->refine.scheme == BAT_MESH_SCHEME_AUTO)
     {
-        job->scheme = bat_mesh_scheme_for(&job->given);
         job->reason = job->scheme == BAT_MESH_SCHEME_CATMULL_CLARK ? "most faces have more than three corners"
                       : job->scheme == BAT_MESH_SCHEME_LOOP        ? "a cage: few faces, or creases"
                                                                    : "a mesh of many triangles without creases";
         if (is_adaptive(job) && !has_rules(job->scheme))
         {
             job->scheme = BAT_MESH_SCHEME_LOOP;
-            job->reason = "adaptive refinement needs a limit surface";
+            job->reason = job->solid ? "adaptive; a solid: sharp edges stay; --crease-angle 180 rounds them"
+                                     : "adaptive refinement needs a limit surface";
         }
     }
+    if (job->solid && job->scheme == BAT_MESH_SCHEME_LEARNED)
+        job->reason = "a solid: flat faces and sharp edges stay; --scheme loop rounds them";
     bat_mesh_connectivity_free(&links);
     return EXIT_DONE;
 }
@@ -341,7 +346,7 @@ static int report_refinement(void *of)
         "scheme:s reason:s -told:b levels:z -how:s coarse.vertices:z coarse.faces:z fine.vertices:z fine.faces:z "
         "boundary_edges:z fallback:z repaired:z notes:o",
         bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), job->reason,
-        (int)(job->reason != NULL && job->scheme != BAT_MESH_SCHEME_LEARNED), job->refine.levels,
+        (int)(job->reason != NULL && (job->solid || job->scheme != BAT_MESH_SCHEME_LEARNED)), job->refine.levels,
         levels_text(job, job->scheme, levels), given->vertex_count, given->face_count, made->vertex_count, made->face_count,
         job->boundary_edges, job->fallback, bat_mesh_repair_places(&job->repairs), notes_json(&job->notes));
 }

@@ -36,8 +36,14 @@ typedef enum bat_mesh_scheme
 
 /// The scheme that BAT_MESH_SCHEME_AUTO stands for: Catmull and Clark's where more than half of the faces have four or more
 /// corners, as quads that a modeller drew have; else Loop's for a mesh that has creases or corners with a sharpness above 0,
-/// or fewer than BAT_MESH_CAGE_FACES faces; else the learned one. docs/results/meshes.md tells why.
+/// or fewer than BAT_MESH_CAGE_FACES faces and is no solid; else the learned one. docs/results/meshes.md tells why.
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
+
+/// Whether a mesh of triangles without creases and corners is a solid of flat faces: half of its vertices or more are on
+/// flat faces, and faces meet at more than 30 degrees. A flat face is made of three or more coplanar triangles, or of two
+/// that are no facet of a smooth surface. The learned scheme keeps the flat faces of every mesh, and the sharp edges of
+/// solids. False where bat_mesh_connect() fails.
+BAT_API bool bat_mesh_is_solid(const bat_mesh *mesh);
 
 /// The schemes by name.
 extern BAT_API const bat_family bat_mesh_scheme_family;
@@ -50,6 +56,7 @@ struct bat_mesh_rule
 {
     size_t levels;       ///< levels that the rule makes, at least 1; a classical scheme makes further ones
     const void *context; ///< the rule's own
+    bool bounded;        ///< bat_mesh_refine() bounds its moves, as those of the model that comes with the library
     /// Refine a checked mesh by `levels` levels, in the numbering above.
     /// @param fine     the refined mesh with its faces, and room for its positions, which the rule writes
     /// @param options  checked; a rule may use fairness, crease_angle and threads

@@ -33,11 +33,14 @@ static bat_mesh_model *random_model(uint64_t seed, double factor, learn_paramete
     return model;
 }
 
+/// Refine by the network alone: without the bounds that test_mesh_brake.c tests.
 static bat_mesh refined(const bat_mesh_model *model, const bat_mesh *coarse, size_t levels, double fairness, int threads)
 {
     bat_mesh fine;
+    bat_mesh_rule rule = *bat_mesh_model_rule(model);
+    rule.bounded = false;
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
-    options.rule = bat_mesh_model_rule(model);
+    options.rule = &rule;
     options.levels = levels;
     options.fairness = fairness;
     options.threads = threads;

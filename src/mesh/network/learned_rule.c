@@ -180,7 +180,7 @@ static bat_status refine(const bat_mesh_rule *rule, const bat_mesh *coarse, cons
     return status;
 }
 
-static const bat_mesh_rule RULE = {.levels = LEARNED_LEVELS_OF_MESH, .refine = refine};
+static const bat_mesh_rule RULE = {.levels = LEARNED_LEVELS_OF_MESH, .bounded = true, .refine = refine};
 
 static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
 {

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
+#include "mesh/refine/brake.h"
 
 #include <math.h>
 
@@ -228,6 +229,8 @@ static double bytes_of_levels(const mesh_plan *plan, const bat_mesh *coarse, con
         bytes += level + 1 < levels ? bytes_of_links(next) : bytes_of_end(plan, coarse, next);
         if (level < plan->learned_levels)
             bytes += LEARNED_VERTEX_BYTES * (double)now.mesh.vertices + 3 * sizeof(double) * (double)next.mesh.vertices;
+        if (plan->learned_levels > 0)
+            bytes += BRAKE_VERTEX_BYTES * (double)(now.mesh.vertices + next.mesh.vertices);
         if (sharp)
             bytes += sizeof(double) * (double)(now.mesh.edges + next.mesh.edges);
         if (sharp && plan->rules.creasing == BAT_MESH_CREASING_CHAIKIN)

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/labels.h"
+#include "mesh/refine/brake.h"
 #include "mesh/refine/level.h"
 #include "mesh/refine/plan.h"
 #include "mesh/refine/scheme.h"
@@ -230,6 +231,7 @@ typedef struct refinement
     unsigned char *dependent; ///< as in texture_rows
     size_t *fallback;
     double *normals; ///< of the limit surface; null: not wanted, or not yet
+    mesh_brake brake;
 } refinement;
 
 static void refined_level_free(refined_level *held)
@@ -455,6 +457,15 @@ static void advance(refinement *work, refined_level *next, bool keep)
     work->parent.links = &before->links;
 }
 
+/// Bound the positions of the next level, where it has some.
+static bat_status brake_level(refinement *work, const mesh_level *now, refined_level *next, bat_error *error)
+{
+    bat_status status = brake_advance(&work->brake, now, work->plan->options.threads, error);
+    if (status == BAT_OK && next->mesh.positions != NULL)
+        *work->fallback += brake_judge(&work->brake, next->mesh.faces, next->mesh.positions);
+    return status;
+}
+
 static bat_status step(refinement *work, size_t level, bat_error *error)
 {
     const mesh_plan *plan = work->plan;
@@ -475,6 +486,8 @@ static bat_status step(refinement *work, size_t level, bat_error *error)
         status = bat_mesh_connect(&next.mesh, &next.links, error);
     if (status == BAT_OK && level + 1 == plan->learned_levels)
         status = learn_positions(work, &next, error);
+    if (status == BAT_OK && work->brake.coarse != NULL)
+        status = brake_level(work, &now, &next, error);
     if (status != BAT_OK)
     {
         refined_level_free(&next);
@@ -529,6 +542,8 @@ static bat_status move_to_limit(refinement *work, bat_error *error)
     work->plan->limit(&rows, work->plan->options.threads);
     free(mesh->positions);
     mesh->positions = moved;
+    if (work->brake.coarse != NULL)
+        *work->fallback += brake_judge(&work->brake, mesh->faces, moved);
     return BAT_OK;
 }
 
@@ -553,6 +568,13 @@ static bat_status prepare(refinement *work, bat_error *error)
         if (work->dependent == NULL)
             return error_memory(error, coarse->texture_count);
         memset(work->dependent, 0, coarse->texture_count);
+    }
+    if (status == BAT_OK && work->plan->learned_levels > 0 && work->plan->options.rule->bounded)
+    {
+        bool named =
+            work->now.edge_sharpness != NULL || work->vertex_sharpness != NULL || work->plan->options.crease_angle > 0;
+        level.edge_sharpness = work->now.edge_sharpness;
+        status = brake_make(coarse, &level, !named, &work->brake, error);
     }
     bool triangles = !level.sides.quads && level.sides.offsets == NULL;
     return status == BAT_OK && triangles ? find_irregular(work, error) : status;
@@ -648,6 +670,7 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
         work.now.mesh = (bat_mesh){0};
         give_normals(&work);
     }
+    brake_free(&work.brake);
     free(work.normals);
     refined_level_free(&work.now);
     refined_level_free(&work.before);
@@ -792,13 +815,16 @@ static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_o
     return status;
 }
 
-/// The scheme that BAT_MESH_SCHEME_AUTO stands for. Adaptive refinement needs a limit surface.
-static bat_mesh_scheme choose_scheme(const bat_mesh_refine_options *how, const bat_mesh *mesh)
+/// Set the scheme that BAT_MESH_SCHEME_AUTO stands for. Adaptive refinement needs a limit surface, with the sharp edges that
+/// the learned scheme finds.
+static void choose_scheme(const bat_mesh *mesh, bat_mesh_refine_options *how)
 {
-    if (how->rule != NULL)
-        return BAT_MESH_SCHEME_LEARNED;
-    bat_mesh_scheme suited = bat_mesh_scheme_for(mesh);
-    return is_adaptive(how) && !mesh_scheme_of(suited)->creases ? BAT_MESH_SCHEME_LOOP : suited;
+    how->scheme = how->rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_mesh_scheme_for(mesh);
+    if (how->rule != NULL || !is_adaptive(how) || mesh_scheme_of(how->scheme)->creases)
+        return;
+    how->scheme = BAT_MESH_SCHEME_LOOP;
+    if (how->crease_angle == 0 && bat_mesh_is_solid(mesh))
+        how->crease_angle = BRAKE_SHARP;
 }
 
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
@@ -815,7 +841,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = bat_options_check(&bat_mesh_refine_fields, &how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
-        how.scheme = choose_scheme(&how, coarse);
+        choose_scheme(coarse, &how);
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
     {
         status = bat_mesh_model_read(NULL, &model, error);

@@ -26,11 +26,12 @@ static const mesh_scheme SCHEMES[] = {
      .rule = midpoint_rule,
      .continues = true},
     {.choice = CHOICE("sqrt3", "Kobbelt's square-root-three, three faces from one", BAT_MESH_SCHEME_SQRT3), .turns = true},
-    {.choice = {.name = "auto",
-                .summary =
-                    "the default: catmull-clark for meshes of mostly quads or other polygons, loop for meshes with creases, "
-                    "corners or fewer than 100 faces, else learned",
-                .value = BAT_MESH_SCHEME_AUTO},
+    {.choice =
+         {.name = "auto",
+          .summary =
+              "the default: catmull-clark for meshes of mostly quads or other polygons, loop for meshes with creases or "
+              "corners, and of fewer than 100 faces but solids of flat faces, else learned",
+          .value = BAT_MESH_SCHEME_AUTO},
      .rule = midpoint_rule,
      .learned = true},
 };
@@ -53,5 +54,6 @@ bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
         sharp = sharp || mesh->creases[i].sharpness > 0;
     for (size_t i = 0; i < mesh->corner_count; i++)
         sharp = sharp || mesh->corners[i].sharpness > 0;
-    return sharp || mesh->face_count < BAT_MESH_CAGE_FACES ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
+    bool cage = sharp || (mesh->face_count < BAT_MESH_CAGE_FACES && !bat_mesh_is_solid(mesh));
+    return cage ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
 }

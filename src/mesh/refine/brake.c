@@ -1,0 +1,494 @@
+#include "mesh/refine/brake.h"
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/mesh_refine.h"
+#include "linalg/vector.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Vertices within this share of the diagonal are on a plane: coordinates of six digits, and of single precision.
+#define FLATNESS 2e-6
+/// Neighbours across a smooth edge are facets of one surface where neither is more than this times as high as the other.
+#define COMPARABLE 4.0
+/// The reach over h tan(angle / 2). The sagitta of a sphere through equilateral triangles of height h is half of that: the
+/// value of solids. A decimated mesh has angles far below those of its shape: smaller values harm it.
+static const double SLACK = 4, SLACK_OF_SOLIDS = 0.5;
+
+/// A face is thin where it is lower than this share of an edge. Cages and decimated meshes have few such faces.
+#define THIN 0.2
+
+enum
+{
+    CORNER_OF_SOLID = 3 ///< the edges between planes that meet at a typical corner
+};
+
+/// The kinds of connected coplanar faces.
+typedef enum flat_kind
+{
+    NOT_FLAT,
+    FLAT_OF_SOLID, ///< faces that a cage could have as well
+    FLAT           ///< with thin faces, or beside much lower ones
+} flat_kind;
+
+/// The shape of a coarse mesh.
+typedef struct mesh_shape
+{
+    const mesh_level *level;
+    const double *positions;
+    double tolerance;       ///< of coplanar vertices
+    double (*normal)[3];    ///< faces: unit, or 0
+    double *height;         ///< faces: over the longest edge
+    double *angle;          ///< edges: between the normals of both faces; 0 where they are coplanar and at boundaries
+    uint32_t *region;       ///< faces: the number of their set of coplanar faces
+    uint32_t *stack;        ///< workspace, one for each face
+    unsigned char *flat;    ///< regions: a flat_kind
+    unsigned char *on_flat; ///< vertices: 1 on a flat face
+    uint32_t *bends;        ///< vertices: edges of an angle above 0
+} mesh_shape;
+
+static const double *place(const mesh_shape *shape, uint32_t vertex)
+{
+    return shape->positions + 3 * (size_t)vertex;
+}
+
+/// The height of a half-edge's face over it; 0 for an edge of no length.
+static double height_over(const mesh_shape *shape, uint32_t half_edge)
+{
+    const uint32_t *faces = shape->level->faces;
+    double along[3], aside[3], product[3];
+    vector3_subtract(place(shape, mesh_end(faces, half_edge)), place(shape, faces[half_edge]), along);
+    vector3_subtract(place(shape, mesh_opposite(faces, half_edge)), place(shape, faces[half_edge]), aside);
+    vector3_cross(along, aside, product);
+    double length = vector3_length(along);
+    return length > 0 ? vector3_length(product) / length : 0;
+}
+
+static void measure_face(mesh_shape *shape, uint32_t f)
+{
+    const uint32_t *corner = shape->level->faces + 3 * (size_t)f;
+    double along[3], aside[3];
+    vector3_subtract(place(shape, corner[1]), place(shape, corner[0]), along);
+    vector3_subtract(place(shape, corner[2]), place(shape, corner[0]), aside);
+    vector3_cross(along, aside, shape->normal[f]);
+    (void)vector3_normalize(shape->normal[f]);
+    shape->height[f] = INFINITY;
+    for (uint32_t h = 3 * f; h < 3 * f + 3; h++)
+        shape->height[f] = fmin(shape->height[f], height_over(shape, h));
+}
+
+/// Whether both faces of an inner edge are in a plane: the lower one's vertex is on the plane of the other. Faces lower than
+/// the tolerance have no direction.
+static bool is_coplanar(const mesh_shape *shape, uint32_t half_edge)
+{
+    uint32_t twin = shape->level->links->twin[half_edge], f = half_edge / 3, g = twin / 3;
+    bool first = shape->height[f] >= shape->height[g];
+    const double *normal = shape->normal[first ? f : g];
+    double aside[3];
+    vector3_subtract(place(shape, mesh_opposite(shape->level->faces, first ? twin : half_edge)),
+                     place(shape, shape->level->faces[half_edge]), aside);
+    return fabs(vector3_dot(normal, aside)) <= shape->tolerance &&
+           (vector3_dot(shape->normal[f], shape->normal[g]) > 0 ||
+            fmin(shape->height[f], shape->height[g]) <= shape->tolerance);
+}
+
+static void measure_edges(mesh_shape *shape)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+    {
+        uint32_t twin = links->twin[h];
+        if (!mesh_owns(links->twin, h))
+            continue;
+        bool bent = twin != BAT_MESH_NONE && !is_coplanar(shape, h);
+        shape->angle[links->edge[h]] = bent ? vector3_angle(shape->normal[h / 3], shape->normal[twin / 3]) : 0;
+        shape->bends[shape->level->faces[h]] += bent;
+        shape->bends[mesh_end(shape->level->faces, h)] += bent;
+    }
+}
+
+/// Number the coplanar faces that are connected with a face.
+/// @return how many there are: the first numbers of `stack`
+static size_t flood(mesh_shape *shape, uint32_t face, uint32_t region)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    size_t count = 1;
+    shape->stack[0] = face;
+    shape->region[face] = region;
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t h = 3 * shape->stack[i]; h < 3 * shape->stack[i] + 3; h++)
+        {
+            uint32_t twin = links->twin[h];
+            if (twin == BAT_MESH_NONE || shape->region[twin / 3] != BAT_MESH_NONE || shape->angle[links->edge[h]] > 0)
+                continue;
+            shape->region[twin / 3] = region;
+            shape->stack[count++] = twin / 3;
+        }
+    return count;
+}
+
+/// The kind of a set of connected coplanar faces. One triangle is not a flat face. Two are a facet of a smooth surface
+/// beside neighbours of comparable height: across smooth edges or, where four facets or more meet at each corner as in a
+/// grid, across all.
+static flat_kind kind_of(const mesh_shape *shape, const uint32_t *faces, size_t count)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    const uint32_t *corners = shape->level->faces;
+    bool smooth = false, uneven = false, thin = false, grid = count == 2;
+    for (size_t c = 0; c < 3 * count && grid; c++)
+        grid = shape->bends[corners[3 * faces[c / 3] + c % 3]] > CORNER_OF_SOLID;
+    for (size_t c = 0; c < 3 * count; c++)
+    {
+        uint32_t h = 3 * faces[c / 3] + (uint32_t)(c % 3), twin = links->twin[h];
+        double length = vector3_distance(place(shape, corners[h]), place(shape, mesh_end(corners, h)));
+        thin = thin || shape->height[h / 3] < THIN * length;
+        if (twin == BAT_MESH_NONE || shape->region[twin / 3] == shape->region[h / 3] ||
+            (!grid && shape->angle[links->edge[h]] > BRAKE_SHARP))
+            continue;
+        double here = height_over(shape, h), there = height_over(shape, twin);
+        uneven = uneven || fmax(here, there) > COMPARABLE * fmin(here, there);
+        smooth = true;
+    }
+    if (count < 2 || (count == 2 && smooth && !uneven))
+        return NOT_FLAT;
+    return thin || uneven ? FLAT : FLAT_OF_SOLID;
+}
+
+static void find_flat_faces(mesh_shape *shape)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    uint32_t region = 0;
+    memset(shape->region, 0xff, links->face_count * sizeof *shape->region);
+    for (uint32_t f = 0; f < links->face_count; f++)
+    {
+        if (shape->region[f] != BAT_MESH_NONE)
+            continue;
+        size_t count = flood(shape, f, region);
+        flat_kind kind = kind_of(shape, shape->stack, count);
+        shape->flat[region++] = (unsigned char)kind;
+        for (size_t i = 0; kind != NOT_FLAT && i < 3 * count; i++)
+            shape->on_flat[shape->level->faces[3 * shape->stack[i / 3] + i % 3]] = 1;
+    }
+}
+
+/// Whether the mesh has sharp edges, and half of the vertices of faces or more are on flat faces, with at most three of
+/// them. A vertex of a cage that was drawn in quads has four.
+static bool is_solid(const mesh_shape *shape)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    size_t vertices = 0, flat = 0;
+    bool sharp = false;
+    for (size_t e = 0; e < links->edge_count && !sharp; e++)
+        sharp = shape->angle[e] > BRAKE_SHARP;
+    for (size_t v = 0; v < links->vertex_count; v++)
+    {
+        vertices += links->first[v] != BAT_MESH_NONE;
+        flat += shape->on_flat[v] && shape->bends[v] <= CORNER_OF_SOLID;
+    }
+    return sharp && 2 * flat >= vertices;
+}
+
+static double diagonal_of(const bat_mesh *mesh)
+{
+    double low[3], high[3];
+    for (int c = 0; c < 3; c++)
+        low[c] = high[c] = mesh->positions[c];
+    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
+    {
+        low[i % 3] = fmin(low[i % 3], mesh->positions[i]);
+        high[i % 3] = fmax(high[i % 3], mesh->positions[i]);
+    }
+    return vector3_distance(low, high);
+}
+
+static void shape_free(mesh_shape *shape)
+{
+    free(shape->normal);
+    free(shape->height);
+    free(shape->angle);
+    free(shape->region);
+    free(shape->stack);
+    free(shape->flat);
+    free(shape->on_flat);
+    free(shape->bends);
+}
+
+/// Release the result with shape_free(), also on failure.
+static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, mesh_shape *shape, bat_error *error)
+{
+    size_t faces = level->links->face_count, edges = level->links->edge_count, vertices = level->links->vertex_count;
+    *shape = (mesh_shape){
+        .level = level,
+        .positions = mesh->positions,
+        .tolerance = FLATNESS * diagonal_of(mesh),
+        .normal = memory_array(faces, sizeof *shape->normal),
+        .height = memory_array(faces, sizeof *shape->height),
+        .angle = memory_array(edges, sizeof *shape->angle),
+        .region = memory_array(faces, sizeof *shape->region),
+        .stack = memory_array(faces, sizeof *shape->stack),
+        .flat = memory_array(faces, sizeof *shape->flat),
+        .on_flat = memory_array(vertices, sizeof *shape->on_flat),
+        .bends = memory_array(vertices, sizeof *shape->bends),
+    };
+    if (shape->normal == NULL || shape->height == NULL || shape->angle == NULL || shape->region == NULL ||
+        shape->stack == NULL || shape->flat == NULL || shape->on_flat == NULL || shape->bends == NULL)
+        return error_memory(error, faces * sizeof *shape->normal);
+    memset(shape->on_flat, 0, vertices);
+    memset(shape->bends, 0, vertices * sizeof *shape->bends);
+    for (uint32_t f = 0; f < faces; f++)
+        measure_face(shape, f);
+    measure_edges(shape);
+    find_flat_faces(shape);
+    return BAT_OK;
+}
+
+// Reaches
+
+static double *edge_reach(const mesh_brake *brake)
+{
+    return brake->reach + brake->links->vertex_count;
+}
+
+static double *face_reach(const mesh_brake *brake)
+{
+    return edge_reach(brake) + brake->links->edge_count;
+}
+
+/// The reach of a face: its height, or that of a lower neighbour, times `slack` and the tangent of half the angle between
+/// them, but at most the height; the greatest over its edges.
+static double reach_of_face(const mesh_shape *shape, uint32_t face, double slack)
+{
+    const bat_mesh_connectivity *links = shape->level->links;
+    double reach = 0;
+    for (uint32_t h = 3 * face; h < 3 * face + 3; h++)
+    {
+        if (links->twin[h] == BAT_MESH_NONE)
+            continue;
+        double slope = fmin(1, slack * tan(0.5 * fmin(3, shape->angle[links->edge[h]])));
+        reach = fmax(reach, fmin(shape->height[face], shape->height[links->twin[h] / 3]) * slope);
+    }
+    return reach;
+}
+
+/// Set the reach of faces, and that of edges and vertices to the greatest of the faces around.
+static void reach_by_angles(const mesh_shape *shape, mesh_brake *brake)
+{
+    const bat_mesh_connectivity *links = brake->links;
+    size_t count = links->vertex_count + links->edge_count;
+    memset(brake->reach, 0, count * sizeof *brake->reach);
+    for (uint32_t f = 0; f < links->face_count; f++)
+        face_reach(brake)[f] = reach_of_face(shape, f, brake->solid ? SLACK_OF_SOLIDS : SLACK);
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+    {
+        double reach = face_reach(brake)[h / 3], *vertex = &brake->reach[shape->level->faces[h]];
+        double *edge = &edge_reach(brake)[links->edge[h]];
+        *vertex = fmax(*vertex, reach);
+        *edge = fmax(*edge, reach);
+    }
+}
+
+/// Hold what is between vertices that stay: edges and faces.
+static void hold_between(mesh_brake *brake, const uint32_t *faces)
+{
+    const bat_mesh_connectivity *links = brake->links;
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+    {
+        const double *a = &brake->reach[faces[h]], *b = &brake->reach[mesh_end(faces, h)];
+        if (*a == 0 && *b == 0 && links->twin[h] != BAT_MESH_NONE)
+            edge_reach(brake)[links->edge[h]] = 0;
+        if (*a == 0 && *b == 0 && brake->reach[mesh_opposite(faces, h)] == 0)
+            face_reach(brake)[h / 3] = 0;
+    }
+}
+
+/// Hold flat faces and, of a solid, boundaries and sharp edges.
+static void hold_flat_and_sharp(const mesh_shape *shape, mesh_brake *brake)
+{
+    const bat_mesh_connectivity *links = brake->links;
+    const uint32_t *faces = shape->level->faces;
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+    {
+        bool boundary = links->twin[h] == BAT_MESH_NONE;
+        bool sharp = brake->solid && (boundary || shape->angle[links->edge[h]] > BRAKE_SHARP);
+        if (shape->flat[shape->region[h / 3]] >= (brake->solid ? FLAT_OF_SOLID : FLAT))
+            face_reach(brake)[h / 3] = edge_reach(brake)[links->edge[h]] = brake->reach[faces[h]] = 0;
+        if (sharp)
+            edge_reach(brake)[links->edge[h]] = brake->reach[faces[h]] = brake->reach[mesh_end(faces, h)] = 0;
+    }
+}
+
+/// Free boundaries, which depend on their own vertices alone, and named creases and corners, which follow Loop's rules.
+static void free_named(const mesh_shape *shape, mesh_brake *brake)
+{
+    const bat_mesh_connectivity *links = brake->links;
+    const mesh_level *level = shape->level;
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+    {
+        bool boundary = links->twin[h] == BAT_MESH_NONE && !brake->solid;
+        bool named = level->edge_sharpness != NULL && level->edge_sharpness[links->edge[h]] > 0;
+        if (boundary || named)
+            edge_reach(brake)[links->edge[h]] = brake->reach[level->faces[h]] = brake->reach[mesh_end(level->faces, h)] =
+                boundary ? INFINITY : DBL_MAX;
+    }
+}
+
+bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool found, mesh_brake *brake, bat_error *error)
+{
+    const bat_mesh_connectivity *links = level->links;
+    size_t vertices = links->vertex_count, count = vertices + links->edge_count + links->face_count;
+    mesh_shape shape;
+    *brake = (mesh_brake){.coarse = coarse,
+                          .links = links,
+                          .count = vertices,
+                          .reach = memory_array(count, sizeof *brake->reach),
+                          .plain = memory_array(vertices, 3 * sizeof *brake->plain),
+                          .owner = memory_array(vertices, sizeof *brake->owner)};
+    bat_status status = shape_make(coarse, level, &shape, error);
+    if (status == BAT_OK && (brake->reach == NULL || brake->plain == NULL || brake->owner == NULL))
+        status = error_memory(error, count * sizeof *brake->reach);
+    if (status == BAT_OK)
+    {
+        memcpy(brake->plain, coarse->positions, 3 * vertices * sizeof *brake->plain);
+        for (uint32_t v = 0; v < vertices; v++)
+            brake->owner[v] = v;
+        brake->solid = found && is_solid(&shape);
+        reach_by_angles(&shape, brake);
+        hold_flat_and_sharp(&shape, brake);
+        free_named(&shape, brake);
+        hold_between(brake, coarse->faces);
+    }
+    shape_free(&shape);
+    if (status != BAT_OK)
+        brake_free(brake);
+    return status;
+}
+
+void brake_free(mesh_brake *brake)
+{
+    free(brake->reach);
+    free(brake->plain);
+    free(brake->owner);
+    *brake = (mesh_brake){0};
+}
+
+// Levels
+
+/// The owner of the vertex on the edge of a half-edge: the least that has both ends' owners.
+static uint32_t owner_between(const mesh_brake *brake, uint32_t a, uint32_t b, uint32_t half_edge)
+{
+    uint32_t vertices = (uint32_t)brake->links->vertex_count, edges = (uint32_t)brake->links->edge_count;
+    uint32_t low = a < b ? a : b, high = a < b ? b : a, face = half_edge / 3 >> 2 * brake->level;
+    if (high < vertices)
+        return vertices + brake->links->edge[half_edge];
+    return high < vertices + edges && (low < vertices || low == high) ? high : vertices + edges + face;
+}
+
+bat_status brake_advance(mesh_brake *brake, const mesh_level *level, int threads, bat_error *error)
+{
+    const bat_mesh_connectivity *links = level->links;
+    size_t count = links->vertex_count + links->edge_count;
+    double *plain = memory_array(count, 3 * sizeof *plain);
+    uint32_t *owner = memory_array(count, sizeof *owner);
+    if (plain == NULL || owner == NULL)
+    {
+        free(plain);
+        free(owner);
+        return error_memory(error, count * BRAKE_VERTEX_BYTES);
+    }
+    const mesh_rows rows = {level, brake->plain, plain, 3};
+    midpoint_rule(&rows, threads);
+    memcpy(owner, brake->owner, links->vertex_count * sizeof *owner);
+    for (uint32_t h = 0; h < 3 * links->face_count; h++)
+        if (mesh_owns(links->twin, h))
+            owner[links->vertex_count + links->edge[h]] =
+                owner_between(brake, brake->owner[level->faces[h]], brake->owner[mesh_end(level->faces, h)], h);
+    free(brake->plain);
+    free(brake->owner);
+    brake->plain = plain;
+    brake->owner = owner;
+    brake->count = count;
+    brake->level++;
+    return BAT_OK;
+}
+
+void brake_bound(const mesh_brake *brake, double *positions)
+{
+    for (size_t v = 0; v < brake->count; v++)
+    {
+        double reach = brake->reach[brake->owner[v]], *to = positions + 3 * v, move[3];
+        const double *from = brake->plain + 3 * v;
+        vector3_subtract(to, from, move);
+        double length = vector3_length(move);
+        if (reach == 0)
+            memcpy(to, from, sizeof move);
+        else if (length > reach)
+            for (int c = 0; c < 3; c++)
+                to[c] = from[c] + reach / length * move[c];
+    }
+}
+
+/// Twice the area of a face times its normal.
+static void area_vector(const uint32_t *corner, const double *positions, double area[3])
+{
+    double along[3], aside[3];
+    const double *begin = positions + 3 * (size_t)corner[0];
+    vector3_subtract(positions + 3 * (size_t)corner[1], begin, along);
+    vector3_subtract(positions + 3 * (size_t)corner[2], begin, aside);
+    vector3_cross(along, aside, area);
+}
+
+/// Let a coarse face stay, with its vertices but those of a free boundary.
+/// @return whether it moved before
+static bool hold_face(mesh_brake *brake, uint32_t face)
+{
+    bool moved = face_reach(brake)[face] > 0;
+    face_reach(brake)[face] = 0;
+    for (uint32_t h = 3 * face; h < 3 * face + 3; h++)
+    {
+        double *vertex = &brake->reach[brake->coarse->faces[h]], *edge = &edge_reach(brake)[brake->links->edge[h]];
+        moved = moved || (*vertex > 0 && *vertex < INFINITY) || (*edge > 0 && *edge < INFINITY);
+        *vertex = *vertex < INFINITY ? 0 : *vertex;
+        *edge = *edge < INFINITY ? 0 : *edge;
+    }
+    return moved;
+}
+
+size_t brake_judge(mesh_brake *brake, const uint32_t *faces, double *positions)
+{
+    size_t held = 0, before;
+    do
+    {
+        before = held;
+        brake_bound(brake, positions);
+        for (uint32_t f = 0; f < brake->links->face_count << 2 * brake->level; f++)
+        {
+            double coarse[3], fine[3];
+            uint32_t ancestor = f >> 2 * brake->level;
+            area_vector(brake->coarse->faces + 3 * (size_t)ancestor, brake->coarse->positions, coarse);
+            area_vector(faces + 3 * (size_t)f, positions, fine);
+            if (vector3_dot(coarse, fine) < 0 && hold_face(brake, ancestor))
+                held++;
+        }
+        hold_between(brake, brake->coarse->faces);
+    } while (held > before);
+    return held;
+}
+
+// Solids
+
+bool bat_mesh_is_solid(const bat_mesh *mesh)
+{
+    bat_mesh_connectivity links;
+    if (mesh->offsets != NULL || mesh->crease_count + mesh->corner_count > 0 ||
+        bat_mesh_connect(mesh, &links, NULL) != BAT_OK)
+        return false;
+    const mesh_level level = {.faces = mesh->faces, .links = &links};
+    mesh_shape shape;
+    bool solid = shape_make(mesh, &level, &shape, NULL) == BAT_OK && is_solid(&shape);
+    shape_free(&shape);
+    bat_mesh_connectivity_free(&links);
+    return solid;
+}
