@@ -314,9 +314,6 @@ static void warn(const mesh_job *job)
     bat_mesh_rules rules = job->given.rules;
     bool textured = job->given.texture_faces != NULL;
     bool sharp = job->given.crease_count + job->given.corner_count > 0;
-    if (job->fallback > 0)
-        report_text(stderr, "batten: %s: the learned rule fell back to a classical one at %zu places\n", job->call.input,
-                    job->fallback);
     bat_mesh_scheme last = job->scheme == BAT_MESH_SCHEME_LEARNED ? job->refine.then : job->scheme;
     if ((rules.boundary != BAT_MESH_BOUNDARY_AUTO || rules.creasing != BAT_MESH_CREASING_AUTO ||
          rules.linear != BAT_MESH_LINEAR_AUTO) &&
@@ -342,7 +339,8 @@ static int report_refinement(void *of)
     return report_print(
         job->call.json,
         "{scheme}[told? ({reason})], {how}: {coarse.vertices} vertices, {coarse.faces} faces -> {fine.vertices} vertices, "
-        "{fine.faces} faces; [boundary_edges?with boundary][!boundary_edges?closed]\n",
+        "{fine.faces} faces; [boundary_edges?with boundary][!boundary_edges?closed]"
+        "[fallback?; as by midpoint at {fallback} places]\n",
         "scheme:s reason:s -told:b levels:z -how:s coarse.vertices:z coarse.faces:z fine.vertices:z fine.faces:z "
         "boundary_edges:z fallback:z repaired:z notes:o",
         bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), job->reason,

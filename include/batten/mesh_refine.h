@@ -40,9 +40,9 @@ typedef enum bat_mesh_scheme
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
 
 /// Whether a mesh of triangles without creases and corners is a solid of flat faces: half of its vertices or more are on
-/// flat faces, and faces meet at more than 30 degrees. A flat face is made of three or more coplanar triangles, or of two
-/// that are no facet of a smooth surface. The learned scheme keeps the flat faces of every mesh, and the sharp edges of
-/// solids. False where bat_mesh_connect() fails.
+/// flat faces, three at most, and faces meet at more than 30 degrees. A flat face is made of three or more coplanar
+/// triangles, or of two that are no facet of a smooth surface. The learned scheme keeps the flat faces and sharp edges of
+/// solids. False where bat_mesh_connect() fails. docs/algorithms/mesh-network.md has the rules.
 BAT_API bool bat_mesh_is_solid(const bat_mesh *mesh);
 
 /// The schemes by name.
