@@ -48,6 +48,10 @@ static const option_spec FILE_OPTIONS[] = {
     {"triangulate", NULL, INPUT, COMMON, "cut polygons of IN into triangles", FLAG(mesh_job, read.triangulate)},
     {"repair", NULL, INPUT, COMMON, "split edges of more than two faces and vertices of several fans first",
      FLAG(mesh_job, read.repair)},
+    {"weld", "D", INPUT, 0,
+     "join vertices of IN within the distance D; 0: none; default: 1e-7 of the diagonal for STL and triangles with vertices "
+     "of their own",
+     NUMBER(mesh_job, read.weld)},
     {"from", "FORMAT", INPUT, 0, "the format of IN, see `batten list formats`; default: by content and ending",
      CHOICE(mesh_job, read.format, bat_mesh_format_family)},
     {"normals", NULL, RESULT, 0,

@@ -161,10 +161,42 @@ static void test_normals(void **state)
     bat_mesh_free(&mesh);
 }
 
+/// Vertices that differ by rounding are joined, others and those of faces that would lose a corner are not.
+static void test_weld(void **state)
+{
+    (void)state;
+    static const char near[] =
+        "solid\n" FACET("0 0 0", "1 0 0", "0 1 0") FACET("0 1 -3e-16", "1 0 1e-8", "1 1 1") "endsolid\n",
+                      thin[] =
+                          "solid\n" FACET("0 0 0", "1 0 0", "1 1e-9 0") FACET("1 1e-9 0", "1 0 0", "2 0 1") "endsolid\n",
+                      soup[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 1 0\nv 1 0 0\nv 1 1 1\nf 1 2 3\nf 4 5 6\n";
+    static const struct
+    {
+        const char *text;
+        bat_mesh_format format;
+        double weld;
+        size_t vertices, notes;
+    } cases[] = {{near, BAT_MESH_FORMAT_STL, -1, 4, 1},    {near, BAT_MESH_FORMAT_STL, 0, 6, 0},
+                 {near, BAT_MESH_FORMAT_STL, 1e-12, 5, 1}, {thin, BAT_MESH_FORMAT_STL, -1, 4, 0},
+                 {soup, BAT_MESH_FORMAT_OBJ, -1, 4, 1},    {soup, BAT_MESH_FORMAT_OBJ, 0, 6, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_mesh_notes notes = {0};
+        bat_mesh_read_options options = reading_as(cases[i].format);
+        options.weld = cases[i].weld;
+        options.notes = &notes;
+        bat_mesh mesh = must_read_bytes(cases[i].text, strlen(cases[i].text), &options);
+        assert_int_equal(mesh.vertex_count, cases[i].vertices);
+        assert_int_equal(notes.count, cases[i].notes);
+        bat_mesh_free(&mesh);
+        bat_mesh_notes_free(&notes);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_text), cmocka_unit_test(test_bad_text),
-                                       cmocka_unit_test(test_bytes), cmocka_unit_test(test_round_trip),
-                                       cmocka_unit_test(test_normals)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_weld),       cmocka_unit_test(test_text),
+                                       cmocka_unit_test(test_bad_text),   cmocka_unit_test(test_bytes),
+                                       cmocka_unit_test(test_round_trip), cmocka_unit_test(test_normals)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

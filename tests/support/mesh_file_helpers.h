@@ -85,6 +85,7 @@ static inline bat_mesh_read_options reading_as(bat_mesh_format format)
 {
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.format = format;
+    options.weld = 0;
     return options;
 }
 
@@ -171,7 +172,7 @@ static inline bat_mesh through_file(const bat_mesh *mesh, bat_mesh_format format
 {
     size_t size;
     char *bytes = must_write(mesh, format, encoding, &size);
-    bat_mesh_read_options options = bat_mesh_read_defaults(); // the format follows from the content
+    bat_mesh_read_options options = reading_as(BAT_MESH_FORMAT_AUTO);
     bat_mesh back = must_read_bytes(bytes, size, &options);
     free(bytes);
     return back;

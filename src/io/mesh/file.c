@@ -96,7 +96,7 @@ static bat_status format_for_path(const char *path, bool writes, bat_mesh_format
 
 bat_mesh_read_options bat_mesh_read_defaults(void)
 {
-    return (bat_mesh_read_options){.format = BAT_MESH_FORMAT_AUTO};
+    return (bat_mesh_read_options){.format = BAT_MESH_FORMAT_AUTO, .weld = -1};
 }
 
 bat_mesh_write_options bat_mesh_write_defaults(void)
@@ -108,6 +108,7 @@ static bat_status mesh_read_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_mesh_read_options, format, bat_mesh_format_family),
+        OPTION_FIELD(bat_mesh_read_options, weld, OPTION_NUMBER, -1, INFINITY),
     };
     return OPTIONS_CHECK(opaque, FIELDS, error);
 }
@@ -188,7 +189,50 @@ static bat_status choose_format(const file_text *text, bat_mesh_format wanted, b
                      row_of(found)->choice.name, row_of(ending)->choice.name, row_of(ending)->choice.name);
 }
 
-/// Read a mesh whose file's ending stands for `format`, and repair it where that is asked for.
+/// The distance by which to weld a mesh that was read; 0 for none.
+static double weld_distance(const bat_mesh *mesh, bat_mesh_format format, double wanted)
+{
+    static const double share = 1e-7; // of the diagonal: single precision
+    bool soup = format != BAT_MESH_FORMAT_3MF && mesh->vertex_count == 3 * mesh->face_count && mesh->channel_count == 0;
+    if (wanted >= 0 || (format != BAT_MESH_FORMAT_STL && !soup))
+        return fmax(0, wanted);
+    double square = 0;
+    for (size_t c = 0; c < 3; c++)
+    {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t v = 0; v < mesh->vertex_count; v++)
+        {
+            low = fmin(low, mesh->positions[3 * v + c]);
+            high = fmax(high, mesh->positions[3 * v + c]);
+        }
+        square += (high - low) * (high - low);
+    }
+    return share * sqrt(square);
+}
+
+/// Weld a mesh that was read. One whose triangles lose a corner stays, unless a repair follows or the distance was given.
+static bat_status weld(bat_mesh_format format, const bat_mesh_read_options *options, bat_mesh *mesh, bat_mesh_notes *notes,
+                       bat_error *error)
+{
+    double distance = mesh->offsets == NULL ? weld_distance(mesh, format, options->weld) : 0;
+    size_t merged;
+    bat_mesh welded;
+    if (!(distance > 0) || !isfinite(distance))
+        return BAT_OK;
+    bat_status status = bat_mesh_weld(mesh, distance, &merged, &welded, error);
+    if (status != BAT_OK)
+        return status;
+    bool whole = options->weld >= 0 || options->repair || bat_mesh_check(&welded, NULL) == BAT_OK;
+    bat_mesh_free(whole ? mesh : &welded);
+    if (!whole)
+        return BAT_OK;
+    *mesh = welded;
+    return merged > 0 ? mesh_note(notes, error, "%zu vertices were joined with others within %.3g; weld 0 keeps them apart",
+                                  merged, distance)
+                      : BAT_OK;
+}
+
+/// Read a mesh whose file's ending stands for `format`, weld it, and repair it where that is asked for.
 static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
                             bat_mesh *mesh, bat_error *error)
 {
@@ -201,6 +245,12 @@ static bat_status read_text(const file_text *text, bat_mesh_format format, const
     bat_status status = choose_format(text, options->format, &format, lenient.notes, error);
     if (status == BAT_OK)
         status = row_of(format)->read(text, &lenient, &read, error);
+    if (status == BAT_OK)
+    {
+        status = weld(format, options, &read, lenient.notes, error);
+        if (status != BAT_OK)
+            bat_mesh_free(&read);
+    }
     if (status == BAT_OK && options->repair)
     {
         status = bat_mesh_repair(&read, &report, &repaired, error);
