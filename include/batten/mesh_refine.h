@@ -108,14 +108,14 @@ extern BAT_API const bat_options_table bat_mesh_refine_fields;
 ///
 /// Boundaries depend on their own vertices alone: cubic B-splines in Loop's and the square-root-three scheme, the four-point
 /// rule in the butterfly and under the learned scheme. Vertices without a face stay. Channels use the scheme's weights, or
-/// midpoints under a learned scheme, and are not moved to the limit. Texture coordinates are averaged along edges, on each
-/// side of a seam. Creases and corners act in Loop's and Catmull and Clark's schemes and, by Loop's rules, in the learned
-/// one; all schemes pass them on, with their remaining sharpness. Labels go from each face to the faces that it becomes.
-/// Adaptive refinement has all vertices on the limit surface and no cracks: a triangle beside finer ones is cut to their
-/// vertices; a quad beside finer ones takes these in as corners, so that it has five or more. The result has channels and
-/// labels, but no texture, creases or corners.
-/// Square-root-three flips edges across seams and creases: its fine mesh has no texture, creases or corners.
-/// Catmull and Clark's scheme takes any polygons and makes quads; the other schemes take and make triangles.
+/// midpoints under a learned scheme, and are not moved to the limit; a channel of values from 0 to 1 keeps that range.
+/// Texture coordinates are averaged along edges, on each side of a seam. Creases and corners act in Loop's and Catmull and
+/// Clark's schemes and, by Loop's rules, in the learned one; all schemes pass them on, with their remaining sharpness.
+/// Labels go from each face to the faces that it becomes. Adaptive refinement has all vertices on the limit surface and no
+/// cracks: a triangle beside finer ones is cut to their vertices; a quad beside finer ones takes these in as corners, so
+/// that it has five or more. The result has channels and labels, but no texture, creases or corners. Square-root-three flips
+/// edges across seams and creases: its fine mesh has no texture, creases or corners. Catmull and Clark's scheme takes any
+/// polygons and makes quads; the other schemes take and make triangles.
 ///
 /// @param coarse   a mesh that bat_mesh_check() and bat_mesh_connect() accept
 /// @param options  null for bat_mesh_refine_defaults(), which refine by the model that comes with the library

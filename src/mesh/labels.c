@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -88,6 +89,19 @@ bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error)
     to->channel_names = copy.channel_names;
     to->channel_count = copy.channel_count;
     return BAT_OK;
+}
+
+void channels_bound(const bat_mesh *from, bat_mesh *to)
+{
+    size_t dim = from->channel_count;
+    for (size_t c = 0; c < dim; c++)
+    {
+        bool bounded = true;
+        for (size_t v = 0; v < from->vertex_count && bounded; v++)
+            bounded = from->channels[v * dim + c] >= 0 && from->channels[v * dim + c] <= 1;
+        for (size_t v = 0; v < to->vertex_count && bounded; v++)
+            to->channels[v * dim + c] = fmin(1, fmax(0, to->channels[v * dim + c]));
+    }
 }
 
 bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error)

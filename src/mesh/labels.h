@@ -28,6 +28,8 @@ const char *mesh_label_text(const bat_mesh_label *label, int index);
 /// Give a mesh the names of another one's channels.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error);
+/// Move the values of those channels to 0 … 1 whose values on another mesh are all there, as those of colours.
+void channels_bound(const bat_mesh *from, bat_mesh *to);
 /// Give a mesh the names of another one's channels, and room for their values at `vertices` vertices.
 /// @param to receives channels, channel_names and channel_count, which it must not have yet; bat_mesh_free() releases what
 ///           was made, also on failure

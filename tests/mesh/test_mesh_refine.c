@@ -454,6 +454,36 @@ static void test_channels(void **state)
     }
 }
 
+/// Colours stay from 0 to 1 in every scheme; values beyond are not held there.
+static void test_colours_stay_in_range(void **state)
+{
+    (void)state;
+    for (size_t s = 0; s < SCHEME_COUNT; s++)
+    {
+        bat_mesh mesh = mesh_octahedron();
+        bool beyond = false;
+        mesh.channel_count = 2;
+        mesh.channels = (double *)mesh_room(mesh.vertex_count, 2 * sizeof *mesh.channels);
+        mesh.channel_names = (char **)mesh_room(2, sizeof *mesh.channel_names);
+        for (size_t i = 0; i < 2; i++)
+            mesh.channel_names[i] = (char *)mesh_room(2, 1);
+        for (size_t v = 0; v < mesh.vertex_count; v++)
+        {
+            mesh.channels[2 * v] = v != 4;
+            mesh.channels[2 * v + 1] = 10 * (v != 4);
+        }
+        bat_mesh fine = refine(&mesh, SCHEMES[s], 2);
+        for (size_t v = 0; v < fine.vertex_count; v++)
+        {
+            assert_true(fine.channels[2 * v] >= 0 && fine.channels[2 * v] <= 1);
+            beyond = beyond || fine.channels[2 * v + 1] > 10 + 1e-9;
+        }
+        assert_int_equal(beyond, SCHEMES[s] == BAT_MESH_SCHEME_BUTTERFLY);
+        bat_mesh_free(&fine);
+        bat_mesh_free(&mesh);
+    }
+}
+
 /// A grid whose texture is cut along its middle column: each half has coordinates of its own there.
 static bat_mesh seamed_grid(void)
 {
@@ -715,6 +745,7 @@ int main(void)
         cmocka_unit_test(test_loop_lifts_a_bowl),
         cmocka_unit_test(test_isolated_vertices),
         cmocka_unit_test(test_channels),
+        cmocka_unit_test(test_colours_stay_in_range),
         cmocka_unit_test(test_texture),
         cmocka_unit_test(test_refusals),
         cmocka_unit_test(test_no_levels),

@@ -661,6 +661,8 @@ static bat_status refine_connected(const bat_mesh *coarse, const mesh_sides *sid
         status = leave_out(&work, sides, error);
     if (status == BAT_OK)
         status = channels_name(coarse, &work.now.mesh, error);
+    if (status == BAT_OK)
+        channels_bound(coarse, &work.now.mesh);
     if (status == BAT_OK && work.now.sides.quads)
         status = number_quads(&work.now.mesh, error);
     if (status == BAT_OK)
