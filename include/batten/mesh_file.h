@@ -53,9 +53,9 @@ typedef struct bat_mesh_read_options
     bat_mesh_repair_report *repairs; ///< receives what was repaired, all 0 without `repair`; may be null, the default
     bat_mesh_notes *notes;           ///< notes of a successful reading are appended; may be null, the default
     bool polygons; ///< keep polygons of more than three corners as they are, unless `triangulate` cuts them; default false
-    /// bat_mesh_weld() triangles by this distance, before a repair. 0: do not. -1, the default: by 1e-7 of the diagonal, where
-    /// the file is STL, or not 3MF and every triangle has vertices of its own without values; where no triangle loses a
-    /// corner.
+    /// bat_mesh_weld() triangles by this distance, before a repair. 0: do not. -1, the default: by 1e-7 of the diagonal,
+    /// where the file is STL, or not 3MF and every triangle has vertices of its own without values; where no triangle loses
+    /// a corner.
     double weld;
 } bat_mesh_read_options;
 
