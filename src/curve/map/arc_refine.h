@@ -187,8 +187,8 @@ void snapped_curves_free(snapped_curves *snapped);
 
 // Fewer points.
 
-/// Copies of curves without the points that Douglas and Peucker's algorithm drops, arc by arc: shared borders stay shared, no
-/// dropped point is farther than the tolerance from the edge in its place, and arcs meet and pass where they did before.
+/// Copies of curves without the points that Douglas and Peucker's algorithm drops, arc by arc: shared borders stay shared,
+/// no dropped point is farther than the tolerance from the edge in its place, and arcs meet and pass where they did before.
 /// Nodes, ends and corners stay, and rings keep three points.
 ///
 /// @param chart  of their space; null: nothing tests whether arcs meet
