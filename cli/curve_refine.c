@@ -550,6 +550,16 @@ static json_t *report_outliers(const curve_job *job, bool as_json)
                        (int)(job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY), time);
 }
 
+/// Keys whose step says nothing of the velocity.
+static json_t *report_held(const curve_job *job, bool as_json)
+{
+    return report_part(
+        as_json,
+        "held: {held} step[!one?s] between near keys said nothing of the velocity, which is that of the motion "
+        "around; --tangents smooth goes through it as it is\n",
+        "held:z -one:b", job->findings.moved.held, (int)(job->findings.moved.held == 1));
+}
+
 /// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit", or the other amounts. Returns it for JSON.
 static json_t *report_amount(const curve_job *job, bool as_json)
 {
@@ -609,6 +619,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
          corners = job->refine.corner_angle > 0 || job->refine.find_corners || findings->done.curves.corners > 0;
     size_t kept = findings->done.curves.corners;
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
+    json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
     json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
     if (!json && corners)
         (void)printf("%zu corner%s kept\n", kept, kept == 1 ? "" : "s");
@@ -639,17 +650,18 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     if (!json)
         return NULL;
     char keys[200];
-    (void)snprintf(keys, sizeof keys,
-                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? smoothed:o? "
-                   "%s:o? corners:o? "
-                   "left_straight:o? "
-                   "projection:s? distance:o?",
-                   job->motion.times != NULL ? "times"
-                   : job->motion.rate > 0    ? "rate"
-                                             : "levels",
-                   findings->done.map ? "map" : "simple");
+    (void)snprintf(
+        keys, sizeof keys,
+        "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? smoothed:o? "
+        "%s:o? corners:o? "
+        "left_straight:o? "
+        "projection:s? distance:o?",
+        job->motion.times != NULL ? "times"
+        : job->motion.rate > 0    ? "rate"
+                                  : "levels",
+        findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, smoothed, crossings,
+                         findings->written.left_out, findings->written.lost, outliers, held, smoothed, crossings,
                          corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
 }
 

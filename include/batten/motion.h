@@ -38,6 +38,7 @@ typedef struct bat_motion_report
     size_t outlier;   ///< the first of them, and its curve; BAT_NO_INDEX for none
     size_t outlier_curve;
     double outlier_time; ///< its time
+    size_t held;         ///< see bat_motion_keys::held
 } bat_motion_report;
 
 /// Options of motions. Begin with bat_motion_curves_defaults().

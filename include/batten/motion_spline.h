@@ -117,6 +117,9 @@ typedef struct bat_motion_keys
     /// The distances of the given keys from a smoothed motion in units of sigma; of rigid motions the larger of the
     /// distances of translations and of rotations. Zeros where nothing was smoothed.
     const double *deviations;
+    /// Intervals far shorter than those beside them, with a far greater or smaller speed, whose keys have the velocity of
+    /// the motion around both; acceleration jumps there. Counted for each factor. 0 for BAT_MOTION_SHAPE_SMOOTH.
+    size_t held;
 } bat_motion_keys;
 
 /// What a spline holds, valid until bat_motion_spline_free().

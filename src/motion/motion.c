@@ -620,6 +620,7 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
 {
     bat_motion_keys keys = bat_motion_spline_keys(spline);
     report->keys += keys.count;
+    report->held += keys.held;
     for (size_t i = 0; report->threshold > 0 && i < keys.count; i++)
     {
         if (!(keys.deviations[i] > report->threshold))

@@ -42,6 +42,7 @@ struct bat_motion_spline
     double *deviations; ///< count: of the given keys from the motion, in units of sigma
     double *records;    ///< intervals x record_size
     size_t record_size;
+    size_t held; ///< intervals, over all factors
 };
 
 static const bat_choice ENDS[] = {
@@ -258,6 +259,7 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
         if (status == BAT_OK)
             status = prepare_system(&system, options, keys->tangents != NULL, spline, error);
     }
+    spline->held += system.held;
     if (status == BAT_OK)
         scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->velocities);
     spline_system_free(&system);
@@ -356,7 +358,8 @@ bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
                              .times = spline->times,
                              .points = spline->points,
                              .velocities = spline->velocities,
-                             .deviations = spline->deviations};
+                             .deviations = spline->deviations,
+                             .held = spline->held};
 }
 
 // Evaluation

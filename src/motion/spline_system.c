@@ -589,9 +589,16 @@ static bat_status estimate(spline_system *system, bat_error *error)
     return BAT_OK;
 }
 
-/// Whether an interval ends or begins at a key that rests.
+/// Whether an interval ends or begins at a key that rests, or is a gap, many times longer than those beside it: velocities
+/// from short steps are not to lead far away over a long one.
 static bool meets_rest(const spline_system *system, size_t i)
 {
+    static const double LONGER = 4;
+    bool closed = is_closed(system);
+    size_t n = system->intervals, before = i > 0 ? i - 1 : n - 1, after = i + 1 < n ? i + 1 : 0;
+    double beside = fmax(i > 0 || closed ? system->lengths[before] : 0, i + 1 < n || closed ? system->lengths[after] : 0);
+    if (n > 2 && system->lengths[i] > LONGER * beside)
+        return true;
     return system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
 }
 
@@ -663,10 +670,14 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
         if (end_velocity != NULL)
             memcpy(of_key(system, system->velocities, last), end_velocity, n * sizeof *end_velocity);
     }
+    bat_status status = BAT_OK;
+    if (shape <= BAT_MOTION_SHAPE_RESTING && system->count > 2)
+        status = spline_system_hold(system, &system->held);
+    if (status != BAT_OK)
+        return fail(system, status, 0, error);
     double *diagonal = memory_array(system->count, sizeof *diagonal);
     if (diagonal == NULL)
         return error_memory(error, system->count * sizeof *diagonal);
-    bat_status status = BAT_OK;
     if (system->count == 2)
     {
         // Both ends ask for the same: the geodesic, or a parabola from the end that is fixed.
@@ -695,7 +706,7 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
         status = estimate(system, error);
     bool limited = shape == BAT_MOTION_SHAPE_LIMITED, rests = false;
     for (size_t k = 0; k < system->count && shape <= BAT_MOTION_SHAPE_RESTING; k++)
-        rests = rests || system->fixed[k] == KEY_RESTS;
+        rests = rests || (k < system->intervals && meets_rest(system, k));
     if (status == BAT_OK && (limited || rests))
         status = limit(system, limited, error);
     free(diagonal);

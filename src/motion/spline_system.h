@@ -109,6 +109,7 @@ typedef struct spline_system
     double *rows;         ///< 3: lower, diagonal, upper
     double roughness;     ///< of accelerations, where the ends go by it; else 0
     unsigned char *fixed; ///< a key_state: 0 while the velocity is unknown
+    size_t held;          ///< intervals that spline_system_hold() found
 } spline_system;
 
 /// Allocate the arrays but for points, lengths and velocities.
@@ -125,6 +126,12 @@ bat_status spline_system_measure(spline_system *system, bat_error *error);
 /// @return BAT_OK, BAT_INVALID_POINT, BAT_CUT_LOCUS or BAT_NO_CONVERGENCE with a key
 bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
                                const double *begin_velocity, const double *end_velocity, bat_error *error);
+
+/// Fix the velocities of keys that are far nearer in time than their neighbours are, where their step is far faster or
+/// slower than those around it: they are those of the motion around both.
+/// @param held receives the number of such intervals
+/// @return BAT_OK, or the failure of a logarithm or transport
+bat_status spline_system_hold(spline_system *system, size_t *held);
 
 /// Compute slopes from velocities, to the last digit.
 bat_status spline_system_finish(spline_system *system, bat_error *error);

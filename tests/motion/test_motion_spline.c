@@ -406,6 +406,77 @@ static void what_rests_stays_at_rest(void **state)
     bat_motion_spline_free(spline);
 }
 
+/// How far a motion is from a sine at most, at times from 0.5 to 9.5.
+static double distance_from_sine(const bat_motion_spline *spline)
+{
+    double most = 0, p;
+    for (int i = 0; i <= 900; i++)
+    {
+        double t = 0.5 + i / 100.0;
+        must_give(spline, t, &p, NULL, NULL);
+        most = fmax(most, fabs(p - sin(t)));
+    }
+    return most;
+}
+
+// Two keys that nearly agree in time, a burst of noisy ones, and a jump lead nowhere.
+static void motions_do_not_leave_their_keys(void **state)
+{
+    (void)state;
+    bat_space line = bat_euclidean(1);
+    for (int what = 0; what < 3; what++)
+    {
+        double times[24], points[24], p;
+        size_t count = 0;
+        for (int i = 0; i <= 20; i++)
+        {
+            times[count] = i / 2.0;
+            points[count++] = sin(i / 2.0) + (what == 2 && i > 10 ? 3 : 0);
+            if (i == 10 && what < 2)
+            {
+                times[count] = 5 + 1e-5;
+                points[count++] = sin(5) + (what == 0 ? 1e-3 : 0);
+            }
+        }
+        bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = count};
+        bat_motion_spline_options options = bat_motion_spline_defaults();
+        bat_motion_spline *spline = must_make(&curve, &options);
+        assert_int_equal(bat_motion_spline_keys(spline).held, 1);
+        if (what < 2)
+            assert_true(distance_from_sine(spline) < 0.005);
+        for (int i = 0; i <= 100 && what == 2; i++)
+        {
+            must_give(spline, 4.5 + i / 100.0, &p, NULL, NULL);
+            assert_true(p >= points[10] - 0.1 && p <= points[11] + 0.1);
+        }
+        bat_motion_spline_free(spline);
+        options.shape = BAT_MOTION_SHAPE_SMOOTH;
+        spline = must_make(&curve, &options);
+        assert_int_equal(bat_motion_spline_keys(spline).held, 0);
+        if (what < 2)
+            assert_true(what == 1 || distance_from_sine(spline) > 1);
+        bat_motion_spline_free(spline);
+    }
+}
+
+// Velocities from short steps do not lead far away over a long one.
+static void gaps_are_crossed_gently(void **state)
+{
+    (void)state;
+    double times[] = {0, 0.01, 0.02, 1, 1.01, 1.02}, points[] = {0, 0.1, 0.2, 0.3, 0.2, 0.1};
+    bat_space line = bat_euclidean(1);
+    bat_hermite_curve curve = {.space = &line, .points = points, .times = times, .count = 6};
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    bat_motion_spline *spline = must_make(&curve, &options);
+    for (int i = 0; i <= 100; i++)
+    {
+        double p;
+        must_give(spline, 0.02 + 0.98 * i / 100.0, &p, NULL, NULL);
+        assert_true(p >= 0.2 - 1e-12 && p <= 0.3 + 1e-12);
+    }
+    bat_motion_spline_free(spline);
+}
+
 static void limited_motions_are_monotone(void **state)
 {
     (void)state;
@@ -662,6 +733,8 @@ int main(void)
         cmocka_unit_test(rotations_about_an_axis_are_a_line),
         cmocka_unit_test(two_keys_make_a_geodesic_and_three_a_parabola),
         cmocka_unit_test(what_rests_stays_at_rest),
+        cmocka_unit_test(motions_do_not_leave_their_keys),
+        cmocka_unit_test(gaps_are_crossed_gently),
         cmocka_unit_test(limited_motions_are_monotone),
         cmocka_unit_test(limits_leave_smooth_data_alone),
         cmocka_unit_test(given_velocities_are_kept),

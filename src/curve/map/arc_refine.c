@@ -140,7 +140,7 @@ static bool goes_by_levels(const arc_job *job)
 /// Whether each level begins with the coordinates that a file would hold.
 static bool is_rounded(const arc_job *job)
 {
-    return goes_by_levels(job) && job->chart->globe;
+    return job->chart != NULL && job->chart->globe && goes_by_levels(job);
 }
 
 static bool is_same_place(const double *flat, size_t i, size_t j)
@@ -461,6 +461,7 @@ static bat_status run_levels(arc_job *job, bat_curve_refine_options *how, bat_er
             round_arcs(job);
         status = run_step(job, how, error);
     }
+    how->progress = (bat_progress){0};
     if (status == BAT_OK && job->chart->globe)
         restore_given(job);
     return status;

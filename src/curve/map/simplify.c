@@ -225,11 +225,12 @@ static void flag_kept(const arc_graph *graph, unsigned char *const *keep, const 
         const arc_use *use = &graph->uses[u];
         const bat_curve *arc = &graph->arcs[use->arc];
         size_t n = arc->count, edges = polygon_edges(n, arc->closed);
-        for (size_t step = 0; step < edges; step++, at++)
+        for (size_t step = 0; step < edges; step++)
         {
             size_t forward = arc->closed ? (use->offset + step) % n : step;
             size_t back = arc->closed ? (use->offset + n - step) % n : n - 1 - step;
-            flags[at % curve->count] = keep[use->arc][use->reversed ? back : forward];
+            flags[at] = keep[use->arc][use->reversed ? back : forward];
+            at = at + 1 < curve->count ? at + 1 : 0;
         }
     }
 }

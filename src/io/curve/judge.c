@@ -68,7 +68,8 @@ static void fill_ring(const geojson_shape *shape, const geojson_style *style, si
             else
                 add_position(ring, curve->points[2 * i], curve->points[2 * i + 1]);
     }
-    while (ring->count > 1 && memcmp(ring->points, ring->points + 2 * ring->count - 2, 2 * sizeof(double)) == 0)
+    const double *p = ring->points;
+    while (ring->count > 1 && p[0] == p[2 * ring->count - 2] && p[1] == p[2 * ring->count - 1])
         ring->count--;
 }
 
