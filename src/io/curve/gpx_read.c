@@ -1,11 +1,10 @@
 #include "io/curve/gpx.h"
 
 #include "base/array_grow.h"
-#include "base/error.h"
+#include "io/common/xml_parse.h"
 #include "io/curve/formats.h"
 #include "space/degrees.h"
 
-#include <expat.h>
 #include <math.h>
 
 /// @file
@@ -39,7 +38,7 @@ typedef struct open_element
 
 typedef struct gpx_reader
 {
-    XML_Parser parser;
+    xml_parse xml;
     const bat_curve_read_options *options;
     gpx_source *source;
     curve_builder builder; ///< each point has its altitude and its place as channels
@@ -60,28 +59,14 @@ typedef struct gpx_reader
     size_t waypoint_numbers;
     size_t points, dropped, first_dropped; ///< in the file; lines of one point, and the line of the first
     bool crowded;                          ///< there are more values than columns
-    bat_status status;
-    bat_error *error;
 } gpx_reader;
 
-static size_t current_line(const gpx_reader *reader)
-{
-    return (size_t)XML_GetCurrentLineNumber(reader->parser);
-}
-
-static void stop(gpx_reader *reader, bat_status status)
-{
-    reader->status = reader->status == BAT_OK ? status : reader->status;
-    (void)XML_StopParser(reader->parser, XML_FALSE);
-}
-
 /// Fail at the parser's line.
-#define FAIL(reader, status, ...)                                                                                           \
-    stop(reader, error_set((reader)->error, status, BAT_NO_INDEX, current_line(reader), __VA_ARGS__))
+#define FAIL(reader, status, ...) XML_FAIL(&(reader)->xml, status, __VA_ARGS__)
 
 static void fail_memory(gpx_reader *reader)
 {
-    stop(reader, error_memory(reader->error, reader->source->contents.capacity));
+    xml_stop(&reader->xml, error_memory(reader->xml.error, reader->source->contents.capacity));
 }
 
 /// The name of an element of GPX without its prefix; an empty text for another namespace.
@@ -98,14 +83,6 @@ static const char *local_name(const char *name)
 {
     const char *colon = strrchr(name, ':');
     return colon != NULL ? colon + 1 : name;
-}
-
-static const char *attribute(const XML_Char **attributes, const char *name)
-{
-    for (; attributes[0] != NULL; attributes += 2)
-        if (strcmp(attributes[0], name) == 0)
-            return attributes[1];
-    return NULL;
 }
 
 static csv_field trimmed(const char *begin, const char *end)
@@ -134,7 +111,7 @@ static bool read_position(gpx_reader *reader, const XML_Char **attributes, doubl
     static const char *const names[] = {"lon", "lat"};
     for (size_t i = 0; i < 2; i++)
     {
-        const char *text = attribute(attributes, names[i]);
+        const char *text = xml_attribute(attributes, names[i]);
         csv_field field = trimmed(text != NULL ? text : "", text != NULL ? text + strlen(text) : "");
         char excerpt[EXCERPT_SIZE];
         if (field.begin == field.end)
@@ -165,7 +142,7 @@ static bool begin_feature(gpx_reader *reader)
     reader->properties = properties;
     json_decref(properties);
     const geojson_feature feature = {.tree = tree,
-                                     .line = current_line(reader),
+                                     .line = xml_line(&reader->xml),
                                      .curve = reader->builder.curve_count,
                                      .geometry = document->geometry_count};
     if (tree != NULL && ARRAY_ADD(document->features, document->feature_capacity, document->feature_count, feature))
@@ -249,7 +226,7 @@ static void take_bounds(gpx_reader *reader, text_range tag, const XML_Char **att
     bool known = source->bounds.end == 0 && source->curve_count == 0;
     for (size_t i = 0; i < sizeof names / sizeof *names && known; i++)
     {
-        const char *text = attribute(attributes, names[i]);
+        const char *text = xml_attribute(attributes, names[i]);
         known = text != NULL && number_read(text, text + strlen(text), &source->box[i]) == NULL;
     }
     if (known)
@@ -292,7 +269,7 @@ static void begin_point(gpx_reader *reader, const char *name, const XML_Char **a
     reader->points++;
     const gpx_row row = {source->contents.size, source->value_count};
     double *point = builder_next(&reader->builder, 1 + CSV_PLACE_CHANNELS, &channels);
-    if (point == NULL || !builder_line(&reader->builder, current_line(reader)) ||
+    if (point == NULL || !builder_line(&reader->builder, xml_line(&reader->xml)) ||
         !ARRAY_ADD(source->rows, source->row_capacity, source->row_count, row) || source->tags.failed)
     {
         fail_memory(reader);
@@ -329,7 +306,7 @@ static void drop_curve(gpx_reader *reader)
     if (reader->options->strict)
         FAIL(reader, BAT_BAD_FILE, "a line needs at least 2 different points");
     if (reader->dropped++ == 0)
-        reader->first_dropped = current_line(reader);
+        reader->first_dropped = xml_line(&reader->xml);
     const gpx_row row = source->rows[reader->curve.row];
     source->contents.size = row.content;
     source->value_count = row.value;
@@ -420,7 +397,7 @@ static void begin_root(gpx_reader *reader, const char *name)
 static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char **attributes)
 {
     gpx_reader *reader = context;
-    if (reader->status != BAT_OK)
+    if (reader->xml.status != BAT_OK)
         return;
     if (reader->depth == MAX_DEPTH)
     {
@@ -430,18 +407,19 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
     if (reader->depth == 0)
         begin_root(reader, name);
     gpx_role role = reader->depth == 0 ? ROLE_ROOT : role_of(reader, name);
-    const char *link = role == ROLE_OTHER && strcmp(local_name(name), "link") == 0 ? attribute(attributes, "href") : NULL;
+    const char *link =
+        role == ROLE_OTHER && strcmp(local_name(name), "link") == 0 ? xml_attribute(attributes, "href") : NULL;
     if (role == ROLE_POINT)
         begin_point(reader, name, attributes);
     else if (role == ROLE_TRACK || role == ROLE_ROUTE)
         (void)begin_feature(reader);
     else if (role == ROLE_WAYPOINT)
         begin_waypoint(reader, attributes);
-    if (reader->status != BAT_OK)
+    if (reader->xml.status != BAT_OK)
         return;
     size_t begin = reader->sink->size;
     if (role != ROLE_POINT)
-        XML_DefaultCurrent(reader->parser);
+        XML_DefaultCurrent(reader->xml.parser);
     if (role == ROLE_SEGMENT || role == ROLE_ROUTE)
         begin_curve(reader);
     if (role == ROLE_OTHER && reader->depth <= 2 && strcmp(plain_name(reader, name), "bounds") == 0)
@@ -517,7 +495,7 @@ static void take_property(gpx_reader *reader, const char *name)
 static void XMLCALL on_end(void *context, const XML_Char *name)
 {
     gpx_reader *reader = context;
-    if (reader->status != BAT_OK)
+    if (reader->xml.status != BAT_OK)
         return;
     const open_element *element = &reader->open[reader->depth];
     if (element->role == ROLE_SEGMENT || element->role == ROLE_ROUTE)
@@ -525,7 +503,7 @@ static void XMLCALL on_end(void *context, const XML_Char *name)
     if (element->role == ROLE_POINT)
         end_point(reader);
     else
-        XML_DefaultCurrent(reader->parser);
+        XML_DefaultCurrent(reader->xml.parser);
     if (element->role == ROLE_VALUE && !element->parent)
         take_value(reader, name);
     else if (element->role == ROLE_OTHER && !element->parent && reader->properties != NULL)
@@ -541,10 +519,10 @@ static void XMLCALL on_end(void *context, const XML_Char *name)
 static void XMLCALL on_text(void *context, const XML_Char *text, int size)
 {
     gpx_reader *reader = context;
-    if (reader->status != BAT_OK)
+    if (reader->xml.status != BAT_OK)
         return;
     text_append(&reader->text, text, (size_t)size);
-    XML_DefaultCurrent(reader->parser);
+    XML_DefaultCurrent(reader->xml.parser);
 }
 
 static void XMLCALL on_raw(void *context, const XML_Char *text, int size)
@@ -562,43 +540,15 @@ static void XMLCALL on_declaration(void *context, const XML_Char *version, const
     text_append_string(&((gpx_reader *)context)->source->frame, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
 }
 
-/// Entities, of which a small file could make a huge text, are defined in a document type.
-static void XMLCALL on_doctype(void *context, const XML_Char *name, const XML_Char *system, const XML_Char *public,
-                               int internal)
-{
-    (void)name, (void)system, (void)public, (void)internal;
-    FAIL((gpx_reader *)context, BAT_BAD_FILE, "a document type is not allowed in GPX");
-}
-
 static bat_status parse(gpx_reader *reader, const file_text *text)
 {
-    enum
-    {
-        PIECE = 1 << 20 ///< the parser counts in int
-    };
-    reader->parser = XML_ParserCreate(NULL);
-    if (reader->parser == NULL)
-        return error_memory(reader->error, sizeof *reader);
-    XML_SetUserData(reader->parser, reader);
-    XML_SetElementHandler(reader->parser, on_begin, on_end);
-    XML_SetCharacterDataHandler(reader->parser, on_text);
-    XML_SetDefaultHandler(reader->parser, on_raw);
-    XML_SetXmlDeclHandler(reader->parser, on_declaration);
-    XML_SetStartDoctypeDeclHandler(reader->parser, on_doctype);
-    bool parsed = true, last = false;
-    for (size_t at = 0; parsed && !last; at += PIECE)
-    {
-        size_t size = text->size - at > PIECE ? PIECE : text->size - at;
-        last = at + size == text->size;
-        parsed = XML_Parse(reader->parser, text->data + at, (int)size, last) == XML_STATUS_OK;
-    }
-    enum XML_Error fault = XML_GetErrorCode(reader->parser);
-    if (!parsed && reader->status == BAT_OK)
-        reader->status = fault == XML_ERROR_NO_MEMORY ? error_memory(reader->error, text->size)
-                                                      : error_set(reader->error, BAT_BAD_FILE, BAT_NO_INDEX,
-                                                                  current_line(reader), "XML: %s", XML_ErrorString(fault));
-    XML_ParserFree(reader->parser);
-    return reader->status;
+    bat_status status = xml_begin(&reader->xml, NULL, on_begin, on_end);
+    if (status != BAT_OK)
+        return status;
+    XML_SetCharacterDataHandler(reader->xml.parser, on_text);
+    XML_SetDefaultHandler(reader->xml.parser, on_raw);
+    XML_SetXmlDeclHandler(reader->xml.parser, on_declaration);
+    return xml_text(&reader->xml, text);
 }
 
 /// Choose the space: longitudes and latitudes on the sphere, or as numbers of the plane.
@@ -643,7 +593,7 @@ static bat_status finish(gpx_reader *reader, bat_curve_set *set)
     const gpx_row end = {source->contents.size, source->value_count};
     source->repeats = builder->repeats;
     if (!ARRAY_GROW(source->rows, source->row_capacity, source->row_count + 1))
-        return error_memory(reader->error, sizeof end);
+        return error_memory(reader->xml.error, sizeof end);
     source->rows[source->row_count] = end;
     gpx_columns_sort(source);
     bat_curve_attributes *attributes = gpx_attributes_make(source, builder, altitude, globe);
@@ -651,7 +601,7 @@ static bat_status finish(gpx_reader *reader, bat_curve_set *set)
     if (attributes == NULL || reader->document.collection == NULL || !add_notes(reader, attributes))
     {
         attributes_release(attributes);
-        return error_memory(reader->error, source->contents.size);
+        return error_memory(reader->xml.error, source->contents.size);
     }
     reader->document.gpx = source;
     reader->document.gpx_free = free_source;
@@ -659,9 +609,9 @@ static bat_status finish(gpx_reader *reader, bat_curve_set *set)
     if (!geojson_document_keep(&reader->document, attributes))
     {
         attributes_release(attributes);
-        return error_memory(reader->error, sizeof *attributes);
+        return error_memory(reader->xml.error, sizeof *attributes);
     }
-    return builder_finish(builder, attributes, set, reader->error);
+    return builder_finish(builder, attributes, set, reader->xml.error);
 }
 
 bat_status gpx_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
@@ -673,7 +623,11 @@ bat_status gpx_read(const file_text *text, const bat_curve_read_options *options
     bat_status status = reader != NULL && source != NULL ? BAT_OK : error_memory(error, sizeof *reader);
     if (status == BAT_OK)
     {
-        *reader = (gpx_reader){.options = options, .source = source, .sink = &source->frame, .error = error};
+        *reader = (gpx_reader){.options = options, .source = source, .sink = &source->frame};
+        reader->xml = (xml_parse){.prefix = "XML: ",
+                                  .doctype = "a document type is not allowed in GPX",
+                                  .doctype_fault = BAT_BAD_FILE,
+                                  .error = error};
         reader->builder.strict = options->strict;
         status = choose_space(options, &reader->builder.space, error);
     }

@@ -1,11 +1,10 @@
-#include "base/error.h"
 #include "io/common/json.h"
 #include "io/common/number_text.h"
+#include "io/common/xml_parse.h"
 #include "io/common/zip.h"
 #include "io/mesh/builder.h"
 #include "io/mesh/formats.h"
 
-#include <expat.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -99,8 +98,8 @@ typedef enum element
 
 typedef struct reader_3mf
 {
+    xml_parse xml;
     const bat_mesh_read_options *options;
-    XML_Parser parser;
     element open[16];
     size_t depth, skipped; ///< open elements; those of them within an OTHER one
     double unit;           ///< in millimetres
@@ -118,8 +117,6 @@ typedef struct reader_3mf
     char *target;    ///< the model's part, of the package's relationships
     mesh_builder builder;
     uint32_t material; ///< of the builder's label
-    bat_status status;
-    bat_error *error;
 } reader_3mf;
 
 static void reader_free(reader_3mf *reader)
@@ -144,39 +141,23 @@ static void reader_free(reader_3mf *reader)
 
 // XML
 
-static void stop(reader_3mf *reader, bat_status status)
-{
-    reader->status = status;
-    (void)XML_StopParser(reader->parser, XML_FALSE);
-}
-
 /// Fail at the parser's line.
-#define FAIL(reader, status, ...)                                                                                           \
-    stop(reader,                                                                                                            \
-         error_set((reader)->error, status, BAT_NO_INDEX, (size_t)XML_GetCurrentLineNumber((reader)->parser), __VA_ARGS__))
+#define FAIL(reader, status, ...) XML_FAIL(&(reader)->xml, status, __VA_ARGS__)
 
 static void fail_memory(reader_3mf *reader, size_t size)
 {
-    stop(reader, error_memory(reader->error, size));
+    xml_stop(&reader->xml, error_memory(reader->xml.error, size));
 }
 
 /// Append to an array. False when out of memory, which is then the failure.
 #define ADD(reader, array, capacity, count, ...)                                                                            \
     (ARRAY_ADD(array, capacity, count, __VA_ARGS__) || (fail_memory(reader, (count) * sizeof *(array)), false))
 
-static const char *attribute(const XML_Char **attributes, const char *name)
-{
-    for (; attributes[0] != NULL; attributes += 2)
-        if (strcmp(attributes[0], name) == 0)
-            return attributes[1];
-    return NULL;
-}
-
 /// Read a whole number below `limit`; without the attribute `*value` stays, unless it is `needed`.
 static bool read_whole(reader_3mf *reader, const XML_Char **attributes, const char *name, size_t limit, bool needed,
                        size_t *value)
 {
-    const char *text = attribute(attributes, name);
+    const char *text = xml_attribute(attributes, name);
     size_t number = 0, digits = 0;
     if (text == NULL && !needed)
         return true;
@@ -223,7 +204,7 @@ static bool read_numbers(reader_3mf *reader, const char *name, const char *text,
 
 static bool read_transform(reader_3mf *reader, const XML_Char **attributes, affine *to)
 {
-    const char *text = attribute(attributes, "transform");
+    const char *text = xml_attribute(attributes, "transform");
     *to = (affine){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}}};
     return text == NULL || read_numbers(reader, "transform", text, 12, to->m[0]);
 }
@@ -288,7 +269,7 @@ static void begin_model(reader_3mf *reader, const XML_Char **attributes)
         const char *name;
         double millimetres;
     } UNITS[] = {{"micron", 1e-3}, {"millimeter", 1}, {"centimeter", 10}, {"inch", 25.4}, {"foot", 304.8}, {"meter", 1e3}};
-    const char *unit = attribute(attributes, "unit"), *required = attribute(attributes, "requiredextensions");
+    const char *unit = xml_attribute(attributes, "unit"), *required = xml_attribute(attributes, "requiredextensions");
     char excerpt[EXCERPT_SIZE];
     for (size_t i = 0; unit != NULL && i < sizeof UNITS / sizeof *UNITS; i++)
         if (strcmp(unit, UNITS[i].name) == 0)
@@ -360,7 +341,7 @@ static char *unique_name(reader_3mf *reader, const char *name)
 
 static void begin_base(reader_3mf *reader, const XML_Char **attributes)
 {
-    const char *text = attribute(attributes, "displaycolor");
+    const char *text = xml_attribute(attributes, "displaycolor");
     char excerpt[EXCERPT_SIZE];
     double colour[4];
     if (!read_colour(text, colour))
@@ -375,7 +356,7 @@ static void begin_base(reader_3mf *reader, const XML_Char **attributes)
         FAIL(reader, BAT_TOO_LARGE, "there are more than %d materials", MAX_MATERIALS);
         return;
     }
-    material_3mf made = {.name = unique_name(reader, attribute(attributes, "name"))};
+    material_3mf made = {.name = unique_name(reader, xml_attribute(attributes, "name"))};
     memcpy(made.colour, colour, sizeof colour);
     if (made.name == NULL || !ADD(reader, reader->materials, reader->material_capacity, reader->material_count, made))
     {
@@ -392,8 +373,8 @@ static void begin_object(reader_3mf *reader, const XML_Char **attributes)
         !read_whole(reader, attributes, "pindex", 1UL << 31, false, &made.property))
         return;
     add_resource(reader, attributes, (resource){.kind = OBJECT, .index = reader->object_count});
-    if (reader->status == BAT_OK && ADD(reader, reader->objects, reader->object_capacity, reader->object_count, made))
-        reader->objects[reader->object_count - 1].name = copy_name(reader, attribute(attributes, "name"));
+    if (reader->xml.status == BAT_OK && ADD(reader, reader->objects, reader->object_capacity, reader->object_count, made))
+        reader->objects[reader->object_count - 1].name = copy_name(reader, xml_attribute(attributes, "name"));
 }
 
 static object_3mf *open_object(const reader_3mf *reader)
@@ -407,7 +388,7 @@ static void begin_vertex(reader_3mf *reader, const XML_Char **attributes)
     object_3mf *object = open_object(reader);
     double point[3];
     for (int k = 0; k < 3; k++)
-        if (!read_numbers(reader, NAMES[k], attribute(attributes, NAMES[k]), 1, &point[k]))
+        if (!read_numbers(reader, NAMES[k], xml_attribute(attributes, NAMES[k]), 1, &point[k]))
             return;
     if (!ARRAY_GROW(object->positions, object->position_capacity, 3 * object->vertex_count + 3))
     {
@@ -431,7 +412,7 @@ static bool find_material(reader_3mf *reader, size_t group, size_t property, uin
         *material = (uint32_t)(found->index + property);
     else
         reader->unread += found != NULL;
-    return reader->status == BAT_OK;
+    return reader->xml.status == BAT_OK;
 }
 
 static void begin_triangle(reader_3mf *reader, const XML_Char **attributes)
@@ -552,7 +533,7 @@ static void on_end(void *context, const XML_Char *name)
         reader->skipped--;
         return;
     }
-    if (reader->open[--reader->depth] != OBJECT_ELEMENT || reader->status != BAT_OK)
+    if (reader->open[--reader->depth] != OBJECT_ELEMENT || reader->xml.status != BAT_OK)
         return;
     object_3mf *object = open_object(reader);
     object->total_vertices = object->vertex_count;
@@ -567,7 +548,7 @@ static void on_end(void *context, const XML_Char *name)
 static void on_relation(void *context, const XML_Char *name, const XML_Char **attributes)
 {
     reader_3mf *reader = context;
-    const char *type = attribute(attributes, "Type"), *target = attribute(attributes, "Target");
+    const char *type = xml_attribute(attributes, "Type"), *target = xml_attribute(attributes, "Target");
     if (strcmp(name, RELATION) != 0 || type == NULL || target == NULL || strcmp(type, MODEL_TYPE) != 0)
         return;
     if (reader->target != NULL)
@@ -576,23 +557,10 @@ static void on_relation(void *context, const XML_Char *name, const XML_Char **at
         fail_memory(reader, strlen(target));
 }
 
-/// Entities, of which a small file could make a huge text, are defined in a document type.
-static void on_doctype(void *context, const XML_Char *name, const XML_Char *system, const XML_Char *public, int internal)
-{
-    (void)name, (void)system, (void)public, (void)internal;
-    FAIL((reader_3mf *)context, BAT_BAD_FILE, "a document type is not allowed in 3MF");
-}
-
 static bat_status parse_piece(void *context, const char *bytes, size_t size, bool last, bat_error *error)
 {
-    reader_3mf *reader = context;
-    if (XML_Parse(reader->parser, bytes, (int)size, last) == XML_STATUS_OK || reader->status != BAT_OK)
-        return reader->status;
-    enum XML_Error fault = XML_GetErrorCode(reader->parser);
-    return fault == XML_ERROR_NO_MEMORY
-               ? error_memory(error, size)
-               : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, (size_t)XML_GetCurrentLineNumber(reader->parser), "XML: %s",
-                           XML_ErrorString(fault));
+    (void)error;
+    return xml_piece(context, bytes, size, last);
 }
 
 /// Parse a part of the package.
@@ -605,15 +573,15 @@ static bat_status parse_part(reader_3mf *reader, const file_text *text, const ch
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the package lacks the part '%.60s'", name);
     if (status != BAT_OK)
         return status;
-    reader->parser = XML_ParserCreateNS(NULL, '|');
-    if (reader->parser == NULL)
-        return error_memory(error, sizeof *reader);
-    reader->error = error;
-    XML_SetUserData(reader->parser, reader);
-    XML_SetElementHandler(reader->parser, begin, end);
-    XML_SetStartDoctypeDeclHandler(reader->parser, on_doctype);
-    status = zip_inflate(&part, parse_piece, reader, error);
-    XML_ParserFree(reader->parser);
+    reader->xml.prefix = "XML: ";
+    reader->xml.doctype = "a document type is not allowed in 3MF";
+    reader->xml.doctype_fault = BAT_BAD_FILE;
+    reader->xml.error = error;
+    status = xml_begin(&reader->xml, "|", begin, end);
+    if (status != BAT_OK)
+        return status;
+    status = zip_inflate(&part, parse_piece, &reader->xml, error);
+    XML_ParserFree(reader->xml.parser);
     return status;
 }
 

@@ -1,16 +1,15 @@
 /// @file
 /// G+Smo's XML format, for B-spline, HB-spline and THB-spline surfaces.
 
-#include "base/error.h"
 #include "base/memory.h"
 #include "base/text_buffer.h"
 #include "io/common/file_text.h"
 #include "io/common/number_text.h"
+#include "io/common/xml_parse.h"
 #include "io/surface/formats.h"
 #include "surface/spline/hierarchical_space.h"
 #include "surface/spline/tensor_surface.h"
 
-#include <expat.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -67,7 +66,7 @@ enum
 
 typedef struct xml_state
 {
-    XML_Parser parser;
+    xml_parse xml;
     xml_surface *surface;
     xml_element open[MAX_DEPTH + 1];
     size_t depth;
@@ -75,37 +74,15 @@ typedef struct xml_state
     size_t content_line;
     size_t other_line; ///< the line of a geometry of an unsupported type
     char other_type[EXCERPT_SIZE];
-    bat_status status;
-    bat_error *error;
 } xml_state;
 
-static size_t current_line(const xml_state *state)
-{
-    return (size_t)XML_GetCurrentLineNumber(state->parser);
-}
-
-static void stop(xml_state *state, bat_status status)
-{
-    state->status = status;
-    (void)XML_StopParser(state->parser, XML_FALSE);
-}
-
 /// Fail at the parser's line.
-#define FAIL(state, status, ...)                                                                                            \
-    stop(state, error_set((state)->error, status, BAT_NO_INDEX, current_line(state), __VA_ARGS__))
-
-static const char *attribute(const XML_Char **attributes, const char *name)
-{
-    for (; attributes[0] != NULL; attributes += 2)
-        if (strcmp(attributes[0], name) == 0)
-            return attributes[1];
-    return NULL;
-}
+#define FAIL(state, status, ...) XML_FAIL(&(state)->xml, status, __VA_ARGS__)
 
 /// Read an attribute as an integer, at most `max_value`.
 static bool whole_attribute(xml_state *state, const XML_Char **attributes, const char *name, size_t max_value, size_t *value)
 {
-    const char *text = attribute(attributes, name);
+    const char *text = xml_attribute(attributes, name);
     size_t number = 0, digits = 0;
     for (; text != NULL && text[digits] >= '0' && text[digits] <= '9' && number <= max_value; digits++)
         number = 10 * number + (size_t)(text[digits] - '0');
@@ -120,7 +97,7 @@ static bool whole_attribute(xml_state *state, const XML_Char **attributes, const
 
 static bool type_is(const XML_Char **attributes, const char *type)
 {
-    const char *value = attribute(attributes, "type");
+    const char *value = xml_attribute(attributes, "type");
     return value != NULL && strcmp(value, type) == 0;
 }
 
@@ -129,10 +106,10 @@ static xml_element pass_over(xml_state *state, const XML_Char **attributes)
 {
     if (state->other_line == 0)
     {
-        const char *type = attribute(attributes, "type");
+        const char *type = xml_attribute(attributes, "type");
         type = type != NULL ? type : "";
         (void)text_excerpt(state->other_type, type, type + strlen(type));
-        state->other_line = current_line(state);
+        state->other_line = xml_line(&state->xml);
     }
     return XML_OTHER;
 }
@@ -147,7 +124,7 @@ static xml_element begin_geometry(xml_state *state, const XML_Char **attributes)
         FAIL(state, BAT_UNSUPPORTED, "the file has a second surface; only one is supported");
     surface->hierarchical = truncated || plain;
     surface->truncated = !plain;
-    surface->line = current_line(state);
+    surface->line = xml_line(&state->xml);
     return XML_GEOMETRY;
 }
 
@@ -159,17 +136,17 @@ static xml_element begin_box(xml_state *state, const XML_Char **attributes)
         return XML_OTHER;
     if (!ARRAY_GROW(surface->boxes, surface->box_capacity, surface->box_count + 1))
     {
-        stop(state, error_memory(state->error, surface->box_count * sizeof *surface->boxes));
+        xml_stop(&state->xml, error_memory(state->xml.error, surface->box_count * sizeof *surface->boxes));
         return XML_OTHER;
     }
-    surface->boxes[surface->box_count] = (surface_box){.level = level, .line = current_line(state)};
+    surface->boxes[surface->box_count] = (surface_box){.level = level, .line = xml_line(&state->xml)};
     return XML_BOX;
 }
 
 /// Refuse numbers in other encodings or orders.
 static bool is_plain(xml_state *state, const XML_Char **attributes)
 {
-    const char *format = attribute(attributes, "format"), *order = attribute(attributes, "order");
+    const char *format = xml_attribute(attributes, "format"), *order = xml_attribute(attributes, "order");
     if ((format == NULL || strcmp(format, "ASCII") == 0 || strcmp(format, "ascii") == 0) && order == NULL)
         return true;
     FAIL(state, BAT_UNSUPPORTED, "only numbers in ASCII, one point after the other, are supported");
@@ -202,7 +179,7 @@ static xml_element begin_control(xml_state *state, const XML_Char **attributes)
 
 static xml_element begin_hierarchy(xml_state *state, const XML_Char **attributes)
 {
-    const char *manual = attribute(attributes, "manualLevels");
+    const char *manual = xml_attribute(attributes, "manualLevels");
     if (manual == NULL || strcmp(manual, "true") != 0)
         return XML_HIERARCHY;
     FAIL(state, BAT_UNSUPPORTED, "levels with their own knots are not supported, only levels with halved spans");
@@ -260,7 +237,7 @@ static xml_element begin_element(xml_state *state, const char *name, const XML_C
 static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char **attributes)
 {
     xml_state *state = context;
-    if (state->status != BAT_OK)
+    if (state->xml.status != BAT_OK)
         return;
     if (state->depth == MAX_DEPTH)
     {
@@ -270,9 +247,9 @@ static void XMLCALL on_begin(void *context, const XML_Char *name, const XML_Char
     xml_element element = begin_element(state, name, attributes);
     state->open[++state->depth] = element;
     state->content.size = 0;
-    state->content_line = current_line(state);
-    if (state->status == BAT_OK && text_reserve(&state->content, 0) == NULL)
-        stop(state, error_memory(state->error, state->content.size));
+    state->content_line = xml_line(&state->xml);
+    if (state->xml.status == BAT_OK && text_reserve(&state->content, 0) == NULL)
+        xml_stop(&state->xml, error_memory(state->xml.error, state->content.size));
 }
 
 static bool holds_numbers(xml_element element)
@@ -283,13 +260,13 @@ static bool holds_numbers(xml_element element)
 static void XMLCALL on_text(void *context, const XML_Char *text, int size)
 {
     xml_state *state = context;
-    if (state->status != BAT_OK || !holds_numbers(state->open[state->depth]))
+    if (state->xml.status != BAT_OK || !holds_numbers(state->open[state->depth]))
         return;
     if (state->content.size == 0)
-        state->content_line = current_line(state);
+        state->content_line = xml_line(&state->xml);
     text_append(&state->content, text, (size_t)size);
     if (state->content.failed)
-        stop(state, error_memory(state->error, state->content.size));
+        xml_stop(&state->xml, error_memory(state->xml.error, state->content.size));
 }
 
 static bool is_blank(char c)
@@ -306,7 +283,7 @@ static bat_status bad_number(const xml_state *state, const char *begin, const ch
     while (word_end < end && !is_blank(*word_end))
         word_end++;
     char excerpt[EXCERPT_SIZE];
-    return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a number",
+    return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a number",
                      text_excerpt(excerpt, at, word_end));
 }
 
@@ -327,7 +304,7 @@ static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
         if (after == NULL || (after < end && !is_blank(*after)))
             status = bad_number(state, begin, at, end);
         else if (!array_grow(&values, &capacity, count + 1, sizeof value))
-            status = error_memory(state->error, (count + 1) * sizeof value);
+            status = error_memory(state->xml.error, (count + 1) * sizeof value);
         else
         {
             ((double *)values)[count++] = value;
@@ -347,7 +324,7 @@ static bat_status read_box(const xml_state *state, surface_box *box)
         whole = numbers.values[i] >= 0 && numbers.values[i] <= UINT32_MAX &&
                 numbers.values[i] == (double)(uint32_t)numbers.values[i];
     if (status == BAT_OK && !whole)
-        status = error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
+        status = error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, box->line,
                            "a box has four whole numbers: its start and its end in each direction");
     for (size_t d = 0; d < 2 && status == BAT_OK; d++)
     {
@@ -362,7 +339,7 @@ static void XMLCALL on_end(void *context, const XML_Char *name)
 {
     (void)name; // the parser checks that it matches
     xml_state *state = context;
-    if (state->status != BAT_OK)
+    if (state->xml.status != BAT_OK)
         return;
     xml_surface *surface = state->surface;
     bat_status status = BAT_OK;
@@ -382,56 +359,22 @@ static void XMLCALL on_end(void *context, const XML_Char *name)
     }
     state->depth--;
     if (status != BAT_OK)
-        stop(state, status);
-}
-
-/// Refuse document types. Entities can expand without bound, and G+Smo writes none.
-static void XMLCALL on_document_type(void *context, const XML_Char *name, const XML_Char *system,
-                                     const XML_Char *public_name, int internal)
-{
-    (void)name, (void)system, (void)public_name, (void)internal;
-    xml_state *state = context;
-    FAIL(state, BAT_UNSUPPORTED, "document types are not supported");
-}
-
-/// Pass the text to the parser in pieces whose size fits an int.
-static void parse_pieces(xml_state *state, const file_text *text)
-{
-    enum
-    {
-        PIECE = 1 << 24
-    };
-    size_t at = 0;
-    enum XML_Status parsed = XML_STATUS_OK;
-    bool last = false;
-    while (!last && parsed == XML_STATUS_OK)
-    {
-        size_t left = text->size - at, size = left < PIECE ? left : PIECE;
-        last = size == left;
-        parsed = XML_Parse(state->parser, text->data + at, (int)size, last);
-        at += size;
-    }
-    if (state->status != BAT_OK || parsed == XML_STATUS_OK)
-        return;
-    enum XML_Error code = XML_GetErrorCode(state->parser);
-    state->status = code == XML_ERROR_NO_MEMORY ? error_memory(state->error, text->size)
-                                                : error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, current_line(state),
-                                                            "%s", XML_ErrorString(code));
+        xml_stop(&state->xml, status);
 }
 
 static bat_status check_whole(const xml_state *state)
 {
     const xml_surface *surface = state->surface;
     if (surface->line == 0 && state->other_line > 0)
-        return error_set(state->error, BAT_UNSUPPORTED, BAT_NO_INDEX, state->other_line,
+        return error_set(state->xml.error, BAT_UNSUPPORTED, BAT_NO_INDEX, state->other_line,
                          "a geometry of type '%s' is not supported; THBSpline2, HBSpline2 and TensorBSpline2 are",
                          state->other_type);
     if (surface->line == 0)
-        return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no element <Geometry>");
+        return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "there is no element <Geometry>");
     if (surface->directions < 2)
-        return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks a <KnotVector>");
+        return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks a <KnotVector>");
     if (surface->control.line == 0)
-        return error_set(state->error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks <coefs>");
+        return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, surface->line, "the surface lacks <coefs>");
     return BAT_OK;
 }
 
@@ -440,17 +383,18 @@ static bat_status check_whole(const xml_state *state)
 static bat_status xml_surface_parse(const file_text *text, xml_surface *surface, bat_error *error)
 {
     *surface = (xml_surface){0};
-    xml_state state = {.surface = surface, .error = error};
-    state.parser = XML_ParserCreate(NULL);
-    if (state.parser == NULL)
-        return error_memory(error, sizeof state);
-    XML_SetUserData(state.parser, &state);
-    XML_SetElementHandler(state.parser, on_begin, on_end);
-    XML_SetCharacterDataHandler(state.parser, on_text);
-    XML_SetStartDoctypeDeclHandler(state.parser, on_document_type);
-    parse_pieces(&state, text);
-    bat_status status = state.status == BAT_OK ? check_whole(&state) : state.status;
-    XML_ParserFree(state.parser);
+    xml_state state = {.xml = {.prefix = "",
+                               .doctype = "document types are not supported",
+                               .doctype_fault = BAT_UNSUPPORTED,
+                               .error = error},
+                       .surface = surface};
+    bat_status status = xml_begin(&state.xml, NULL, on_begin, on_end);
+    if (status != BAT_OK)
+        return status;
+    XML_SetCharacterDataHandler(state.xml.parser, on_text);
+    status = xml_text(&state.xml, text);
+    if (status == BAT_OK)
+        status = check_whole(&state);
     text_free(&state.content);
     return status;
 }
