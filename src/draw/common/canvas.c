@@ -221,9 +221,7 @@ static bat_status write_file(const char *path, const text_buffer *bytes, bat_err
     if (status == BAT_OK)
     {
         if (fwrite(bytes->data, 1, bytes->size, file.stream) != bytes->size)
-        {
             status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
-        }
         status = atomic_file_end(&file, status, error);
     }
     return status;
@@ -233,22 +231,14 @@ bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
 {
     cairo_status_t status = cairo_status(canvas->cairo);
     if (status == CAIRO_STATUS_SUCCESS && canvas->format == CANVAS_PNG)
-    {
         status = cairo_surface_write_to_png_stream(canvas->surface, append_bytes, &canvas->bytes);
-    }
     cairo_surface_finish(canvas->surface);
     if (status == CAIRO_STATUS_SUCCESS)
-    {
         status = cairo_surface_status(canvas->surface);
-    }
     if (status != CAIRO_STATUS_SUCCESS)
-    {
         return drawing_failed(status, error);
-    }
     if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes))
-    {
         return error_memory(error, canvas->bytes.size);
-    }
     return write_file(path, &canvas->bytes, error);
 }
 

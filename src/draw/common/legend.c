@@ -56,12 +56,8 @@ static bool same_look(const legend_item *a, const legend_item *b)
 void legend_add(legend_item *items, size_t *count, legend_item item)
 {
     for (size_t i = 0; i < *count; i++)
-    {
         if (same_look(&items[i], &item))
-        {
             return;
-        }
-    }
     items[(*count)++] = item;
 }
 
@@ -95,9 +91,7 @@ static size_t columns_of(double sum, double widest, size_t count, double width)
 double legend_height(cairo_t *cairo, const legend_item *items, size_t count, double width)
 {
     if (count == 0)
-    {
         return 0.0;
-    }
     double sum;
     double widest;
     measure(cairo, items, count, width, &sum, &widest);
@@ -121,13 +115,9 @@ static void draw_sample(cairo_t *cairo, const legend_item *item, double x, doubl
         style_stroke(cairo, item->line);
     }
     if (item->mark == LEGEND_RING)
-    {
         legend_ring(cairo, x + 0.5 * SAMPLE, y, MARKER_RADIUS, item->line.colour);
-    }
     if (item->mark == LEGEND_DOT)
-    {
         legend_dot(cairo, x + 0.5 * SAMPLE, y, MARKER_RADIUS, item->line.colour);
-    }
 }
 
 static void draw_item(cairo_t *cairo, const legend_item *item, double x, double y, double width)
@@ -143,9 +133,7 @@ static void draw_item(cairo_t *cairo, const legend_item *item, double x, double 
 void legend_draw(cairo_t *cairo, const legend_item *items, size_t count, double x, double y, double width)
 {
     if (count == 0)
-    {
         return;
-    }
     double sum;
     double widest;
     measure(cairo, items, count, width, &sum, &widest);

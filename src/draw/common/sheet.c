@@ -40,9 +40,7 @@ static double row_height(const sheet_content *content, size_t row, double width)
 {
     double height = MIN_BOX;
     for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
-    {
         height = fmax(height, content->height(content->context, i, width));
-    }
     return height;
 }
 
@@ -55,9 +53,7 @@ static double row_caption(const sheet_content *content, size_t row)
 {
     bool any = false;
     for (size_t i = row * content->columns; i < (row + 1) * content->columns && i < content->count; i++)
-    {
         any = any || text_given(caption_of(content, i));
-    }
     return any ? CAPTION_SPACE : 0.0;
 }
 
@@ -66,9 +62,7 @@ static void squeeze(layout *plan, double fixed, double natural)
 {
     double available = plan->height - fixed;
     for (size_t row = 0; row < plan->rows; row++)
-    {
         plan->heights[row] *= available / natural;
-    }
 }
 
 /// Check that the page is large enough for its content.
@@ -109,9 +103,7 @@ static bat_status plan_layout(const sheet_content *content, cairo_t *cairo, layo
     plan->heights = memory_array(plan->rows, sizeof(double));
     plan->captions = memory_array(plan->rows, sizeof(double));
     if (plan->heights == NULL || plan->captions == NULL)
-    {
         return error_memory(error, plan->rows * sizeof(double));
-    }
     double natural = 0.0;
     double fixed = 2.0 * MARGIN + plan->title + plan->legend + plan->footer + GAP_DOWN * (double)(plan->rows - 1);
     for (size_t row = 0; row < plan->rows; row++)
@@ -124,9 +116,7 @@ static bat_status plan_layout(const sheet_content *content, cairo_t *cairo, layo
     bool prescribed = content->options->height > 0.0;
     plan->height = prescribed ? content->options->height : ceil(natural + fixed);
     if (prescribed)
-    {
         squeeze(plan, fixed, natural);
-    }
     return check_room(plan, fixed, error);
 }
 
@@ -142,9 +132,7 @@ static bat_status draw_row(const sheet_content *content, cairo_t *cairo, const l
         bat_status status = content->draw(content->context, cairo, i, box, error);
         cairo_restore(cairo);
         if (status != BAT_OK)
-        {
             return status;
-        }
         const char *caption = caption_of(content, i);
         if (text_given(caption))
         {
@@ -169,9 +157,7 @@ static bat_status draw_sheet(const sheet_content *content, cairo_t *cairo, const
     {
         bat_status status = draw_row(content, cairo, plan, row, y, error);
         if (status != BAT_OK)
-        {
             return status;
-        }
         y += plan->heights[row] + plan->captions[row] + GAP_DOWN;
     }
     y += LEGEND_GAP - GAP_DOWN;
@@ -202,24 +188,16 @@ bat_status sheet_write(const char *path, const sheet_content *content, bat_error
     canvas_format format;
     bat_status status = canvas_format_of(path, &format, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     layout plan = {0};
     draw_canvas canvas = {0};
     status = plan_sheet(content, &plan, error);
     if (status == BAT_OK)
-    {
         status = canvas_open(&canvas, format, plan.width, plan.height, content->options->pixels_per_point, error);
-    }
     if (status == BAT_OK)
-    {
         status = draw_sheet(content, canvas.cairo, &plan, error);
-    }
     if (status == BAT_OK)
-    {
         status = canvas_save(&canvas, path, error);
-    }
     canvas_close(&canvas);
     free(plan.heights);
     free(plan.captions);

@@ -9,21 +9,13 @@
 static size_t character_length(const unsigned char *text)
 {
     if (text[0] < 0x80)
-    {
         return text[0] >= 0x20 && text[0] != 0x7f ? 1 : 0;
-    }
     size_t length = text[0] >= 0xf0 ? 4 : text[0] >= 0xe0 ? 3 : 2;
     if (text[0] < 0xc2 || text[0] > 0xf4)
-    {
         return 0;
-    }
     for (size_t i = 1; i < length; i++)
-    {
         if ((text[i] & 0xc0) != 0x80)
-        {
             return 0;
-        }
-    }
     bool overlong = (text[0] == 0xe0 && text[1] < 0xa0) || (text[0] == 0xf0 && text[1] < 0x90);
     bool surrogate = text[0] == 0xed && text[1] >= 0xa0;
     bool beyond = text[0] == 0xf4 && text[1] >= 0x90;
@@ -37,9 +29,7 @@ bool text_is_valid(const char *text)
     {
         size_t length = character_length(rest);
         if (length == 0)
-        {
             return false;
-        }
         rest += length;
     }
     return true;
@@ -91,9 +81,7 @@ void text_cut(cairo_t *cairo, const char *text, double width, char *buffer, size
     do
     {
         while (length > 0 && ((unsigned char)text[length] & 0xc0) == 0x80)
-        {
             length--;
-        }
         memcpy(buffer, text, length);
         memcpy(buffer + length, ellipsis, sizeof ellipsis);
     } while (length > 0 && text_width(cairo, buffer) > width && length--);

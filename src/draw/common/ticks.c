@@ -41,9 +41,7 @@ tick_list ticks_linear(double low, double high, double wanted)
     double slack = 1e-9 * (high - low);
     tick_list ticks = {.step = step, .decimals = decimals_of(step)};
     for (double i = ceil((low - slack) / step); i * step <= high + slack && ticks.count < TICKS_MAX; i += 1.0)
-    {
         add_tick(&ticks, i * step, true);
-    }
     return ticks;
 }
 
@@ -99,13 +97,9 @@ void tick_scale_text(tick_scale scale, char *text)
     char power[24] = "";
     char offset[32] = "";
     if (scale.exponent != 0)
-    {
         power_text(scale.exponent, power, sizeof power);
-    }
     if (scale.offset != 0.0)
-    {
         (void)snprintf(offset, sizeof offset, "%.15g", fabs(scale.offset));
-    }
     const char *gap = *power != '\0' && *offset != '\0' ? " " : "";
     const char *sign = scale.offset < 0.0 ? "\xe2\x88\x92" : scale.offset > 0.0 ? "+" : "";
     (void)snprintf(text, TICK_SCALE_SIZE, "%s%s%s%s%s", power, gap, sign, gap, offset);
@@ -145,9 +139,7 @@ tick_list ticks_logarithmic(double low, double high, double wanted)
             double value = shares[k] * pow(10.0, i);
             bool whole = k == 0 && fmod(fabs(i), every) == 0.0;
             if (value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9))
-            {
                 add_tick(&ticks, value, whole || !ticks.powers || decades < 1.2);
-            }
         }
     }
     return ticks;

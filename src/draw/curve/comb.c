@@ -15,9 +15,7 @@ static double dot(const double *a, const double *b, size_t n)
 {
     double sum = 0.0;
     for (size_t k = 0; k < n; k++)
-    {
         sum += a[k] * b[k];
-    }
     return sum;
 }
 
@@ -48,24 +46,16 @@ static double direction_to(const comb *segments, const double *p, const double *
     {
         double square = segments->space == VIEW_SPHERE ? dot(p, p, n) : 1.0;
         for (size_t k = 0; k < n; k++)
-        {
             direction[k] = q[k] - p[k];
-        }
         double radial = segments->space == VIEW_SPHERE ? dot(direction, p, n) / square : 0.0;
         for (size_t k = 0; k < n && radial != 0.0; k++)
-        {
             direction[k] -= radial * p[k];
-        }
     }
     double length = sqrt(dot(direction, direction, n));
     for (size_t k = 0; k < n; k++)
-    {
         direction[k] = length > 0.0 ? direction[k] / length : 0.0;
-    }
     if (segments->space == VIEW_SPHERE)
-    {
         return atan2(length, dot(p, q, n));
-    }
     return segments->space == VIEW_DISK ? 2.0 * atanh(fmin(length, 1.0 - 1e-16)) : length;
 }
 
@@ -88,9 +78,7 @@ static void set_vector(const comb *segments, const double *before, const double 
     double angle = 2.0 * atan2(sqrt(sum), sqrt(difference));
     double factor = sum > 0.0 && mean > 0.0 ? -angle / (mean * sqrt(sum)) : 0.0;
     for (size_t k = 0; k < n; k++)
-    {
         vector[k] = factor * (a[k] + b[k]);
-    }
 }
 
 static void set_vectors(comb *segments, double *scratch)
@@ -122,9 +110,7 @@ bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error)
         return error_memory(error, 2 * count * n * sizeof(double));
     }
     for (size_t i = 0; i < count; i++)
-    {
         memcpy(made.points + i * n, curve->points + i * stride * n, n * sizeof(double));
-    }
     set_vectors(&made, scratch);
     free(scratch);
     *segments = made;
@@ -143,13 +129,9 @@ bat_status comb_natural_scale(const comb *segments, double usual, double longest
     size_t n = segments->point_dim;
     double *sizes = memory_array(segments->count, sizeof(double));
     if (sizes == NULL)
-    {
         return error_memory(error, segments->count * sizeof(double));
-    }
     for (size_t i = 0; i < segments->count; i++)
-    {
         sizes[i] = sqrt(dot(segments->vectors + i * n, segments->vectors + i * n, n));
-    }
     qsort(sizes, segments->count, sizeof(double), ascending);
     double large = sizes[(size_t)(0.95 * (double)(segments->count - 1))];
     double largest = sizes[segments->count - 1];
@@ -178,13 +160,9 @@ void comb_tip(const comb *segments, size_t index, double scale, double *tip)
         along = tanh(0.5 * reach) / length;
     }
     for (size_t k = 0; k < n; k++)
-    {
         tip[k] = stay * p[k] + along * vector[k];
-    }
     if (segments->space == VIEW_DISK && length > 0.0)
-    {
         translate(p, tip, tip);
-    }
 }
 
 /// The smallest distance between the starts of two drawn segments or, where these are closer, between their ends.
@@ -228,9 +206,7 @@ static bat_status draw_segments(cairo_t *cairo, const draw_view *view, const seg
     size_t n = row->segments->point_dim;
     double *segment = memory_array(2 * n, sizeof(double));
     if (segment == NULL)
-    {
         return error_memory(error, 2 * n * sizeof(double));
-    }
     bat_status status = BAT_OK;
     comb_segment last = {0};
     for (size_t i = row->first; i < row->end && status == BAT_OK; i++)
@@ -255,18 +231,12 @@ bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *se
     size_t n = segments->point_dim;
     size_t margin = segments->closed ? 0 : 1;
     if (segments->count < 3)
-    {
         return BAT_OK;
-    }
     double *tips = memory_array(segments->count * n, sizeof(double));
     if (tips == NULL)
-    {
         return error_memory(error, segments->count * n * sizeof(double));
-    }
     for (size_t i = 0; i < segments->count; i++)
-    {
         comb_tip(segments, i, scale, tips + i * n);
-    }
     segment_row row = {segments, tips, margin, segments->count - margin};
     line_style thin = {style_mix(colour, COLOUR_BACKGROUND, 0.4), LINE_COMB, 0.0, 0.0};
     line_style envelope = {style_mix(colour, COLOUR_BACKGROUND, 0.6), LINE_ENVELOPE, 0.0, 0.0};

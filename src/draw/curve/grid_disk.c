@@ -41,9 +41,7 @@ static bool is_new(const tiling *made, geodesic g)
     {
         const geodesic *known = &made->geodesics[i];
         if (fabs(known->x - g.x) + fabs(known->y - g.y) + fabs(known->t - g.t) < 1e-6 * (1.0 + g.t))
-        {
             return false;
-        }
     }
     return true;
 }
@@ -65,9 +63,7 @@ static void make_tiling(tiling *made)
         {
             geodesic image = reflect(made->geodesics[i], made->geodesics[side]);
             if (image.t * SMALLEST_RADIUS <= 1.0 && is_new(made, image))
-            {
                 made->geodesics[made->count++] = image;
-            }
         }
     }
 }
@@ -89,15 +85,11 @@ void grid_disk(cairo_t *cairo, const draw_view *view, bool lines)
     cairo_set_source_rgb(cairo, 0.982, 0.986, 0.991);
     cairo_fill(cairo);
     if (!lines)
-    {
         return;
-    }
     tiling made;
     make_tiling(&made);
     for (int i = 0; i < made.count; i++)
-    {
         add_arc(cairo, view, made.geodesics[i]);
-    }
     style_use_line(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     cairo_set_line_cap(cairo, CAIRO_LINE_CAP_BUTT);
     cairo_stroke(cairo);

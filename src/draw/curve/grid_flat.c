@@ -17,9 +17,7 @@ static double widest(cairo_t *cairo, const tick_list *ticks)
 {
     double width = 0.0;
     for (size_t i = 0; i < ticks->count; i++)
-    {
         width = fmax(width, tick_width(cairo, ticks, i));
-    }
     return width;
 }
 
@@ -27,9 +25,7 @@ static double widest(cairo_t *cairo, const tick_list *ticks)
 static void plane_scales(const scene_frame *frame, tick_scale scales[2])
 {
     for (int k = 0; k < 2; k++)
-    {
         scales[k] = ticks_scale(frame->low[k], frame->high[k]);
-    }
     int exponent = scales[0].exponent > scales[1].exponent ? scales[0].exponent : scales[1].exponent;
     scales[0].exponent = scales[1].exponent = exponent;
 }
@@ -85,16 +81,10 @@ static void plane_labels(cairo_t *cairo, const draw_view *view, const tick_list 
     style_use_colour(cairo, COLOUR_MUTED);
     double every = fmax(1.0, ceil((widest(cairo, across) + 5.0) / (view->scale * across->step)));
     for (size_t i = 0; i < across->count; i++)
-    {
         if (fmod(round(across->values[i] / across->step), every) == 0.0)
-        {
             tick_draw(cairo, across, i, view_x(view, across->values[i]), bottom + 8.0, 0.5);
-        }
-    }
     for (size_t i = 0; i < upwards->count; i++)
-    {
         tick_draw(cairo, upwards, i, box[0] - 4.0, view_y(view, upwards->values[i]), 1.0);
-    }
     tick_scale_text(across->scale, text);
     text_draw_middle(cairo, text, right, bottom + 8.0 + SCALE_SPACE, 1.0);
     tick_scale_text(upwards->scale, text);
@@ -165,12 +155,8 @@ void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
     for (unsigned corner = 0; corner < 8; corner++)
     {
         for (unsigned axis = 0; axis < 3; axis++)
-        {
             if ((corner >> axis & 1u) == 0)
-            {
                 box_edge(cairo, view, frame, corner, corner | 1u << axis);
-            }
-        }
     }
     style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     box_edge(cairo, view, frame, 0, 1);

@@ -26,10 +26,8 @@ double grid_step(double range)
     for (size_t unit = 0; unit < 3; unit++)
     {
         for (size_t i = 0; i < 6; i++)
-        {
             if (wanted * steps[i] * units[unit] <= range)
                 return steps[i] * units[unit];
-        }
     }
     double step = 0.5;
     for (int i = 1; wanted * step > range && step > 1e-9; i++)

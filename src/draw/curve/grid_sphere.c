@@ -69,9 +69,7 @@ void grid_globe_lines(cairo_t *cairo, const draw_view *view)
         trace_line(cairo, view, longitude, long_one ? 90.0 : 90.0 - step, false);
     }
     for (int latitude = -90 + step; latitude < 90; latitude += step)
-    {
         trace_line(cairo, view, 0.0, latitude, true);
-    }
     style_stroke(cairo, (line_style){COLOUR_GRID, LINE_GRID, 0.0, 0.0});
     trace_line(cairo, view, 0.0, 0.0, true);
     trace_line(cairo, view, 0.0, 90.0, false);

@@ -166,9 +166,7 @@ static void count_line(void *context, double x, double y)
 static void flush(line_group *group)
 {
     if (group->points > 0)
-    {
         style_stroke(group->cairo, group->line);
-    }
     group->points = 0;
 }
 

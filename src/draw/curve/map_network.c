@@ -81,12 +81,8 @@ static void map_cap(const bat_curve *const *curves, size_t count, double *centre
     (void)vector3_normalize(centre);
     double farthest = 0.0;
     for (size_t k = 0; k < count; k++)
-    {
         for (size_t i = 0; i < curves[k]->count; i++)
-        {
             farthest = fmax(farthest, chord_square(curves[k]->points + 3 * i, centre));
-        }
-    }
     *radius = 2.0 * asin(fmin(1.0, 0.5 * sqrt(farthest)));
 }
 
@@ -338,10 +334,8 @@ static bool same_kind(const bat_curve_picture_layer *a, const bat_curve_picture_
 static bool same_point(const double *p, const double *q, size_t dim)
 {
     for (size_t k = 0; k < dim; k++)
-    {
         if (p[k] != q[k])
             return false;
-    }
     return true;
 }
 
@@ -431,10 +425,8 @@ static void colour_features(network_builder *builder, int *chosen)
             beside[chosen[builder->pairs[at].a]]++;
         int best = 0;
         for (int c = 1; c < MAP_COLOURS; c++)
-        {
             if (beside[c] < beside[best] || (beside[c] == beside[best] && used[c] < used[best]))
                 best = c;
-        }
         chosen[i] = best;
         used[best]++;
     }
@@ -456,10 +448,8 @@ static size_t collect(network_builder *builder, map_network *network)
     qsort(builder->features, builder->feature_count, sizeof *builder->features, compare_sizes);
     size_t kept = 0;
     for (size_t i = 0; i < builder->feature_count; i++)
-    {
         if (kept == 0 || builder->features[kept - 1] != builder->features[i])
             builder->features[kept++] = builder->features[i];
-    }
     builder->feature_count = kept;
     return edges;
 }
@@ -501,10 +491,8 @@ bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *n
     {
         colour_features(&builder, chosen);
         for (size_t i = 0; i < panel->layer_count; i++)
-        {
             if (panel->layers[i].polygon > 0)
                 network->colours[i] = chosen[feature_index(&builder, i)];
-        }
     }
     else
     {

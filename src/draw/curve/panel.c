@@ -28,13 +28,9 @@ static insets flat_insets(const scene_panel *panel, const bat_curve_picture_opti
 {
     double margin = FLAT_MARGIN;
     if (options->axes && panel->space == VIEW_SOLID)
-    {
         margin += GRID_SOLID_MARGIN;
-    }
     if (options->axes && panel->space == VIEW_PLANE)
-    {
         return grid_plane_room(&panel->frame);
-    }
     double below = margin + (panel_has_scale_bar(panel, options) ? GRID_SCALE_HEIGHT : 0.0);
     return (insets){margin, margin, margin, below};
 }
@@ -68,9 +64,7 @@ static double globe_share(const bat_curve_picture_options *options, double heigh
 double panel_height(const scene_panel *panel, const bat_curve_picture_options *options, double tallest, double width)
 {
     if (panel->space == VIEW_DISK)
-    {
         return width;
-    }
     if (panel->space != VIEW_SPHERE)
     {
         double aspect = scene_aspect(&panel->frame);
@@ -111,17 +105,11 @@ static draw_view make_view(const scene_panel *panel, view_kind kind)
 {
     draw_view view = {.kind = kind, .space = panel->space, .point_dim = panel->point_dim, .tolerance = STROKE_TOLERANCE};
     if (kind == VIEW_GLOBE || kind == VIEW_LOCAL)
-    {
         view_set_globe(&view, panel->frame.map.longitude, panel->frame.map.latitude);
-    }
     if (kind == VIEW_MAP)
-    {
         view_set_map(&view, panel->frame.map.meridian);
-    }
     if (panel->space == VIEW_SOLID)
-    {
         view_set_solid(&view);
-    }
     return view;
 }
 
@@ -144,9 +132,7 @@ static line_style layer_line(const scene_panel *panel, size_t index)
 {
     bool proxied = panel->drawn == &panel->proxied.panel && panel->proxied.lines[index].width > 0.0;
     if (scene_is_map(panel))
-    {
         return map_line(panel, index);
-    }
     return proxied ? panel->proxied.lines[index] : plain_line(panel->drawn, index);
 }
 
@@ -243,13 +229,9 @@ static bat_status draw_role(cairo_t *cairo, const draw_view *view, const scene_p
 {
     bat_status status = BAT_OK;
     if (panel->polygons)
-    {
         return side == VIEW_FRONT ? map_draw_lines(cairo, view, panel, role, error) : BAT_OK;
-    }
     for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
-    {
         status = panel->drawn->layers[i].role == role ? draw_line(cairo, view, panel, i, side, error) : BAT_OK;
-    }
     return status;
 }
 
@@ -258,12 +240,8 @@ static void draw_all_rings(cairo_t *cairo, const draw_view *view, const scene_pa
 {
     bool hidden = side == VIEW_BACK && panel->polygons;
     for (size_t i = 0; i < panel->drawn->layer_count && scene_points_shown(panel, options) && !hidden; i++)
-    {
         if (has_rings(&panel->drawn->layers[i]))
-        {
             draw_rings(cairo, view, panel->drawn->layers[i].curve, side, scene_is_map(panel));
-        }
-    }
 }
 
 static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_error *error)
@@ -273,9 +251,7 @@ static bat_status draw_combs(cairo_t *cairo, const draw_view *view, const scene_
     {
         draw_colour colour = style_palette(scene_colour(panel->drawn, i));
         if (panel->combs[i].count > 0)
-        {
             status = comb_lines_draw(cairo, view, &panel->combs[i], panel->frame.comb_scale, colour, error);
-        }
     }
     return status;
 }
@@ -285,21 +261,13 @@ static bat_status draw_lines(cairo_t *cairo, const draw_view *view, const scene_
 {
     bat_status status = BAT_OK;
     if (options->control_polygon)
-    {
         status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CONTROL, side, error);
-    }
     if (status == BAT_OK && options->comb && side == VIEW_FRONT)
-    {
         status = draw_combs(cairo, view, panel, error);
-    }
     if (status == BAT_OK)
-    {
         status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_TRUTH, side, error);
-    }
     if (status == BAT_OK)
-    {
         status = draw_role(cairo, view, panel, BAT_CURVE_LAYER_ROLE_CURVE, side, error);
-    }
     return status;
 }
 
@@ -318,9 +286,7 @@ static bat_status draw_flat(cairo_t *cairo, const scene_panel *panel, const bat_
     insets around = flat_insets(panel, options);
     fit(&view, box, around, panel->frame.low, panel->frame.high);
     if (options->axes && panel->space == VIEW_SOLID)
-    {
         grid_solid(cairo, &view, &panel->frame);
-    }
     if (options->axes && panel->space == VIEW_PLANE)
     {
         double width = view.scale * (panel->frame.high[0] - panel->frame.low[0]) + 2.0 * FLAT_MARGIN;
@@ -359,9 +325,7 @@ static bat_status draw_globe(cairo_t *cairo, const scene_panel *panel, const bat
     bat_status status = draw_layers(cairo, &view, panel, options, VIEW_BACK, error);
     map_draw_fills(cairo, &view, panel);
     if (options->grid)
-    {
         grid_globe_lines(cairo, &view);
-    }
     grid_globe_limb(cairo, &view, &panel->frame, options->grid);
     return status == BAT_OK ? draw_layers(cairo, &view, panel, options, VIEW_FRONT, error) : status;
 }
@@ -377,9 +341,7 @@ static bat_status draw_map(cairo_t *cairo, const scene_panel *panel, const bat_c
     cairo_save(cairo);
     grid_map_clip(cairo, &view);
     if (options->grid)
-    {
         grid_map_lines(cairo, &view);
-    }
     bat_status status = draw_lines(cairo, &view, panel, options, VIEW_FRONT, error);
     cairo_restore(cairo);
     draw_all_rings(cairo, &view, panel, options, VIEW_FRONT);
@@ -397,9 +359,7 @@ static bat_status draw_local(cairo_t *cairo, const scene_panel *panel, const bat
     cairo_save(cairo);
     grid_local_clip(cairo, &view, &panel->frame);
     if (options->grid)
-    {
         grid_local_lines(cairo, &view, &panel->frame);
-    }
     bat_status status = draw_layers(cairo, &view, panel, options, VIEW_FRONT, error);
     cairo_restore(cairo);
     grid_local_frame(cairo, &view, &panel->frame, options->grid);

@@ -66,27 +66,19 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
 {
     size_t max_count = 0;
     for (size_t i = 0; i < made->count; i++)
-    {
         max_count += made->panels[i].source->layer_count;
-    }
     *count = 0;
     *items = memory_array(max_count, sizeof **items);
     if (*items == NULL)
-    {
         return error_memory(error, max_count * sizeof **items);
-    }
     for (size_t i = 0; i < made->count && made->options->legend; i++)
     {
         const bat_curve_picture_panel *panel = made->panels[i].source;
         bool repeats = // the lines that other panels show beneath results
             made->count > 1 && scene_is_map(&made->panels[i]) && made->panels[i].given_only;
         for (size_t k = 0; k < panel->layer_count && !repeats; k++)
-        {
             if (text_given(panel->layers[k].label) && scene_layer_shown(&panel->layers[k], made->options))
-            {
                 legend_add(*items, count, panel_legend_item(&made->panels[i], k, made->options));
-            }
-        }
     }
     return BAT_OK;
 }
@@ -120,20 +112,14 @@ bat_status bat_curve_picture_write(const char *path, const bat_curve_picture_pan
     bat_curve_picture_options defaults = bat_curve_picture_defaults();
     canvas_format format;
     if (path == NULL || panels == NULL || count == 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a picture needs a file name and at least one panel");
-    }
     bat_status status = canvas_format_of(path, &format, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     scene made;
     status = scene_make(panels, count, options != NULL ? options : &defaults, &made, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     legend_item *items;
     size_t item_count;
     status = collect_legend(&made, &items, &item_count, error);
@@ -163,19 +149,13 @@ bat_status bat_curve_picture_projection(const bat_curve_picture_panel *panels, s
     bat_curve_picture_options defaults = bat_curve_picture_defaults();
     scene made;
     if (panels == NULL || count == 0 || taken == NULL)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a projection needs at least one panel");
-    }
     bat_status status = scene_measure(panels, count, options != NULL ? options : &defaults, &made, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     *taken = BAT_CURVE_PROJECTION_AUTO;
     for (size_t i = count; i-- > 0;)
-    {
         *taken = made.panels[i].space == VIEW_SPHERE ? made.panels[i].frame.map.projection : *taken;
-    }
     scene_free(&made);
     return BAT_OK;
 }

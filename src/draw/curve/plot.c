@@ -48,12 +48,8 @@ static bat_status check_bars(const bat_chart_series *series, bool logarithmic, s
                          "series %zu: bars need at least two numbers and a linear y axis", index);
     }
     for (size_t i = 1; i < series->count; i++)
-    {
         if (!(series->x[i - 1] < series->x[i]))
-        {
             return error_set(error, BAT_INVALID_POINT, i, 0, "series %zu: the x of bar %zu does not increase", index, i);
-        }
-    }
     return BAT_OK;
 }
 
@@ -61,9 +57,7 @@ static bat_status check_texts(const bat_chart_series *series, size_t index, bat_
 {
     bool valid = text_is_valid(series->label);
     for (size_t i = 0; series->point_labels != NULL && i < series->count; i++)
-    {
         valid = valid && text_is_valid(series->point_labels[i]);
-    }
     return valid ? BAT_OK
                  : error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: a label is not plain UTF-8 text", index);
 }
@@ -72,13 +66,9 @@ static bat_status check_series(const bat_chart *chart, size_t index, bat_error *
 {
     const bat_chart_series *series = &chart->series[index];
     if (series->x == NULL || series->y == NULL || series->count == 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu has no numbers", index);
-    }
     if (series->mark < BAT_CHART_MARK_AUTO || series->mark > BAT_CHART_MARK_BARS || series->colour < 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: no such mark or colour", index);
-    }
     bat_status status = check_texts(series, index, error);
     status = status == BAT_OK ? check_numbers(series->x, series->count, chart->log_x, "x", index, error) : status;
     status = status == BAT_OK ? check_numbers(series->y, series->count, chart->log_y, "y", index, error) : status;
@@ -117,9 +107,7 @@ static bool finish_range(plot_axis *axis, double low, double high, bool grounded
     axis->low -= grounded && axis->low == 0.0 ? 0.0 : room;
     axis->high += grounded && axis->high == 0.0 ? 0.0 : room;
     if (axis->logarithmic && ((!isnan(low) && low <= 0.0) || (!isnan(high) && high <= 0.0)))
-    {
         return false;
-    }
     axis->low = isnan(low) ? axis->low : plot_number(axis, low);
     axis->high = isnan(high) ? axis->high : plot_number(axis, high);
     return isfinite(axis->low) && isfinite(axis->high) && axis->low < axis->high;
@@ -130,21 +118,15 @@ bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot
     *x = (plot_axis){.low = INFINITY, .high = -INFINITY, .logarithmic = chart->log_x};
     *y = (plot_axis){.low = INFINITY, .high = -INFINITY, .logarithmic = chart->log_y};
     if (chart->series == NULL || chart->series_count == 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "chart %zu has no series", index);
-    }
     if (!text_is_valid(chart->title) || !text_is_valid(chart->x_label) || !text_is_valid(chart->y_label))
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "a text of chart %zu is not plain UTF-8", index);
-    }
     bool bars = false;
     for (size_t i = 0; i < chart->series_count; i++)
     {
         bat_status status = check_series(chart, i, error);
         if (status != BAT_OK)
-        {
             return status;
-        }
         include_series(&chart->series[i], x, y);
         bars = bars || chart->series[i].mark == BAT_CHART_MARK_BARS;
     }
@@ -239,9 +221,7 @@ static bool leader_hits(const obstacles *around, double x, double y, const recta
         double share = fmin(fmax((from_x * dx + from_y * dy) / square, 0.0), 1.0);
         bool other = hypot(from_x, from_y) > 0.5;
         if (other && hypot(from_x - share * dx, from_y - share * dy) < 2.5)
-        {
             return true;
-        }
     }
     return false;
 }
@@ -252,9 +232,7 @@ static double cost(const obstacles *around, const point_label *point, const rect
     const double wrong_dot = 40.0;
     double hidden = 0.0;
     for (size_t i = 0; i < around->count; i++)
-    {
         hidden += overlap(&around->taken[i], label);
-    }
     double outside = label->width * label->height - overlap(&around->plot, label);
     return hidden + 3.0 * outside + (leader_hits(around, point->x, point->y, label) ? wrong_dot : 0.0);
 }
@@ -277,9 +255,7 @@ static void place_label(cairo_t *cairo, obstacles *around, const point_label *po
         }
     }
     if (chosen >= DIRECTIONS)
-    {
         draw_leader(cairo, point->x, point->y, &best);
-    }
     style_use_colour(cairo, COLOUR_FOREGROUND);
     text_draw_middle(cairo, point->text, best.x, best.y + 0.5 * best.height, 0.0);
     around->taken[around->count++] = best;
@@ -297,9 +273,7 @@ static size_t collect(const bat_chart *chart, const plot_axis *x, const plot_axi
             double place_x = plot_place(x, plot_number(x, series->x[i]));
             double place_y = plot_place(y, plot_number(y, series->y[i]));
             if (place_x >= x->start && place_x <= x->end && place_y >= y->end && place_y <= y->start)
-            {
                 points[count++] = (point_label){series->point_labels[i], place_x, place_y};
-            }
         }
     }
     return count;
@@ -319,9 +293,7 @@ static bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const
 {
     size_t max_count = 0;
     for (size_t s = 0; s < chart->series_count; s++)
-    {
         max_count += chart->series[s].point_labels != NULL ? chart->series[s].count : 0;
-    }
     point_label *points = memory_array(max_count, sizeof *points);
     rectangle *taken = memory_array(2 * max_count, sizeof *taken);
     if (points == NULL || taken == NULL)
@@ -334,17 +306,11 @@ static bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const
     around.dots = around.count = collect(chart, x, y, points);
     qsort(points, around.dots, sizeof *points, compare);
     for (size_t i = 0; i < around.dots; i++)
-    {
         taken[i] = (rectangle){points[i].x - 3.0, points[i].y - 3.0, 6.0, 6.0};
-    }
     text_use(cairo, TEXT_TICK, false);
     for (size_t i = 0; i < around.dots; i++)
-    {
         if (text_given(points[i].text))
-        {
             place_label(cairo, &around, &points[i]);
-        }
-    }
     free(points);
     free(taken);
     return BAT_OK;
@@ -374,13 +340,9 @@ static legend_item plot_legend_item(const bat_chart *chart, size_t index)
     const bat_chart_series *series = &chart->series[index];
     legend_item item = {series->label, style_curve(plot_colour(chart, index)), LEGEND_NO_MARK};
     if (series->mark == BAT_CHART_MARK_POINTS || series->mark == BAT_CHART_MARK_BARS)
-    {
         item.line.width = 0.0;
-    }
     if (series->mark > BAT_CHART_MARK_LINE)
-    {
         item.mark = series->mark == BAT_CHART_MARK_BARS ? LEGEND_BAR : LEGEND_DOT;
-    }
     return item;
 }
 
@@ -388,9 +350,7 @@ static tick_list axis_ticks(const plot_axis *axis, double spacing)
 {
     double wanted = fabs(axis->end - axis->start) / spacing;
     if (axis->logarithmic)
-    {
         return ticks_logarithmic(pow(10.0, axis->low), pow(10.0, axis->high), wanted);
-    }
     tick_list ticks = ticks_linear(axis->low, axis->high, wanted);
     ticks_use_scale(&ticks, ticks_scale(axis->low, axis->high));
     return ticks;
@@ -402,9 +362,7 @@ static void axis_text(const plot_axis *axis, const char *label, char *text, size
     char left_out[TICK_SCALE_SIZE] = "";
     const char *given = text_given(label) ? label : "";
     if (!axis->logarithmic)
-    {
         tick_scale_text(ticks_scale(axis->low, axis->high), left_out);
-    }
     bool both = *given != '\0' && *left_out != '\0';
     (void)snprintf(text, size, both ? "%s (%s)" : "%s%s", given, left_out);
 }
@@ -413,9 +371,7 @@ static double widest_label(cairo_t *cairo, const tick_list *ticks)
 {
     double width = 0.0;
     for (size_t i = 0; i < ticks->count; i++)
-    {
         width = fmax(width, ticks->labelled[i] ? tick_width(cairo, ticks, i) : 0.0);
-    }
     return width;
 }
 
@@ -527,13 +483,9 @@ static bool add_segment(path_simplifier *path, const plot_axis *x, const plot_ax
     clip_share(p[0], q[0] - p[0], x->start, x->end, &enter, &leave);
     clip_share(p[1], q[1] - p[1], y->end, y->start, &enter, &leave);
     if (enter > leave)
-    {
         return false;
-    }
     if (!joined || enter > 0.0)
-    {
         simplifier_move(path, p[0] + enter * (q[0] - p[0]), p[1] + enter * (q[1] - p[1]));
-    }
     simplifier_line(path, leave < 1.0 ? p[0] + leave * (q[0] - p[0]) : q[0],
                     leave < 1.0 ? p[1] + leave * (q[1] - p[1]) : q[1]);
     return leave >= 1.0;
@@ -571,9 +523,7 @@ static void draw_dots(cairo_t *cairo, const bat_chart_series *series, const plot
         double p[2];
         place(x, y, series, i, p);
         if (p[0] >= x->start && p[0] <= x->end && p[1] >= y->end && p[1] <= y->start)
-        {
             legend_dot(cairo, p[0], p[1], radius, style_palette(colour));
-        }
     }
 }
 
@@ -613,17 +563,11 @@ static void draw_series(cairo_t *cairo, const bat_chart *chart, const plot_axis 
             bool dots =
                 series->mark == BAT_CHART_MARK_POINTS || series->mark == BAT_CHART_MARK_LINE_POINTS || series->count == 1;
             if (layer == 0 && series->mark == BAT_CHART_MARK_BARS)
-            {
                 draw_bars(cairo, series, x, y, plot_colour(chart, i));
-            }
             if (layer == 1 && line)
-            {
                 draw_line(cairo, series, x, y, plot_colour(chart, i));
-            }
             if (layer == 2 && dots)
-            {
                 draw_dots(cairo, series, x, y, plot_colour(chart, i));
-            }
         }
     }
 }
@@ -666,9 +610,7 @@ bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_pic
     tick_list upwards;
     set_axes(cairo, chart, box, &x, &y, &across, &upwards);
     if (options->grid)
-    {
         draw_grid(cairo, &x, &y, &across, &upwards);
-    }
     draw_series(cairo, chart, &x, &y);
     draw_axes(cairo, &x, &y, &across, &upwards);
     draw_tick_labels(cairo, &x, &y, &across, &upwards);
@@ -719,24 +661,16 @@ static bat_status collect_legend(const chart_set *set, size_t charts, legend_ite
 {
     size_t max_count = 0;
     for (size_t i = 0; i < charts; i++)
-    {
         max_count += set->charts[i].series_count;
-    }
     *count = 0;
     *items = memory_array(max_count, sizeof **items);
     if (*items == NULL)
-    {
         return error_memory(error, max_count * sizeof **items);
-    }
     for (size_t i = 0; i < charts && set->options->legend; i++)
     {
         for (size_t k = 0; k < set->charts[i].series_count; k++)
-        {
             if (text_given(set->charts[i].series[k].label))
-            {
                 legend_add(*items, count, plot_legend_item(&set->charts[i], k));
-            }
-        }
     }
     return BAT_OK;
 }
@@ -752,9 +686,7 @@ static bat_status write_set(const char *path, chart_set *set, size_t count, bat_
     {
         bat_status status = plot_measure(&set->charts[i], i, &set->axes[2 * i], &set->axes[2 * i + 1], error);
         if (status != BAT_OK)
-        {
             return status;
-        }
     }
     legend_item *items;
     size_t item_count;
@@ -783,20 +715,14 @@ bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t cou
 {
     bat_curve_picture_options defaults = bat_curve_picture_defaults();
     if (path == NULL || charts == NULL || count == 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "charts need a file name and at least one chart");
-    }
     chart_set set = {charts, options != NULL ? options : &defaults, NULL};
     bat_status status = bat_options_check(&bat_curve_picture_fields, set.options, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     set.axes = memory_array(2 * count, sizeof *set.axes);
     if (set.axes == NULL)
-    {
         return error_memory(error, 2 * count * sizeof *set.axes);
-    }
     status = write_set(path, &set, count, error);
     free(set.axes);
     return status;

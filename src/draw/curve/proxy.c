@@ -27,9 +27,7 @@ static bat_status add_curve(proxy *made, size_t count, bool closed, bat_curve_pi
     bat_curve curve = {.space = &made->space, .count = count, .closed = closed};
     curve.points = memory_array(count, made->space.point_dim * sizeof(double));
     if (curve.points == NULL)
-    {
         return error_memory(error, count * made->space.point_dim * sizeof(double));
-    }
     made->curves[made->count] = curve;
     made->layers[made->count] = layer;
     made->lines[made->count++] = line;
@@ -53,9 +51,7 @@ static void column_of(const double *quaternion, size_t column, double *direction
     double matrix[9];
     bat_rotation_to_matrix(quaternion, matrix);
     for (size_t row = 0; row < 3; row++)
-    {
         direction[row] = matrix[3 * row + column];
-    }
 }
 
 static size_t edge_count(const bat_curve *curve)
@@ -95,15 +91,11 @@ static bat_status fill_columns(proxy *made, const bat_curve *curve, bat_error *e
                                  edge_end(curve, i));
             }
             for (size_t c = 0; c < 3; c++)
-            {
                 column_of(between, c, columns[c].points + 3 * at);
-            }
         }
     }
     for (size_t c = 0; c < 3 && at < columns[c].count; c++)
-    {
         column_of(curve->points + 4 * (curve->count - 1), c, columns[c].points + 3 * at);
-    }
     return BAT_OK;
 }
 
@@ -113,9 +105,7 @@ static line_style column_line(bat_curve_layer_role role, draw_colour colour, siz
     static const double shades[3] = {1.0, 0.72, 0.48};
     draw_colour shade = style_mix(colour, COLOUR_BACKGROUND, shades[c]);
     if (role == BAT_CURVE_LAYER_ROLE_CONTROL)
-    {
         return (line_style){shade, LINE_CONTROL, 3.0, 2.2};
-    }
     return role == BAT_CURVE_LAYER_ROLE_TRUTH ? (line_style){shade, LINE_TRUTH, 4.0, 2.2}
                                               : (line_style){shade, LINE_CURVE, 0.0, 0.0};
 }
@@ -129,9 +119,7 @@ static bat_status add_columns(proxy *made, const bat_curve_picture_layer *layer,
     bool closed = curve->closed && curve->count > 1;
     size_t count = closed ? 0 : 1;
     for (size_t i = 0; i < edge_count(curve); i++)
-    {
         count += edge_steps(curve, i);
-    }
     bat_status status = BAT_OK;
     for (size_t c = 0; c < 3 && status == BAT_OK; c++)
     {
@@ -149,9 +137,7 @@ static bat_status add_triangles(proxy *made, const bat_curve *curve, bat_error *
         line_style line = {style_mix(COLOUR_CONTROL, COLOUR_BACKGROUND, 0.6), 0.6, 0.0, 0.0};
         status = add_curve(made, 3, true, (bat_curve_picture_layer){.role = BAT_CURVE_LAYER_ROLE_CONTROL}, line, error);
         for (size_t c = 0; c < 3 && status == BAT_OK; c++)
-        {
             column_of(curve->points + 4 * frame_index(curve, k), c, made->curves[made->count - 1].points + 3 * c);
-        }
     }
     return status;
 }
@@ -178,13 +164,9 @@ static bat_status add_rotations(proxy *made, const bat_curve_picture_panel *pane
         const bat_curve_picture_layer *layer = &panel->layers[i];
         bool control = layer->role == BAT_CURVE_LAYER_ROLE_CONTROL;
         if (!control || options->control_polygon)
-        {
             status = add_columns(made, layer, layer_colour(panel, i), error);
-        }
         if (control && options->control_points && status == BAT_OK)
-        {
             status = add_triangles(made, layer->curve, error);
-        }
     }
     return status;
 }
@@ -217,9 +199,7 @@ static bat_status add_path(proxy *made, const bat_curve_picture_layer *layer, in
     bat_curve_picture_layer own = {.role = layer->role, .colour = colour};
     bat_status status = add_curve(made, curve->count, curve->closed, own, (line_style){0}, error);
     for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
-    {
         memcpy(made->curves[made->count - 1].points + 3 * i, curve->points + 7 * i, 3 * sizeof(double));
-    }
     return status;
 }
 
@@ -258,17 +238,11 @@ static bat_status add_motions(proxy *made, const bat_curve_picture_panel *panel,
     {
         status = add_path(made, &panel->layers[i], scene_colour(panel, i), error);
         if (status == BAT_OK && panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE)
-        {
             status = add_axes(made, panel->layers[i].curve, length, false, error);
-        }
     }
     for (size_t i = 0; i < panel->layer_count && status == BAT_OK; i++)
-    {
         if (panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CONTROL && options->control_points)
-        {
             status = add_axes(made, panel->layers[i].curve, length, true, error);
-        }
-    }
     return status;
 }
 
@@ -327,23 +301,17 @@ bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_pict
     }
     bat_status status = add_all(made, panel, options, error);
     for (size_t i = 0; i < made->count; i++)
-    {
         made->layers[i].curve = &made->curves[i];
-    }
     made->panel = (bat_curve_picture_panel){.layers = made->layers, .layer_count = made->count, .title = panel->title};
     if (status != BAT_OK)
-    {
         proxy_free(made);
-    }
     return status;
 }
 
 void proxy_free(proxy *made)
 {
     for (size_t i = 0; i < made->count; i++)
-    {
         bat_curve_free(&made->curves[i]);
-    }
     free(made->curves);
     free(made->layers);
     free(made->lines);

@@ -41,23 +41,17 @@ int scene_colour(const bat_curve_picture_panel *panel, size_t index)
 {
     int place = 1;
     for (size_t i = 0; i < index && panel->layers[index].colour == 0; i++)
-    {
         place += panel->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE ? 1 : 0;
-    }
     return panel->layers[index].colour > 0 ? panel->layers[index].colour : place;
 }
 
 size_t scene_columns(const bat_curve_picture_options *options, size_t count, double min_width)
 {
     if (options->columns > 0)
-    {
         return options->columns < count ? options->columns : count;
-    }
     size_t max_columns = MAX_COLUMNS;
     if (options->width > 0.0)
-    {
         max_columns = (size_t)fmin(fmax(options->width / min_width, 1.0), MAX_COLUMNS);
-    }
     size_t rows = (count + max_columns - 1) / max_columns;
     return (count + rows - 1) / rows;
 }
@@ -116,20 +110,14 @@ static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel
 static bat_status check_panel(const bat_curve_picture_panel *panel, size_t index, bat_error *error)
 {
     if (panel->layers == NULL || panel->layer_count == 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "panel %zu has no layers", index);
-    }
     if (!text_is_valid(panel->title))
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "the title of panel %zu is not plain UTF-8 text", index);
-    }
     for (size_t i = 0; i < panel->layer_count; i++)
     {
         bat_status status = check_layer(&panel->layers[i], index, i, error);
         if (status != BAT_OK)
-        {
             return status;
-        }
         const bat_space *first = panel->layers[0].curve->space;
         const bat_space *space = panel->layers[i].curve->space;
         if (view_space_of(space) != view_space_of(first) || space->point_dim != first->point_dim)
@@ -146,17 +134,13 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
     const bat_curve_picture_panel *source = panel->drawn;
     panel->combs = calloc(source->layer_count, sizeof *panel->combs);
     if (panel->combs == NULL)
-    {
         return error_memory(error, source->layer_count * sizeof *panel->combs);
-    }
     bat_status status = BAT_OK;
     for (size_t i = 0; i < source->layer_count && status == BAT_OK; i++)
     {
         bool itself = source == panel->source && panel->space != VIEW_TENSOR;
         if (itself && source->layers[i].role == BAT_CURVE_LAYER_ROLE_CURVE)
-        {
             status = comb_make(source->layers[i].curve, &panel->combs[i], error);
-        }
     }
     return status;
 }
@@ -220,9 +204,7 @@ static void include_curves(scene_frame *frame, const scene *made, const scene_pa
     {
         const bat_curve_picture_layer *layer = &panel->drawn->layers[i];
         for (size_t k = 0; k < layer->curve->count && scene_layer_shown(layer, made->options); k++)
-        {
             include_point(frame, &view, layer->curve->points + k * panel->point_dim);
-        }
     }
     for (unsigned corner = 0; corner < 8 && panel->space == VIEW_SOLID && made->options->axes; corner++)
     {
@@ -251,9 +233,7 @@ static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_
     {
         double scale = INFINITY;
         if (panel->combs != NULL && panel->combs[i].count > 0)
-        {
             status = comb_natural_scale(&panel->combs[i], usual, longest, &scale, error);
-        }
         frame->comb_scale = fmin(frame->comb_scale, scale);
     }
     return status;
@@ -284,23 +264,15 @@ static bat_status frame_combs(scene_frame *frame, const scene *made, const scene
 {
     bat_status status = BAT_OK;
     for (size_t i = first; i < end && status == BAT_OK; i++)
-    {
         status = same_space(panel, &made->panels[i]) ? scale_combs(frame, &made->panels[i], error) : BAT_OK;
-    }
     frame->comb_scale = isfinite(frame->comb_scale) ? frame->comb_scale : 0.0;
     frame->comb_scale = made->options->comb_scale > 0.0 ? made->options->comb_scale : frame->comb_scale;
     double *tip = memory_array(panel->point_dim, sizeof(double));
     if (tip == NULL)
-    {
         return error_memory(error, panel->point_dim * sizeof(double));
-    }
     for (size_t i = first; i < end && (panel->space == VIEW_PLANE || panel->space == VIEW_SOLID); i++)
-    {
         if (same_space(panel, &made->panels[i]))
-        {
             include_combs(frame, &made->panels[i], tip);
-        }
-    }
     free(tip);
     return status;
 }
@@ -310,14 +282,10 @@ static bat_status frame_sphere(scene_frame *frame, const scene *made, size_t fir
 {
     size_t count = 0;
     for (size_t i = first; i < end; i++)
-    {
         count += made->panels[i].drawn->layer_count;
-    }
     const bat_curve **curves = memory_array(count, sizeof *curves);
     if (curves == NULL)
-    {
         return error_memory(error, count * sizeof *curves);
-    }
     count = 0;
     bool polygons = false;
     for (size_t i = first; i < end; i++)
@@ -325,9 +293,7 @@ static bat_status frame_sphere(scene_frame *frame, const scene *made, size_t fir
         const bat_curve_picture_panel *source = made->panels[i].drawn;
         polygons = polygons || (made->panels[i].space == VIEW_SPHERE && made->panels[i].polygons);
         for (size_t k = 0; k < source->layer_count && made->panels[i].space == VIEW_SPHERE; k++)
-        {
             curves[count++] = source->layers[k].curve;
-        }
     }
     frame->map = map_choose(curves, count, polygons, made->options);
     free(curves);
@@ -364,25 +330,15 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
     }
     bool flat = panel->space == VIEW_PLANE || panel->space == VIEW_SOLID;
     for (size_t i = first; i < end && flat; i++)
-    {
         if (same_space(panel, &made->panels[i]))
-        {
             include_curves(&frame, made, &made->panels[i]);
-        }
-    }
     if (flat && !(frame.low[0] <= frame.high[0]))
-    {
         include_place(&frame, 0.0, 0.0);
-    }
     bat_status status = panel->space == VIEW_SPHERE ? frame_sphere(&frame, made, first, end, error) : BAT_OK;
     for (size_t i = first; i < end && panel->space == VIEW_TENSOR && status == BAT_OK; i++)
-    {
         status = same_space(panel, &made->panels[i]) ? tensor_row_include(&frame, made->panels[i].drawn, error) : BAT_OK;
-    }
     if (status == BAT_OK && made->options->comb)
-    {
         status = frame_combs(&frame, made, panel, first, end, error);
-    }
     widen(&frame);
     panel->frame = frame;
     return status;
@@ -397,9 +353,7 @@ static bat_status choose_drawn(scene_panel *panel, const bat_curve_picture_optio
     {
         bat_status status = proxy_make(panel->source, options, &panel->proxied, error);
         if (status != BAT_OK)
-        {
             return status;
-        }
         panel->drawn = &panel->proxied.panel;
         space = &panel->proxied.space;
     }
@@ -435,18 +389,12 @@ static bat_status fill(scene *made, const bat_curve_picture_panel *panels, bat_e
             status = choose_drawn(panel, made->options, error);
         }
         if (status == BAT_OK && made->options->comb)
-        {
             status = make_combs(panel, error);
-        }
         if (status == BAT_OK)
-        {
             summarize(panel);
-        }
     }
     for (size_t i = 0; i < made->count && status == BAT_OK; i++)
-    {
         status = set_frame(made, i, error);
-    }
     return status;
 }
 
@@ -455,21 +403,15 @@ bat_status scene_measure(const bat_curve_picture_panel *panels, size_t count, co
 {
     bat_status status = bat_options_check(&bat_curve_picture_fields, options, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     *made = (scene){.options = options, .count = count, .columns = scene_columns(options, count, MIN_PANEL)};
     made->rows = (count + made->columns - 1) / made->columns;
     made->panels = calloc(count, sizeof *made->panels);
     if (made->panels == NULL)
-    {
         return error_memory(error, count * sizeof *made->panels);
-    }
     status = fill(made, panels, error);
     if (status != BAT_OK)
-    {
         scene_free(made);
-    }
     return status;
 }
 
@@ -478,18 +420,14 @@ bat_status scene_make(const bat_curve_picture_panel *panels, size_t count, const
 {
     bat_status status = scene_measure(panels, count, options, made, error);
     if (status != BAT_OK)
-    {
         return status;
-    }
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         scene_panel *panel = &made->panels[i];
         status = panel->polygons ? map_network_make(panel->drawn, &panel->network, error) : BAT_OK;
     }
     if (status != BAT_OK)
-    {
         scene_free(made);
-    }
     return status;
 }
 
@@ -498,9 +436,7 @@ void scene_free(scene *made)
     for (size_t i = 0; i < made->count && made->panels != NULL; i++)
     {
         for (size_t k = 0; made->panels[i].combs != NULL && k < made->panels[i].drawn->layer_count; k++)
-        {
             comb_free(&made->panels[i].combs[k]);
-        }
         free(made->panels[i].combs);
         map_network_free(&made->panels[i].network);
         proxy_free(&made->panels[i].proxied);

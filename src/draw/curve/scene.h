@@ -209,9 +209,7 @@ static inline double scene_aspect(const scene_frame *frame)
 static inline void scene_corner(const scene_frame *frame, unsigned corner, double *point)
 {
     for (unsigned k = 0; k < 3; k++)
-    {
         point[k] = (corner >> k & 1u) != 0 ? frame->box_high[k] : frame->box_low[k];
-    }
 }
 
 /// Curves of symmetric positive-definite matrices A are drawn as rows of ellipses or ellipsoids {x: x^T A^-1 x = 1}, whose

@@ -86,9 +86,7 @@ void simplifier_consider(path_simplifier *simplifier, double x, double y)
     }
     simplifier->reach = fmax(simplifier->reach, distance);
     if (distance > margin)
-    {
         narrow_wedge(simplifier, dx, dy, distance, margin);
-    }
     simplifier->considered_x = x;
     simplifier->considered_y = y;
 }

@@ -18,14 +18,10 @@ bat_status coverage_begin(double low_x, double low_y, double high_x, double high
     made.stride = made.columns / 64 + 1;
     size_t count;
     if (size_multiply_overflows(made.rows, made.stride, &count))
-    {
         return error_memory(error, SIZE_MAX);
-    }
     made.words = memory_array(count, sizeof *made.words);
     if (made.words == NULL)
-    {
         return error_memory(error, count * sizeof *made.words);
-    }
     memset(made.words, 0, count * sizeof *made.words);
     *map = made;
     return BAT_OK;
@@ -64,9 +60,7 @@ static void mark_line(void *context, double x, double y)
     double step_x = dx / steps;
     double step_y = dy / steps;
     for (double i = 1.0; i < steps; i += 1.0)
-    {
         mark(map, map->x + i * step_x, map->y + i * step_y);
-    }
     mark_start(map, x, y);
 }
 
@@ -88,14 +82,10 @@ static void coverage_trace(const coverage_map *map, cairo_t *cairo)
         for (size_t column = 0; column < map->columns; column++)
         {
             if (!marked(map, row, column))
-            {
                 continue;
-            }
             cairo_move_to(cairo, map->low_x + ((double)column + 0.5) * COVERAGE_CELL, y);
             while (marked(map, row, column + 1))
-            {
                 column++;
-            }
             cairo_line_to(cairo, map->low_x + ((double)column + 0.5) * COVERAGE_CELL, y);
         }
     }
@@ -127,18 +117,14 @@ static void sink_move(void *context, double x, double y)
 {
     bounded_sink *sink = context;
     if (sink_accepts(sink, x, y))
-    {
         cairo_move_to(sink->cairo, x, y);
-    }
 }
 
 static void sink_line(void *context, double x, double y)
 {
     bounded_sink *sink = context;
     if (sink_accepts(sink, x, y))
-    {
         cairo_line_to(sink->cairo, x, y);
-    }
 }
 
 static void trace(const drawn_line *drawn, path_sink sink)
@@ -158,9 +144,7 @@ bat_status stroke_line(cairo_t *cairo, const drawn_line *drawn, line_style line,
         cairo_new_path(cairo);
         status = coverage_begin(sink.low_x, sink.low_y, sink.high_x, sink.high_y, &map, error);
         if (status != BAT_OK)
-        {
             return status;
-        }
         trace(drawn, coverage_sink(&map));
         coverage_trace(&map, cairo);
         coverage_free(&map);

@@ -33,24 +33,14 @@ static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit
     double matrix[9];
     double values[3];
     for (size_t i = 0; i < n; i++)
-    {
         for (size_t j = i; j < n; j++)
-        {
             matrix[n * i + j] = *packed++ / unit / unit;
-        }
-    }
     if (decompose_symmetric(n, matrix, values, NULL) != BAT_OK)
-    {
         return error_set(error, BAT_NO_CONVERGENCE, index, 0, "point %zu has no eigenvalues to draw", index);
-    }
     *made = (ellipsoid){.side = n};
     for (size_t k = 0; k < n; k++)
-    {
         for (size_t i = 0; i < n; i++)
-        {
             made->axes[k][i] = sqrt(fmax(values[k], THINNEST * THINNEST)) * matrix[n * i + k];
-        }
-    }
     return BAT_OK;
 }
 
@@ -93,9 +83,7 @@ bat_status tensor_row_include(scene_frame *frame, const bat_curve_picture_panel 
             double near = sqrt(curve->points[shown_index(curve, columns, k) * curve->space->point_dim]);
             bat_status status = ellipsoid_of(curve, shown_index(curve, columns, k), near, &drawn, error);
             if (status != BAT_OK)
-            {
                 return status;
-            }
             frame->tensor_unit = fmax(frame->tensor_unit, near * longest_axis(&drawn));
         }
     }
@@ -235,9 +223,7 @@ static bat_status draw_row(cairo_t *cairo, const draw_view *view, const scene_pa
         ellipsoid drawn;
         bat_status status = ellipsoid_of(curve, index, frame->tensor_unit, &drawn, error);
         if (status != BAT_OK)
-        {
             return status;
-        }
         turn(view, &drawn);
         draw_ellipsoid(cairo, &drawn, panel->source->layers[layer].role == BAT_CURVE_LAYER_ROLE_CONTROL, view->scale,
                        view_x(view, COLUMN_SPACING * ((double)frame->tensor_columns - 1.0) * share), y,
@@ -250,8 +236,6 @@ bat_status tensor_row_draw(cairo_t *cairo, const draw_view *view, const scene_pa
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->source->layer_count && status == BAT_OK; i++)
-    {
         status = draw_row(cairo, view, panel, i, error);
-    }
     return status;
 }

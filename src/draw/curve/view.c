@@ -55,9 +55,7 @@ static void view_trace_disk(const draw_view *view, const double *points, size_t 
 {
     simplifier_move(path, view_x(view, points[0]), view_y(view, points[1]));
     for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
-    {
         trace_geodesic(view, points + 2 * (i - 1), points + 2 * (i < count ? i : 0), path);
-    }
 }
 
 /// The tolerance of points' lengths on the sphere; it admits single-precision data.
@@ -66,13 +64,9 @@ static void view_trace_disk(const draw_view *view, const double *points, size_t 
 view_space view_space_of(const bat_space *space)
 {
     if (strcmp(space->name, "plane") == 0 || strcmp(space->name, "euclidean") == 0)
-    {
         return space->point_dim == 3 ? VIEW_SOLID : space->point_dim >= 2 ? VIEW_PLANE : VIEW_NOTHING;
-    }
     if (strcmp(space->name, "sphere") == 0)
-    {
         return space->point_dim == 3 ? VIEW_SPHERE : VIEW_NOTHING;
-    }
     static const struct
     {
         const char *name;
@@ -81,12 +75,8 @@ view_space view_space_of(const bat_space *space)
     } others[] = {{"disk", 2, VIEW_DISK},         {"spd", 3, VIEW_TENSOR},  {"spd", 6, VIEW_TENSOR},
                   {"rotation", 4, VIEW_ROTATION}, {"rigid", 7, VIEW_RIGID}, {"hyperbolic", 3, VIEW_HYPERBOLIC}};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
-    {
         if (strcmp(space->name, others[i].name) == 0 && space->point_dim == others[i].point_dim)
-        {
             return others[i].kind;
-        }
-    }
     return VIEW_NOTHING;
 }
 
@@ -167,21 +157,13 @@ void view_trace(const draw_view *view, const double *points, size_t count, bool 
                 path_simplifier *path)
 {
     if (view->kind == VIEW_GLOBE)
-    {
         view_trace_globe(view, points, count, closed, side, path);
-    }
     else if (side == VIEW_FRONT && view->kind == VIEW_FLAT)
-    {
         trace_flat(view, points, count, closed, path);
-    }
     else if (side == VIEW_FRONT && (view->kind == VIEW_MAP || view->kind == VIEW_LOCAL))
-    {
         view_trace_map(view, points, count, closed, path);
-    }
     else if (side == VIEW_FRONT)
-    {
         view_trace_disk(view, points, count, closed, path);
-    }
     simplifier_flush(path);
 }
 
@@ -190,17 +172,11 @@ static const char *point_fault(view_space space, const double *point, size_t poi
 {
     double square = 0.0;
     for (size_t k = 0; k < point_dim; k++)
-    {
         square += point[k] * point[k];
-    }
     if (!isfinite(square))
-    {
         return "is not finite, or too large to draw";
-    }
     if (space == VIEW_SPHERE && fabs(sqrt(square) - 1.0) > UNIT_TOLERANCE)
-    {
         return "is not of unit length";
-    }
     return space == VIEW_DISK && square >= 1.0 ? "is not inside the unit disk" : NULL;
 }
 
@@ -221,9 +197,7 @@ static bool antipodal(const double *p, const double *q)
 bat_status view_check(const bat_curve *curve, bat_error *error)
 {
     if (curve == NULL || curve->space == NULL || curve->points == NULL || curve->count == 0)
-    {
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a curve without points cannot be drawn");
-    }
     view_space space = view_space_of(curve->space);
     if (space == VIEW_NOTHING)
     {
@@ -237,13 +211,9 @@ bat_status view_check(const bat_curve *curve, bat_error *error)
         const double *point = curve->points + i * dim;
         const char *fault = point_fault(space, point, dim);
         if (fault == NULL && space >= VIEW_TENSOR)
-        {
             fault = foreign_fault(curve->space, point, text, sizeof text);
-        }
         if (fault != NULL)
-        {
             return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu %s", i, fault);
-        }
     }
     for (size_t i = 0; space == VIEW_SPHERE && i + (curve->closed ? 0 : 1) < curve->count; i++)
     {

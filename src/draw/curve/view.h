@@ -55,9 +55,7 @@ static inline void simplifier_line(path_simplifier *simplifier, double x, double
     simplifier->last_y = y;
     simplifier->pending = true;
     if (dx * dx + dy * dy >= skip * skip)
-    {
         simplifier_consider(simplifier, x, y);
-    }
 }
 
 /// The spaces by the way they are drawn.

@@ -13,9 +13,7 @@ static void normalize(double *vector)
 {
     double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
     for (int k = 0; k < 3; k++)
-    {
         vector[k] /= length;
-    }
 }
 
 /// The path on one half of a globe. Points are rotated: the third coordinate points to the eye.
@@ -49,9 +47,7 @@ static void globe_step(globe_tracer *tracer, const double *point)
         draw(tracer->path, view_x(view, u / length), view_y(view, v / length));
     }
     if (visible)
-    {
         simplifier_line(tracer->path, view_x(view, point[0]), view_y(view, point[1]));
-    }
     memcpy(tracer->point, point, sizeof tracer->point);
     tracer->visible = visible;
 }
@@ -70,9 +66,7 @@ static void globe_arc(globe_tracer *tracer, const double *target, double step)
         double behind = sin(angle * (1.0 - i / steps)) / sin(angle);
         double point[3];
         for (int k = 0; k < 3; k++)
-        {
             point[k] = behind * from[k] + ahead * target[k];
-        }
         globe_step(tracer, point);
     }
     globe_step(tracer, target);
@@ -92,21 +86,15 @@ void view_trace_globe(const draw_view *view, const double *points, size_t count,
     view_rotate(view, points, tracer.point);
     tracer.visible = globe_visible(&tracer, tracer.point);
     if (tracer.visible)
-    {
         simplifier_move(path, view_x(view, tracer.point[0]), view_y(view, tracer.point[1]));
-    }
     for (size_t i = 1; i < count + (closed ? 1 : 0); i++)
     {
         double target[3];
         view_rotate(view, points + 3 * (i < count ? i : 0), target);
         if (chord_square(tracer.point, target) < step * step)
-        {
             globe_step(&tracer, target);
-        }
         else
-        {
             globe_arc(&tracer, target, step);
-        }
     }
 }
 
@@ -242,9 +230,7 @@ static void map_arc(map_tracer *tracer, const double *target, int depth)
     }
     double middle[3];
     for (int k = 0; k < 3; k++)
-    {
         middle[k] = tracer->point[k] + target[k];
-    }
     normalize(middle);
     if (chord_square(tracer->point, target) < 0.01 && map_straight(tracer, middle, target))
     {
@@ -321,9 +307,7 @@ static void add_direction(globe_moments *moments, const double *direction, doubl
     {
         moments->mean[i] += weight * direction[i];
         for (int j = 0; j < 3; j++)
-        {
             moments->square[i][j] += weight * direction[i] * direction[j];
-        }
     }
 }
 
@@ -357,9 +341,7 @@ static void oblique_direction(globe_moments *moments, double *direction)
     const double elevation = 25.0 * 3.14159265358979323846 / 180.0;
     double values[3];
     if (decompose_symmetric(3, &moments->square[0][0], values, NULL) != BAT_OK)
-    {
         return;
-    }
     double normal[3];
     double axis[3];
     double along = 0.0;
@@ -371,9 +353,7 @@ static void oblique_direction(globe_moments *moments, double *direction)
         along += axis[k] * moments->mean[k];
     }
     for (int k = 0; k < 3; k++)
-    {
         direction[k] = cos(elevation) * (along < 0.0 ? -axis[k] : axis[k]) + sin(elevation) * normal[k];
-    }
 }
 
 void view_automatic(const bat_curve *const *curves, size_t count, double *longitude, double *latitude)
@@ -381,14 +361,10 @@ void view_automatic(const bat_curve *const *curves, size_t count, double *longit
     const double min_share = 0.3; // relative to the total length; for smaller means the curve surrounds the sphere
     globe_moments moments = {0};
     for (size_t i = 0; i < count; i++)
-    {
         add_curve(&moments, curves[i]);
-    }
     double direction[3] = {moments.mean[0], moments.mean[1], moments.mean[2]};
     if (hypot(hypot(direction[0], direction[1]), direction[2]) < min_share * moments.weight)
-    {
         oblique_direction(&moments, direction);
-    }
     *longitude = atan2(direction[1], direction[0]);
     *latitude = atan2(direction[2], hypot(direction[0], direction[1]));
 }
