@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    MAX_SAMPLES = 1000000000
-};
+static const int MAX_SAMPLES = 1000000000;
 
 /// What is measured of a set of curves, one result each.
 typedef enum measured

@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    MAX_LEVELS = 32
-};
+static const int MAX_LEVELS = 32;
 
 /// The job of `batten mesh` and `batten decimate`, which make a mesh of a mesh.
 typedef struct mesh_job

@@ -287,10 +287,7 @@ int reproduce_tension_table4(const reproduce_job *job)
 
 // Section 9
 
-enum
-{
-    QUANTILES = sizeof((bat_tension_effective *)0)->quantiles / sizeof(double)
-};
+static const int QUANTILES = sizeof((bat_tension_effective *)0)->quantiles / sizeof(double);
 
 /// Remark 4.
 static const double PUBLISHED_PRODUCT = 2.8;

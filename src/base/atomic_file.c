@@ -40,10 +40,7 @@ char *atomic_folder_of(const char *path)
 
 char *atomic_hidden_name(const char *target, unsigned attempt)
 {
-    enum
-    {
-        LONGEST = 160 ///< of the part of the target's name that is kept, since file systems bound the length
-    };
+    static const int LONGEST = 160; ///< of the part of the target's name that is kept, since file systems bound the length
     const char *base = atomic_base_name(target);
     size_t length = strlen(base);
     const char *kept = length > LONGEST ? base + length - LONGEST : base;
@@ -109,10 +106,7 @@ static int use_name(const char *name, int descriptor, mode_t mode)
 /// @return as use_name(); `temporary` stays null on failure
 static int take_name(atomic_file *file, int descriptor, mode_t mode)
 {
-    enum
-    {
-        ATTEMPTS = 100
-    };
+    static const int ATTEMPTS = 100;
     for (unsigned attempt = 0; attempt < ATTEMPTS; attempt++)
     {
         // A file that already goes to a hidden name needs no other.

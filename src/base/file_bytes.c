@@ -7,10 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum
-{
-    CHUNK = 1 << 16 ///< bytes that are read together
-};
+static const size_t CHUNK = 1 << 16; ///< bytes that are read together
 
 /// All bytes of a stream, at most `max` of them.
 static bat_status read_stream(FILE *file, unsigned long long max, text_buffer *buffer, bat_error *error)

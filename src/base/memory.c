@@ -22,10 +22,7 @@
 /// A large array in large pages where the system has them: entering a page costs about as much as writing it.
 static void *large_array(size_t bytes)
 {
-    enum
-    {
-        LARGE_PAGE = 2 << 20
-    };
+    static const size_t LARGE_PAGE = 2 << 20;
     void *memory = bytes <= SIZE_MAX - LARGE_PAGE
                        ? aligned_alloc(LARGE_PAGE, (bytes + LARGE_PAGE - 1) / LARGE_PAGE * LARGE_PAGE)
                        : NULL;
@@ -118,10 +115,7 @@ static size_t number_in_file(const char *path, const char *key, size_t unit)
 
 size_t memory_available(void)
 {
-    enum
-    {
-        KIBIBYTE = 1024
-    };
+    static const int KIBIBYTE = 1024;
     size_t free = number_in_file("/proc/meminfo", "MemAvailable:", KIBIBYTE);
     size_t most = number_in_file("/sys/fs/cgroup/memory.max", "", 1);
     size_t used = number_in_file("/sys/fs/cgroup/memory.current", "", 1);

@@ -231,10 +231,7 @@ void angle_block_store(const angle_block *block, const double *points, size_t di
 
 double kernel_scale(const double *points, size_t count, size_t dim)
 {
-    enum
-    {
-        MAX_EXPONENT = 1000
-    };
+    static const int MAX_EXPONENT = 1000;
     double largest = 0;
     for (size_t i = 0; i < count * dim; i++)
         largest = fmax(largest, fabs(points[i]));

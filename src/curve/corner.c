@@ -35,10 +35,7 @@ enum
 
 // Ends of straight runs
 
-enum
-{
-    RUN_VERTICES = 2 ///< inside of a run: it has three edges or more
-};
+static const size_t RUN_VERTICES = 2; ///< inside of a run: it has three edges or more
 /// The most that a vertex inside of a run turns, in degrees: what rounding makes of a straight line.
 static const double RUN_TURN = 0.5;
 

@@ -177,10 +177,7 @@ bool bat_curve_set_polygon(const bat_curve_set *set, size_t curve, size_t *polyg
 
 void bat_curve_set_place(const bat_curve_set *set, size_t curve, size_t point, char *text, size_t size)
 {
-    enum
-    {
-        DECIMALS = 6
-    };
+    static const int DECIMALS = 6;
     if (size == 0)
         return;
     text[0] = '\0';

@@ -18,10 +18,7 @@ static void mask_support(const bat_mask *mask, size_t *begin, size_t *end)
 
 /// Larger coefficients or indices are a mistake; with these, sums and index arithmetic are safe.
 static const double COEFFICIENT_LIMIT = 1e6;
-enum
-{
-    INDEX_LIMIT = 1000000
-};
+static const int INDEX_LIMIT = 1000000;
 
 bat_status mask_check(const bat_mask *mask, bat_error *error)
 {

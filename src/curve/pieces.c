@@ -17,11 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    /// From this many pieces a thread on, each thread refines whole pieces; of fewer, the threads share each one's points.
-    MANY = 4
-};
+/// From this many pieces a thread on, each thread refines whole pieces; of fewer, the threads share each one's points.
+static const size_t MANY = 4;
 
 /// A run of edges between two corners, or between ends, or a whole closed curve.
 typedef struct piece

@@ -94,10 +94,7 @@ index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t
 }
 
 /// The most levels: sizes must bear a shift by them.
-enum
-{
-    MAX_LEVELS = SIZE_MAX > UINT32_MAX ? CASCADE_MOST_LEVELS : 31
-};
+static const int MAX_LEVELS = SIZE_MAX > UINT32_MAX ? CASCADE_MOST_LEVELS : 31;
 
 bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit)
 {

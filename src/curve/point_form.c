@@ -51,10 +51,7 @@ static const point_form FORMS[] = {
     {"sphere", NAMES("x", "y", "z"), SPEEDS, 3, 3, ROTATION_NONE, 0, false},
     {"euclidean", NAMES("x", "y", "z"), SPEEDS, 3, 3, ROTATION_NONE, 0, false},
 };
-enum
-{
-    FORM_COUNT = sizeof FORMS / sizeof FORMS[0]
-};
+static const int FORM_COUNT = sizeof FORMS / sizeof FORMS[0];
 
 static const char *const TIMES[] = {"time", "t", "timestamp"};
 

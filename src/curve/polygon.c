@@ -149,11 +149,8 @@ static void wrap(double *points, size_t count, size_t dim, size_t before, size_t
         memcpy(points - i * dim, points + (count - 1 - (i - 1) % count) * dim, dim * sizeof *points);
 }
 
-enum
-{
-    /// Farther points only tell how a polygon was sampled. Where the space ends before them, the polygon goes back.
-    NEAR_POINTS = 8
-};
+/// Farther points only tell how a polygon was sampled. Where the space ends before them, the polygon goes back.
+static const int NEAR_POINTS = 8;
 
 /// point_beyond(), or from NEAR_POINTS on the way back where the space has no such point.
 static bat_status continue_by(const bat_space *space, polygon_end rule, double *end, ptrdiff_t step, size_t count,

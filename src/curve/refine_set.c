@@ -7,11 +7,8 @@
 #include "curve/refine.h"
 #include "curve/smooth.h"
 
-enum
-{
-    /// From this many curves a thread on, each thread refines whole curves; of fewer, the threads share each one's points.
-    MANY = 4
-};
+/// From this many curves a thread on, each thread refines whole curves; of fewer, the threads share each one's points.
+static const size_t MANY = 4;
 
 void refine_report_add(bat_curve_refine_report *sum, const bat_curve_refine_report *one)
 {

@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    REACH = 8 ///< so many points beside a marked edge come back with it, by shares that fall evenly
-};
+static const int REACH = 8; ///< so many points beside a marked edge come back with it, by shares that fall evenly
 
 /// Below this share a point goes back to where it was given.
 static const double LEAST_SHARE = 1.0 / 16;

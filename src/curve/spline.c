@@ -12,11 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    /// New points computed at a time.
-    PIECE = 1024
-};
+/// New points computed at a time.
+static const size_t PIECE = 1024;
 
 /// Lengths are divided by a power of two near the longest, which changes no digit of the curve.
 static bat_status measure_increments(const spline *s, bat_error *error)

@@ -175,10 +175,7 @@ static bat_status check_notes(const json_t *notes, bat_error *error)
     return BAT_OK;
 }
 
-enum
-{
-    ALIGNMENT = 64
-};
+static const size_t ALIGNMENT = 64;
 
 static size_t aligned(size_t size)
 {

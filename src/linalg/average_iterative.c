@@ -587,10 +587,8 @@ static bool settle(iteration *it, const double *constant, double *x)
     return before <= FORGIVEN * enough;
 }
 
-enum
-{
-    MAX_DIRECT = 100000 ///< unknowns that a decomposition is tried for: its time and memory grow faster than they
-};
+/// Unknowns that a decomposition is tried for: its time and memory grow faster than they.
+static const int MAX_DIRECT = 100000;
 
 bat_status average_solve_iterative(const sparse_rows *weights, const double *constant, int threads, double *x,
                                    bat_error *error)

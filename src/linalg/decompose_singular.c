@@ -14,10 +14,7 @@
 /// diag(values). The matrices are small, and small singular values come out to full relative accuracy. LAPACK's zgesvd() is
 /// not used: under OpenBLAS 0.3.21 its zgemv kernel for Cooperlake reads beyond the matrix. Columns are contiguous here.
 
-enum
-{
-    MAX_SWEEPS = 60
-};
+static const int MAX_SWEEPS = 60;
 
 /// Rotate two columns of two matrices so that those of `a` become orthogonal; false where they are, or where one of them is
 /// shorter than `rounding`.

@@ -11,10 +11,7 @@
 /// Linear systems by elimination with row exchanges, P a = L U, a block of columns at a time: the products of blocks are
 /// BLAS's (Golub and Van Loan 2013, algorithm 3.2.1 and section 3.4.1).
 
-enum
-{
-    BLOCK = 48
-};
+static const size_t BLOCK = 48;
 
 static void swap_rows(size_t count, double *a, double *b)
 {

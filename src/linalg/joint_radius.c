@@ -60,10 +60,7 @@ static void off_diagonal_sums(const matrix_set *set, size_t i, double *row, doub
 /// Exact; changes no spectral radius.
 static void balance(matrix_set *set)
 {
-    enum
-    {
-        SWEEPS = 10
-    };
+    static const int SWEEPS = 10;
     const size_t n = set->dimension;
     for (size_t sweep = 0; sweep < SWEEPS; sweep++)
     {

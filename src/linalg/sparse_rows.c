@@ -7,10 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    ROWS_FOR_THREAD = 16384 ///< fewer are not worth a thread
-};
+static const size_t ROWS_FOR_THREAD = 16384; ///< fewer are not worth a thread
 
 bat_status sparse_rows_make(size_t row_count, size_t column_count, size_t entries, sparse_rows *matrix, bat_error *error)
 {

@@ -8,11 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum
-{
-    /// The number of points that a thread checks at a time.
-    BLOCK = 1024
-};
+/// The number of points that a thread checks at a time.
+static const size_t BLOCK = 1024;
 
 void bat_hermite_free(bat_hermite_curve *curve)
 {

@@ -163,11 +163,8 @@ FOR_EVERY_SIDE void triangle_congruence(size_t n, const double *l, const double 
 /// The largest Frobenius norm of a matrix that small_tensor_expm1() and small_tensor_log1p() take.
 #define SMALL_TENSOR_NORM 0.5
 
-enum
-{
-    /// Newton's iteration ends after ten steps or so, however far it starts.
-    SMALL_TENSOR_MAX_STEPS = 40
-};
+/// Newton's iteration ends after ten steps or so, however far it starts.
+static const int SMALL_TENSOR_MAX_STEPS = 40;
 
 /// Up to this norm shorter series do.
 static const double TINY_TENSOR_NORM = 0.125;

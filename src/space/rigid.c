@@ -8,10 +8,7 @@
 // Points are a translation and a quaternion, tangent vectors a velocity in the fixed frame and a rotation vector in the
 // body's.
 
-enum
-{
-    TRANSLATION = 3
-};
+static const int TRANSLATION = 3;
 
 static bool is_finite(const double *v)
 {

@@ -20,10 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a sample
-};
+static const size_t POINTS_PER_FUNCTION = 4; ///< minimum number of points for each function of a fit to a sample
 
 // Largest admissible ratio of a one-sided Hausdorff distance to the smallest one among the candidates.
 static const double MAX_DISTANCE_RATIO = 2;

@@ -17,10 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    POINTS_AT_ONCE = 1 << 16 ///< that are located
-};
+static const size_t POINTS_AT_ONCE = 1 << 16; ///< that are located
 
 void chart_free_shared(bat_surface_chart *chart)
 {
@@ -169,10 +166,7 @@ bat_status bat_surface_chart_unpack(const void *bytes, size_t size, bat_surface_
 // bat_surface_loop_outermost(). A random sample leaves a strip outside its loop, about half a spacing wide. The outermost
 // of the points near each point of the loop is near the edge.
 
-enum
-{
-    PLANE_POINTS = 24 ///< of the tangent plane of a point of the loop
-};
+static const int PLANE_POINTS = 24; ///< of the tangent plane of a point of the loop
 
 /// Points up to this many edges of the loop away belong to a point of it,
 static const double REACH = 1.5;

@@ -232,10 +232,7 @@ static bat_progress fit_progress(const reconstruction *work, double begin, doubl
 /// Cells of a trimmed surface that are about square.
 static void set_spans(const reconstruction *work, bat_hierarchical_options *space)
 {
-    enum
-    {
-        MAX_SPANS = 64
-    };
+    static const int MAX_SPANS = 64;
     double ratio = fmin(floor(work->trimming.chart.sides[0] / work->trimming.chart.sides[1] + 0.5), MAX_SPANS);
     size_t functions = ((size_t)ratio + (size_t)space->degree[0]) * (1 + (size_t)space->degree[1]);
     if (space->spans[0] == 1 && space->spans[1] == 1 &&

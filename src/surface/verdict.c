@@ -176,10 +176,7 @@ static void cross_of(const bat_cloud *cloud, const uint32_t corners[3], double p
 /// neighbours in the surface. Normals are means over neighbours, so that noise does not tilt them.
 static bat_status measure_triangles(cloud_geometry *geometry, bat_error *error)
 {
-    enum
-    {
-        ROUNDS = 2
-    };
+    static const int ROUNDS = 2;
     const bat_cloud *cloud = &geometry->order.cloud;
     double *normals = memory_array(cloud->count, 6 * sizeof *normals);
     if (normals == NULL)

@@ -131,10 +131,7 @@ static void prepend_digit(const bat_mask *mask, unsigned digit, double *values)
 
 void limit_vertex(const mask_symbol *symbol, const bat_mask_stencil *point, bat_mask_stencil *stencil)
 {
-    enum
-    {
-        DIGITS = 40
-    };
+    static const int DIGITS = 40;
     const bat_mask *mask = &symbol->mask;
     const size_t size = mask->count - 1;
     double whole = floor(symbol->shift);

@@ -165,10 +165,7 @@ bat_status bat_curve_fairness(const bat_curve *curve, const bat_curve_measure_op
 }
 
 /// Queries that a thread takes at a time.
-enum
-{
-    BLOCK = 512
-};
+static const size_t BLOCK = 512;
 
 bat_curve_measure_options bat_curve_measure_defaults(void)
 {
@@ -436,11 +433,8 @@ bat_status bat_curve_compare(const bat_curve *first, const bat_curve *second, co
     return BAT_OK;
 }
 
-enum
-{
-    /// From this many curves for each thread on, threads share curves and not the points of each.
-    CURVES_PER_THREAD = 4
-};
+/// From this many curves for each thread on, threads share curves and not the points of each.
+static const size_t CURVES_PER_THREAD = 4;
 
 /// What is to be measured of every curve of a set.
 typedef struct set_task

@@ -9,10 +9,7 @@
 
 // A subtree is a range of positions: its vantage point, then the half of the others nearer to it, then the rest.
 
-enum
-{
-    SHELL_SIZE = 4
-};
+static const size_t SHELL_SIZE = 4;
 
 static size_t outer_begin(size_t begin, size_t end)
 {

@@ -4,11 +4,8 @@
 
 #include <string.h>
 
-enum
-{
-    /// So many vertices may be missing: a map joins and drops a few points, other schemes move all.
-    MAX_MISSED = 16
-};
+/// So many vertices may be missing: a map joins and drops a few points, other schemes move all.
+static const int MAX_MISSED = 16;
 
 /// By how much the way over a point may be longer than a straight edge, relative to it. A point in the middle is then within
 /// 1/1400 of the edge's length.

@@ -724,10 +724,7 @@ typedef struct found_pairs
 
 static bool keep_pair(void *context, edge_place first, edge_place second)
 {
-    enum
-    {
-        MAX_KEPT = 1 << 16 ///< of a part: who searches for few wants no more memory for many
-    };
+    static const int MAX_KEPT = 1 << 16; ///< of a part: who searches for few wants no more memory for many
     found_pairs *kept = context;
     kept->failed = kept->count == MAX_KEPT || !ARRAY_GROW(kept->pairs, kept->capacity, kept->count + 1);
     if (kept->failed)
@@ -784,10 +781,7 @@ static bool search_shared(edge_search *search, const node_pair *parts, size_t co
 /// Search by several threads. False, without having handed over any pair, when one thread has to do it.
 static bool search_divided(edge_search *search, const node_pair *whole, size_t count)
 {
-    enum
-    {
-        PARTS = 256 ///< so many differ less in their work than threads can even out
-    };
+    static const size_t PARTS = 256; ///< so many differ less in their work than threads can even out
     size_t room = (size_t)MAX_CHILDREN * PARTS;
     node_pair *parts = memory_array(2 * room, sizeof *parts);
     if (parts == NULL)

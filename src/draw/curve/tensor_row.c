@@ -165,10 +165,7 @@ static void fill_outline(cairo_t *cairo, const double root[3], double scale, dou
 /// cos t + b / |b|^2 sin t, the normal, points to the eye.
 static void trace_front(cairo_t *cairo, const double *a, const double *b, double scale, double x, double y)
 {
-    enum
-    {
-        STEPS = 32
-    };
+    static const int STEPS = 32;
     double of_a = a[2] / (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     double of_b = b[2] / (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
     double middle = atan2(of_b, of_a);

@@ -200,10 +200,7 @@ static void ring_turn(ring_tracer *tracer, const bat_curve *ring)
 /// Close a ring around the axis of a map along the line of the south pole.
 static void close_by_pole(ring_tracer *tracer, double start)
 {
-    enum
-    {
-        STEPS = 64
-    };
+    static const int STEPS = 64;
     double latitude = atan2(tracer->point[2], hypot(tracer->point[0], tracer->point[1]));
     double end = tracer->longitude;
     for (int i = 1; i <= 2 * STEPS; i++)

@@ -66,10 +66,7 @@ typedef struct lines_job
     const void *context;
 } lines_job;
 
-enum
-{
-    LINES_PER_BLOCK = 1 << 12
-};
+static const size_t LINES_PER_BLOCK = 1 << 12;
 
 static bat_status format_lines(const void *context, size_t block, text_buffer *text, bat_error *error)
 {

@@ -9,10 +9,7 @@
 
 void json_text_string(text_buffer *text, const char *string, size_t length)
 {
-    enum
-    {
-        LONGEST_ESCAPE = 6
-    };
+    static const size_t LONGEST_ESCAPE = 6;
     static const char digits[] = "0123456789abcdef";
     if (length > SIZE_MAX / LONGEST_ESCAPE - 1)
     {

@@ -134,10 +134,7 @@ bool builder_note_repeats(const curve_builder *builder, bat_curve_attributes *at
 /// in memory. Null when out of memory.
 static double *take_doubles(double **values, size_t *capacity, size_t count)
 {
-    enum
-    {
-        MANY = 1 << 16
-    };
+    static const int MANY = 1 << 16;
     double *taken;
     if (count < MANY)
     {

@@ -105,10 +105,7 @@ static bat_status read_corner(csv_reader *reader, const text_line *line, bool *c
 /// False for other times.
 static bool read_time(csv_reader *reader, size_t column, double *seconds)
 {
-    enum
-    {
-        DOUBLE_DIGITS = 15
-    };
+    static const int DOUBLE_DIGITS = 15;
     iso_time date;
     int64_t nanoseconds;
     bat_curve_attributes *attributes = reader->attributes;

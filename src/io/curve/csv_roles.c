@@ -386,10 +386,7 @@ static bool keep_choice(csv_reader *reader)
 /// Refuse to guess coordinates by their places where that would be a game of chance.
 static bat_status check_guess(const csv_reader *reader, const text_line *line, bool named_space, bat_error *error)
 {
-    enum
-    {
-        MAX_GUESSED = 3
-    };
+    static const int MAX_GUESSED = 3;
     const csv_columns *columns = reader->attributes->csv;
     const csv_choice *choice = &reader->choice;
     bool others = choice->times != BAT_NO_INDEX;
@@ -586,10 +583,7 @@ static bool note_coordinates(csv_reader *reader)
     bool named = columns->names != NULL && !choice->by_place;
     bool guessed =
         named ? choice->spelled || (channels > 0 && !choice->degrees) : columns->names != NULL || columns->other_count > 0;
-    enum
-    {
-        PLAIN_DIMENSION = 3
-    };
+    static const int PLAIN_DIMENSION = 3;
     bool bare = columns->names == NULL && columns->other_count == 0 && reader->options->space == NULL &&
                 reader->space_name[0] == '\0' && reader->coordinate_count > PLAIN_DIMENSION;
     if (bare && !reader->strict && !reader->chosen && !reader->tum)

@@ -11,11 +11,8 @@
 /// @file
 /// Writers of CSV and of trajectories.
 
-enum
-{
-    /// More decimals of radians than of degrees.
-    RADIAN_DECIMALS = 2
-};
+/// More decimals of radians than of degrees.
+static const int RADIAN_DECIMALS = 2;
 
 typedef struct csv_layout
 {

@@ -213,10 +213,7 @@ static bat_status read_batches(geojson_reader *reader, const feature_split *spli
 
 static bat_status read_split(geojson_reader *reader, const feature_split *split, const bat_curve_read_options *options)
 {
-    enum
-    {
-        BATCH_BYTES = 1 << 18
-    };
+    static const int BATCH_BYTES = 1 << 18;
     block_cut cut;
     bat_status status = blocks_cut(split->count, feature_size, split, BATCH_BYTES, &cut, reader->error);
     if (status != BAT_OK)

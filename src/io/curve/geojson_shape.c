@@ -210,10 +210,7 @@ bat_status geojson_shape_polygons(geojson_shape *shape, const geojson_style *sty
 }
 
 /// The most characters of a position without its further numbers: brackets, two numbers and a comma.
-enum
-{
-    POSITION_TEXT_SIZE = 2 * (NUMBER_TEXT_SIZE + 1) + 2
-};
+static const size_t POSITION_TEXT_SIZE = 2 * (NUMBER_TEXT_SIZE + 1) + 2;
 
 static size_t position_size(const geojson_shape *shape)
 {

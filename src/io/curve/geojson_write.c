@@ -303,10 +303,7 @@ static bat_status format_block(const void *context, size_t block, text_buffer *t
 /// The number of points of a job, plus a constant for its feature.
 static size_t job_weight(const void *context, size_t job)
 {
-    enum
-    {
-        FEATURE_WEIGHT = 8
-    };
+    static const int FEATURE_WEIGHT = 8;
     const geojson_writer *writer = context;
     size_t first = job, count = 1, weight = FEATURE_WEIGHT;
     if (writer->document != NULL)
@@ -344,10 +341,7 @@ static void write_frame(const geojson_writer *writer, json_t *collection, text_b
 static bat_status write_blocks(geojson_writer *writer, size_t job_count, const bat_curve_write_options *options,
                                text_sink *sink, bat_error *error)
 {
-    enum
-    {
-        BLOCK_WEIGHT = 1 << 14
-    };
+    static const int BLOCK_WEIGHT = 1 << 14;
     bat_status status = blocks_cut(job_count, job_weight, writer, BLOCK_WEIGHT, &writer->blocks, error);
     if (status != BAT_OK)
         return status;

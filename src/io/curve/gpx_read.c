@@ -319,10 +319,7 @@ static void drop_curve(gpx_reader *reader)
 /// Whether the curve is closed. A last point that repeats the first is taken off.
 static bool close_curve(gpx_reader *reader)
 {
-    enum
-    {
-        RING_POINTS = 4
-    };
+    static const int RING_POINTS = 4;
     curve_builder *builder = &reader->builder;
     size_t dim = builder->space.point_dim, last = builder->point_count - 1;
     int wanted = reader->options->closed;

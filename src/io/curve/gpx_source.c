@@ -131,10 +131,7 @@ static const char *name_of(const gpx_source *source, const gpx_column *column, c
 /// Let a value decide the kind of its column.
 static void take_kind(const gpx_source *source, gpx_column *column, const gpx_value *value)
 {
-    enum
-    {
-        MOST_DECIMALS = 9
-    };
+    static const int MOST_DECIMALS = 9;
     const char *begin = source->texts.data + value->text.begin, *end = source->texts.data + value->text.end;
     iso_time time;
     double number;
@@ -149,10 +146,7 @@ static void take_kind(const gpx_source *source, gpx_column *column, const gpx_va
 
 void gpx_columns_sort(gpx_source *source)
 {
-    enum
-    {
-        ALTITUDE_DECIMALS = 2
-    };
+    static const int ALTITUDE_DECIMALS = 2;
     size_t places[GPX_MAX_COLUMNS];
     char name[NAME_BASE_SIZE];
     gpx_column *columns = source->columns;

@@ -27,10 +27,7 @@ typedef struct gpx_writer
 /// Write what there is when it is much.
 static bat_status flush(gpx_writer *writer, bool all)
 {
-    enum
-    {
-        MUCH = 1 << 20
-    };
+    static const int MUCH = 1 << 20;
     if (writer->text.failed || writer->open.failed || writer->value.failed)
         return error_memory(writer->error, writer->text.size);
     if (!all && writer->text.size < MUCH)
@@ -291,10 +288,7 @@ static bat_status write_again(gpx_writer *writer, const gpx_source *source)
 /// The members of GPX that are properties, in the order of the schema. Others are extensions, as GDAL writes them.
 static const char *const MEMBERS[] = {"time",   "magvar", "geoidheight", "name", "cmt", "desc", "src",  "link",
                                       "number", "sym",    "type",        "fix",  "sat", "hdop", "vdop", "pdop"};
-enum
-{
-    MEMBER_COUNT = sizeof MEMBERS / sizeof *MEMBERS
-};
+static const int MEMBER_COUNT = sizeof MEMBERS / sizeof *MEMBERS;
 
 static bool is_member(const char *name, bool waypoint)
 {

@@ -5,10 +5,7 @@
 /// @file
 /// Rows of all curves of a set, formatted in blocks.
 
-enum
-{
-    ROWS_PER_BLOCK = 1 << 15
-};
+static const size_t ROWS_PER_BLOCK = 1 << 15;
 
 /// The points of all curves of a set, partitioned into blocks of equal size.
 typedef struct row_job

@@ -287,10 +287,7 @@ static bat_status read_topology(topology_reader *reader, const bat_curve_read_op
 
 bat_status topojson_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
-    enum
-    {
-        LEAST = 1 << 20
-    };
+    static const size_t LEAST = 1 << 20;
     bat_error unread;
     json_t *root = NULL;
     error = error != NULL ? error : &unread;

@@ -97,10 +97,7 @@ static size_t geometry_column(const table_scan *scan)
 /// Find the column of geometries in the first rows; BAT_NO_INDEX for none.
 static bat_status find_column(const file_text *text, size_t *column, bool *named, bat_error *error)
 {
-    enum
-    {
-        FIRST_ROWS = 50
-    };
+    static const int FIRST_ROWS = 50;
     table_scan scan = table_start(text);
     *column = BAT_NO_INDEX;
     *named = false;

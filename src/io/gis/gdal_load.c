@@ -104,10 +104,7 @@ bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
         status = gdal_fault(&messages, BAT_FILE_ACCESS, error, "cannot read");
     for (size_t got = 1; status == BAT_OK && got > 0;)
     {
-        enum
-        {
-            PIECE = 1 << 16
-        };
+        static const size_t PIECE = 1 << 16;
         char *out = text_reserve(&bytes, PIECE);
         got = out != NULL ? gdal.VSIFReadL(out, 1, PIECE, file) : 0;
         if (out == NULL)

@@ -499,10 +499,7 @@ static size_t components_of(const json_t *object)
 static bat_status find_elements(const gltf_view *view, size_t offset, size_t count, size_t size, gltf_place place,
                                 const unsigned char **bytes, size_t *stride, bat_error *error)
 {
-    enum
-    {
-        MAX_STRIDE = 252
-    };
+    static const int MAX_STRIDE = 252;
     *stride = view->stride > 0 ? view->stride : size;
     if (*stride == 0 || *stride < size || *stride > MAX_STRIDE)
         return gltf_fault(place, error, "a 'byteStride' of %zu for elements of %zu bytes", *stride, size);

@@ -101,10 +101,7 @@ static char *unique_name(char *const *names, size_t index, const json_t *materia
 /// Name all materials of `made`.
 static bat_status name_materials(json_t *materials, char ***names, bat_error *error)
 {
-    enum
-    {
-        MAX_MATERIALS = 1 << 14 ///< names are compared in pairs
-    };
+    static const int MAX_MATERIALS = 1 << 14; ///< names are compared in pairs
     size_t count = json_array_size(materials);
     if (count > MAX_MATERIALS)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu materials, more than %d", count,

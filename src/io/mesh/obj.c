@@ -35,10 +35,7 @@ typedef struct obj_labels
 /// The statements, in the order of mesh_label_name().
 static const char *const WORDS[MESH_LABEL_NAMES] = {"o", "g", "usemtl", "s"};
 
-enum
-{
-    SMOOTHING = 3
-};
+static const int SMOOTHING = 3;
 
 static void obj_labels_free(obj_labels *labels)
 {

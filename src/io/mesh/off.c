@@ -67,10 +67,7 @@ static bat_status read_count(off_reader *reader, const char *what, size_t *count
 
 static bat_status read_header(off_reader *reader, bat_error *error)
 {
-    enum
-    {
-        SHORTEST_LINE = 6 ///< of a vertex or a face, with its line break
-    };
+    static const size_t SHORTEST_LINE = 6; ///< of a vertex or a face, with its line break
     word_scan *scan = &reader->scan;
     if (!read_header_word(reader))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
@@ -147,10 +144,7 @@ static bat_status read_vertex(off_reader *reader, bat_error *error)
 /// Skip the colour of a face, 0 to 4 numbers.
 static bat_status skip_colour(off_reader *reader, bat_error *error)
 {
-    enum
-    {
-        MAX_COLOURS = 4
-    };
+    static const int MAX_COLOURS = 4;
     word_scan *scan = &reader->scan;
     size_t index = reader->builder.mesh.face_count;
     double colour;

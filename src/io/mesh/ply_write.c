@@ -163,10 +163,7 @@ static char *end_row(char *out, const ply_plan *plan)
 
 static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
 {
-    enum
-    {
-        MAX_NUMBERS = 8
-    };
+    static const size_t MAX_NUMBERS = 8;
     const ply_plan *plan = context;
     for (size_t v = begin; v < end; v++)
     {
@@ -191,10 +188,7 @@ static void format_vertices(const bat_mesh *mesh, const void *context, size_t be
 
 static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
 {
-    enum
-    {
-        INDEX_SIZE = 4
-    };
+    static const int INDEX_SIZE = 4;
     const ply_plan *plan = context;
     int length_size = plan->long_lists ? 4 : 1;
     for (size_t f = begin; f < end; f++)

@@ -34,10 +34,7 @@ bool mesh_texture_by_vertex(const bat_mesh *mesh)
            memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(mesh, mesh->face_count) * sizeof *mesh->faces) == 0;
 }
 
-enum
-{
-    ROWS_PER_BLOCK = 1 << 14
-};
+static const size_t ROWS_PER_BLOCK = 1 << 14;
 
 typedef struct row_job
 {

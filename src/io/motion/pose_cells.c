@@ -24,10 +24,7 @@ static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out
 /// Whether a time in seconds has more digits than a double.
 static bool pose_time_is_long(csv_field cell)
 {
-    enum
-    {
-        DOUBLE_DIGITS = 15
-    };
+    static const int DOUBLE_DIGITS = 15;
     int digits = 0;
     cell = csv_unquoted(cell);
     for (const char *at = cell.begin; at < cell.end; at++)
@@ -80,11 +77,8 @@ column_unit pose_unit_by_size(csv_field cell)
     return whole >= 100000000000000000 ? UNIT_NANO : whole >= 100000000000000 ? UNIT_MICRO : UNIT_MILLI;
 }
 
-enum
-{
-    /// Decimals of seconds in whole nanoseconds.
-    NANO = 9
-};
+/// Decimals of seconds in whole nanoseconds.
+static const int NANO = 9;
 
 /// Names of columns after normalized_name(). The canonical ones come first; the CSV reader knows them itself.
 static const struct

@@ -10,11 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    /// Rows that must agree before a text without names is taken for a trajectory.
-    PROBED_ROWS = 100
-};
+/// Rows that must agree before a text without names is taken for a trajectory.
+static const int PROBED_ROWS = 100;
 
 /// Four numbers of about unit length are taken for a quaternion.
 static const double UNIT_TOLERANCE = 1e-2;

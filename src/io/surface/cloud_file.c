@@ -335,10 +335,7 @@ static size_t count_distinct(const bat_cloud *cloud, size_t count)
 
 static bat_status check_boundary_count(size_t boundary_count, size_t count, bat_status status, size_t line, bat_error *error)
 {
-    enum
-    {
-        MIN_BOUNDARY = 4
-    };
+    static const int MIN_BOUNDARY = 4;
     if (boundary_count > count)
         return error_set(error, status, BAT_NO_INDEX, line, "a boundary of %zu points, but there are only %zu",
                          boundary_count, count);

@@ -8,11 +8,8 @@
 /// @file
 /// Readers of points as text: comments about the boundary, XYZ and CSV.
 
-enum
-{
-    /// A bound above the counts of any file.
-    COUNT_BITS = 60
-};
+/// A bound above the counts of any file.
+static const int COUNT_BITS = 60;
 
 /// Read "N boundary points first"; more text may follow.
 static bool read_boundary(word_scan scan, uint64_t *count)

@@ -68,10 +68,7 @@ bat_surface_write_options bat_surface_write_defaults(void)
 static bat_status surface_write_options_check(const void *opaque, bat_error *error)
 {
     const bat_surface_write_options *options = opaque;
-    enum
-    {
-        MAX_SAMPLES = 1024
-    };
+    static const int MAX_SAMPLES = 1024;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_surface_write_options, format, bat_surface_format_family),
         OPTION_FAMILY(bat_surface_write_options, unit, bat_surface_unit_family),

@@ -176,10 +176,7 @@ static unsigned write_curve(iges_file *file, const bat_spline_curve *curve)
 /// Write curves that follow each other. Returns the number of the whole; 0 when out of memory.
 static unsigned write_composite(iges_file *file, const bat_spline_curve *curves, size_t count)
 {
-    enum
-    {
-        COMPOSITE = 102
-    };
+    static const int COMPOSITE = 102;
     if (count == 1)
         return write_curve(file, curves);
     unsigned *numbers = calloc(count, sizeof *numbers);
@@ -222,10 +219,7 @@ static unsigned write_loop(iges_file *file, const trimmed_model *model, size_t l
 
 static bat_status write_trimmed(iges_file *file, const trimmed_model *model, unsigned surface, bat_error *error)
 {
-    enum
-    {
-        TRIMMED = 144
-    };
+    static const int TRIMMED = 144;
     size_t count = model->trim->loop_count;
     unsigned *loops = calloc(count, sizeof *loops);
     if (loops == NULL)

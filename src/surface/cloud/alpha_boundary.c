@@ -447,10 +447,7 @@ static bat_status is_on_boundary(alpha_boundary_search *search, uint32_t point, 
     return status;
 }
 
-enum
-{
-    MARK_BLOCK = 65536 ///< points between two reports
-};
+static const size_t MARK_BLOCK = 65536; ///< points between two reports
 
 void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud)
 {

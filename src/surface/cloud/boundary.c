@@ -20,10 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    MIN_BOUNDARY = 4
-};
+static const int MIN_BOUNDARY = 4;
 /// A polygon is a boundary, rather than a gap, if its extent exceeds MIN_EXTENT mean edge lengths. It is also one if it has
 /// at least LARGE_SHARE of all points.
 static const double MIN_EXTENT = 2.5;
@@ -361,10 +358,8 @@ static bat_status find_loop_in_noise(const double *points, const neighbour_tree 
     return status;
 }
 
-enum
-{
-    MANY_TO_SPLIT = 200000 ///< clouds with more points are searched for pieces and outliers only where no loop is found
-};
+/// Clouds with more points are searched for pieces and outliers only where no loop is found.
+static const int MANY_TO_SPLIT = 200000;
 /// Outliers are left out first where they are more than this share of the points; fewer do no harm.
 static const double MAX_OUTLIERS = 0.02;
 

@@ -82,10 +82,7 @@ static bat_status check_distinct(const bat_cloud *cloud, bat_error *error)
 
 static bat_status check_boundary(const bat_cloud *cloud, bat_error *error)
 {
-    enum
-    {
-        MIN_BOUNDARY = 4
-    };
+    static const int MIN_BOUNDARY = 4;
     size_t boundary = cloud->boundary_count;
     if (boundary > 0 && boundary < MIN_BOUNDARY)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "a boundary of %zu points cannot have four corners",

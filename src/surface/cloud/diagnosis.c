@@ -280,10 +280,7 @@ static uint32_t largest_of(const piece_graph *graph, uint32_t besides)
     return largest;
 }
 
-enum
-{
-    PEEL_NEIGHBOURS = 13
-};
+static const int PEEL_NEIGHBOURS = 13;
 // Outliers beside a surface are looked for where this share of the points are outliers elsewhere,
 static const double MIN_PEEL = 0.02;
 // and are farther from the plane of their neighbours than this many median distances and this share of the spacing.

@@ -20,10 +20,7 @@ enum
     BUCKETS = 1024 ///< buckets of edge costs
 };
 
-enum
-{
-    NEAR_LINKS = 5 ///< the nearest neighbours, which conflicts are counted of
-};
+static const int NEAR_LINKS = 5; ///< the nearest neighbours, which conflicts are counted of
 /// Least cosine between planes that are nearly parallel.
 static const double MIN_PARALLEL = 0.9;
 

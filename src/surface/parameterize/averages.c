@@ -136,10 +136,7 @@ static const double MIN_REDUCTION = 0.01;
 /// Lower bound of the stretch at a point, relative to the total stretch.
 static const double MIN_STRETCH = 1e-6;
 
-enum
-{
-    MAX_ROUNDS = 10
-};
+static const int MAX_ROUNDS = 10;
 
 /// The stretch at a point: root of half the squared Frobenius norm of the least-squares derivative.
 static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t row, const double *parameters)

@@ -11,10 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    CHUNK_ROWS = 512 ///< rows computed by one thread at a time
-};
+static const size_t CHUNK_ROWS = 512; ///< rows computed by one thread at a time
 
 void weight_scratch_free(weight_scratch *scratch)
 {
@@ -177,10 +174,7 @@ bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, cons
 
 // Uniform weights w_ik = 1 / n and inverse-distance weights w_ik = |x_i - x_k|^-1 / sum_j |x_i - x_j|^-1.
 
-enum
-{
-    NEAREST = 16 ///< number of nearest neighbours without a given radius
-};
+static const int NEAREST = 16; ///< number of nearest neighbours without a given radius
 
 /// Append the weights of the neighbours in the list, without the point itself.
 static bat_status append_neighbours(const weight_source *source, const neighbour_list *near, size_t point,

@@ -10,10 +10,7 @@
 
 // Shape-preserving weights that never fail.
 
-enum
-{
-    GROWTHS = 1 ///< number of times that a neighbourhood is doubled to close a star
-};
+static const int GROWTHS = 1; ///< number of times that a neighbourhood is doubled to close a star
 
 /// Find the star in the best-fitting plane of at least `wanted` neighbours. The corners are indices into the list.
 static bat_status find_star(const weight_source *source, weight_scratch *scratch, size_t point, size_t wanted,

@@ -11,10 +11,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-enum
-{
-    FINEST = BAT_HIERARCHICAL_MAX_LEVELS - 1
-};
+static const size_t FINEST = BAT_HIERARCHICAL_MAX_LEVELS - 1;
 
 bat_hierarchical_options bat_hierarchical_defaults(void)
 {

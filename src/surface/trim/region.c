@@ -10,10 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    SPAN_POINTS = 8 ///< corners of the polygon for each span of a curve
-};
+static const size_t SPAN_POINTS = 8; ///< corners of the polygon for each span of a curve
 
 static const double CLOSED = 1e-9;
 

@@ -265,10 +265,7 @@ static int compare_loops(const void *a, const void *b)
 /// Trace all loops into `corners`. Returns their number.
 static size_t trace_loops(outline_work *work, size_t *last, bool *visited, uint32_t *corners, traced_loop *traced)
 {
-    enum
-    {
-        MIN_CORNERS = 4
-    };
+    static const int MIN_CORNERS = 4;
     size_t sides = 3 * work->triangles.count, count = 0, made = 0;
     for (uint32_t s = 0; s < sides; s++)
     {
