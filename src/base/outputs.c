@@ -233,7 +233,7 @@ static int finish(const output *file)
 /// Give the file that is replaced a second name, by which it can be brought back. Some file systems have no such names.
 static void keep_old(output *file)
 {
-    static const size_t AFTER_TEMPORARIES = 1 << 16;
+    static const unsigned AFTER_TEMPORARIES = 1 << 16;
     if (!file->exists)
         return;
     file->backup = atomic_hidden_name(file->target, AFTER_TEMPORARIES + (unsigned)file->index);
