@@ -177,10 +177,8 @@ static bool fits_denominator(const double *numbers, size_t count, double denomin
 static double common_denominator(const double *numbers, size_t count)
 {
     for (double denominator = 1; denominator <= LARGEST_DENOMINATOR; denominator += 1)
-    {
         if (fits_denominator(numbers, count, denominator))
             return denominator;
-    }
     for (int exponent = 17; exponent <= 40; exponent++)
     {
         double denominator = ldexp(1, exponent);

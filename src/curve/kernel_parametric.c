@@ -96,12 +96,10 @@ static bat_status insert_point(const bat_space *space, const displacement *d, ba
         base = middle;
     }
     for (size_t k = 0; k < 4 && status == BAT_OK; k++)
-    {
         if (k == 1 && base == p)
             memset(tangents[k], 0, space->tangent_dim * sizeof tangents[k][0]);
         else
             status = space->log(space, base, p + ((ptrdiff_t)k - 1) * (ptrdiff_t)stride, tangents[k]);
-    }
     if (status != BAT_OK)
         return status;
     for (size_t i = 0; i < space->tangent_dim; i++)

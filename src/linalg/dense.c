@@ -160,10 +160,8 @@ bat_status dense_leading_vector(size_t n, const double *a, double *real, double 
         return status;
     size_t leading = 0;
     for (size_t i = 1; i < n; i++)
-    {
         if (hypot(system.real[i], system.imaginary[i]) > hypot(system.real[leading], system.imaginary[leading]))
             leading = i;
-    }
     const bool is_complex = system.imaginary[leading] != 0.0;
     for (size_t i = 0; i < n; i++)
     {

@@ -97,10 +97,8 @@ static size_t price_vertices(const polytope *p, const simplex *s)
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)p->count, n, 1.0, p->vertices, n, s->dual, 1, 0.0, s->price, 1);
     size_t best = 0;
     for (size_t v = 1; v < p->count; v++)
-    {
         if (fabs(s->price[v]) > fabs(s->price[best]))
             best = v;
-    }
     return best;
 }
 
@@ -150,10 +148,8 @@ static void pivot(polytope *p, const simplex *s, size_t entering, size_t leaving
     double *row = p->inverse + leaving * n;
     cblas_dscal((int)n, copysign(1.0, s->price[entering]) / s->column[leaving], row, 1);
     for (size_t i = 0; i < n; i++)
-    {
         if (i != leaving)
             cblas_daxpy((int)n, -copysign(1.0, s->price[entering]) * s->column[i], row, 1, p->inverse + i * n, 1);
-    }
     p->basis[leaving] = entering;
 }
 

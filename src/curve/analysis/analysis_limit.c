@@ -205,10 +205,8 @@ static void refine_basis(const bat_mask *mask, size_t level, const double *value
         }
         double sum = 0.0;
         for (size_t k = 0; k < mask->count && k * step <= g; k++)
-        {
             if (g - k * step < count)
                 sum += mask->coefficients[k] * values[g - k * step];
-        }
         finer[g] = sum;
     }
 }
@@ -422,10 +420,8 @@ bat_status limit_eigenvalues(const mask_symbol *symbol, bat_analysis *analysis, 
     group_discs(discs, size);
     analysis->eigenvalue_count = 0;
     for (size_t group = 0; group < size; group++)
-    {
         if (discs[group].group == group)
             analysis->eigenvalues[analysis->eigenvalue_count++] = eigenvalue_of_group(discs, size, group);
-    }
     qsort(analysis->eigenvalues, analysis->eigenvalue_count, sizeof *analysis->eigenvalues, compare_eigenvalues);
     return find_vectors(analysis, error);
 }

@@ -204,10 +204,8 @@ static double min_modulus(const bat_mask *q, size_t cell, double distance)
 static bool has_symmetric_zeros(const bool *may_vanish)
 {
     for (size_t cell = 0; cell < CELLS / 2; cell++)
-    {
         if (may_vanish[cell] && may_vanish[cell + CELLS / 2])
             return true;
-    }
     return false;
 }
 
@@ -242,10 +240,8 @@ static bool has_cycle(bool *alive)
         }
     }
     for (size_t cell = 0; cell < CELLS; cell++)
-    {
         if (alive[cell])
             return true;
-    }
     return false;
 }
 

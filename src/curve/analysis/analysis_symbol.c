@@ -45,10 +45,8 @@ static void divide_series(const double *start, ptrdiff_t step, size_t n, size_t 
     for (size_t k = 0; k < count; k++)
         series[k] = start[(ptrdiff_t)k * step];
     for (size_t division = 0; division < n; division++)
-    {
         for (size_t k = 1; k < count; k++)
             series[k] -= series[k - 1];
-    }
 }
 
 bool symbol_divide(const bat_mask *mask, size_t n, bat_mask *quotient, double *remainder)

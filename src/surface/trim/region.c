@@ -139,12 +139,10 @@ static bat_status make_rows(trim_region *region, bat_error *error)
         {
             size_t a = row_of(region->points[e][1]), b = row_of(region->points[trim_region_next(region, e)][1]);
             for (size_t row = a < b ? a : b; row <= (a < b ? b : a); row++)
-            {
                 if (pass == 0)
                     fill[row + 2]++;
                 else
                     region->edges[fill[row + 1]++] = (uint32_t)e;
-            }
         }
         if (pass == 1)
             break;
