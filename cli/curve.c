@@ -18,8 +18,7 @@ static const char LEARNED[] = "learned";
 static const option_spec CURVE_OPTIONS[] = {
     {"scheme", "NAME", METHOD, COMMON,
      "how to refine, see `batten list schemes`; default: learned on the plane, sphere and disk, in R^n four-point; for "
-     "times "
-     "of rotations, motions and tensors spline, for velocities alone hermite, else log-exp-4",
+     "times of rotations, motions and tensors spline, for velocities alone hermite, else log-exp-4",
      NAME(curve_job, scheme, bat_curve_scheme_family)},
     {"levels", "K", METHOD, COMMON,
      "how often; every level doubles the number of edges; default 5, but for geographic files and drawings a stop, so that "

@@ -464,8 +464,7 @@ static json_t *report_simple(const bat_curve_refine_report *simple, bool as_json
         "[given_crossing?crossing before: {given_crossing} of {checked} given curves cross themselves and may do so "
         "refined\n]"
         "[kept?kept simple: {kept} of {checked} curves crossed themselves; the new points of {drawn_back} edges were drawn "
-        "back\n]"
-        "[left_crossing?crossing: {left_crossing} of {checked} refined curves cross themselves: the scheme moves "
+        "back\n][left_crossing?crossing: {left_crossing} of {checked} refined curves cross themselves: the scheme moves "
         "given points, or given edges overlap\n]",
         "checked:z given_crossing:z crossing:z crossings:z drawn_back:z straight:z left_crossing:z -kept:z", simple->checked,
         simple->given_crossing, simple->crossing, simple->crossings, simple->drawn_back, simple->straight,
@@ -542,8 +541,7 @@ static json_t *report_outliers(const curve_job *job, bool as_json)
                        floor((moved->outlier_time - whole) * 1e6));
     return report_part(as_json,
                        "outliers: {count} of {keyframes} keyframes are farther than {threshold:.4g} sigma from the motion "
-                       "and [tukey?do not "
-                       "count][!tukey?count less][count?, the first at time {time}]\n",
+                       "and [tukey?do not count][!tukey?count less][count?, the first at time {time}]\n",
                        "rule:s threshold:n keyframes:z count:z first_time:n -tukey:b -time:s",
                        bat_choice_name(&bat_motion_outliers_family, (int)job->motion.spline.outliers), moved->threshold,
                        moved->keys, moved->outliers, any ? first : NAN,
@@ -650,16 +648,13 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     if (!json)
         return NULL;
     char keys[200];
-    (void)snprintf(
-        keys, sizeof keys,
-        "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? smoothed:o? "
-        "%s:o? corners:o? "
-        "left_straight:o? "
-        "projection:s? distance:o?",
-        job->motion.times != NULL ? "times"
-        : job->motion.rate > 0    ? "rate"
-                                  : "levels",
-        findings->done.map ? "map" : "simple");
+    (void)snprintf(keys, sizeof keys,
+                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
+                   "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
+                   job->motion.times != NULL ? "times"
+                   : job->motion.rate > 0    ? "rate"
+                                             : "levels",
+                   findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
                          findings->written.left_out, findings->written.lost, outliers, held, smoothed, crossings,
                          corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);

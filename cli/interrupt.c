@@ -1,6 +1,4 @@
-#include "interrupt.h"
-
-#include "arguments.h"
+#include "report.h"
 
 #include <pthread.h>
 #include <signal.h>

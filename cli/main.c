@@ -1,4 +1,3 @@
-#include "interrupt.h"
 #include "verb.h"
 
 #include <stdio.h>

@@ -237,16 +237,15 @@ enum
     PAGE_NAME_SIZE = 40
 };
 
-/// Print a text so that troff shows its characters as they are, on lines of their own where it has several.
-static void print_text(FILE *out, const char *text)
+/// Print a text so that troff shows its characters as they are, between commands of troff.
+static void print_text(FILE *out, const char *before, const char *text, const char *after)
 {
     static const struct
     {
         char is;
         const char *troff;
     } SPECIAL[] = {{'\\', "\\(rs"}, {'-', "\\-"}, {'\'', "\\(aq"}, {'`', "\\(ga"}, {'^', "\\(ha"}, {'~', "\\(ti"}};
-    if (*text == '.')
-        (void)fputs("\\&", out);
+    (void)fprintf(out, "%s%s", before, *text == '.' ? "\\&" : "");
     for (size_t length = 1; *text != '\0'; text += length)
     {
         // The character that begins here, in UTF-8.
@@ -265,6 +264,7 @@ static void print_text(FILE *out, const char *text)
         else
             (void)fprintf(out, "\\[u%04lX]", code);
     }
+    (void)fputs(after, out);
 }
 
 /// "batten-train-mesh"; `what` is null for the program.
@@ -300,18 +300,11 @@ static void print_options(FILE *out, const verb *what)
                 (void)fprintf(out, ".SS %s\n", HELP_HEADINGS[group]);
             begun = true;
             (void)fprintf(out, ".TP\n\\fB%s\\-\\-", strcmp(option->name, "output") == 0 ? "\\-o\\fR, \\fB" : "");
-            print_text(out, option->name);
-            (void)fprintf(out, "\\fR");
+            print_text(out, "", option->name, "\\fR");
             if (option->value != NULL)
-            {
-                (void)fprintf(out, " \\fI");
-                print_text(out, option->value);
-                (void)fprintf(out, "\\fR");
-            }
-            (void)fprintf(out, "\n");
+                print_text(out, " \\fI", option->value, "\\fR");
             char text[HELP_TEXT_SIZE];
-            print_text(out, help_summary(option, text));
-            (void)fprintf(out, "\n");
+            print_text(out, "\n", help_summary(option, text), "\n");
         }
     }
 }
@@ -320,19 +313,16 @@ static void print_verb(FILE *out, const verb *what)
 {
     char name[PAGE_NAME_SIZE];
     print_head(out, what);
-    print_text(out, page_name(what, name));
-    (void)fprintf(out, " \\- ");
-    print_text(out, what->summary);
-    (void)fprintf(out, "\n.SH SYNOPSIS\n\\fBbatten %s\\fR ", what->name);
-    print_text(out, what->arguments);
-    (void)fprintf(out, "\n.SH DESCRIPTION\n");
-    print_text(out, what->about);
-    (void)fprintf(out, "\n.SH OPTIONS\n");
+    print_text(out, "", page_name(what, name), "");
+    print_text(out, " \\- ", what->summary, "\n.SH SYNOPSIS\n");
+    (void)fprintf(out, "\\fBbatten %s\\fR ", what->name);
+    print_text(out, "", what->arguments, "");
+    print_text(out, "\n.SH DESCRIPTION\n", what->about, "\n.SH OPTIONS\n");
     print_options(out, what);
-    (void)fprintf(out, ".SS Help\n.TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR [all]\nthe common options, or all of them\n"
-                       ".SH EXAMPLE\n.nf\n");
-    print_text(out, what->example);
-    (void)fprintf(out, "\n.fi\n.SH SEE ALSO\n.BR batten (1)\n");
+    print_text(out,
+               ".SS Help\n.TP\n\\fB\\-h\\fR, \\fB\\-\\-help\\fR [all]\nthe common options, or all of them\n"
+               ".SH EXAMPLE\n.nf\n",
+               what->example, "\n.fi\n.SH SEE ALSO\n.BR batten (1)\n");
 }
 
 static void print_program(FILE *out)
@@ -346,16 +336,13 @@ static void print_program(FILE *out)
     for (const verb *const *each = VERBS; *each != NULL; each++)
     {
         (void)fprintf(out, ".TP\n.B %s\n", (*each)->name);
-        print_text(out, (*each)->summary);
-        (void)fprintf(out, "\n");
+        print_text(out, "", (*each)->summary, "\n");
     }
     (void)fprintf(out, ".SH SEE ALSO\n");
     for (const verb *const *each = VERBS; *each != NULL; each++)
     {
         char name[PAGE_NAME_SIZE];
-        (void)fprintf(out, ".BR ");
-        print_text(out, page_name(*each, name));
-        (void)fprintf(out, " (1)%s\n", each[1] != NULL ? "," : "");
+        print_text(out, ".BR ", page_name(*each, name), each[1] != NULL ? " (1),\n" : " (1)\n");
     }
 }
 

@@ -1,7 +1,5 @@
 #include "report.h"
 
-#include "interrupt.h"
-
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>

@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 /// @file
-/// Errors in one line, progress, and reports as text or as JSON.
+/// Errors in one line, signals, progress, and reports as text or as JSON.
 
 // Text for people. Names of files and what files contain may hold control characters, which a terminal would obey.
 
@@ -28,6 +28,29 @@ int report_failure(const char *file, const bat_error *error);
 
 /// report_failure() for a file that was read, with the option of the verb that leads out, where there is one.
 int report_bad_input(const arguments *given, const char *file, const bat_error *error);
+
+// What SIGINT (Ctrl-C), SIGTERM and SIGHUP do: they end the program with one line and exit code 1, and no temporary file
+// stays.
+
+/// Catch the signals that the program was not started to ignore. Called once, from the main thread.
+void interrupt_catch(void);
+
+/// The files under way, whose temporary files are removed when a signal ends the program; null for none.
+void interrupt_files(const bat_outputs *files);
+
+/// How a signal is taken.
+typedef enum interrupt_mode
+{
+    INTERRUPT_AT_ONCE,     ///< it ends the program
+    INTERRUPT_COOPERATIVE, ///< the first one makes interrupt_pending() true; a second one ends the program
+    INTERRUPT_NEVER        ///< it is forgotten
+} interrupt_mode;
+
+/// Choose how signals are taken. INTERRUPT_AT_ONCE ends the program when one is pending.
+void interrupt_use(interrupt_mode mode);
+
+/// Whether a signal has come.
+bool interrupt_pending(void);
 
 /// A progress function that draws a line on standard error when that is a terminal, and stops the work once a signal such as
 /// that of Ctrl-C has come. `what` names the work and must outlive it. A second signal ends the program at once.

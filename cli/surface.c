@@ -1,4 +1,3 @@
-#include "surface_fit.h"
 #include "verb.h"
 
 #include "batten/batten.h"

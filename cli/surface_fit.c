@@ -1,6 +1,6 @@
-#include "surface_fit.h"
+#include "verb.h"
 
-#include "report.h"
+#include "batten/batten.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -234,8 +234,7 @@ static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
     return report_part(
         as_json,
         "verdict: {verdict}\n  99 % of the points within {distance_from_surface:.3g}, 99 % of the surface within the "
-        "spacing "
-        "of points and {distance_from_points:.3g}, largest {farthest:.3g}\n  area {area:.4g}, of the points "
+        "spacing of points and {distance_from_points:.3g}, largest {farthest:.3g}\n  area {area:.4g}, of the points "
         "{cloud_area:.4g}; {100 cross_share:.2g} % across, {100 far_share:.2g} % far\n",
         "-verdict:s right:b fault:s distance_from_surface:n distance_from_points:n farthest:n far_share:n cross_share:n "
         "area:n cloud_area:n spacing:n",

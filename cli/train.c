@@ -44,8 +44,7 @@ typedef struct train_job
 static const option_spec RUN_OPTIONS[] = {
     {"epochs", "E", METHOD, COMMON,
      "at most; the learning rate of curves decays to 0 over as many; default: curves 300, meshes 700 (batten: 200), "
-     "surfaces "
-     "100 (batten: 60)",
+     "surfaces 100 (batten: 60)",
      WHOLE(bat_train_options, epochs, 1, MAX_EPOCHS)},
     {"seed", "N", METHOD, COMMON, "of the initial weights and of all other randomness; default 1",
      WHOLE(bat_train_options, seed, 0, MAX_SEED)},
@@ -213,14 +212,8 @@ static int report_curve(void *of)
 
 // Meshes
 
+/// As the fields of check_mesh().
 static const char *const PARTS[] = {"frames", "differences", "levels", "correspondence", NULL};
-enum
-{
-    PART_FRAMES,
-    PART_DIFFERENCES,
-    PART_LEVELS,
-    PART_CORRESPONDENCE
-};
 
 static const option_spec MESH_OPTIONS[] = {
     {"recipe", "NAME", METHOD, COMMON,
@@ -274,10 +267,9 @@ static bool check_mesh(void *of)
         return false;
     options->min_vertices = (size_t)range[0];
     options->max_vertices = (size_t)range[1];
-    options->fixed_frames = without == PART_FRAMES;
-    options->no_differences = without == PART_DIFFERENCES;
-    options->last_level = without == PART_LEVELS;
-    options->chamfer = without == PART_CORRESPONDENCE;
+    bool *const left_out[] = {&options->fixed_frames, &options->no_differences, &options->last_level, &options->chamfer};
+    if (without >= 0)
+        *left_out[without] = true;
     return job->call.given->positional_count > 0 || job->recipe == BAT_RECIPE_BATTEN ||
            usage_refused(job->call.given, "train mesh needs a SHAPE");
 }

@@ -1,7 +1,5 @@
 #include "verb.h"
 
-#include "interrupt.h"
-
 #include "batten/curve_picture.h"
 
 #include <stdio.h>

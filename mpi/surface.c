@@ -9,7 +9,6 @@
 #include "ranks.h"
 #include "report.h"
 #include "rows.h"
-#include "surface_fit.h"
 #include "verb.h"
 
 #include "batten/batten.h"

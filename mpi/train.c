@@ -2,7 +2,6 @@
 
 #include "counts.h"
 #include "group.h"
-#include "interrupt.h"
 #include "ranks.h"
 #include "verbs.h"
 

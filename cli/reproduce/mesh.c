@@ -277,8 +277,7 @@ static void report_variant(report_table *table, const bat_mesh_ablation_row *row
     const bat_mesh_score *straight = &row->straight, *turned = &row->turned;
     report_row(table,
                "{variant:-15} {level0:9.6f} {level1:9.6f} {level2:9.6f}  {100 test1:8.4f} {100 test2:8.4f}  {100 mean:8.4f} "
-               "{100 H:8.4f}  "
-               "{100 turned_mean:8.4f} {100 turned_H:8.4f}\n",
+               "{100 H:8.4f}  {100 turned_mean:8.4f} {100 turned_H:8.4f}\n",
                "variant:s best_epoch:z kept_errors:o test_errors:o -level0:n -level1:n -level2:n -test1:n -test2:n "
                "straight.hausdorff:n "
                "straight.mean_distance:n straight.diagonal:n turned.hausdorff:n turned.mean_distance:n turned.diagonal:n "

@@ -67,13 +67,11 @@ static const result RESULTS[] = {
     {"real-meshes", reproduce_real_meshes, MODEL | TRUTH, NULL, "SHAPE.obj and coarse-by/SHAPE-VERTICES-WAY.off",
      "coarse meshes that other programs made of known shapes: learned, butterfly, Loop and flat against the truth"},
     {"mesh-ablations", reproduce_mesh_ablations, TRAINING | SEED | LEARNS, "out/mesh-ablations", NULL,
-     "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some "
-     "minutes"},
+     "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some minutes"},
     {"mesh-style", reproduce_mesh_style, TRAINING | SEED | LEARNS | PAIR, "out/mesh-style", NULL,
      "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice"},
     {"surface-ablation", reproduce_surface_ablation, TRAINING | MODEL | SEED | ABLATES, "out/surface-ablation", NULL,
-     "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, "
-     "some minutes"},
+     "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, some minutes"},
     {"surface-clouds", reproduce_surface_clouds, MODEL | SEED | DRAWS, NULL, NULL,
      "figures 5 to 9 of the BIDGCN paper: errors, times and failures of parameterizations on random clouds"},
     {"surface-nefertiti", reproduce_surface_nefertiti, WITH_FOLDER | MODEL | SCANS, NULL,

@@ -208,8 +208,7 @@ int reproduce_surface_clouds(const reproduce_job *job)
         job->call.json,
         "\nErrors are in the unit box of each cloud; excess is less those with the true parameters, negative where "
         "parameters follow\nthe noise; the ratio is to the excess of the published shape-preserving parameters; times are "
-        "of "
-        "one thread.\n\n"
+        "of one thread.\n\n"
         "What Giannelli et al. (2023) say, in figures without numbers:\n"
         "  figure 5, no noise      learned about as good as shape-preserving, both much better than the others; two orders\n"
         "                          of magnitude faster than shape-preserving\n"

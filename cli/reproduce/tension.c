@@ -113,8 +113,7 @@ static const char *table1_remark(bat_tension_set_kind curves)
 {
     if (curves != BAT_TENSION_SET_KIND_PUBLISHED)
         return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. "
-               "docs/algorithms/tension-network.md "
-               "describes\nthe curves.";
+               "docs/algorithms/tension-network.md describes\nthe curves.";
     return "\"printed\" inserts on the side that eq. (9) says, \"outward\" on the other, which is right. The "
            "mean bending on the\nsphere and the disk is decided by a few curves with almost coincident control "
            "points, and in the published figures by\nthe clamps and the single precision that they were taken "

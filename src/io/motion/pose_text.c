@@ -160,8 +160,7 @@ static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_e
     work->reader = BAT_CURVE_FORMAT_TUM;
     work->format = BAT_CURVE_FORMAT_EUROC;
     pose_note(work,
-              "EuRoC poses%s: of the body in the reference frame, quaternions w x y z; velocities and biases are left "
-              "out",
+              "EuRoC poses%s: of the body in the reference frame, quaternions w x y z; velocities and biases are left out",
               named ? "" : ", by their numbers");
     pose_note(work, "times in nanoseconds are seconds, with all of their digits");
     return status;

@@ -198,8 +198,7 @@ static void write_context(step_text *step, bat_surface_unit unit, double toleran
     text_append_format(&step->text, "),#%u,'distance_accuracy_value','points closer than this are one'", length);
     end_entity(step, ")");
     entities->context = write_entity(step,
-                                     "(GEOMETRIC_REPRESENTATION_CONTEXT(3)"
-                                     "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#%u))"
+                                     "(GEOMETRIC_REPRESENTATION_CONTEXT(3)GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#%u))"
                                      "GLOBAL_UNIT_ASSIGNED_CONTEXT((#%u,#%u,#%u))REPRESENTATION_CONTEXT('','3D'))",
                                      uncertainty, length, angle, solid);
     uint32_t place = write_point(step, origin, 3);
