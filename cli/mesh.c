@@ -226,8 +226,13 @@ static int read_given(mesh_job *job)
     if (status != BAT_OK)
         return report_bad_input(job->call.given, job->call.input, error);
     job->boundary_edges = links.boundary_edge_count;
+    bat_mesh_connectivity_free(&links);
     job->scheme = job->refine.scheme == BAT_MESH_SCHEME_AUTO ? bat_mesh_scheme_for(&job->given) : job->refine.scheme;
-    job->solid = job->scheme == BAT_MESH_SCHEME_LEARNED && job->refine.crease_angle == 0 && bat_mesh_is_solid(&job->given);
+    if (job->scheme == BAT_MESH_SCHEME_AUTO)
+        return report_bad_input(job->call.given, job->call.input, &(bat_error){.text = "out of memory"});
+    if (job->scheme == BAT_MESH_SCHEME_LEARNED && job->refine.crease_angle == 0 &&
+        bat_mesh_is_solid(&job->given, &job->solid, error) != BAT_OK)
+        return report_bad_input(job->call.given, job->call.input, error);
     if (job->refine.scheme == BAT_MESH_SCHEME_AUTO)
     {
         job->reason = job->scheme == BAT_MESH_SCHEME_CATMULL_CLARK ? "most faces have more than three corners"
@@ -242,7 +247,6 @@ static int read_given(mesh_job *job)
     }
     if (job->solid && job->scheme == BAT_MESH_SCHEME_LEARNED)
         job->reason = "a solid: flat faces and sharp edges stay; --scheme loop rounds them";
-    bat_mesh_connectivity_free(&links);
     return EXIT_DONE;
 }
 

@@ -37,13 +37,15 @@ typedef enum bat_mesh_scheme
 /// The scheme that BAT_MESH_SCHEME_AUTO stands for: Catmull and Clark's where more than half of the faces have four or more
 /// corners, as quads that a modeller drew have; else Loop's for a mesh that has creases or corners with a sharpness above 0,
 /// or fewer than BAT_MESH_CAGE_FACES faces and is no solid; else the learned one. docs/results/meshes.md tells why.
+/// BAT_MESH_SCHEME_AUTO itself where memory runs out.
 BAT_API bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh);
 
-/// Whether a mesh of triangles without creases and corners is a solid of flat faces: half of its vertices or more are on
-/// flat faces, three at most, and faces meet at more than 30 degrees. A flat face is made of three or more coplanar
+/// Find whether a mesh of triangles without creases and corners is a solid of flat faces: half of its vertices or more are
+/// on flat faces, three at most, and faces meet at more than 30 degrees. A flat face is made of three or more coplanar
 /// triangles, or of two that are no facet of a smooth surface. The learned scheme keeps the flat faces and sharp edges of
-/// solids. False where bat_mesh_connect() fails. docs/algorithms/mesh-network.md has the rules.
-BAT_API bool bat_mesh_is_solid(const bat_mesh *mesh);
+/// solids. A mesh that is not manifold is none. docs/algorithms/mesh-network.md has the rules.
+/// @return BAT_OK or BAT_NO_MEMORY; `solid` is set in any case
+BAT_API bat_status bat_mesh_is_solid(const bat_mesh *mesh, bool *solid, bat_error *error);
 
 /// The schemes by name.
 extern BAT_API const bat_family bat_mesh_scheme_family;

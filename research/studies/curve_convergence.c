@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
-#include "curve/coordinates.h"
+#include "curve/polygon.h"
 #include "search/nearest.h"
 #include "space/builtin.h"
 

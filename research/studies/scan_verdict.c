@@ -9,7 +9,6 @@
 #include "batten/research/mesh_study.h"
 #include "batten/research/surface_study.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"

@@ -2,7 +2,6 @@
 /// Analysis of the trained network of Ugail and Howard (2026): effective tensions (section 9, eq. 26) and a Lipschitz bound
 /// (remark 4), the product over layers of spectral norms |W|_2, by power iteration.
 
-#include "base/ascending.h"
 #include "batten/research/curve_study.h"
 
 #include "base/error.h"

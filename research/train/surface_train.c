@@ -1,7 +1,7 @@
 #include "batten/research/surface_train.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
+#include "base/memory.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "research/train/run.h"

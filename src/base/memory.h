@@ -40,4 +40,11 @@ void *memory_pool_zeros(memory_pool *pool, size_t count, size_t size);
 bat_status memory_pool_check(const memory_pool *pool, bat_error *error);
 void memory_pool_free(memory_pool *pool);
 
+/// The order of two doubles, for qsort(): the lesser first. Neither is NaN.
+static inline int ascending(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 #endif

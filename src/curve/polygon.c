@@ -4,6 +4,7 @@
 #include "linalg/vector.h"
 #include "space/builtin.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -257,4 +258,14 @@ double polygon_edge_distance(const bat_space *space, edge_geometry geometry, con
     if (!(share > 0 && share < 1) || bat_space_geodesic(space, p, q, share, foot) != BAT_OK)
         return nearer;
     return fmin(nearer, space->distance(space, foot, point));
+}
+
+bat_status coordinates_check(const bat_curve *curve, const char *which, bat_error *error)
+{
+    size_t dim = curve->space->point_dim;
+    for (size_t i = 0; i < curve->count * dim; i++)
+        if (!(fabs(curve->points[i]) <= DBL_MAX / 2))
+            return error_set(error, BAT_INVALID_POINT, i / dim, 0, "point %zu of the %s curve %s", i / dim, which,
+                             isfinite(curve->points[i]) ? "has a coordinate beyond 8.9e307" : "is not finite");
+    return BAT_OK;
 }

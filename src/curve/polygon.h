@@ -58,4 +58,9 @@ edge_geometry polygon_geometry_of(const bat_space *space);
 double polygon_edge_distance(const bat_space *space, edge_geometry geometry, const double *p, const double *q,
                              const double *point);
 
+/// Check that the differences of a curve's coordinates can be taken: none is beyond DBL_MAX / 2, infinite or NaN.
+/// @param which "first", "second", …, for the message
+/// @return BAT_OK or BAT_INVALID_POINT with the point's index
+bat_status coordinates_check(const bat_curve *curve, const char *which, bat_error *error);
+
 #endif

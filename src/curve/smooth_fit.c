@@ -1,6 +1,5 @@
 #include "curve/smooth_fit.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 

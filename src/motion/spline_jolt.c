@@ -1,7 +1,6 @@
 #include "motion/spline_system.h"
 
 #include <math.h>
-#include <string.h>
 
 /// @file
 /// Keys so near in time that their step says nothing of the velocity: an accelerated spline through them would leave the
@@ -49,14 +48,6 @@ static bool is_jolt(const spline_system *system, size_t interval)
     return speed > RATIO * fmax(left, right) || (is_short && RATIO * speed < fmin(left, right));
 }
 
-static bat_status transport(const spline_factor *f, const double *p, const double *q, const double *vector, double *moved)
-{
-    if (f->kind != FACTOR_FLAT)
-        return f->space.transport(&f->space, p, q, vector, moved);
-    memcpy(moved, vector, f->space.tangent_dim * sizeof *vector);
-    return BAT_OK;
-}
-
 /// Give both keys of a jolt the velocity of the parabola through the keys around it, as if they were one.
 static bat_status set_velocities(spline_system *system, size_t interval)
 {
@@ -70,14 +61,14 @@ static bat_status set_velocities(spline_system *system, size_t interval)
     if (status == BAT_OK)
         status = space->log(space, q, system->points + beyond * dim, forth);
     if (status == BAT_OK)
-        status = transport(system->factor, q, p, forth, moved);
+        status = spline_transport(system, q, p, forth, moved);
     if (status != BAT_OK)
         return status;
     double *velocity = system->velocities + first * n;
     for (size_t c = 0; c < n; c++)
         velocity[c] = (moved[c] * h / next - back[c] * next / h) / (h + next);
     system->fixed[first] = system->fixed[second] = KEY_GIVEN;
-    return transport(system->factor, p, q, velocity, system->velocities + second * n);
+    return spline_transport(system, p, q, velocity, system->velocities + second * n);
 }
 
 bat_status spline_system_hold(spline_system *system, size_t *held)

@@ -107,7 +107,7 @@ static double norm_at(const spline_system *system, size_t key, const double *vec
     return sqrt(fmax(space->inner(space, point_of(system, key), vector, vector), 0));
 }
 
-static bat_status transport(const spline_system *system, const double *p, const double *q, const double *vector,
+bat_status spline_transport(const spline_system *system, const double *p, const double *q, const double *vector,
                             double *transported)
 {
     const bat_space *space = &system->factor->space;
@@ -211,7 +211,7 @@ static bat_status jerk_at(const spline_system *system, size_t i, size_t key, dou
     bend(system, i, second[0], second[1], third);
     for (size_t c = 0; c < size_of(system); c++)
         third[c] /= h * h * h;
-    return transport(system, middle_of(system, i), point_of(system, key), third, jerk);
+    return spline_transport(system, middle_of(system, i), point_of(system, key), third, jerk);
 }
 
 static bool is_closed(const spline_system *system)
@@ -236,11 +236,11 @@ static bat_status measure_roughness(const spline_system *system, double *roughne
             const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
             for (size_t c = 0; c < n; c++)
                 mean[c] = (a[c] - b[c]) / system->lengths[i];
-            bat_status status = transport(system, middle_of(system, i), p, mean, rate[side]);
+            bat_status status = spline_transport(system, middle_of(system, i), p, mean, rate[side]);
             if (status != BAT_OK)
                 return status;
         }
-        bat_status status = k > 1 ? transport(system, point_of(system, k - 1), p, acceleration, last) : BAT_OK;
+        bat_status status = k > 1 ? spline_transport(system, point_of(system, k - 1), p, acceleration, last) : BAT_OK;
         if (status != BAT_OK)
             return status;
         for (size_t c = 0; c < n; c++)
@@ -333,7 +333,7 @@ static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool
         const double *velocity = of_key(system, system->velocities, key);
         for (size_t c = 0; c < n; c++)
             sum[c] = (a[c] - b[c]) / h[edge];
-        bat_status status = transport(system, middle_of(system, edge), point_of(system, key), sum, residual);
+        bat_status status = spline_transport(system, middle_of(system, edge), point_of(system, key), sum, residual);
         for (size_t c = 0; c < n; c++)
             residual[c] -= velocity[c];
         return status;
@@ -355,7 +355,7 @@ static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool
     double scale = 1 / (6 * (1 / h[edge] + 1 / h[beyond]));
     for (size_t c = 0; c < n; c++)
         sum[c] = scale * ((other[c] - jerk[c]) + sign * 3 / h[beyond] * (outer[c] - inner[c]));
-    return transport(system, point_of(system, next), point_of(system, key), sum, residual);
+    return spline_transport(system, point_of(system, next), point_of(system, key), sum, residual);
 }
 
 static bat_status fill_residuals(spline_system *system, bat_motion_ends ends, size_t *failed)
@@ -407,8 +407,8 @@ static bat_status correct(spline_system *system, double *diagonal, size_t *faile
         double factor = row[0] / diagonal[k - 1];
         double *residual = of_key(system, system->residuals, k);
         *failed = k;
-        bat_status status =
-            transport(system, point_of(system, k - 1), point_of(system, k), of_key(system, system->residuals, k - 1), moved);
+        bat_status status = spline_transport(system, point_of(system, k - 1), point_of(system, k),
+                                             of_key(system, system->residuals, k - 1), moved);
         if (status != BAT_OK)
             return status;
         diagonal[k] -= factor * row[-1];
@@ -422,8 +422,8 @@ static bat_status correct(spline_system *system, double *diagonal, size_t *faile
         if (k + 1 < system->count && row[2] != 0)
         {
             *failed = k;
-            bat_status status = transport(system, point_of(system, k + 1), point_of(system, k),
-                                          of_key(system, system->residuals, k + 1), moved);
+            bat_status status = spline_transport(system, point_of(system, k + 1), point_of(system, k),
+                                                 of_key(system, system->residuals, k + 1), moved);
             if (status != BAT_OK)
                 return status;
             for (size_t c = 0; c < n; c++)

@@ -127,6 +127,10 @@ bat_status spline_system_measure(spline_system *system, bat_error *error);
 bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
                                const double *begin_velocity, const double *end_velocity, bat_error *error);
 
+/// Transport a vector of a factor from p to q.
+bat_status spline_transport(const spline_system *system, const double *p, const double *q, const double *vector,
+                            double *transported);
+
 /// Fix the velocities of keys that are far nearer in time than their neighbours are, where their step is far faster or
 /// slower than those around it: they are those of the motion around both.
 /// @param held receives the number of such intervals

@@ -8,7 +8,6 @@
 
 #include "surface/candidate.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"

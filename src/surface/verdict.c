@@ -5,7 +5,6 @@
 
 #include "surface/verdict.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"

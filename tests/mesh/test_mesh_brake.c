@@ -154,7 +154,9 @@ static void solids_stay(void **state)
     {
         bat_mesh coarse = make_prism(&random);
         size_t levels = 1 + i % 3;
-        assert_true(bat_mesh_is_solid(&coarse));
+        bool solid;
+        assert_int_equal(bat_mesh_is_solid(&coarse, &solid, NULL), BAT_OK);
+        assert_true(solid);
         assert_int_equal(bat_mesh_scheme_for(&coarse), BAT_MESH_SCHEME_LEARNED);
         bat_mesh fine = refined(&coarse, BAT_MESH_SCHEME_AUTO, NULL, levels, i % 2 == 1);
         bat_mesh same = refined(&coarse, BAT_MESH_SCHEME_MIDPOINT, NULL, levels, false);
@@ -269,7 +271,9 @@ static void cages_are_no_solids(void **state)
     mesh_shake(&cages[6], 0.06, 3);
     for (size_t i = 0; i < sizeof cages / sizeof *cages; i++)
     {
-        assert_false(bat_mesh_is_solid(&cages[i]));
+        bool solid;
+        assert_int_equal(bat_mesh_is_solid(&cages[i], &solid, NULL), BAT_OK);
+        assert_false(solid);
         assert_int_equal(bat_mesh_scheme_for(&cages[i]),
                          cages[i].face_count < BAT_MESH_CAGE_FACES ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED);
         bat_mesh_free(&cages[i]);

@@ -45,14 +45,6 @@ typedef struct graph_job
     size_t used_points;
 } graph_job;
 
-static bool is_same(const double *p, const double *q, size_t dim)
-{
-    for (size_t c = 0; c < dim; c++)
-        if (p[c] != q[c])
-            return false;
-    return true;
-}
-
 /// A table of zeros for `count` entries at most half full.
 static size_t *make_table(size_t count, size_t *mask)
 {
@@ -82,7 +74,7 @@ static bat_status number_vertices(graph_job *job, bat_error *error)
         {
             points[at] = job->curves[c].points + i * job->dim;
             size_t slot = doubles_hash(points[at], job->dim) & job->table_mask;
-            while (job->table[slot] != 0 && !is_same(points[owners[job->table[slot] - 1]], points[at], job->dim))
+            while (job->table[slot] != 0 && !points_equal(points[owners[job->table[slot] - 1]], points[at], job->dim))
                 slot = (slot + 1) & job->table_mask;
             if (job->table[slot] == 0)
             {

@@ -33,6 +33,22 @@ static inline size_t doubles_hash(const double *values, size_t count)
     return hash;
 }
 
+/// Whether two points are equal, number by number; 0 equals -0.
+static inline bool points_equal(const double *p, const double *q, size_t dim)
+{
+    size_t same = 0;
+    while (same < dim && p[same] == q[same])
+        same++;
+    return same == dim;
+}
+
+/// A curve like another with room for `count` rows.
+/// @param made release it with bat_curve_free(), also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status curve_room(const bat_curve *like, size_t count, bat_curve *made, bat_error *error);
+/// Copy a row of a curve, also within a curve.
+void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row);
+
 // The plane in which the curves of a map must not cross. Curves of the plane and the disk are their own charts. Those of
 // the sphere have the chart of longitude and latitude, in units of the last decimal that a file holds, because readers of
 // the file see straight lines between these numbers (RFC 7946, section 3.1.1).
@@ -251,5 +267,78 @@ void refined_arcs_free(refined_arcs *fine);
 bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_t count,
                           const bat_curve_refine_options *options, const map_chart *chart, bool tested, refined_arcs *fine,
                           double *largest, bat_error *error);
+
+// Smoothing of the arcs of a map, each once, with its nodes fixed.
+
+/// Smooth the arcs of a graph. Arcs that then cross others which they did not cross, or that have passed over another part
+/// of the map, are drawn back until none does.
+/// @param options with `smooth`
+/// @param chart   where arcs must not meet; null: nothing is tested
+/// @param report  receives what smoothing did
+/// @param error   its `curve` is the failing arc, its `index` the point of that arc
+/// @return BAT_OK, BAT_NO_MEMORY, or the failure of smooth_points()
+bat_status arcs_smooth(arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
+                       bat_curve_refine_report *report, bat_error *error);
+
+// Edges of arcs that meet in the given map, and may meet in what is made of it.
+
+/// Two edges of arcs that meet.
+typedef struct met_pair
+{
+    edge_place places[2]; ///< each pair occurs in both orders
+} met_pair;
+
+/// All zero: none.
+typedef struct met_edges
+{
+    met_pair *pairs; ///< in order
+    size_t count, capacity;
+} met_edges;
+
+/// Find the edges of arcs that meet, other than at ends that two arcs share.
+/// @param charts of the arcs
+/// @param met    release it with met_edges_free(), also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status met_edges_find(const chart_curves *charts, const map_chart *chart, int threads, met_edges *met, bat_error *error);
+void met_edges_free(met_edges *met);
+
+/// Whether two edges meet, or neighbours of them.
+bool met_edges_near(const met_edges *met, const bat_curve *arcs, edge_place first, edge_place second);
+
+// Lines that meet end to end, made one line for refinement and cut again after it.
+
+/// Where a curve lies in its chain.
+typedef struct chain_member
+{
+    size_t chain, first; ///< the first point of the curve, or the last of a reversed one, is point `first` of the chain
+    bool reversed;
+} chain_member;
+
+/// Curves of which some are joined. All zero: no line goes on, and the given curves serve.
+typedef struct line_chains
+{
+    bat_curve *curves;
+    size_t count;
+    chain_member *members; ///< of each given curve
+    size_t joints;         ///< pairs of ends that were joined
+} line_chains;
+
+/// Join lines whose ends are at one point. There the set has two neighbouring points, equally many lines end on the side
+/// of each, no end is a corner, and both ends have the same channels. A line whose ends meet becomes closed.
+///
+/// @param curves checked curves in one space
+/// @param chains release it with line_chains_free(), also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status line_chains_make(const bat_curve *curves, size_t count, line_chains *chains, bat_error *error);
+
+/// Replace a chain and a point of it by a given curve and its point. The point may be BAT_NO_INDEX.
+void line_chains_find(const line_chains *chains, const bat_curve *curves, size_t count, size_t *curve, size_t *point);
+
+/// Cut the line from row `first` to row `last` out of a refined chain; around the end of a closed one.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bool reversed, bat_curve *line,
+                           bat_error *error);
+
+void line_chains_free(line_chains *chains);
 
 #endif

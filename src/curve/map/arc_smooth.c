@@ -1,5 +1,4 @@
-#include "curve/map/arc_smooth.h"
-#include "curve/map/met_edges.h"
+#include "curve/map/arc_refine.h"
 
 #include "base/error.h"
 #include "base/memory.h"

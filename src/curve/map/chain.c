@@ -1,4 +1,3 @@
-#include "curve/map/chain.h"
 #include "curve/map/arc_refine.h"
 
 #include "base/error.h"
@@ -33,19 +32,11 @@ static const double *point_at(const chain_job *job, size_t end, size_t step)
     return curve->points + (end % 2 == 0 ? step : curve->count - 1 - step) * job->dim;
 }
 
-static bool is_same(const chain_job *job, const double *p, const double *q)
-{
-    for (size_t c = 0; c < job->dim; c++)
-        if (p[c] != q[c])
-            return false;
-    return true;
-}
-
 /// The joint at a point, or the empty place for it.
 static line_joint *joint_at(const chain_job *job, const double *point)
 {
     size_t slot = doubles_hash(point, job->dim) & job->mask;
-    while (job->table[slot].end != BAT_NO_INDEX && !is_same(job, point_at(job, job->table[slot].end, 0), point))
+    while (job->table[slot].end != BAT_NO_INDEX && !points_equal(point_at(job, job->table[slot].end, 0), point, job->dim))
         slot = (slot + 1) & job->mask;
     return &job->table[slot];
 }
@@ -57,7 +48,7 @@ static size_t side_of(const chain_job *job, line_joint *joint, const double *nei
     {
         if (joint->sides[side] == NULL)
             joint->sides[side] = neighbour;
-        if (is_same(job, joint->sides[side], neighbour))
+        if (points_equal(joint->sides[side], neighbour, job->dim))
             return side;
     }
     joint->blocked = true;
@@ -160,18 +151,10 @@ static void add_member(const chain_job *job, size_t end, line_chains *chains)
 {
     const bat_curve *from = &job->curves[end / 2];
     bat_curve *chain = &chains->curves[chains->count - 1];
-    size_t dim = job->dim, channels = from->channel_count, first = chain->count > 0 ? chain->count - 1 : 0;
+    size_t first = chain->count > 0 ? chain->count - 1 : 0;
     chains->members[end / 2] = (chain_member){chains->count - 1, first, end % 2 != 0};
     for (size_t i = 0; i < from->count; i++)
-    {
-        size_t row = end % 2 == 0 ? i : from->count - 1 - i;
-        memcpy(chain->points + (first + i) * dim, from->points + row * dim, dim * sizeof *chain->points);
-        if (channels > 0)
-            memcpy(chain->channels + (first + i) * channels, from->channels + row * channels,
-                   channels * sizeof *chain->channels);
-        if (from->corners != NULL)
-            chain->corners[first + i] = from->corners[row];
-    }
+        curve_copy_row(from, end % 2 == 0 ? i : from->count - 1 - i, chain, first + i);
     chain->count = first + from->count;
 }
 
@@ -188,14 +171,14 @@ static bat_status add_chain(const chain_job *job, size_t end, line_chains *chain
         at = job->links[at ^ 1];
     } while (at != BAT_NO_INDEX && at != end);
     bat_curve *chain = &chains->curves[chains->count++];
-    *chain = (bat_curve){.space = like->space, .closed = like->closed || at == end, .channel_count = like->channel_count};
-    chain->points = memory_array(points, job->dim * sizeof *chain->points);
-    if (like->channel_count > 0)
-        chain->channels = memory_array(points, like->channel_count * sizeof *chain->channels);
-    if (corners)
-        chain->corners = calloc(points, 1);
-    if (chain->points == NULL || (like->channel_count > 0 && chain->channels == NULL) || (corners && chain->corners == NULL))
-        return error_memory(error, points * job->dim * sizeof *chain->points);
+    unsigned char flag = 0;
+    bat_curve shape = *like; // with corners if a member has any
+    shape.corners = corners ? &flag : NULL;
+    shape.closed = like->closed || at == end;
+    bat_status status = curve_room(&shape, points, chain, error);
+    chain->count = 0;
+    if (status != BAT_OK)
+        return status;
     at = end;
     do
     {
@@ -261,27 +244,12 @@ void line_chains_find(const line_chains *chains, const bat_curve *curves, size_t
 bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bool reversed, bat_curve *line,
                            bat_error *error)
 {
-    size_t dim = chain->space->point_dim, channels = chain->channel_count;
     size_t count = last >= first && !(last == first && chain->closed) ? last - first + 1 : last + chain->count - first + 1;
-    *line = (bat_curve){.space = chain->space, .count = count, .channel_count = channels};
-    line->points = memory_array(count, dim * sizeof *line->points);
-    if (channels > 0)
-        line->channels = memory_array(count, channels * sizeof *line->channels);
-    if (chain->corners != NULL)
-        line->corners = memory_array(count, 1);
-    if (line->points == NULL || (channels > 0 && line->channels == NULL) ||
-        (chain->corners != NULL && line->corners == NULL))
-        return error_memory(error, count * dim * sizeof *line->points);
-    for (size_t i = 0; i < count; i++)
-    {
-        size_t from = (first + i) % chain->count, to = reversed ? count - 1 - i : i;
-        memcpy(line->points + to * dim, chain->points + from * dim, dim * sizeof *line->points);
-        if (channels > 0)
-            memcpy(line->channels + to * channels, chain->channels + from * channels, channels * sizeof *line->channels);
-        if (chain->corners != NULL)
-            line->corners[to] = chain->corners[from];
-    }
-    return BAT_OK;
+    bat_status status = curve_room(chain, count, line, error);
+    line->closed = false;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        curve_copy_row(chain, (first + i) % chain->count, line, reversed ? count - 1 - i : i);
+    return status;
 }
 
 void line_chains_free(line_chains *chains)

@@ -9,8 +9,6 @@
 #include "curve/corner.h"
 #include "curve/curve_attributes.h"
 #include "curve/map/arc_refine.h"
-#include "curve/map/arc_smooth.h"
-#include "curve/map/chain.h"
 #include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"

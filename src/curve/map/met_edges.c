@@ -1,4 +1,4 @@
-#include "curve/map/met_edges.h"
+#include "curve/map/arc_refine.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"

@@ -1,5 +1,4 @@
 #include "curve/map/arc_refine.h"
-#include "curve/map/met_edges.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -239,29 +238,16 @@ static void flag_kept(const arc_graph *graph, unsigned char *const *keep, const 
 static bat_status copy_kept(const bat_curve *curve, const unsigned char *flags, bat_curve *kept, size_t **origins,
                             bat_error *error)
 {
-    size_t dim = curve->space->point_dim, channels = curve->channel_count;
-    *kept = (bat_curve){.space = curve->space, .closed = curve->closed, .channel_count = channels};
-    kept->points = memory_array(curve->count, dim * sizeof *kept->points);
-    kept->channels = channels > 0 ? memory_array(curve->count, channels * sizeof *kept->channels) : NULL;
-    kept->corners = curve->corners != NULL ? memory_array(curve->count, 1) : NULL;
+    bat_status status = curve_room(curve, curve->count, kept, error);
     *origins = memory_array(curve->count, sizeof **origins);
-    if (kept->points == NULL || (channels > 0 && kept->channels == NULL) ||
-        (curve->corners != NULL && kept->corners == NULL) || *origins == NULL)
-        return error_memory(error, curve->count * dim * sizeof *kept->points);
-    for (size_t i = 0; i < curve->count; i++)
-    {
-        size_t row = kept->count;
-        if (flags[i] == 0)
-            continue;
-        memcpy(kept->points + row * dim, curve->points + i * dim, dim * sizeof *kept->points);
-        if (channels > 0)
-            memcpy(kept->channels + row * channels, curve->channels + i * channels, channels * sizeof *kept->channels);
-        if (kept->corners != NULL)
-            kept->corners[row] = curve->corners[i];
-        (*origins)[row] = i;
-        kept->count++;
-    }
-    return BAT_OK;
+    kept->count = 0;
+    for (size_t i = 0; i < curve->count && status == BAT_OK && *origins != NULL; i++)
+        if (flags[i] != 0)
+        {
+            (*origins)[kept->count] = i;
+            curve_copy_row(curve, i, kept, kept->count++);
+        }
+    return *origins != NULL ? status : error_memory(error, curve->count * sizeof **origins);
 }
 
 bat_status simplified_curves_make(const bat_curve *curves, size_t count, double tolerance, const map_chart *chart,

@@ -187,22 +187,19 @@ static size_t drop_repeats(const snap_job *job, size_t first, size_t *list, size
     return kept;
 }
 
-/// A curve like another with room for `count` points, and for the points where they come from.
-static bat_status make_room(const bat_curve *like, size_t count, bat_curve *made, size_t **origins, bat_error *error)
+bat_status curve_room(const bat_curve *like, size_t count, bat_curve *made, bat_error *error)
 {
     size_t channels = like->channel_count, point_size = like->space->point_dim * sizeof(double);
     *made = (bat_curve){.space = like->space, .count = count, .closed = like->closed, .channel_count = channels};
     made->points = memory_array(count, point_size);
     made->channels = channels > 0 ? memory_array(count, channels * sizeof(double)) : NULL;
     made->corners = like->corners != NULL ? calloc(count > 0 ? count : 1, 1) : NULL;
-    *origins = memory_array(count, sizeof **origins);
     bool whole = made->points != NULL && (channels == 0 || made->channels != NULL) &&
-                 (like->corners == NULL || made->corners != NULL) && *origins != NULL;
+                 (like->corners == NULL || made->corners != NULL);
     return whole ? BAT_OK : error_memory(error, count * point_size);
 }
 
-/// Copy a row of a curve, also within a curve.
-static void copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
+void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
 {
     size_t dim = from->space->point_dim, channels = from->channel_count;
     memmove(to->points + row * dim, from->points + i * dim, dim * sizeof(double));
@@ -212,6 +209,14 @@ static void copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
         to->corners[row] = from->corners[i];
 }
 
+/// The same with the points where the rows come from.
+static bat_status make_room(const bat_curve *like, size_t count, bat_curve *made, size_t **origins, bat_error *error)
+{
+    *origins = memory_array(count, sizeof **origins);
+    bat_status status = curve_room(like, count, made, error);
+    return *origins != NULL ? status : error_memory(error, count * sizeof **origins);
+}
+
 static bat_status copy_curve(const snap_job *job, size_t curve, const size_t *list, size_t count, bat_error *error)
 {
     bat_curve *copy = &job->result->curves[curve];
@@ -219,7 +224,7 @@ static bat_status copy_curve(const snap_job *job, size_t curve, const size_t *li
     bat_status status = make_room(&job->curves[curve], count, copy, origins, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
-        copy_row(&job->curves[curve], list[i], copy, i);
+        curve_copy_row(&job->curves[curve], list[i], copy, i);
         memcpy(copy->points + i * job->dim, job->points[job->targets[job->first[curve] + list[i]]],
                job->dim * sizeof(double));
         (*origins)[i] = list[i];
@@ -351,7 +356,7 @@ static bool repeats(const snap_job *job, size_t i)
 /// Move a row of a curve to an earlier one.
 static void move_row(bat_curve *curve, size_t *origins, size_t from, size_t to)
 {
-    copy_row(curve, from, curve, to);
+    curve_copy_row(curve, from, curve, to);
     origins[to] = origins[from];
 }
 
@@ -411,7 +416,7 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
         const double *here = channels > 0 ? curve->channels + i * channels : NULL;
         const double *there = channels > 0 ? curve->channels + after * channels : NULL;
         size_t origin = job->result->origins != NULL ? job->result->origins[c][i] : i;
-        copy_row(curve, i, copy, row);
+        curve_copy_row(curve, i, copy, row);
         (*origins)[row++] = origin;
         for (; *next < end && job->added[*next].edge == i; ++*next)
         {

@@ -1,6 +1,5 @@
 #include "batten/curve_measure.h"
 
-#include "base/ascending.h"
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
@@ -9,7 +8,6 @@
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
-#include "curve/coordinates.h"
 #include "curve/measure/metric_tree.h"
 #include "curve/polygon.h"
 #include "search/nearest.h"

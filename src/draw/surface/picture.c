@@ -1,4 +1,3 @@
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"

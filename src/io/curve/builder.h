@@ -2,6 +2,7 @@
 #define IO_CURVE_BUILDER_H
 
 #include "batten/curve_file.h"
+#include "curve/map/arc_refine.h"
 
 /// @file
 /// Construction of curves from the points of a file.
@@ -31,15 +32,6 @@ typedef struct curve_builder
     size_t *lines; ///< for all points of all curves; null when no lines are given
     size_t line_count, line_capacity;
 } curve_builder;
-
-/// Whether two points are equal, number by number; 0 equals -0.
-static inline bool points_equal(const double *a, const double *b, size_t dim)
-{
-    size_t same = 0;
-    while (same < dim && a[same] == b[same])
-        same++;
-    return same == dim;
-}
 
 /// Add a point with `channel_count` channels to the current curve; all points of a curve have the same number. The caller
 /// sets the point and `*channels` and then calls builder_admit(). Null when out of memory.

@@ -285,14 +285,6 @@ typedef struct border_judge
     judged_edge *table;
 } border_judge;
 
-static bool is_point(const double *p, const double *q, size_t dim)
-{
-    for (size_t c = 0; c < dim; c++)
-        if (p[c] != q[c])
-            return false;
-    return true;
-}
-
 /// Note what became of an edge. False when the same edge became something else before.
 static bool note_edge(border_judge *judge, const double *p, const double *q, size_t hash)
 {
@@ -300,8 +292,8 @@ static bool note_edge(border_judge *judge, const double *p, const double *q, siz
     for (; judge->table[slot].ends[0] != NULL; slot = (slot + 1) & judge->mask)
     {
         const judged_edge *edge = &judge->table[slot];
-        if ((is_point(edge->ends[0], p, dim) && is_point(edge->ends[1], q, dim)) ||
-            (is_point(edge->ends[0], q, dim) && is_point(edge->ends[1], p, dim)))
+        if ((points_equal(edge->ends[0], p, dim) && points_equal(edge->ends[1], q, dim)) ||
+            (points_equal(edge->ends[0], q, dim) && points_equal(edge->ends[1], p, dim)))
             return edge->hash == hash;
     }
     judge->table[slot] = (judged_edge){{p, q}, hash};
@@ -317,11 +309,11 @@ static bool judge_curve(border_judge *judge, const bat_curve *given, const bat_c
     {
         const double *p = given->points + i * dim, *q = given->points + (i + 1) % given->count * dim;
         size_t hash = 0; // of the new points in either direction
-        if (!is_point(p, fine->points + at % fine->count * dim, dim))
+        if (!points_equal(p, fine->points + at % fine->count * dim, dim))
             return true; // a vertex was moved: nothing can be said of the edges after it
-        while (++at < last && !is_point(q, fine->points + at % fine->count * dim, dim))
+        while (++at < last && !points_equal(q, fine->points + at % fine->count * dim, dim))
             hash += doubles_hash(fine->points + at % fine->count * dim, dim);
-        if (at > last || !is_point(q, fine->points + at % fine->count * dim, dim))
+        if (at > last || !points_equal(q, fine->points + at % fine->count * dim, dim))
             return true;
         if (!note_edge(judge, p, q, hash))
             return false;

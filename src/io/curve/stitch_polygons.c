@@ -1,7 +1,7 @@
 #include "io/curve/stitch_seam.h"
 
 #include "base/array_grow.h"
-#include "base/ascending.h"
+#include "base/memory.h"
 
 #include <math.h>
 #include <string.h>

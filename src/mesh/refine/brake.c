@@ -479,16 +479,20 @@ size_t brake_judge(mesh_brake *brake, const uint32_t *faces, double *positions)
 
 // Solids
 
-bool bat_mesh_is_solid(const bat_mesh *mesh)
+bat_status bat_mesh_is_solid(const bat_mesh *mesh, bool *solid, bat_error *error)
 {
     bat_mesh_connectivity links;
-    if (mesh->offsets != NULL || mesh->crease_count + mesh->corner_count > 0 ||
-        bat_mesh_connect(mesh, &links, NULL) != BAT_OK)
-        return false;
+    *solid = false;
+    if (mesh->offsets != NULL || mesh->crease_count + mesh->corner_count > 0)
+        return BAT_OK;
+    bat_status status = bat_mesh_connect(mesh, &links, error);
+    if (status != BAT_OK)
+        return status == BAT_NO_MEMORY ? status : BAT_OK;
     const mesh_level level = {.faces = mesh->faces, .links = &links};
     mesh_shape shape;
-    bool solid = shape_make(mesh, &level, &shape, NULL) == BAT_OK && is_solid(&shape);
+    status = shape_make(mesh, &level, &shape, error);
+    *solid = status == BAT_OK && is_solid(&shape);
     shape_free(&shape);
     bat_mesh_connectivity_free(&links);
-    return solid;
+    return status;
 }

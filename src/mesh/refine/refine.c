@@ -819,14 +819,18 @@ static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_o
 
 /// Set the scheme that BAT_MESH_SCHEME_AUTO stands for. Adaptive refinement needs a limit surface, with the sharp edges that
 /// the learned scheme finds.
-static void choose_scheme(const bat_mesh *mesh, bat_mesh_refine_options *how)
+static bat_status choose_scheme(const bat_mesh *mesh, bat_mesh_refine_options *how, bat_error *error)
 {
     how->scheme = how->rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_mesh_scheme_for(mesh);
+    if (how->scheme == BAT_MESH_SCHEME_AUTO)
+        return error_memory(error, mesh->face_count);
     if (how->rule != NULL || !is_adaptive(how) || mesh_scheme_of(how->scheme)->creases)
-        return;
+        return BAT_OK;
     how->scheme = BAT_MESH_SCHEME_LOOP;
-    if (how->crease_angle == 0 && bat_mesh_is_solid(mesh))
-        how->crease_angle = BRAKE_SHARP;
+    bool solid = false;
+    bat_status status = how->crease_angle == 0 ? bat_mesh_is_solid(mesh, &solid, error) : BAT_OK;
+    how->crease_angle = solid ? BRAKE_SHARP : how->crease_angle;
+    return status;
 }
 
 bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options *options, bat_mesh *fine, size_t *fallback,
@@ -843,7 +847,7 @@ bat_status bat_mesh_refine(const bat_mesh *coarse, const bat_mesh_refine_options
     if (status == BAT_OK)
         status = bat_options_check(&bat_mesh_refine_fields, &how, error);
     if (status == BAT_OK && how.scheme == BAT_MESH_SCHEME_AUTO)
-        choose_scheme(coarse, &how);
+        status = choose_scheme(coarse, &how, error);
     if (status == BAT_OK && mesh_scheme_of(how.scheme)->learned && how.rule == NULL)
     {
         status = bat_mesh_model_read(NULL, &model, error);

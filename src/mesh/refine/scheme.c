@@ -54,6 +54,12 @@ bat_mesh_scheme bat_mesh_scheme_for(const bat_mesh *mesh)
         sharp = sharp || mesh->creases[i].sharpness > 0;
     for (size_t i = 0; i < mesh->corner_count; i++)
         sharp = sharp || mesh->corners[i].sharpness > 0;
-    bool cage = sharp || (mesh->face_count < BAT_MESH_CAGE_FACES && !bat_mesh_is_solid(mesh));
+    bool cage = sharp, solid = false;
+    if (!cage && mesh->face_count < BAT_MESH_CAGE_FACES)
+    {
+        if (bat_mesh_is_solid(mesh, &solid, NULL) != BAT_OK)
+            return BAT_MESH_SCHEME_AUTO;
+        cage = !solid;
+    }
     return cage ? BAT_MESH_SCHEME_LOOP : BAT_MESH_SCHEME_LEARNED;
 }

@@ -5,7 +5,6 @@
 /// searched in an even sample.
 
 #include "surface/cloud/boundary.h"
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"

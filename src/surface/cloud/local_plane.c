@@ -3,7 +3,6 @@
 
 #include "surface/cloud/local_plane.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/symmetric.h"

@@ -3,7 +3,6 @@
 
 #include "surface/cloud/part.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"

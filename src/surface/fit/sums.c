@@ -4,7 +4,6 @@
 
 #include "surface/fit/points.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"

@@ -6,7 +6,6 @@
 
 #include "surface/network/chart_network.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/dense.h"

@@ -7,7 +7,6 @@
 /// The point is folded when det A has the wrong sign; sum x x^T is positive definite, so that det(sum u x^T) decides. The
 /// ratio of the singular values of A measures the stretch.
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"

@@ -10,7 +10,6 @@
 #include "surface/spline/tensor_surface.h"
 #include "surface/trim/trimming.h"
 
-#include "base/ascending.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector.h"
