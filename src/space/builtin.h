@@ -32,6 +32,10 @@ const char *space_lack(const bat_space *space);
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names what is missing
 bat_status space_check_complete(const bat_space *space, bat_error *error);
 
+/// Functions of a space that every file of a space names alike.
+#define SPACE_FUNCTIONS                                                                                                     \
+    .distance = distance, .log = logarithm, .exp = exponential, .transport = transport, .random_point = random_point
+
 // Functions that spaces share.
 
 /// "not finite" where a point has such a coordinate, else null.

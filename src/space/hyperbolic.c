@@ -236,12 +236,8 @@ bat_space bat_hyperbolic(size_t n)
         .injectivity = INFINITY,
         .fault = fault,
         .project = project,
-        .distance = distance,
-        .log = logarithm,
-        .exp = exponential,
-        .transport = transport,
+        SPACE_FUNCTIONS,
         .inner = space_inner,
-        .random_point = random_point,
         .geodesic = geodesic,
     };
 }

@@ -628,12 +628,8 @@ bat_space bat_positive_definite(size_t n)
         .injectivity = INFINITY,
         .fault = fault,
         .project = space_project_valid,
-        .distance = distance,
-        .log = logarithm,
-        .exp = exponential,
-        .transport = transport,
+        SPACE_FUNCTIONS,
         .inner = space_inner,
-        .random_point = random_point,
         .geodesic = geodesic,
     };
 }

@@ -1,6 +1,7 @@
 #include "batten/space.h"
 
 #include "base/error.h"
+#include "space/builtin.h"
 
 #include <math.h>
 
@@ -124,12 +125,8 @@ bat_status bat_product(const bat_product_factors *factors, bat_space *product, b
         .parameters = factors,
         .fault = fault,
         .project = project,
-        .distance = distance,
-        .log = logarithm,
-        .exp = exponential,
-        .transport = transport,
+        SPACE_FUNCTIONS,
         .inner = inner,
-        .random_point = random_point,
         .geodesic = geodesic,
     };
     for (size_t i = 0; i < factors->count; i++)

@@ -94,12 +94,8 @@ bat_status bat_rigid(double translation_weight, bat_space *space, bat_error *err
         .weight = translation_weight,
         .fault = fault,
         .project = project,
-        .distance = distance,
-        .log = logarithm,
-        .exp = exponential,
-        .transport = transport,
+        SPACE_FUNCTIONS,
         .inner = inner,
-        .random_point = random_point,
         .geodesic = geodesic,
     };
     return BAT_OK;

@@ -161,12 +161,8 @@ bat_space bat_sphere(size_t n)
         .injectivity = 3.14159265358979323846,
         .fault = fault,
         .project = project,
-        .distance = distance,
-        .log = logarithm,
-        .exp = exponential,
-        .transport = transport,
+        SPACE_FUNCTIONS,
         .inner = space_inner,
-        .random_point = random_point,
         .exterior_angle = oriented ? exterior_angle : NULL,
         .apex = oriented ? apex : NULL,
     };
