@@ -27,10 +27,11 @@
     {                                                                                                                       \
         .name = label, .settings = defaults, .summary = about                                                               \
     }
-/// The row of a format that is read and written.
-#define CHOICE_FORMAT(label, about, suffixes, number)                                                                       \
+/// The row of a format that is read and written, or one of both.
+#define CHOICE_FORMAT(label, about, suffixes, number) CHOICE_FILE(true, true, label, about, suffixes, number)
+#define CHOICE_FILE(read, written, label, about, suffixes, number)                                                          \
     {                                                                                                                       \
-        .name = label, .summary = about, .endings = suffixes, .reads = true, .writes = true, .value = number                \
+        .name = label, .summary = about, .endings = suffixes, .reads = read, .writes = written, .value = number             \
     }
 // NOLINTEND(bugprone-macro-parentheses)
 
