@@ -381,14 +381,18 @@ const char *text_excerpt(char excerpt[EXCERPT_SIZE], const char *begin, const ch
     return excerpt;
 }
 
+void text_append_real(text_buffer *text, const char *before, double value)
+{
+    text_append_string(text, before);
+    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
+    if (out != NULL)
+        text_advance(text, number_write(out, value));
+}
+
 void text_append_number(text_buffer *text, double value, char after)
 {
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE + 1);
-    if (out == NULL)
-        return;
-    out = number_write(out, value);
-    *out++ = after;
-    text_advance(text, out);
+    text_append_real(text, "", value);
+    text_append(text, &after, 1);
 }
 
 void text_append_count(text_buffer *text, size_t count, const char *after)

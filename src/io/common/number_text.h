@@ -19,6 +19,8 @@ char *number_write(char *out, double value);
 /// Write `units` * 10^-decimals without trailing zeros, for |units| < 10^18 and 0 <= decimals <= 18. Returns the end.
 char *number_write_fixed(char *out, int64_t units, int decimals);
 
+/// Append a text, then a finite number.
+void text_append_real(text_buffer *text, const char *before, double value);
 /// Append a finite number, then the character `after`.
 void text_append_number(text_buffer *text, double value, char after);
 /// Append a whole number, then `after`.

@@ -193,10 +193,7 @@ static void write_between(const char *from, const char *to, double share, text_b
     bool comma;
     if (csv_read_number(csv_text(from), ',', &a, &comma) != NULL || csv_read_number(csv_text(to), ',', &b, &comma) != NULL)
         return;
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    double value = (1 - share) * a + share * b;
-    if (out != NULL)
-        text_advance(text, number_write(out, value));
+    text_append_real(text, "", (1 - share) * a + share * b);
 }
 
 static const char *cell_at(const csv_cells *cells, size_t row, size_t column)

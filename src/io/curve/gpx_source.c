@@ -209,9 +209,7 @@ void gpx_number_write(const gpx_column *column, double value, text_buffer *text)
     char *out = text_reserve(text, NUMBER_TEXT_SIZE);
     if (out == NULL)
         return;
-    int64_t unit = 1;
-    for (int i = 0; i < column->decimals; i++)
-        unit *= 10;
+    int64_t unit = number_power_of_ten(column->decimals);
     text_advance(text, fabs(value) < LARGE ? number_write_fixed(out, llrint(value * (double)unit), column->decimals)
                                            : number_write(out, value));
 }
@@ -368,9 +366,7 @@ static void write_value(const void *context, size_t curve, size_t index, double 
     {
         double number = 0;
         (void)number_read(value.data, value.data + value.size, &number);
-        char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-        if (out != NULL)
-            text_advance(text, number_write(out, number));
+        text_append_real(text, "", number);
     }
     else
         json_text_string(text, value.data, value.size);

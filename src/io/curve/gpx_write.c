@@ -62,14 +62,6 @@ static void append_number(text_buffer *text, const char *before, int64_t units, 
         text_advance(text, number_write_fixed(out, units, decimals));
 }
 
-static void append_real(text_buffer *text, const char *before, double value)
-{
-    text_append_string(text, before);
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out != NULL)
-        text_advance(text, number_write(out, value));
-}
-
 /// Append `<trkpt lat="1" lon="2`, up to the last quote. False for a point that is not finite.
 static bool append_point(gpx_writer *writer, const char *name, size_t size, const double *point)
 {
@@ -82,8 +74,8 @@ static bool append_point(gpx_writer *writer, const char *name, size_t size, cons
     text_append(text, name, size);
     if (dim == 2)
     {
-        append_real(text, " lat=\"", point[1]);
-        append_real(text, "\" lon=\"", point[0]);
+        text_append_real(text, " lat=\"", point[1]);
+        text_append_real(text, "\" lon=\"", point[0]);
         return true;
     }
     degree_units shown = degrees_of_point(point, degree_units_per_radian(writer->decimals));
@@ -259,7 +251,7 @@ static void append_bounds(gpx_writer *writer, const gpx_source *source)
     text_append(&writer->text, tag, 1 + strcspn(tag + 1, " \t\r\n/>"));
     for (size_t i = 0; i < 4; i++)
     {
-        append_real(&writer->text, names[i], box[i]);
+        text_append_real(&writer->text, names[i], box[i]);
         text_append_string(&writer->text, "\"");
     }
     text_append_string(&writer->text, end[-2] == '/' ? "/>" : ">");
@@ -383,12 +375,12 @@ static void append_position(text_buffer *text, const char *name, const json_t *p
     const json_t *altitude = flat ? NULL : json_array_get(position, 2);
     text_append_string(text, "<");
     text_append_string(text, name);
-    append_real(text, " lat=\"", json_number_value(json_array_get(position, 1)));
-    append_real(text, "\" lon=\"", json_number_value(json_array_get(position, 0)));
+    text_append_real(text, " lat=\"", json_number_value(json_array_get(position, 1)));
+    text_append_real(text, "\" lon=\"", json_number_value(json_array_get(position, 0)));
     text_append_string(text, "\">");
     if (altitude == NULL)
         return;
-    append_real(text, "<ele>", json_number_value(altitude));
+    text_append_real(text, "<ele>", json_number_value(altitude));
     text_append_string(text, "</ele>");
 }
 
@@ -505,7 +497,7 @@ static void append_cells(gpx_writer *writer, const bat_curve *curve, size_t inde
         cell += kind == CSV_NUMBER || kind == CSV_ID ? 0 : 1;
         value->size = 0;
         if (kind == CSV_NUMBER && number >= 2 && number - 2 != csv->altitude)
-            append_real(value, "", curve->channels[point * curve->channel_count + number - 2]);
+            text_append_real(value, "", curve->channels[point * curve->channel_count + number - 2]);
         else if (kind != CSV_NUMBER && kind != CSV_ID)
             cells_write(&csv->cells, kind, of_cell, index, place, value);
         text_append(value, "", 1);
@@ -555,7 +547,7 @@ static bat_status append_table_curve(gpx_writer *writer, size_t index)
         text_append_string(&writer->text, "\">");
         if (csv->altitude < curve->channel_count)
         {
-            append_real(&writer->text, "<ele>", curve->channels[point * curve->channel_count + csv->altitude]);
+            text_append_real(&writer->text, "<ele>", curve->channels[point * curve->channel_count + csv->altitude]);
             text_append_string(&writer->text, "</ele>");
         }
         append_cells(writer, curve, index, point, csv->has_places ? places[point] : 0);

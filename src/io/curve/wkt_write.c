@@ -34,14 +34,10 @@ static void append_coordinates(const json_t *value, text_buffer *text)
     {
         const json_t *part = json_array_get(value, i);
         text_append_string(text, i == 0 ? "" : position ? " " : ",");
-        if (!position)
-        {
+        if (position)
+            text_append_real(text, "", json_number_value(part));
+        else
             append_coordinates(part, text);
-            continue;
-        }
-        char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-        if (out != NULL)
-            text_advance(text, number_write(out, json_number_value(part)));
     }
     text_append_string(text, position ? "" : ")");
 }

@@ -75,15 +75,6 @@ static bat_status check_names(const bat_mesh *mesh, const ply_plan *plan, bat_er
     return BAT_OK;
 }
 
-static void append_number(text_buffer *text, const char *before, double number, const char *after)
-{
-    text_append_string(text, before);
-    char *out = text_reserve(text, NUMBER_TEXT_SIZE);
-    if (out != NULL)
-        text_advance(text, number_write(out, number));
-    text_append_string(text, after);
-}
-
 static const char *index_type(const bat_mesh *mesh)
 {
     return mesh->vertex_count > INT32_MAX ? "uint" : "int";
@@ -96,8 +87,8 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     text_append_string(&text, plan->text ? "ascii" : plan->big_endian ? "binary_big_endian" : "binary_little_endian");
     text_append_string(&text, " 1.0\n");
     ply_labels_write(mesh, &text);
-    append_number(&text, "element vertex ", (double)mesh->vertex_count,
-                  "\nproperty double x\nproperty double y\nproperty double z\n");
+    text_append_string(&text, "element vertex ");
+    text_append_count(&text, mesh->vertex_count, "\nproperty double x\nproperty double y\nproperty double z\n");
     if (plan->normals != NULL)
         text_append_string(&text, "property double nx\nproperty double ny\nproperty double nz\n");
     if (plan->texture_by_vertex)
@@ -108,8 +99,8 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
         text_append_string(&text, mesh->channel_names[i]);
         text_append_string(&text, "\n");
     }
-    append_number(&text, "element face ", (double)mesh->face_count,
-                  plan->long_lists ? "\nproperty list uint " : "\nproperty list uchar ");
+    text_append_string(&text, "element face ");
+    text_append_count(&text, mesh->face_count, plan->long_lists ? "\nproperty list uint " : "\nproperty list uchar ");
     text_append_string(&text, index_type(mesh));
     text_append_string(&text, " vertex_indices\n");
     if (plan->texture_by_corner)
