@@ -40,11 +40,27 @@ void *memory_pool_zeros(memory_pool *pool, size_t count, size_t size);
 bat_status memory_pool_check(const memory_pool *pool, bat_error *error);
 void memory_pool_free(memory_pool *pool);
 
-/// The order of two doubles, for qsort(): the lesser first. Neither is NaN.
+/// The order of two numbers, for qsort(): the lesser first. Neither is NaN.
+#define ORDER_OF(x, y) (((x) > (y)) - ((x) < (y)))
+
 static inline int ascending(const void *a, const void *b)
 {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    return ORDER_OF(*(const double *)a, *(const double *)b);
 }
+
+static inline int ascending_int(const void *a, const void *b)
+{
+    return ORDER_OF(*(const int *)a, *(const int *)b);
+}
+
+/// Define the order of structs by one member, and where it is equal by another one.
+// NOLINTBEGIN(bugprone-macro-parentheses): `type` is a type
+#define DEFINE_ORDER(name, type, first, second)                                                                             \
+    static int name(const void *a, const void *b)                                                                           \
+    {                                                                                                                       \
+        const type *p = a, *q = b;                                                                                          \
+        return p->first != q->first ? ORDER_OF(p->first, q->first) : ORDER_OF(p->second, q->second);                        \
+    }
+// NOLINTEND(bugprone-macro-parentheses)
 
 #endif

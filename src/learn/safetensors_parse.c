@@ -91,13 +91,7 @@ static bat_status parse_entry(const char *name, const json_t *value, size_t data
     return status;
 }
 
-static int compare_places(const void *a, const void *b)
-{
-    const header_entry *x = a, *y = b;
-    if (x->begin != y->begin)
-        return x->begin < y->begin ? -1 : 1;
-    return (x->end > y->end) - (x->end < y->end);
-}
+DEFINE_ORDER(compare_places, header_entry, begin, end)
 
 /// Sort the arrays by place and see that they cover the data.
 static bat_status check_cover(parts *file, bat_error *error)

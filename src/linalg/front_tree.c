@@ -304,12 +304,6 @@ static void list_entries(const symmetric_pattern *pattern, const int *place, fro
     }
 }
 
-static int compare_places(const void *a, const void *b)
-{
-    int x = *(const int *)a, y = *(const int *)b;
-    return (x > y) - (x < y);
-}
-
 /// The rows of one front: those of its entries and its children's, without its pivots.
 /// @param children the fronts before this place are its children
 static void list_rows(size_t f, const int *children, int *seen, front_tree *tree)
@@ -336,7 +330,7 @@ static void list_rows(size_t f, const int *children, int *seen, front_tree *tree
                 rows[count++] = row;
             }
         }
-    qsort(rows, count, sizeof *rows, compare_places);
+    qsort(rows, count, sizeof *rows, ascending_int);
 }
 
 /// The rows of all fronts, and the room that those take whose parents are to come.

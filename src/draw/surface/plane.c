@@ -1,5 +1,6 @@
 #include "draw/surface/scene.h"
 
+#include "base/memory.h"
 #include "draw/common/sheet.h"
 #include "draw/common/style.h"
 
@@ -21,13 +22,7 @@ double dot_radius(double area, size_t count, double per_point)
     return fmin(fmax(radius, MIN_RADIUS * per_point), MAX_RADIUS * per_point);
 }
 
-static int compare_dots(const void *a, const void *b)
-{
-    const image_dot *x = a, *y = b;
-    if (x->rank != y->rank)
-        return x->rank < y->rank ? -1 : 1;
-    return (x->index > y->index) - (x->index < y->index);
-}
+DEFINE_ORDER(compare_dots, image_dot, rank, index)
 
 void dots_sort(image_dot *dots, size_t count)
 {

@@ -486,13 +486,7 @@ static int compare_rows(const void *a, const void *b)
 }
 
 /// By the first rows of their groups, then in the order of the file.
-static int compare_groups(const void *a, const void *b)
-{
-    const grouped_row *p = a, *q = b;
-    if (p->first != q->first)
-        return p->first < q->first ? -1 : 1;
-    return (p->index > q->index) - (p->index < q->index);
-}
+DEFINE_ORDER(compare_groups, grouped_row, first, index)
 
 /// Order rows by groups, and these by their first rows.
 static void order_groups(row_groups *all)

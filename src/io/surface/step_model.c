@@ -31,13 +31,7 @@ typedef struct shell_builder
     memory_pool pool;
 } shell_builder;
 
-static int compare_points(const void *a, const void *b)
-{
-    const shell_point *x = a, *y = b;
-    if (x->line != y->line)
-        return x->line < y->line ? -1 : 1;
-    return (x->along > y->along) - (x->along < y->along);
-}
+DEFINE_ORDER(compare_points, shell_point, line, along)
 
 /// Collect all corners, each once, sorted along lines v = constant.
 static bat_status find_vertices(shell_builder *builder, bat_error *error)

@@ -153,13 +153,7 @@ static int compare_indices(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-static int compare_sides(const void *a, const void *b)
-{
-    const front_side *p = a, *q = b;
-    if (p->key != q->key)
-        return p->key < q->key ? -1 : 1;
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
+DEFINE_ORDER(compare_sides, front_side, key, triangle)
 
 /// The centre of the circle through the corners of a triangle; false for a degenerate one.
 static bool circle_of(const double *a, const double *b, const double *c, double centre[3], double normal[3])
@@ -592,13 +586,7 @@ typedef struct front_seed
     uint32_t triangle;
 } front_seed;
 
-static int compare_seeds(const void *a, const void *b)
-{
-    const front_seed *p = a, *q = b;
-    if (p->misfit != q->misfit)
-        return p->misfit < q->misfit ? -1 : 1;
-    return (p->triangle > q->triangle) - (p->triangle < q->triangle);
-}
+DEFINE_ORDER(compare_seeds, front_seed, misfit, triangle)
 
 enum
 {

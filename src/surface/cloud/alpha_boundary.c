@@ -95,13 +95,7 @@ static void orient(local_plane *plane, const double *reference)
     }
 }
 
-static int compare_blocked(const void *a, const void *b)
-{
-    const alpha_boundary_blocked *p = a, *q = b;
-    if (p->begin != q->begin)
-        return p->begin < q->begin ? -1 : 1;
-    return (p->item > q->item) - (p->item < q->item);
-}
+DEFINE_ORDER(compare_blocked, alpha_boundary_blocked, begin, item)
 
 /// Compute the sorted intervals that the listed neighbours block. Returns their number, SIZE_MAX when out of memory.
 static size_t find_blocked(alpha_boundary_search *search, uint32_t point, const alpha_boundary_point *found)

@@ -57,12 +57,6 @@ static void function_cells_free(function_cells *cells)
     free(cells->cell);
 }
 
-static int compare_rows(const void *a, const void *b)
-{
-    int x = *(const int *)a, y = *(const int *)b;
-    return (x > y) - (x < y);
-}
-
 /// The row indices of column f: functions g >= f that share a cell with f, ascending.
 /// @param marked marked[g] is 1 + the last column in which g was found
 static size_t find_rows(const bat_hierarchical_space *space, const function_cells *cells, size_t f, uint32_t *marked,
@@ -80,7 +74,7 @@ static size_t find_rows(const bat_hierarchical_space *space, const function_cell
                 rows[count++] = (int)active[k];
             }
     }
-    qsort(rows, count, sizeof *rows, compare_rows);
+    qsort(rows, count, sizeof *rows, ascending_int);
     return count;
 }
 

@@ -168,12 +168,6 @@ static void proxy_of(const double j[4], double weight[4], double rotation[4])
 
 // Pattern
 
-static int compare_ints(const void *a, const void *b)
-{
-    int p = *(const int *)a, q = *(const int *)b;
-    return (p > q) - (p < q);
-}
-
 /// The unknowns of a triangle: coordinate a % 2 of corner a / 2.
 static int unknown_of(const dirichlet_map *map, const dirichlet_triangle *triangle, int a)
 {
@@ -218,7 +212,7 @@ static bat_status make_pattern(dirichlet_map *map, bat_error *error)
     for (size_t c = 0; c < columns; c++)
     {
         int end = fill[c];
-        qsort(map->row + begin, (size_t)(end - begin), sizeof *map->row, compare_ints);
+        qsort(map->row + begin, (size_t)(end - begin), sizeof *map->row, ascending_int);
         map->first[c] = made;
         for (int k = begin; k < end; k++)
             if (k == begin || map->row[k] != map->row[k - 1])

@@ -165,13 +165,7 @@ static bat_status choose_nodes(unrolling *work, bat_error *error)
     return neighbour_tree_build(work->positions, work->node_count, &work->tree, error);
 }
 
-static int compare_links(const void *a, const void *b)
-{
-    const chart_link *p = a, *q = b;
-    if (p->from != q->from)
-        return p->from < q->from ? -1 : 1;
-    return (p->to > q->to) - (p->to < q->to);
-}
+DEFINE_ORDER(compare_links, chart_link, from, to)
 
 /// Link each node with its nearest ones, in both directions.
 static bat_status make_links(unrolling *work, bat_error *error)
