@@ -191,24 +191,14 @@ static double common_denominator(const double *numbers, size_t count)
     return 0;
 }
 
-static void print_number(double number, double denominator)
-{
-    if (denominator > 0)
-        (void)printf("%.0f", round(number * denominator) + 0);
-    else
-        (void)printf("%.10g", number);
-}
-
 /// "[1 3 3 1] / 4"
 static void print_list(const double *numbers, size_t count)
 {
     double denominator = common_denominator(numbers, count);
     (void)putchar('[');
     for (size_t i = 0; i < count; i++)
-    {
-        (void)printf("%s", i > 0 ? " " : "");
-        print_number(numbers[i], denominator);
-    }
+        (void)printf(denominator > 0 ? "%s%.0f" : "%s%.10g", i > 0 ? " " : "",
+                     denominator > 0 ? round(numbers[i] * denominator) + 0 : numbers[i]);
     (void)putchar(']');
     if (denominator > 1)
         (void)printf(" / %.0f", denominator);

@@ -87,6 +87,9 @@ static inline bool curve_has_tension(const bat_curve_scheme *scheme)
     return scheme->kind == BAT_CURVE_SCHEME_KIND_ANGLE && scheme->rule == NULL;
 }
 
+/// Give layers the polygons of a set's curves.
+void curve_layers_group(const bat_curve_set *set, bat_curve_picture_layer *layers);
+
 // What the verbs call, see verb_calls.
 
 int curve_make(void *of);

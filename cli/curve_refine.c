@@ -151,11 +151,10 @@ static void convert_lengths(curve_job *job, const bat_space *space)
 {
     bool globe = strcmp(space->name, "sphere") == 0 && space->dimension == 2;
     job->unit = globe ? " m" : "";
-    job->refine.max_edge /= globe ? BAT_EARTH_RADIUS : 1;
-    job->refine.tolerance /= globe ? BAT_EARTH_RADIUS : 1;
-    job->refine.smooth /= globe ? BAT_EARTH_RADIUS : 1;
-    job->map.simplify /= globe ? BAT_EARTH_RADIUS : 1;
-    job->map.snap_tolerance /= globe ? BAT_EARTH_RADIUS : 1;
+    double *const lengths[] = {&job->refine.max_edge, &job->refine.tolerance, &job->refine.smooth, &job->map.simplify,
+                               &job->map.snap_tolerance};
+    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
+        *lengths[i] /= globe ? BAT_EARTH_RADIUS : 1;
 }
 
 /// What the user did not choose, for geographic files and drawings: corners are kept, unless points are smoothed, and a stop
@@ -314,8 +313,7 @@ static int refine_stream(curve_job *job)
 
 // Pictures
 
-/// Give layers the polygons of a set's curves.
-static void set_polygons(const bat_curve_set *set, bat_curve_picture_layer *layers)
+void curve_layers_group(const bat_curve_set *set, bat_curve_picture_layer *layers)
 {
     for (size_t i = 0; i < set->count; i++)
     {
@@ -333,7 +331,7 @@ static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, con
     for (size_t i = 0; i < coarse->count; i++)
         layers[count++] = (bat_curve_picture_layer){
             .curve = &coarse->curves[i], .role = BAT_CURVE_LAYER_ROLE_CONTROL, .label = i == 0 ? "given" : NULL};
-    set_polygons(coarse, layers);
+    curve_layers_group(coarse, layers);
     for (size_t i = 0; truth != NULL && i < truth->count; i++)
         layers[count++] = (bat_curve_picture_layer){
             .curve = &truth->curves[i], .role = BAT_CURVE_LAYER_ROLE_TRUTH, .label = i == 0 ? "truth" : NULL};
@@ -343,7 +341,7 @@ static size_t make_layers(const curve_job *job, const bat_curve_set *coarse, con
                                                     .label = i == 0 ? job->scheme : NULL,
                                                     .colour = 1};
     if (levels > 0)
-        set_polygons(fine, layers + count - fine->count);
+        curve_layers_group(fine, layers + count - fine->count);
     return count;
 }
 
@@ -486,8 +484,7 @@ static json_t *report_map(const bat_curve_map_refine_report *map, const char *un
         "[crossings?kept apart: {crossings} pairs of refined edges met; the new points of {drawn_back} edges were drawn "
         "back\n]",
         "arcs:z -one_arc:b nodes:z -one_node:b shared:z dropped:z joints:z given_crossing:z crossings:z drawn_back:z "
-        "snapped:z "
-        "largest_area_error:n -keeps_areas:b -snap:n -unit:s",
+        "snapped:z largest_area_error:n -keeps_areas:b -snap:n -unit:s",
         map->arcs, (int)(map->arcs == 1), map->nodes, (int)(map->nodes == 1), map->shared, map->dropped, map->joints,
         map->given_crossing, map->crossings, map->drawn_back, map->snapped, map->largest_area_error,
         (int)(map->largest_area_error > 0), map->largest_snap * (unit[0] != '\0' ? BAT_EARTH_RADIUS : 1), unit);

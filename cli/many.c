@@ -71,12 +71,10 @@ static char *join(const char *folder, const char *name, const char *ending)
     if (ending != NULL)
     {
         length = unpacked_length(name);
-        for (size_t i = length; i > 1; i--)
-            if (name[i - 1] == '.')
-            {
-                length = i - 1;
-                break;
-            }
+        size_t dot = length;
+        while (dot > 1 && name[dot - 1] != '.')
+            dot--;
+        length = dot > 1 ? dot - 1 : length;
     }
     size_t folder_length = strlen(folder);
     const char *slash = folder_length > 0 && folder[folder_length - 1] == '/' ? "" : "/";

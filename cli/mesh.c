@@ -173,17 +173,17 @@ static bool is_adaptive(const mesh_job *job)
     return job->refine.tolerance > 0 || job->refine.max_edge > 0;
 }
 
+static const char *const OF_LEARNED[] = {"model", "then", "fairness", NULL};
+
 /// Whether options contradict each other. False after a message.
 static bool check_schemes(const mesh_job *job)
 {
-    static const char *const of_learned[] = {"model", "then", "fairness", NULL}, *const of_rules[] = {
-                                                                                     "boundary",     "creasing", "texture",
-                                                                                     "crease-angle", "limit",    NULL};
+    static const char *const of_rules[] = {"boundary", "creasing", "texture", "crease-angle", "limit", NULL};
     const arguments *given = job->call.given;
     bat_mesh_scheme scheme = job->refine.scheme;
     bool learned = scheme == BAT_MESH_SCHEME_LEARNED, chosen = scheme != BAT_MESH_SCHEME_AUTO;
     const usage_rule rules[] = {
-        {!learned && chosen && argument_first(given, of_learned) != NULL,
+        {!learned && chosen && argument_first(given, OF_LEARNED) != NULL,
          "--model, --then and --fairness need --scheme learned"},
         {is_adaptive(job) && ((chosen && !has_rules(scheme)) || argument(given, "levels") != NULL),
          "--tolerance and --max-edge need --scheme loop or catmull-clark, and exclude --levels"},
@@ -196,12 +196,11 @@ static bool check_schemes(const mesh_job *job)
 
 static bool check_refinement(void *of)
 {
-    static const char *const of_learned[] = {"model", "then", "fairness", NULL};
     mesh_job *job = of;
     const arguments *given = job->call.given;
     job->has_beside = argument(given, "beside") != NULL;
     job->refine.threads = job->call.threads;
-    if (job->refine.scheme == BAT_MESH_SCHEME_AUTO && argument_first(given, of_learned) != NULL)
+    if (job->refine.scheme == BAT_MESH_SCHEME_AUTO && argument_first(given, OF_LEARNED) != NULL)
         job->refine.scheme = BAT_MESH_SCHEME_LEARNED;
     if (job->gigabytes > 1e9)
         return argument_refused(given, "max-memory", "above 0 and at most 1e9 gigabytes");

@@ -1,4 +1,4 @@
-#include "verb.h"
+#include "curve.h"
 
 #include "batten/batten.h"
 #include "batten/research/research.h"
@@ -69,12 +69,8 @@ static bat_status draw_map(const bat_curve_set *map, const char *path, bat_error
     if (layers == NULL)
         return BAT_NO_MEMORY;
     for (size_t i = 0; i < map->count; i++)
-    {
-        size_t polygon = 0;
         layers[i] = (bat_curve_picture_layer){.curve = &map->curves[i], .colour = 1};
-        if (bat_curve_set_polygon(map, i, &polygon, &layers[i].feature))
-            layers[i].polygon = polygon + 1;
-    }
+    curve_layers_group(map, layers);
     bat_curve_picture_panel panel = {.layers = layers, .layer_count = map->count};
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.projection = BAT_CURVE_PROJECTION_MAP;

@@ -11,11 +11,9 @@ enum
     NAME_SIZE = 128
 };
 
-/// Draws a figure.
-typedef bat_status (*figure_draw)(const char *path, const void *figure, bat_error *error);
-
-/// Draw a figure as SVG and as PNG.
-static int draw_figure(const reproduce_job *job, const char *name, figure_draw draw, const void *figure)
+/// Draw a figure, of curves or of Hermite schemes, as SVG and as PNG.
+static int draw_figure(const reproduce_job *job, const char *name, const bat_curve_figure *curves,
+                       const bat_hermite_figure *hermite)
 {
     static const char *const ENDINGS[] = {"svg", "png"};
     int code = EXIT_DONE;
@@ -26,17 +24,14 @@ static int draw_figure(const reproduce_job *job, const char *name, figure_draw d
         (void)snprintf(file, sizeof file, "%s.%s", name, ENDINGS[i]);
         code = output_add(&job->call, job->folder, file, &picture);
         if (code == EXIT_DONE)
-            code = report_status(NULL, picture.path, draw(picture.write_to, figure, report_error()));
+            code = report_status(NULL, picture.path,
+                                 curves != NULL ? bat_curve_figure_draw(picture.write_to, curves, report_error())
+                                                : bat_hermite_figure_draw(picture.write_to, hermite, report_error()));
     }
     return code;
 }
 
 // Curves
-
-static bat_status draw_curves(const char *path, const void *figure, bat_error *error)
-{
-    return bat_curve_figure_draw(path, figure, error);
-}
 
 /// Make, draw and report one figure, and let go of its points.
 static int curve_figure(const bat_curve_shape *shape, const bat_shape_figure *study, const reproduce_job *job,
@@ -47,7 +42,7 @@ static int curve_figure(const bat_curve_shape *shape, const bat_shape_figure *st
     int code = report_status(NULL, shape->name,
                              bat_curve_figure_make(shape, study, &plane, report_progress(shape->name), &f, report_error()));
     if (code == EXIT_DONE)
-        code = draw_figure(job, f.name, draw_curves, &f);
+        code = draw_figure(job, f.name, &f, NULL);
     if (code == EXIT_DONE)
         report_row(table,
                    "{figure:-6} {shape:-7} {scheme:-26} {vertices:8} {points:10} {seconds:8.2f} {level_10_to_20:12.2e} "
@@ -85,11 +80,6 @@ int reproduce_curve_figures(const reproduce_job *job)
 
 // Hermite schemes
 
-static bat_status draw_hermite(const char *path, const void *figure, bat_error *error)
-{
-    return bat_hermite_figure_draw(path, figure, error);
-}
-
 /// Make, draw and report figure `index`.
 static int hermite_figure(size_t index, const reproduce_job *job, report_table *table)
 {
@@ -98,7 +88,7 @@ static int hermite_figure(size_t index, const reproduce_job *job, report_table *
     if (bat_hermite_figure_make(index, &figure, report_error()) != BAT_OK)
         return report_failure(NULL, report_error());
     (void)snprintf(name, sizeof name, "hermite-%s", figure.name);
-    int code = draw_figure(job, name, draw_hermite, &figure);
+    int code = draw_figure(job, name, NULL, &figure);
     for (size_t p = 0; p < figure.panel_count && code == EXIT_DONE; p++)
     {
         const bat_hermite_panel *panel = &figure.panels[p];
