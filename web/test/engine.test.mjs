@@ -184,7 +184,12 @@ describe("values", () => {
     assert.equal(batten.bat_curve_refine({ points, closed: true }, { scheme: "four-point", levels: 4, simple: "never" }).points.length, 2 * n * 16);
   });
   test("what auto stands for", () => {
-    assert.equal(batten.bat_mesh_scheme_for(cube()), "loop");
+    const octahedron = {
+      positions: Float64Array.of(1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1),
+      faces: Uint32Array.of(0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5),
+    };
+    assert.equal(batten.bat_mesh_scheme_for(octahedron), "loop"); // a cage
+    assert.equal(batten.bat_mesh_scheme_for(cube()), "learned"); // a solid
     assert.equal(batten.bat_mesh_refine(cube(), { levels: 1, limit: true, limit_normals: true, scheme: "loop" }).limit_normals.length, 3 * 26);
   });
   test("tables name what the functions take", () => {
