@@ -101,6 +101,9 @@ typedef struct gpx_place
     double share;    ///< 0 at `from`
 } gpx_place;
 
+/// The length of the name in a start tag, which begins with '<' and has no final zero.
+size_t gpx_name_size(const char *tag, const char *end);
+
 /// The rows around a place among the points of a curve, as cells_places() gives it.
 gpx_place gpx_place_of(const gpx_source *source, size_t curve, double place);
 

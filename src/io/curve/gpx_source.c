@@ -75,6 +75,14 @@ static bool is_among(const char *name, size_t size, const char *const *names, si
     return false;
 }
 
+size_t gpx_name_size(const char *tag, const char *end)
+{
+    const char *at = tag + 1;
+    while (at < end && strchr(" \t\r\n/>", *at) == NULL)
+        at++;
+    return (size_t)(at - tag) - 1;
+}
+
 /// The place of a column's outermost element among the children of a point, as the schemas order them.
 static int rank_of(const gpx_source *source, const gpx_column *column)
 {
@@ -82,7 +90,7 @@ static int rank_of(const gpx_source *source, const gpx_column *column)
                                         "desc", "src",  "url",    "urlname", "link",          "sym",         "type", "fix",
                                         "sat",  "hdop", "vdop",   "pdop",    "ageofdgpsdata", "dgpsid"};
     const char *tag = source->tags.data + column->parents.begin + 1;
-    size_t size = strcspn(tag, " \t\r\n/>"), place;
+    size_t size = gpx_name_size(tag - 1, source->tags.data + column->tag.end), place;
     const char *colon = memchr(tag, ':', size);
     size -= colon != NULL ? (size_t)(colon + 1 - tag) : 0;
     tag = colon != NULL ? colon + 1 : tag;

@@ -101,9 +101,9 @@ static const char *tag_end(const char *at, const char *end)
 }
 
 /// Append the end tag of the element that a start tag begins.
-static void append_tag_end(text_buffer *text, const char *tag)
+static void append_tag_end(text_buffer *text, const char *tag, const char *end)
 {
-    append_end(text, tag + 1, strcspn(tag + 1, " \t\r\n/>"));
+    append_end(text, tag + 1, gpx_name_size(tag, end));
 }
 
 /// Close the open elements behind the first `kept` bytes of their start tags.
@@ -114,7 +114,7 @@ static void close_tags(gpx_writer *writer, size_t kept)
         const char *at = writer->open.data + kept, *end = writer->open.data + writer->open.size, *last = at;
         for (const char *next = at; next < end; next = tag_end(next, end))
             last = next;
-        append_tag_end(&writer->text, last);
+        append_tag_end(&writer->text, last, end);
         writer->open.size = (size_t)(last - writer->open.data);
     }
 }
@@ -152,7 +152,7 @@ static void append_between(gpx_writer *writer, const gpx_source *source, gpx_pla
         open_tags(writer, tags + column->parents.begin, column->parents.end - column->parents.begin);
         text_append(&writer->text, tags + column->tag.begin, column->tag.end - column->tag.begin);
         append_escaped(&writer->text, writer->value.data, writer->value.data + writer->value.size);
-        append_tag_end(&writer->text, tags + column->tag.begin);
+        append_tag_end(&writer->text, tags + column->tag.begin, tags + column->tag.end);
     }
     close_tags(writer, 0);
 }
@@ -248,7 +248,7 @@ static void append_bounds(gpx_writer *writer, const gpx_source *source)
     memcpy(box, source->box, sizeof box);
     for (size_t i = 0; i < writer->set->count; i++)
         grow_box(&writer->set->curves[i], writer->decimals, box);
-    text_append(&writer->text, tag, 1 + strcspn(tag + 1, " \t\r\n/>"));
+    text_append(&writer->text, tag, 1 + gpx_name_size(tag, end));
     for (size_t i = 0; i < 4; i++)
     {
         text_append_real(&writer->text, names[i], box[i]);
