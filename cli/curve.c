@@ -107,6 +107,8 @@ static const option_spec FILE_OPTIONS[] = {
      CHOICE(curve_job, read.format, bat_curve_format_family)},
     {"euler", "ORDER", INPUT, 0, "CSV: the order and unit of roll, pitch and yaw, as zyx,degrees or xyz,radians",
      TEXT(curve_job, read.euler)},
+    {"time-unit", "UNIT", INPUT, 0, "of the times of a motion: seconds, milliseconds, ...; default: by names, else by size",
+     CHOICE(curve_job, read.time_unit, bat_time_unit_family)},
     {"key-times", "FILE", INPUT, IS_READ, "KITTI: the times of the poses, a number a line; default: 0, 1, 2, ...",
      TEXT(curve_job, read.key_times)},
     {"translation-weight", "W", INPUT, 0, "rigid: how many radians a unit of length counts as much as; default 1",
@@ -139,6 +141,10 @@ static const option_spec MOTION_OPTIONS[] = {
      POSITIVE(curve_job, motion.rate)},
     {"times", "FILE", METHOD, COMMON | IS_READ,
      "of motions: the points at these increasing times, a number a line, in place of --levels", TEXT(curve_job, times_file)},
+    {"period", "P", METHOD, 0,
+     "of closed motions: the time from a point to itself; default: until a last point that repeats the first, else one mean "
+     "step more",
+     POSITIVE(curve_job, motion.period)},
     {"velocities", NULL, METHOD, 0, "of motions: write velocities even if IN has none", FLAG(curve_job, motion.velocities)},
     {"tangents", "HOW", METHOD, 0,
      "of motions: how velocities are found where IN has none: resting (default), smooth or limited, see docs/motion.md, or "
@@ -156,6 +162,8 @@ static const option_spec MOTION_VERB_OPTIONS[] = {
      NO_FIELD},
     {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
      CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
+    {"wrap", "TURN", METHOD, 0, "numbers are angles with this full turn, as 360, and go the shorter way",
+     POSITIVE(curve_job, motion.wrap)},
     {"extrapolate", NULL, METHOD, 0, "spline: go on before the first and after the last keyframe, with constant velocity",
      FLAG(curve_job, motion.spline.extrapolate)},
     {"poses", "N", PICTURE, 0, "frames or poses in the picture; default: by the motion", WHOLE(curve_job, poses, 1, 1000)},
@@ -288,7 +296,7 @@ static bool check_stops(curve_job *job)
 // Motions
 
 /// Options of `batten curve` that only motions take, and those that they do not take.
-static const char *const FOR_MOTIONS[] = {"rate", "times", "velocities", "tangents", NULL};
+static const char *const FOR_MOTIONS[] = {"rate", "times", "period", "velocities", "tangents", NULL};
 static const char *const FOR_CURVES[] = {"fairness",     "model",  "snap", "best-tension", "tolerance", "max-edge",
                                          "corner-angle", "smooth", NULL};
 
@@ -439,7 +447,7 @@ static void begin_motion(void *to)
     curve_job *job = to;
     begin(job);
     job->is_verb = job->is_motion = true;
-    job->read.dates = true;
+    job->read.motion = true;
 }
 
 static bool check(void *of)

@@ -178,9 +178,8 @@ static int read_curves(curve_job *job)
     convert_lengths(job, job->coarse.space);
     if (bat_curve_set_has_features(&job->coarse))
         choose_for_features(job);
-    int64_t origin = bat_curve_set_time_origin(&job->coarse);
     if (job->times_file != NULL &&
-        bat_motion_times_read(job->times_file, origin, &job->times, &job->motion.time_count, report_error()) != BAT_OK)
+        bat_motion_times_read(job->times_file, &job->coarse, &job->times, &job->motion.time_count, report_error()) != BAT_OK)
         return report_bad_input(job->call.given, job->times_file, report_error());
     job->motion.times = job->times;
     if (job->scheme == NULL)
@@ -555,6 +554,15 @@ static json_t *report_held(const curve_job *job, bool as_json)
         "held:z -one:b", job->findings.moved.held, (int)(job->findings.moved.held == 1));
 }
 
+/// Given velocities that the keys contradict.
+static json_t *report_conflict(const curve_job *job, bool as_json)
+{
+    return report_part(as_json,
+                       "velocities: those of IN differ from the keys' mean ones by {conflict:.3g} of these: their unit or "
+                       "frame may be another; without their columns, the keys tell them\n",
+                       "conflict:n", job->findings.moved.conflict);
+}
+
 /// "2 to 7 levels, pieces up to 1000 m, within 5 m of the limit", or the other amounts. Returns it for JSON.
 static json_t *report_amount(const curve_job *job, bool as_json)
 {
@@ -605,6 +613,9 @@ static json_t *report_totals(const char *name, const curve_totals *t, bool as_js
                        "-name:s points:z length:n bending:n g1:n", name, t->points, t->length, t->bending, t->g1);
 }
 
+/// Given velocities are told from this relative distance from the mean ones on.
+static const double CONFLICT = 0.5;
+
 /// Report all but the first line. Returns the object, or null where it is printed.
 static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
 {
@@ -615,6 +626,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     size_t kept = findings->done.curves.corners;
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
+    json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
     json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
     if (!json && corners)
         (void)printf("%zu corner%s kept\n", kept, kept == 1 ? "" : "s");
@@ -647,13 +659,14 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     char keys[200];
     (void)snprintf(keys, sizeof keys,
                    "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
+                   "conflict:o? "
                    "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
                    job->motion.times != NULL ? "times"
                    : job->motion.rate > 0    ? "rate"
                                              : "levels",
                    findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, held, smoothed, crossings,
+                         findings->written.left_out, findings->written.lost, outliers, held, conflict, smoothed, crossings,
                          corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
 }
 

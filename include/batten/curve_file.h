@@ -14,6 +14,20 @@ BAT_C_BEGIN
 /// end so or begin with "/vsi".
 extern BAT_API const bat_family bat_curve_format_family;
 
+/// The unit of times in a file.
+typedef enum bat_time_unit
+{
+    BAT_TIME_UNIT_AUTO, ///< that of the column's name, as in "time_ns" or "t [ms]"; else by the size of the first time:
+                        ///< seconds below 1e11, milliseconds below 1e14, microseconds below 1e17, else nanoseconds
+    BAT_TIME_UNIT_SECONDS,
+    BAT_TIME_UNIT_MILLISECONDS,
+    BAT_TIME_UNIT_MICROSECONDS,
+    BAT_TIME_UNIT_NANOSECONDS
+} bat_time_unit;
+
+/// The units of times by name.
+extern BAT_API const bat_family bat_time_unit_family;
+
 /// Options of reading. Begin with bat_curve_read_defaults().
 typedef struct bat_curve_read_options
 {
@@ -28,9 +42,12 @@ typedef struct bat_curve_read_options
     /// CSV: the name or number of a column; all rows with one value in it make one curve, in the order of the file, and the
     /// curves follow each other in the order of their first rows. Default null: blank lines separate curves.
     const char *group;
-    /// CSV: take dates with times of day (ISO 8601) in a column of times as times, in seconds, as motions need them; see
-    /// bat_curve_set_time_origin(). They are written as such dates again. Default false: as texts, with new ones between.
-    bool dates;
+    /// CSV: read the rows as keyframes of motions: the names of the columns tell the space, of rotation vectors and tensors
+    /// too; one column beside the times is a motion on the line; other columns are left out, with a note. Times are seconds
+    /// since bat_curve_set_time_origin(); they are written as they were: in their unit, or as dates with times of day (ISO
+    /// 8601). Default false: such dates are texts, with new ones between.
+    bool motion;
+    bat_time_unit time_unit; ///< of the times of motions; default BAT_TIME_UNIT_AUTO
     const char *layer; ///< formats with layers, and TopoJSON: its name; default null: the only one with lines or polygons
     bool on_sphere;    ///< take projected coordinates to the sphere, and back when they are written, by PROJ;
                        ///< default false

@@ -39,6 +39,9 @@ typedef struct bat_motion_report
     size_t outlier_curve;
     double outlier_time; ///< its time
     size_t held;         ///< see bat_motion_keys::held
+    /// How far given velocities are from the mean ones between keys, over all curves: root mean squares, relative to those
+    /// of the latter. Near 1 or above, they have other units or another frame; 0 without given velocities.
+    double conflict;
 } bat_motion_report;
 
 /// Options of motions. Begin with bat_motion_curves_defaults().
@@ -50,6 +53,10 @@ typedef struct bat_motion_curves_options
         scheme;           ///< kind, order, levels and so on, where `rate` is 0; default bat_hermite_refine_defaults().
                           ///< Splines take `levels`, 2^levels parts of each interval, and `max_points`
     double rate;          ///< samples a unit of time, at least 0; 0: by levels instead; default 0
+    double period;        ///< of closed motions; 0: the time until a last key that repeats the first, or else one mean step
+                          ///< beyond the last key; default 0
+    double wrap;          ///< R^n: coordinates are angles with this full turn: they go the shorter way, and come back from 0
+                          ///< on, or around 0 where a key is negative; 0: they are numbers; default 0
     const double *times;  ///< BAT_MOTION_METHOD_SPLINE: `time_count` increasing times to sample at; null: none; default null
     size_t time_count;    ///< default 0
     size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for
@@ -129,16 +136,18 @@ BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curv
 BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options,
                                      bat_curve_set *fine, bat_error *error);
 
-/// Read increasing times: a number a line, or a date with a time of day (ISO 8601). Whole numbers from 1e17 on are
-/// nanoseconds, others seconds. Blank lines, lines that begin with # and a first line of "time" are skipped.
+/// Read increasing times: a number a line in the unit of a set's times, or a date with a time of day (ISO 8601). Where the
+/// set's times are seconds, the size of a number tells its unit; see bat_time_unit. Blank lines, lines that begin with # and
+/// a first line of "time" are skipped.
 ///
 /// @param path   "-" is standard input
-/// @param origin seconds since 1970 from which the times count: that of a set is bat_curve_set_time_origin(); 0 for none
+/// @param set    its bat_curve_set_time_origin() is that of the result, too; null: times count from 0
 /// @param times  receives `count` numbers, at least one; release them with free()
 /// @param error  its `line` is that of the failure
 /// @return BAT_OK, BAT_BAD_FILE (no number, more than one in a line, a time that does not come after the one before),
 ///         BAT_FILE_ACCESS or BAT_NO_MEMORY; `times` is untouched on failure
-BAT_API bat_status bat_motion_times_read(const char *path, int64_t origin, double **times, size_t *count, bat_error *error);
+BAT_API bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count,
+                                         bat_error *error);
 
 BAT_C_END
 

@@ -7,19 +7,22 @@
 
 #include <stdatomic.h>
 
-enum
-{
-    /// The most numbers of a velocity.
-    MAX_VELOCITIES = 6
-};
-
 /// The channels of a curve that hold times and velocities.
 typedef struct motion_channels
 {
-    size_t time; ///< BAT_NO_INDEX without times
-    size_t velocity[MAX_VELOCITIES];
-    size_t velocity_count; ///< 0 without velocities
+    size_t time;                     ///< BAT_NO_INDEX without times
+    size_t velocity[MAX_VELOCITIES]; ///< BAT_NO_INDEX for the part of a pose that has none
+    size_t velocity_count;           ///< 0 without velocities
 } motion_channels;
+
+/// The number of channels with times and velocities.
+static inline size_t motion_channels_count(const motion_channels *channels)
+{
+    size_t count = channels->time != BAT_NO_INDEX;
+    for (size_t i = 0; i < channels->velocity_count; i++)
+        count += channels->velocity[i] != BAT_NO_INDEX;
+    return count;
+}
 
 enum
 {
@@ -62,6 +65,7 @@ struct bat_curve_attributes
     char **notes;   ///< note_count sentences about the reading; see bat_curve_set_note()
     size_t note_count;
     int64_t time_origin; ///< whole seconds since 1970 that times, a channel, count from; see bat_curve_set_time_origin()
+    int time_decimals;   ///< of seconds that the unit of the file's times has: 3, 6, 9; 0 for seconds
     char time_text[ATTRIBUTES_TIME_SIZE]; ///< a time of the file, where times were dates and are written as such; else empty
 };
 

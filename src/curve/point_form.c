@@ -54,6 +54,12 @@ static const point_form FORMS[] = {
 static const int FORM_COUNT = sizeof FORMS / sizeof FORMS[0];
 
 static const char *const TIMES[] = {"time", "t", "timestamp"};
+/// Units of times in names, with the decimals of seconds that they have.
+static const struct
+{
+    const char *name;
+    int decimals;
+} TIME_UNITS[] = {{"s", 0}, {"sec", 0}, {"seconds", 0}, {"ms", 3}, {"us", 6}, {"ns", 9}, {"nsec", 9}, {"nanoseconds", 9}};
 
 static bool name_is(const char *column, const char *name)
 {
@@ -70,11 +76,36 @@ size_t column_find(const column_names *columns, const char *name)
     return BAT_NO_INDEX;
 }
 
-size_t column_find_time(const column_names *columns)
+/// Whether a column is called by a name, an underscore or a blank, and a unit of time, which may be in brackets.
+static bool name_has_unit(const char *column, const char *name, int *decimals)
+{
+    size_t length = strlen(name);
+    column += column[0] == '"';
+    if (strncasecmp(column, name, length) != 0 || strchr("_ [(", column[length]) == NULL || column[length] == '\0')
+        return false;
+    column += length + strspn(column + length, "_ [(");
+    for (size_t i = 0; i < sizeof TIME_UNITS / sizeof *TIME_UNITS; i++)
+    {
+        size_t size = strlen(TIME_UNITS[i].name);
+        const char *rest = column + size;
+        if (strncasecmp(column, TIME_UNITS[i].name, size) != 0 || rest[strspn(rest, ")] \"")] != '\0')
+            continue;
+        *decimals = TIME_UNITS[i].decimals;
+        return true;
+    }
+    return false;
+}
+
+size_t column_find_time(const column_names *columns, int *decimals)
 {
     for (size_t i = 0; i < sizeof TIMES / sizeof *TIMES; i++)
     {
         size_t column = column_find(columns, TIMES[i]);
+        if (decimals != NULL)
+            *decimals = -1;
+        for (size_t j = 0; decimals != NULL && column == BAT_NO_INDEX && columns->names != NULL && j < columns->count; j++)
+            if (name_has_unit(columns->names[j], TIMES[i], decimals))
+                return j;
         if (column != BAT_NO_INDEX)
             return column;
     }
@@ -113,7 +144,7 @@ static bool any_known(const char *space, const column_names *columns)
         if (strcmp(FORMS[i].space, space) == 0 &&
             (count_found(columns, FORMS[i].names, &missing) > 0 || count_found(columns, FORMS[i].velocities, &missing) > 0))
             return true;
-    return column_find_time(columns) != BAT_NO_INDEX;
+    return column_find_time(columns, NULL) != BAT_NO_INDEX;
 }
 
 const point_form *point_form_find(const char *space, const column_names *columns)
@@ -125,6 +156,36 @@ const point_form *point_form_find(const char *space, const column_names *columns
     bool positional = columns->names == NULL || !any_known(space, columns);
     const point_form *first = positional ? point_form_first(space, columns->count) : NULL;
     return first != NULL && first->strict ? first : NULL;
+}
+
+const point_form *point_form_of_motion(const column_names *columns)
+{
+    static const char *const spaces[] = {"rigid", "rotation", "spd"};
+    for (size_t i = 0; columns->names != NULL && i < sizeof spaces / sizeof *spaces; i++)
+    {
+        const point_form *form = point_form_find(spaces[i], columns);
+        if (form != NULL && form->strict && column_find(columns, form->names[0]) != BAT_NO_INDEX)
+            return form;
+    }
+    return NULL;
+}
+
+size_t point_form_find_velocities(const point_form *form, const column_names *columns, size_t found[MAX_VELOCITIES])
+{
+    size_t part = form->rotation_at > 0 ? form->rotation_at : form->velocity_count, count = 0;
+    for (size_t first = 0; first < form->velocity_count; first += part)
+    {
+        bool whole = true;
+        for (size_t i = first; i < first + part; i++)
+        {
+            found[i] = column_find(columns, form->velocities[i]);
+            whole = whole && found[i] != BAT_NO_INDEX;
+        }
+        for (size_t i = first; i < first + part && !whole; i++)
+            found[i] = BAT_NO_INDEX;
+        count += whole ? part : 0;
+    }
+    return count;
 }
 
 /// The form of a space with the most existing columns, and its first missing column.
@@ -158,7 +219,8 @@ static bool is_one_of(const char *column, const char *const *names)
 /// The first column without a meaning in a form, or null.
 static const char *unknown_column(const point_form *form, const column_names *columns)
 {
-    size_t time = column_find_time(columns);
+    int decimals;
+    size_t time = column_find_time(columns, &decimals);
     for (size_t i = 0; i < columns->count; i++)
         if (i != time && !is_one_of(columns->names[i], form->names) && !is_one_of(columns->names[i], form->velocities))
             return columns->names[i];
@@ -187,13 +249,13 @@ bool point_form_fault(const char *space, const point_form *form, const column_na
         return true;
     }
     const char *unknown = unknown_column(form, columns), *repeated = repeated_column(columns);
-    size_t velocities = count_found(columns, form->velocities, &missing);
+    size_t whole[MAX_VELOCITIES], velocities = count_found(columns, form->velocities, &missing);
     if (unknown != NULL)
         (void)snprintf(text, size, "the column '%.60s' has no meaning beside '%s' in the space %s", unknown, form->names[0],
                        space);
     else if (repeated != NULL)
         (void)snprintf(text, size, "the column '%.60s' is there twice", repeated);
-    else if (velocities > 0 && missing != NULL)
+    else if (velocities > point_form_find_velocities(form, columns, whole))
         (void)snprintf(text, size, "a velocity in the space %s needs a column '%s'", space, missing);
     else
         return false;

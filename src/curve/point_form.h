@@ -17,8 +17,9 @@ typedef enum rotation_form
 
 enum
 {
-    /// The most columns of a point.
-    MAX_FORM_COLUMNS = 12
+    /// The most columns of a point, and of a velocity.
+    MAX_FORM_COLUMNS = 12,
+    MAX_VELOCITIES = 6
 };
 
 /// A form of the points of a space.
@@ -44,13 +45,23 @@ typedef struct column_names
 /// The column with a name, in upper or lower case, with or without quotes; or BAT_NO_INDEX.
 size_t column_find(const column_names *columns, const char *name);
 /// The column of the times, or BAT_NO_INDEX.
-size_t column_find_time(const column_names *columns);
+/// @param decimals null: of plain names alone. Else names may end in a unit, as "time_ns" or "t [ms]"; receives the decimals
+///                 of seconds that the unit has, or -1 where the name has none
+size_t column_find_time(const column_names *columns, int *decimals);
 
 /// The form of a file for a space: the first one whose columns all exist. Without a header it is the first form with this
 /// number of columns. Null for plain coordinates.
 const point_form *point_form_find(const char *space, const column_names *columns);
 /// The first form of a space with `count` coordinates, or null.
 const point_form *point_form_first(const char *space, size_t count);
+
+/// The form of a table of keyframes: rotations, poses or tensors of any form whose columns all exist, or null.
+const point_form *point_form_of_motion(const column_names *columns);
+
+/// The columns of a form's velocities. Of poses, one part may be there alone, that of the translation or of the rotation.
+/// @param found receives a column for each number of a velocity, or BAT_NO_INDEX
+/// @return the number of columns that are there
+size_t point_form_find_velocities(const point_form *form, const column_names *columns, size_t found[MAX_VELOCITIES]);
 
 /// Whether the names of columns are invalid for a space; `text` of `size` bytes receives the reason. `form` is the result of
 /// point_form_find().

@@ -7,6 +7,7 @@
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "curve/curve_attributes.h"
+#include "space/builtin.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -51,6 +52,15 @@ static motion_channels channels_of(const bat_curve_set *set)
     if (attributes == NULL || attributes->channel_count != set->curves[0].channel_count)
         return (motion_channels){.time = BAT_NO_INDEX};
     return attributes->channels;
+}
+
+/// Whether velocities are there for all parts of poses.
+static bool has_whole_velocities(const motion_channels *channels)
+{
+    size_t whole = 0;
+    while (whole < channels->velocity_count && channels->velocity[whole] != BAT_NO_INDEX)
+        whole++;
+    return whole == channels->velocity_count;
 }
 
 bool bat_motion_has_times(const bat_curve_set *set)
@@ -98,8 +108,22 @@ static bat_status data_allocate(const bat_curve *curve, bool timed, bat_hermite_
     return error_memory(error, curve->count * space->point_dim * sizeof(double));
 }
 
-/// The times of a curve. The time from the last point of a closed one to its first is the mean step.
-static bat_status take_times(const bat_curve *curve, size_t channel, bat_hermite_curve *keys, bat_error *error)
+/// Whether a closed motion ends with its first point again, up to rounding.
+static bool repeats_begin(const bat_hermite_curve *keys)
+{
+    static const double ROUNDING = 1e-9;
+    const bat_space *space = keys->space;
+    const double *first = keys->points, *last = first + (keys->count - 1) * space->point_dim;
+    double apart = 0;
+    for (size_t i = 1; i < keys->count; i++)
+        apart = fmax(apart, space->distance(space, first, first + i * space->point_dim));
+    return keys->closed && keys->count > 3 && space->distance(space, first, last) <= ROUNDING * apart;
+}
+
+/// The times of a curve. The time from the last point of a closed one to its first is the rest of the period. Where none is
+/// given and the first point comes again, the period is the time between; else it goes on with the mean step.
+static bat_status take_times(const bat_curve *curve, size_t channel, double period, bat_hermite_curve *keys,
+                             bat_error *error)
 {
     for (size_t i = 0; i < keys->count; i++)
     {
@@ -109,9 +133,18 @@ static bat_status take_times(const bat_curve *curve, size_t channel, bat_hermite
             return error_set(error, BAT_INVALID_POINT, i, 0, "the time %s does not come after %s",
                              number_digits(keys->times[i], digits[0]), number_digits(keys->times[i - 1], digits[1]));
     }
-    if (keys->closed && keys->count > 1)
-        keys->closing_time = (keys->times[keys->count - 1] - keys->times[0]) / (double)(keys->count - 1);
-    return BAT_OK;
+    if (!keys->closed || keys->count < 2)
+        return BAT_OK;
+    bool repeats = channel != BAT_NO_INDEX && repeats_begin(keys);
+    double span = keys->times[keys->count - 1] - keys->times[0], step = span / (double)(keys->count - 1);
+    if (repeats)
+    {
+        keys->count--;
+        period = period > 0 ? period : span;
+        span = keys->times[keys->count - 1] - keys->times[0];
+    }
+    keys->closing_time = period > 0 ? period - span : step;
+    return keys->closing_time > 0 ? BAT_OK : error_option(error, "period", "is %g, but the keys last %g", period, span);
 }
 
 static bat_status take_velocities(const bat_curve *curve, const point_form *form, const motion_channels *channels,
@@ -122,7 +155,9 @@ static bat_status take_velocities(const bat_curve *curve, const point_form *form
     {
         double velocity[MAX_VELOCITIES];
         for (size_t j = 0; j < channels->velocity_count; j++)
-            velocity[j] = curve->channels[i * curve->channel_count + channels->velocity[j]];
+            velocity[j] = channels->velocity[j] != BAT_NO_INDEX
+                              ? curve->channels[i * curve->channel_count + channels->velocity[j]]
+                              : NAN;
         if (!point_form_tangent(form, space, keys->points + i * space->point_dim, velocity,
                                 keys->tangents + i * space->tangent_dim))
             return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has no velocities", i);
@@ -183,6 +218,28 @@ static bool takes_directions(bat_motion_method method, const bat_motion_curves_o
     return method == BAT_MOTION_METHOD_HERMITE && options->rate == 0 && options->scheme.kind != BAT_HERMITE_KIND_TRANSPORT;
 }
 
+/// Let angles go the shorter way from key to key.
+static bat_status unwrap(double turn, bat_hermite_curve *keys, bat_error *error)
+{
+    size_t n = keys->space->point_dim;
+    if (turn > 0 && !space_is_euclidean(keys->space))
+        return error_option(error, "wrap", "is for numbers, not for the space %s", keys->space->name);
+    for (size_t i = n; turn > 0 && i < keys->count * n; i++)
+        keys->points[i] -= turn * round((keys->points[i] - keys->points[i - n]) / turn);
+    return BAT_OK;
+}
+
+/// Bring angles back into the range of the given ones.
+static void wrap(const bat_curve *given, double turn, bat_hermite_curve *smooth)
+{
+    size_t n = smooth->space->point_dim;
+    double low = 0;
+    for (size_t i = 0; i < given->count * n; i++)
+        low = given->points[i] < 0 ? -turn / 2 : low;
+    for (size_t i = 0; i < smooth->count * n; i++)
+        smooth->points[i] -= turn * floor((smooth->points[i] - low) / turn);
+}
+
 /// Missing velocities for splines: null where the system of the spline gives them.
 static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_curves_options *options, bat_error *error)
 {
@@ -224,15 +281,18 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
                             const motion_channels *channels, bat_hermite_curve *keys, bat_error *error)
 {
     const bat_curve *from = &set->curves[curve];
-    bool given = channels->velocity_count > 0;
     bat_motion_method method = bat_motion_method_for(set, options);
-    bat_status status = keys->times != NULL ? take_times(from, channels->time, keys, error) : BAT_OK;
+    bool splined = method == BAT_MOTION_METHOD_SPLINE && options->tangent_order == 0;
+    bool given = channels->velocity_count > 0 && (splined || has_whole_velocities(channels));
+    bat_status status = keys->times != NULL ? take_times(from, channels->time, options->period, keys, error) : BAT_OK;
     if (status == BAT_OK && keys->count < (keys->closed ? 3U : 2U))
         status = error_operand(error,
                                error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
                                          "%s curve needs at least %d points, not %zu", keys->closed ? "a closed" : "an open",
                                          keys->closed ? 3 : 2, keys->count),
                                0);
+    if (status == BAT_OK)
+        status = unwrap(options->wrap, keys, error);
     if (status == BAT_OK)
         status = check_neighbours(set, curve, keys, takes_directions(method, options), error);
     if (status == BAT_OK && given)
@@ -265,6 +325,8 @@ static bat_status motion_curves_options_check(const void *opaque, bat_error *err
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_motion_curves_options, method, bat_motion_method_family),
         OPTION_FIELD(bat_motion_curves_options, rate, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_curves_options, period, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_curves_options, wrap, OPTION_NUMBER, 0, INFINITY),
         OPTION_FIELD(bat_motion_curves_options, tangent_order, OPTION_SIZE, 0, 4),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
@@ -283,7 +345,7 @@ const bat_options_table bat_motion_curves_fields = {"bat_motion_curves_options",
 static bat_status check_columns(const bat_curve_set *set, const bat_motion_curves_options *options,
                                 const motion_channels *channels, bat_error *error)
 {
-    size_t known = channels->velocity_count + (channels->time != BAT_NO_INDEX);
+    size_t known = motion_channels_count(channels);
     for (size_t i = 0; i < set->count; i++)
         if (set->curves[i].channel_count != known)
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -389,13 +451,14 @@ bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curve, const
     return status;
 }
 
-/// The columns of the result.
+/// The columns of the result, and what its curves tell together.
 typedef struct result_columns
 {
     bat_curve_attributes *attributes;
     const point_form *form; ///< of points and velocities; null without
     motion_channels channels;
     size_t channel_count;
+    double squares[2]; ///< see add_conflict()
 } result_columns;
 
 /// The columns of the keyframes where they suffice, else columns in the order times, points, velocities.
@@ -406,8 +469,8 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curv
     const point_form *form = form_of(set);
     bool sampled = options->rate > 0 || bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     bool time_missing = given.time == BAT_NO_INDEX && sampled;
-    bool velocities_missing = given.velocity_count == 0 && options->velocities;
-    *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count};
+    bool velocities_missing = options->velocities && (given.velocity_count == 0 || !has_whole_velocities(&given));
+    *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count, {0}};
     if (time_missing && is_nameless(set))
         time_missing = false; // rows then follow each other by the rate
     if (!time_missing && !velocities_missing)
@@ -422,7 +485,7 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curv
     bat_curve_format format = set->attributes != NULL && set->attributes->format == BAT_CURVE_FORMAT_TUM
                                   ? BAT_CURVE_FORMAT_TUM
                                   : BAT_CURVE_FORMAT_CSV;
-    *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0)};
+    *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0), {0}};
     bool good = result->attributes != NULL;
     if (good)
     {
@@ -434,6 +497,7 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curv
     if (good && set->attributes != NULL)
     {
         result->attributes->time_origin = set->attributes->time_origin;
+        result->attributes->time_decimals = set->attributes->time_decimals;
         memcpy(result->attributes->time_text, set->attributes->time_text, sizeof result->attributes->time_text);
     }
     const char *note;
@@ -459,7 +523,8 @@ static bat_status fill_channels(const bat_hermite_curve *smooth, const result_co
                                                                smooth->tangents + i * space->tangent_dim, velocity))
             return error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "new point %zu has no velocity", i);
         for (size_t j = 0; j < places->velocity_count; j++)
-            row[places->velocity[j]] = velocity[j];
+            if (places->velocity[j] != BAT_NO_INDEX)
+                row[places->velocity[j]] = velocity[j];
     }
     return BAT_OK;
 }
@@ -615,6 +680,28 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     return bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, NULL, error);
 }
 
+/// The squares of the mean velocities between keys, and of what the given ones differ from them.
+static void add_conflict(const bat_motion_spline *spline, const bat_hermite_curve *keys, double squares[2])
+{
+    const bat_space *space = keys->space;
+    size_t n = space->tangent_dim;
+    double log[BAT_SPACE_MAX_DIM];
+    for (size_t i = 0; keys->tangents != NULL && i + 1 < keys->count; i++)
+    {
+        const double *p = keys->points + i * space->point_dim, *v = keys->tangents + i * n;
+        if (space->log(space, p, p + space->point_dim, log) != BAT_OK)
+            continue;
+        double length = bat_motion_spline_keys(spline).times[i + 1] - bat_motion_spline_keys(spline).times[i];
+        for (size_t c = 0; c < n; c++)
+            if (!isnan(v[c]) && !isnan(v[n + c]))
+            {
+                double mean = log[c] / length, apart = (v[c] + v[n + c]) / 2 - mean;
+                squares[0] += mean * mean;
+                squares[1] += apart * apart;
+            }
+    }
+}
+
 /// Count the keys and the outliers of a curve.
 static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion_report *report)
 {
@@ -643,7 +730,8 @@ static void name_origin(int64_t origin, bat_error *error)
 }
 
 static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const bat_motion_curves_options *options,
-                                   const bat_hermite_curve *keys, bat_hermite_curve *smooth, bat_error *error)
+                                   const bat_hermite_curve *keys, result_columns *columns, bat_hermite_curve *smooth,
+                                   bat_error *error)
 {
     bat_motion_spline *spline;
     bat_status status = make_spline(set, index, options, keys, &spline, error);
@@ -651,7 +739,10 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
         return status;
     status = sample_spline(spline, keys, options, smooth, error);
     if (status == BAT_OK && options->report != NULL)
+    {
         add_report(spline, index, options->report);
+        add_conflict(spline, keys, columns->squares);
+    }
     bat_motion_spline_free(spline);
     if (status != BAT_OK && error != NULL)
     {
@@ -662,7 +753,7 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
 }
 
 static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_motion_curves_options *options,
-                             const result_columns *columns, bat_curve *curve, bat_error *error)
+                             result_columns *columns, bat_curve *curve, bat_error *error)
 {
     bat_hermite_curve keys, smooth = {.space = set->space};
     bool splined = bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
@@ -670,7 +761,7 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
     if (status != BAT_OK)
         return status;
     if (splined)
-        status = smooth_by_spline(set, index, options, &keys, &smooth, error);
+        status = smooth_by_spline(set, index, options, &keys, columns, &smooth, error);
     else if (options->rate > 0)
         status = bat_hermite_sample_rate(&keys, options->rate, &smooth, error);
     else
@@ -680,6 +771,8 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
         restore_velocities(&keys, &options->scheme, &smooth);
     else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && refined)
         error->line = bat_curve_set_line(set, index, error->index);
+    if (status == BAT_OK && options->wrap > 0)
+        wrap(&set->curves[index], options->wrap, &smooth);
     if (status == BAT_OK)
         status = make_curve(&smooth, columns, curve, error);
     if (status != BAT_OK)
@@ -714,6 +807,8 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_cu
     size_t count = 0;
     for (; count < keyframes->count && status == BAT_OK; count++)
         status = error_curve(error, smooth_one(keyframes, count, options, &columns, &curves[count], error), count);
+    if (status == BAT_OK && options->report != NULL)
+        options->report->conflict = columns.squares[0] > 0 ? sqrt(columns.squares[1] / columns.squares[0]) : 0;
     if (status == BAT_OK)
         status = bat_curve_set_take(curves, keyframes->count, &made, error);
     if (status == BAT_OK)

@@ -119,7 +119,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     free(spline);
 }
 
-/// The checks of Hermite data, with tangents of zero where there are none.
+/// The checks of Hermite data, with zeros for tangents and numbers of tangents that are not there.
 static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
 {
     bat_hermite_curve checked = *keys;
@@ -128,14 +128,13 @@ static bat_status check_keys(const bat_hermite_curve *keys, bat_error *error)
         status = hermite_check_velocities(keys, error);
     if (status != BAT_OK)
         return status;
-    double *zeros = NULL;
-    if (keys->tangents == NULL)
-    {
-        zeros = calloc(keys->count > 0 ? keys->count : 1, keys->space->tangent_dim * sizeof *zeros);
-        if (zeros == NULL)
-            return error_memory(error, keys->count * keys->space->tangent_dim * sizeof *zeros);
-        checked.tangents = zeros;
-    }
+    size_t numbers = keys->count * keys->space->tangent_dim;
+    double *zeros = calloc(numbers > 0 ? numbers : 1, sizeof *zeros);
+    if (zeros == NULL)
+        return error_memory(error, numbers * sizeof *zeros);
+    checked.tangents = zeros;
+    for (size_t i = 0; keys->tangents != NULL && i < numbers; i++)
+        zeros[i] = isnan(keys->tangents[i]) ? 0 : keys->tangents[i];
     status = hermite_check(&checked, (hermite_check_parts){0}, 1, error);
     free(zeros);
     return status;
@@ -214,14 +213,17 @@ static double sigma_of(const bat_motion_spline *spline, const bat_motion_spline_
 }
 
 /// Prepare one factor, whose keys are gathered, and fill its part of the records.
-static bat_status prepare_system(spline_system *system, const bat_motion_spline_options *options, bool given,
-                                 bat_motion_spline *spline, bat_error *error)
+static bat_status prepare_system(spline_system *system, const bat_motion_spline_options *options, bat_motion_spline *spline,
+                                 bat_error *error)
 {
+    size_t given = 0;
+    while (given < system->count && system->fixed[given] == KEY_GIVEN)
+        given++;
     const spline_factor *f = system->factor;
     const double *begin = options->begin_velocity, *end = options->end_velocity;
     bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) > 0 && options->ends == BAT_MOTION_ENDS_AUTO;
     bat_status status = spline_system_measure(system, error);
-    if (status == BAT_OK && !given)
+    if (status == BAT_OK && given < system->count)
         status = spline_system_solve(system, natural ? BAT_MOTION_ENDS_NATURAL : options->ends, options->shape,
                                      begin != NULL ? begin + f->tangent_at : NULL, end != NULL ? end + f->tangent_at : NULL,
                                      error);
@@ -230,6 +232,23 @@ static bat_status prepare_system(spline_system *system, const bat_motion_spline_
     for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
         spline_system_record(system, i, spline->records + i * spline->record_size + f->record_at);
     return status;
+}
+
+/// Take the velocities of keys where all of their numbers are there.
+static void take_velocities(const double *tangents, size_t stride, spline_system *system)
+{
+    size_t n = system->factor->space.tangent_dim;
+    for (size_t k = 0; k < system->count; k++)
+    {
+        const double *given = tangents + k * stride;
+        size_t known = 0;
+        while (known < n && !isnan(given[known]))
+            known++;
+        if (known < n)
+            continue;
+        system->fixed[k] = KEY_GIVEN;
+        memcpy(system->velocities + k * n, given, n * sizeof *given);
+    }
 }
 
 static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion_spline_options *options, size_t index,
@@ -254,10 +273,11 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
             continue_signs(f, spline->count, points);
         }
         scatter(points, spline->count, all, f->point_at, dim, spline->points);
+        memset(system.velocities, 0, spline->count * n * sizeof *system.velocities);
         if (keys->tangents != NULL)
-            gather(keys->tangents, spline->count, spline->space.tangent_dim, f->tangent_at, n, system.velocities);
+            take_velocities(keys->tangents + f->tangent_at, spline->space.tangent_dim, &system);
         if (status == BAT_OK)
-            status = prepare_system(&system, options, keys->tangents != NULL, spline, error);
+            status = prepare_system(&system, options, spline, error);
     }
     spline->held += system.held;
     if (status == BAT_OK)

@@ -76,7 +76,7 @@ bat_status spline_system_hold(spline_system *system, size_t *held)
     bat_status status = BAT_OK;
     *held = 0;
     for (size_t i = 0; i < system->intervals && status == BAT_OK; i++)
-        if (is_jolt(system, i))
+        if (is_jolt(system, i) && !(system->fixed[i] == KEY_GIVEN && system->fixed[(i + 1) % system->count] == KEY_GIVEN))
         {
             status = set_velocities(system, i);
             ++*held;

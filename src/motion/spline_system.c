@@ -650,8 +650,11 @@ static void find_rests(spline_system *system)
                 chord[c] = a[c] - b[c];
             double squared = space->inner(space, middle_of(system, i), chord, chord);
             longest = fmax(longest, squared);
-            if (pass == 1 && squared <= REST * REST * longest)
-                system->fixed[i] = system->fixed[key_after(system, i)] = KEY_RESTS;
+            for (size_t end = 0; pass == 1 && squared <= REST * REST * longest && end < 2; end++)
+            {
+                unsigned char *state = &system->fixed[end == 0 ? i : key_after(system, i)];
+                *state = *state == KEY_FREE ? KEY_RESTS : *state;
+            }
         }
 }
 
@@ -659,7 +662,6 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
                                const double *begin_velocity, const double *end_velocity, bat_error *error)
 {
     size_t n = size_of(system), last = system->count - 1;
-    memset(system->velocities, 0, system->count * n * sizeof *system->velocities);
     if (shape != BAT_MOTION_SHAPE_SMOOTH)
         find_rests(system);
     if (!is_closed(system) && ends == BAT_MOTION_ENDS_CLAMPED)

@@ -97,7 +97,7 @@ typedef struct spline_system
     size_t intervals;      ///< count when closed, else count - 1
     const double *points;  ///< count x point_dim
     const double *lengths; ///< of the intervals in time
-    double *velocities;    ///< count x tangent_dim; given, or what the system solves
+    double *velocities;    ///< count x tangent_dim: those of KEY_GIVEN, and zeros, which the system solves
     // Work space, by interval; pairs are of its beginning and its end.
     double *middles;          ///< point_dim
     double *logs;             ///< 2 x tangent_dim: the keys, seen from the middle

@@ -571,7 +571,7 @@ static void files_of_times_are_read(void **state)
         (void)fputs(good ? "time\r\n-1\n\n# c\n 0.5 \n1e3" : bad[i].text, file);
         assert_int_equal(fclose(file), 0);
         error = (bat_error){.line = 0};
-        bat_status status = bat_motion_times_read(path, 0, &times, &count, &error);
+        bat_status status = bat_motion_times_read(path, NULL, &times, &count, &error);
         assert_int_equal(status, good ? BAT_OK : BAT_BAD_FILE);
         if (good)
             continue;

@@ -52,7 +52,7 @@ static void poses_are_recognized(void **state)
          "milliseconds", 1400000000, 1400000000.5},
         {"time,x,y,z,qw,qx,qy,qz\n1970-01-01T00:00:00Z,1,2,3,1,0,0,0\n1970-01-01T00:00:02.5Z,1,2,3,0.7071068,0,0,0."
          "7071068\n",
-         "seconds", 0, 2.5},
+         "quaternions", 0, 2.5},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
     {
@@ -196,7 +196,7 @@ static void dates_are_times(void **state)
     assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_OK);
     assert_false(bat_motion_has_times(&set));
     bat_curve_set_free(&set);
-    options.dates = true;
+    options.motion = true;
     assert_int_equal(bat_curve_read_memory(text, sizeof text - 1, &options, &set, NULL), BAT_OK);
     assert_true(bat_motion_has_times(&set));
     assert_true(set.curves[0].channels[0] == 0.125);
@@ -219,7 +219,9 @@ static void times_count_from_an_origin(void **state)
     size_t count;
     assert_true(file >= 0 && write(file, text, sizeof text - 1) == (ssize_t)(sizeof text - 1));
     (void)close(file);
-    assert_int_equal(bat_motion_times_read(path, 1403715524, &times, &count, NULL), BAT_OK);
+    bat_curve_set set = must_read("1403715524.907143168 0 0 0 0 0 0 1\n1403715525 1 0 0 0 0 0 1\n", AUTO, NULL);
+    assert_int_equal(bat_motion_times_read(path, &set, &times, &count, NULL), BAT_OK);
+    bat_curve_set_free(&set);
     assert_int_equal(count, 4);
     assert_true(times[0] == 0.907143168 && times[1] == 0.907143169 && times[2] == 0.9071432 && times[3] == 2);
     free(times);
@@ -242,14 +244,202 @@ static void trajectories_come_back(void **state)
     bat_curve_set_free(&set);
 }
 
+static bat_curve_set must_read_motion(const char *text, bat_time_unit unit)
+{
+    bat_curve_read_options options = bat_curve_read_defaults();
+    bat_curve_set set = {0};
+    options.motion = true;
+    options.time_unit = unit;
+    assert_int_equal(bat_curve_read_memory(text, strlen(text), &options, &set, NULL), BAT_OK);
+    return set;
+}
+
+/// Motions by levels 0 are the files that were read, with their stamps, names and spaces.
+static void files_of_motions_come_back(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text, *space;
+        double span; ///< in seconds
+    } cases[] = {
+        {"time,x,y\n1403715524907143168,0,0\n1403715525007143169,1,0\n", "plane", 0.100000001},
+        {"time_ns,x,y\n5,0,0\n2000000005,1,0\n", "plane", 2},
+        {"t [ms],x,y\n1400000000000,0,0\n1400000000000.5,1,0\n", "plane", 0.0005},
+        {"timestamp [us],x [mm],y [mm]\n1000000,0,0\n1010000,1,0\n", "plane", 0.01},
+        {"time,x\n0,0\n1,1\n", "euclidean", 1},
+        {"time,yaw\n0,350\n1,10\n", "euclidean", 1},
+        {"time,j1,j2,j3,j4,j5,j6,j7\n0,1,2,3,4,5,6,7\n1,1,2,3,4,5,6,8\n", "euclidean", 1},
+        {"time,rx,ry,rz\n0,0,0,0\n1,0,0,1\n", "rotation", 1},
+        {"time,xx,xy,yy\n0,1,0,1\n1,2,0.5,1\n", "spd", 1},
+        {"1403715273262142976 0 0 0 0 0 0 1\n1403715273312142848 1 0 0 0 0 0 1\n", "rigid", 0.049999872},
+        {"1311868171.131477 0 0 0 0 0 0 1\n1311868172.331406 1 0 0 0 0 0 1\n", "rigid", 1.199929},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_motion_curves_options options = bat_motion_curves_defaults();
+        bat_curve_set set = must_read_motion(cases[i].text, BAT_TIME_UNIT_AUTO), same;
+        options.scheme.levels = 0;
+        assert_string_equal(set.space->name, cases[i].space);
+        assert_int_equal(bat_motion_curves(&set, &options, &same, NULL), BAT_OK);
+        const bat_curve *curve = &same.curves[0];
+        assert_true(fabs(curve->channels[1] - curve->channels[0] - cases[i].span) < 1e-15);
+        char *text = must_write(&same, strcmp(cases[i].space, "rigid") == 0 ? BAT_CURVE_FORMAT_TUM : BAT_CURVE_FORMAT_CSV);
+        for (const char *line = cases[i].text; *line != '\0';)
+        {
+            // Seconds get nine decimals.
+            size_t length = strcspn(line, "\n"), point = strcspn(line, "."), shown = point < length ? point : length;
+            char wanted[200] = "";
+            assert_true(shown < sizeof wanted - 1);
+            memcpy(wanted, line, shown);
+            assert_non_null(strstr(text, wanted));
+            line += length + 1;
+        }
+        free(text);
+        bat_curve_set_free(&set);
+        bat_curve_set_free(&same);
+    }
+}
+
+static void the_unit_of_times_can_be_named(void **state)
+{
+    (void)state;
+    bat_curve_set set = must_read_motion("time_ns,x\n1000,0\n3000,1\n", BAT_TIME_UNIT_MILLISECONDS);
+    assert_true(set.curves[0].channels[0] == 1 && set.curves[0].channels[1] == 3);
+    bat_curve_set_free(&set);
+    // A log of PX4 has microseconds.
+    set = must_read_motion("timestamp,q[0],q[1],q[2],q[3],n\n1000000,1,0,0,0,7\n1500000,0,1,0,0,7\n", BAT_TIME_UNIT_AUTO);
+    assert_string_equal(set.space->name, "rotation");
+    assert_true(set.curves[0].channels[0] == 1 && set.curves[0].channels[1] == 1.5);
+    bat_curve_set_free(&set);
+}
+
+static bool is_told(const bat_curve_set *set, const char *text)
+{
+    const char *note;
+    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
+        if (strstr(note, text) != NULL)
+            return true;
+    return false;
+}
+
+/// What is no part of a motion is left out and told: columns, and rows that repeat a time.
+static void other_columns_are_left_out(void **state)
+{
+    (void)state;
+    static const char text[] = "name,time,x,effort,y,vx\na,0,1,9,2,0\nb,1,2,9,3,0\nc,1,5,9,5,0\nd,2,3,9,4,0\n";
+    bat_curve_set set = must_read_motion(text, BAT_TIME_UNIT_AUTO);
+    assert_string_equal(set.space->name, "plane");
+    assert_int_equal(set.curves[0].count, 3);
+    assert_int_equal(set.curves[0].channel_count, 1);
+    assert_true(set.curves[0].points[2] == 2 && set.curves[0].points[3] == 3 && set.curves[0].points[5] == 4);
+    assert_true(is_told(&set, "3 columns are no part of a motion"));
+    assert_true(is_told(&set, "1 row has the time of the row before and left out, the first on line 4"));
+    char *written = must_write(&set, BAT_CURVE_FORMAT_CSV);
+    assert_string_equal(written, "time,x,y\n0,1,2\n1,2,3\n2,3,4\n");
+    free(written);
+    bat_curve_set_free(&set);
+}
+
+/// A last point that repeats the first ends the period, and the motion is as smooth there as elsewhere.
+static void a_repeated_point_ends_the_period(void **state)
+{
+    (void)state;
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    bat_curve_set set = must_read_motion("# closed\ntime,x,y\n0,1,0\n1,0,1\n2,-1,0\n3,0,-1\n4,1,0\n", BAT_TIME_UNIT_AUTO);
+    bat_curve_set fine;
+    options.scheme.levels = 1;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, NULL), BAT_OK);
+    assert_int_equal(fine.curves[0].count, 8);
+    for (size_t i = 1; i < 8; i += 2)
+        for (size_t j = 0; j < 2; j++)
+            assert_true(fabs(fabs(fine.curves[0].points[2 * i + j]) - 0.6875) < 1e-12);
+    bat_curve_set_free(&fine);
+    options.period = 3.5;
+    bat_error error;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, &error), BAT_OK);
+    bat_curve_set_free(&fine);
+    options.period = 3;
+    assert_int_equal(bat_motion_curves(&set, &options, &fine, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "period"));
+    bat_curve_set_free(&set);
+}
+
+/// Angles go the shorter way, and stay in the range of the given ones.
+static void angles_go_the_shorter_way(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text;
+        double between;
+    } cases[] = {{"time,yaw\n0,350\n1,10\n", 0}, {"time,yaw\n0,-170\n1,160\n", 175}, {"time,yaw\n0,20\n1,60\n", 40}};
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.scheme.levels = 1;
+    options.wrap = 360;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_curve_set set = must_read_motion(cases[i].text, BAT_TIME_UNIT_AUTO), fine;
+        assert_int_equal(bat_motion_curves(&set, &options, &fine, NULL), BAT_OK);
+        assert_true(fabs(fine.curves[0].points[1] - cases[i].between) < 1e-9);
+        assert_true(fabs(fine.curves[0].points[2] - set.curves[0].points[1]) < 1e-9);
+        bat_curve_set_free(&set);
+        bat_curve_set_free(&fine);
+    }
+}
+
+/// Poses may have velocities of the translation alone, which then hold, and the rotation is that without any.
+static void one_part_may_have_velocities(void **state)
+{
+    (void)state;
+    bat_motion_report report;
+    bat_motion_curves_options options = bat_motion_curves_defaults();
+    options.scheme.levels = 1;
+    options.velocities = true;
+    options.report = &report;
+    bat_curve_set fine[2];
+    static const char *const texts[] = {
+        "time,x,y,z,qw,qx,qy,qz,vx,vy,vz\n0,0,0,0,1,0,0,0,1,0,0\n1,1,0,0,1,0.1,0,0,1,4,0\n2,2,1,0,1,0,0.3,0,1,0,0\n",
+        "time,x,y,z,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,1,0,0,1,0.1,0,0\n2,2,1,0,1,0,0.3,0\n"};
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_curve_read_options read = bat_curve_read_defaults();
+        bat_curve_set set;
+        read.motion = read.project = true;
+        assert_int_equal(bat_curve_read_memory(texts[i], strlen(texts[i]), &read, &set, NULL), BAT_OK);
+        assert_int_equal(bat_motion_curves(&set, &options, &fine[i], NULL), BAT_OK);
+        assert_true(i == 0 ? report.conflict > 0.5 && report.conflict < 2 : report.conflict == 0);
+        bat_curve_set_free(&set);
+    }
+    const bat_curve *given = &fine[0].curves[0], *found = &fine[1].curves[0];
+    assert_int_equal(given->channel_count, 7);
+    assert_true(given->channels[2 * 7 + 2] == 4);
+    assert_true(fabs(given->points[7 + 1] - -0.5) < 1e-15); // the cubic of Hermite between the first two keys
+    for (size_t i = 0; i < 5; i++)
+        for (size_t j = 3; j < 7; j++)
+            assert_true(given->points[7 * i + j] == found->points[7 * i + j]);
+    bat_curve_set_free(&fine[0]);
+    bat_curve_set_free(&fine[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(poses_are_recognized),       cmocka_unit_test(turns_follow_the_order),
-        cmocka_unit_test(doubtful_poses_are_refused), cmocka_unit_test(other_tables_stay_as_they_are),
-        cmocka_unit_test(trajectories_come_back),     cmocka_unit_test(stamps_keep_their_digits),
-        cmocka_unit_test(seconds_keep_their_digits),  cmocka_unit_test(dates_are_times),
+        cmocka_unit_test(poses_are_recognized),
+        cmocka_unit_test(turns_follow_the_order),
+        cmocka_unit_test(doubtful_poses_are_refused),
+        cmocka_unit_test(other_tables_stay_as_they_are),
+        cmocka_unit_test(trajectories_come_back),
+        cmocka_unit_test(stamps_keep_their_digits),
+        cmocka_unit_test(seconds_keep_their_digits),
+        cmocka_unit_test(dates_are_times),
         cmocka_unit_test(times_count_from_an_origin),
+        cmocka_unit_test(files_of_motions_come_back),
+        cmocka_unit_test(the_unit_of_times_can_be_named),
+        cmocka_unit_test(other_columns_are_left_out),
+        cmocka_unit_test(a_repeated_point_ends_the_period),
+        cmocka_unit_test(one_part_may_have_velocities),
+        cmocka_unit_test(angles_go_the_shorter_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

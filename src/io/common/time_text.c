@@ -174,11 +174,11 @@ char *iso_time_write(char *out, const iso_time *form, int64_t nanoseconds)
 static const int64_t EXACT = 1000000000000000;
 static const double LONGEST = 9e9;
 
-bool exact_time_read(const char *begin, const char *end, int64_t *nanoseconds)
+bool exact_time_read(const char *begin, const char *end, int decimals, int64_t *nanoseconds)
 {
     bool negative = begin < end && *begin == '-', point = false;
     uint64_t made = 0;
-    int decimals = 0, digits = 0;
+    int digits = 0;
     for (const char *at = begin + negative; at < end; at++)
     {
         if (*at == '.' && !point)
@@ -186,8 +186,10 @@ bool exact_time_read(const char *begin, const char *end, int64_t *nanoseconds)
             point = true;
             continue;
         }
-        if (*at < '0' || *at > '9' || (point && decimals == EXACT_TIME_DECIMALS))
+        if (*at < '0' || *at > '9' || (point && decimals == EXACT_TIME_DECIMALS && *at != '0'))
             return false;
+        if (point && decimals == EXACT_TIME_DECIMALS)
+            continue;
         if (__builtin_mul_overflow(made, (uint64_t)10, &made) || __builtin_add_overflow(made, (uint64_t)(*at - '0'), &made))
             return false;
         decimals += point ? 1 : 0;
@@ -200,6 +202,23 @@ bool exact_time_read(const char *begin, const char *end, int64_t *nanoseconds)
         return false;
     *nanoseconds = negative ? -(int64_t)made : (int64_t)made;
     return true;
+}
+
+int exact_time_decimals(const char *begin, const char *end)
+{
+    static const int SMALLEST = 12, STEP = 3; // digits of milliseconds; those between units
+    const char *at = begin;
+    while (at < end && *at >= '0' && *at <= '9')
+        at++;
+    int digits = (int)(at - begin);
+    int units = digits < SMALLEST ? 0 : 1 + (digits - SMALLEST) / STEP;
+    return STEP * (units < 3 ? units : 3);
+}
+
+const char *exact_time_unit(int decimals)
+{
+    static const char *const names[] = {"seconds", "milliseconds", "microseconds", "nanoseconds"};
+    return names[decimals / 3];
 }
 
 /// The largest whole number of seconds up to a time.
@@ -239,13 +258,22 @@ char *nanoseconds_write(char *out, int64_t nanoseconds)
                           positive / (uint64_t)SECOND, positive % (uint64_t)SECOND);
 }
 
-char *exact_time_write(char *out, int64_t origin, double seconds)
+char *exact_time_write(char *out, int64_t origin, int decimals, double seconds)
 {
-    int64_t nanoseconds;
-    if (origin == 0)
+    int64_t nanoseconds, part = number_power_of_ten(EXACT_TIME_DECIMALS - decimals);
+    if (origin == 0 && decimals == 0)
         return number_write(out, seconds);
     if (!exact_time_nanoseconds(origin, seconds, &nanoseconds))
-        return number_write(out, (double)origin + seconds);
-    // With all nine decimals, so that a reader finds that they matter.
-    return nanoseconds_write(out, nanoseconds);
+        return number_write(out, ((double)origin + seconds) * (double)number_power_of_ten(decimals));
+    // Seconds with all nine decimals, so that a reader finds that they matter.
+    if (decimals == 0)
+        return nanoseconds_write(out, nanoseconds);
+    int64_t whole = nanoseconds / part, rest = nanoseconds % part;
+    out += snprintf(out, EXACT_TIME_SIZE, "%s%" PRId64, whole == 0 && rest < 0 ? "-" : "", whole);
+    if (rest == 0)
+        return out;
+    out += snprintf(out, EXACT_TIME_SIZE, ".%0*" PRId64, EXACT_TIME_DECIMALS - decimals, rest < 0 ? -rest : rest);
+    while (out[-1] == '0')
+        out--;
+    return out;
 }

@@ -40,9 +40,17 @@ enum
     EXACT_TIME_SIZE = 32
 };
 
-/// Read seconds with at most nine decimals and no exponent as whole nanoseconds. False for other texts, and outside of the
-/// range of int64_t.
-bool exact_time_read(const char *begin, const char *end, int64_t *nanoseconds);
+/// Read a time without exponent as whole nanoseconds; further decimals must be zeros. False for other texts, and outside of
+/// the range of int64_t.
+/// @param decimals those of seconds that the unit has: 0 for seconds, 3, 6 or 9 for milliseconds to nanoseconds
+bool exact_time_read(const char *begin, const char *end, int decimals, int64_t *nanoseconds);
+
+/// The decimals of seconds that a time's unit has by its size: times since 1970 are seconds below 1e11, milliseconds below
+/// 1e14, microseconds below 1e17, else nanoseconds.
+int exact_time_decimals(const char *begin, const char *end);
+
+/// A unit's name in words.
+const char *exact_time_unit(int decimals);
 
 /// The whole seconds that are kept apart for a first time: 0 for times that a double holds to the nanosecond.
 int64_t exact_time_origin(int64_t nanoseconds);
@@ -56,8 +64,8 @@ bool exact_time_nanoseconds(int64_t origin, double seconds, int64_t *nanoseconds
 /// Write nanoseconds as seconds with nine decimals, in at most EXACT_TIME_SIZE bytes. Returns the end.
 char *nanoseconds_write(char *out, int64_t nanoseconds);
 
-/// Write the sum of an origin and seconds, with the digits of the double where the origin is 0, else with nine decimals.
-/// Takes at most EXACT_TIME_SIZE bytes. Returns the end.
-char *exact_time_write(char *out, int64_t origin, double seconds);
+/// Write the sum of an origin and seconds in a unit as of exact_time_read(). Seconds have the digits of the double where the
+/// origin is 0, else nine decimals. Takes at most EXACT_TIME_SIZE bytes. Returns the end.
+char *exact_time_write(char *out, int64_t origin, int decimals, double seconds);
 
 #endif

@@ -60,6 +60,7 @@ typedef struct csv_columns
     bool degrees;           ///< the coordinates are longitude and latitude
     bool radians;           ///< they are written in radians
     const point_form *form; ///< how points are written, where not by their coordinates as they are
+    size_t time;            ///< the column of the times, or BAT_NO_INDEX
     size_t altitude;        ///< the channel that is the altitude, or BAT_NO_INDEX
     size_t corner;          ///< where the file has its column of corners, which is not in `names`; or BAT_NO_INDEX
     char *chosen;           ///< the columns of coordinates, by their numbers from 1, where they were chosen; else null
@@ -88,8 +89,9 @@ typedef struct csv_choice
 
 /// Choose the columns of coordinates by their names, else by their places among the columns of numbers. Forms of rotations,
 /// poses and tensors are not considered.
-/// @param space a name, or null for the space that the columns imply
-void csv_columns_choose(const csv_columns *columns, const char *space, csv_choice *choice);
+/// @param space  a name, or null for the space that the columns imply
+/// @param motion a single column beside that of the times is a coordinate
+void csv_columns_choose(const csv_columns *columns, const char *space, bool motion, csv_choice *choice);
 
 /// Set the place of each column: `chosen` are the coordinates, other numbers are channels. False when out of memory.
 bool csv_columns_place(csv_columns *columns, const size_t *chosen, size_t count);
@@ -268,10 +270,15 @@ typedef struct csv_reader
     char space_name[EXCERPT_SIZE];     ///< from a directive; empty without one
     char column_list[MAX_COLUMN_LIST]; ///< from a directive; empty without one
     csv_choice choice;
-    bool closed;         ///< from a directive for the current curve
-    size_t header_line;  ///< 0 without a header
-    size_t time_channel; ///< BAT_NO_INDEX without times
-    size_t group;        ///< the column of the option, or BAT_NO_INDEX
+    bool closed;                  ///< from a directive for the current curve
+    size_t header_line;           ///< 0 without a header
+    size_t time_channel;          ///< BAT_NO_INDEX without times
+    int time_decimals;            ///< of the unit in the name of the times; -1 without
+    bool time_by_size;            ///< the unit of the times is told by their size
+    bool left[BAT_SPACE_MAX_DIM]; ///< columns of the file that are no part of a motion, and in no other table here
+    size_t left_count, left_rows, first_left_row; ///< rows that repeat a time, and the line of the first
+    char left_name[EXCERPT_SIZE];                 ///< of the first of them
+    size_t group;                                 ///< the column of the option, or BAT_NO_INDEX
     size_t row_count;
     int64_t next_id;
     bool motion;      ///< has times or velocities: repeated points stay
@@ -293,6 +300,11 @@ bat_status csv_find_column(const csv_reader *reader, const char *option, const c
 
 /// Name the columns of the TUM format as a CSV header would. False when out of memory.
 bool csv_name_tum_columns(csv_reader *reader);
+
+/// Leave out the columns that are no part of a motion, by the names and the first row. False when out of memory.
+bool csv_leave_columns(csv_reader *reader);
+/// Take the cells of columns that are left out from a row.
+void csv_drop_left(csv_reader *reader);
 
 /// Choose the kinds of the columns by the first row, the space and the columns of coordinates.
 bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *error);

@@ -25,8 +25,10 @@ bool csv_columns_name(csv_columns *columns, const csv_field *fields, size_t coun
         text[length] = '\0';
         text += length + 1;
     }
+    free(columns->names);
     columns->names = names;
     columns->count = count;
+    columns->time = column_find_time(&(column_names){names, count}, NULL);
     return true;
 }
 
@@ -40,14 +42,13 @@ static csv_kind kind_of(const csv_columns *columns, size_t column)
     return columns->kinds != NULL ? (csv_kind)columns->kinds[column] : CSV_NUMBER;
 }
 
-/// Choose columns of numbers by their places, up to `most`. A column of times is none where two others are left.
-static void choose_places(const csv_columns *columns, size_t most, csv_choice *choice)
+/// Choose columns of numbers by their places, up to `most`. A column of times is none where `fewest` others are left.
+static void choose_places(const csv_columns *columns, size_t most, size_t fewest, csv_choice *choice)
 {
-    column_names names = names_of(columns);
-    size_t numbers = 0, time = column_find_time(&names);
+    size_t numbers = 0, time = columns->time;
     for (size_t i = 0; i < columns->count; i++)
         numbers += kind_of(columns, i) == CSV_NUMBER ? 1 : 0;
-    bool timed = time != BAT_NO_INDEX && kind_of(columns, time) == CSV_NUMBER && numbers > 2;
+    bool timed = time != BAT_NO_INDEX && kind_of(columns, time) == CSV_NUMBER && numbers > fewest;
     choice->times = timed ? time : BAT_NO_INDEX;
     choice->count = 0;
     choice->by_place = true;
@@ -56,7 +57,7 @@ static void choose_places(const csv_columns *columns, size_t most, csv_choice *c
             choice->columns[choice->count++] = i;
 }
 
-void csv_columns_choose(const csv_columns *columns, const char *space, csv_choice *choice)
+void csv_columns_choose(const csv_columns *columns, const char *space, bool motion, csv_choice *choice)
 {
     column_names names = names_of(columns);
     named_coordinates named = names_find_coordinates(&names);
@@ -76,7 +77,7 @@ void csv_columns_choose(const csv_columns *columns, const char *space, csv_choic
     else if (two && named.count >= 2)
         choice->count = 2;
     else if (named.geographic || named.count == 0 || (sphere && named.count < 3) || !(space == NULL || sphere || flat))
-        choose_places(columns, two ? 2 : SIZE_MAX, choice);
+        choose_places(columns, two ? 2 : SIZE_MAX, motion ? 1 : 2, choice);
     if (choice->space == NULL)
         choice->space = choice->count == 2 ? "plane" : "euclidean";
 }
@@ -114,7 +115,7 @@ void csv_columns_free(csv_columns *columns)
     free(columns->cells.closed);
     free(columns->cells.offsets);
     free(columns->cells.text);
-    *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
+    *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
 }
 
 /// Use these two columns as coordinates, and all others as channels. False when out of memory.
@@ -168,14 +169,13 @@ static size_t channel_of(const csv_columns *columns, size_t coordinates, size_t 
 void csv_columns_channels(const csv_columns *columns, size_t coordinates, const point_form *form, motion_channels *channels)
 {
     column_names names = names_of(columns);
-    *channels = (motion_channels){.time = channel_of(columns, coordinates, column_find_time(&names))};
-    for (size_t i = 0; form != NULL && i < form->velocity_count; i++)
-    {
-        channels->velocity[i] = channel_of(columns, coordinates, column_find(&names, form->velocities[i]));
-        if (channels->velocity[i] == BAT_NO_INDEX)
-            return;
-    }
-    channels->velocity_count = form != NULL ? form->velocity_count : 0;
+    *channels = (motion_channels){.time = channel_of(columns, coordinates, columns->time)};
+    size_t found[MAX_VELOCITIES];
+    if (form == NULL || point_form_find_velocities(form, &names, found) == 0)
+        return;
+    channels->velocity_count = form->velocity_count;
+    for (size_t i = 0; i < form->velocity_count; i++)
+        channels->velocity[i] = channel_of(columns, coordinates, found[i]);
 }
 
 static void free_columns(csv_columns *columns)
@@ -194,7 +194,7 @@ bat_curve_attributes *csv_attributes_new(bat_curve_format format)
         free(columns);
         return NULL;
     }
-    *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
+    *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
     attributes->csv = columns;
     attributes->free_csv = free_columns;
     return attributes;
@@ -222,17 +222,20 @@ bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *
     const char *names[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
     csv_field fields[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
     size_t count = 0, first = channels->time != BAT_NO_INDEX;
-    *columns = (csv_columns){.altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
+    *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
+    static const char *const times[] = {"time", "time_ms", "time_us", "time_ns"};
     if (first > 0)
-        names[count++] = "time";
+        names[count++] = times[attributes->time_decimals / 3];
     for (const char *const *point = attributes->degrees ? degrees : form->names; *point != NULL; point++)
         names[count++] = *point;
     for (size_t i = 0; i < channels->velocity_count; i++)
         names[count++] = form->velocities[i];
     for (size_t i = 0; i < count; i++)
         fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
-    return csv_columns_name(columns, fields, count) &&
-           (attributes->degrees ? use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form));
+    if (!csv_columns_name(columns, fields, count))
+        return false;
+    columns->time = first > 0 ? 0 : BAT_NO_INDEX;
+    return attributes->degrees ? use_degrees(columns, first, first + 1) : csv_columns_use_form(columns, form);
 }
 
 // Tables of spellings.

@@ -101,8 +101,20 @@ static bat_status read_corner(csv_reader *reader, const text_line *line, bool *c
     return BAT_OK;
 }
 
-/// Read a time that is a date, or that has more digits than a double. The first one sets the origin and the form of all.
-/// False for other times.
+/// The unit of the times of a motion: that of the option, of the name, or by the size of the first time.
+static int choose_time_decimals(csv_reader *reader, csv_field first)
+{
+    const bat_time_unit unit = reader->options->time_unit;
+    if (!reader->options->motion)
+        return 0;
+    if (unit != BAT_TIME_UNIT_AUTO)
+        return 3 * ((int)unit - (int)BAT_TIME_UNIT_SECONDS);
+    reader->time_by_size = reader->time_decimals < 0;
+    return reader->time_by_size ? exact_time_decimals(first.begin, first.end) : reader->time_decimals;
+}
+
+/// Read a time that is a date, that has more digits than a double, or that counts parts of seconds. The first one sets the
+/// origin and the form of all. False for other times.
 static bool read_time(csv_reader *reader, size_t column, double *seconds)
 {
     static const int DOUBLE_DIGITS = 15;
@@ -111,16 +123,27 @@ static bool read_time(csv_reader *reader, size_t column, double *seconds)
     bat_curve_attributes *attributes = reader->attributes;
     csv_field field = csv_unquoted(reader->fields[column]);
     bool first = reader->row_count == 0;
-    if (csv_takes_dates(reader, column) && iso_time_read(field.begin, field.end, &date))
+    bool dated = csv_takes_dates(reader, column) && iso_time_read(field.begin, field.end, &date);
+    if (first && !dated)
+        attributes->time_decimals = choose_time_decimals(reader, field);
+    int decimals = attributes->time_decimals;
+    if (dated)
     {
         nanoseconds = date.nanoseconds;
         if (first)
             (void)snprintf(attributes->time_text, sizeof attributes->time_text, "%.*s", (int)(field.end - field.begin),
                            field.begin);
     }
-    else if ((!first && attributes->time_origin == 0) || field.end - field.begin <= (first ? DOUBLE_DIGITS : 0) ||
-             !exact_time_read(field.begin, field.end, &nanoseconds))
+    else if (((!first && attributes->time_origin == 0) || field.end - field.begin <= (first ? DOUBLE_DIGITS : 0)) &&
+             decimals == 0)
         return false;
+    else if (!exact_time_read(field.begin, field.end, decimals, &nanoseconds))
+    {
+        if (decimals == 0 || number_read(field.begin, field.end, seconds) != NULL)
+            return false;
+        *seconds = *seconds / (double)number_power_of_ten(decimals) - (double)attributes->time_origin;
+        return true;
+    }
     if (first)
         attributes->time_origin = exact_time_origin(nanoseconds);
     *seconds = exact_time_since(nanoseconds, attributes->time_origin);
@@ -167,7 +190,7 @@ static bat_status read_numbers(csv_reader *reader, const text_line *line, bat_er
 /// Check the number of fields in a row. Empty fields at its end do not count.
 static bat_status check_width(const csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
-    size_t wanted = reader->column_count + (reader->attributes->csv->corner != BAT_NO_INDEX ? 1 : 0);
+    size_t wanted = reader->column_count + reader->left_count + (reader->attributes->csv->corner != BAT_NO_INDEX ? 1 : 0);
     while (count > wanted && reader->fields[count - 1].begin == reader->fields[count - 1].end)
         count--;
     if (count == wanted)
@@ -211,6 +234,16 @@ static bat_status refuse_point(csv_reader *reader, const char *fault, const text
     return helps ? error_remedy(error, status, "project", "moves points onto the space") : status;
 }
 
+/// Whether the last point has the time of the one before it.
+static bool repeats_time(const csv_reader *reader)
+{
+    const curve_builder *builder = &reader->builder;
+    if (reader->time_channel == BAT_NO_INDEX || builder->point_count < 2)
+        return false;
+    const double *row = builder->channels + (builder->point_count - 1) * builder->channel_count + reader->time_channel;
+    return row[0] == *(row - builder->channel_count);
+}
+
 static bat_status read_row(csv_reader *reader, const text_line *line, size_t count, bat_error *error)
 {
     curve_builder *builder = &reader->builder;
@@ -218,6 +251,9 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     bat_status status = check_width(reader, line, count, error);
     if (status == BAT_OK && has_corner)
         status = read_corner(reader, line, &corner, error);
+    if (status == BAT_OK && !reader->begun && reader->options->motion && !csv_leave_columns(reader))
+        status = error_memory(error, reader->column_count);
+    csv_drop_left(reader);
     if (status == BAT_OK && !reader->begun)
     {
         reader->begun = true;
@@ -249,6 +285,13 @@ static bat_status read_row(csv_reader *reader, const text_line *line, size_t cou
     if (fault != NULL)
         return builder_refuse(builder, error_set(error, BAT_BAD_FILE, index, line->number, "the point is %s", fault), error);
     bool dropped = false;
+    if (reader->options->motion && !reader->options->strict && repeats_time(reader))
+    {
+        reader->left_rows++;
+        reader->first_left_row = reader->left_rows == 1 ? line->number : reader->first_left_row;
+        builder_drop_last(builder);
+        dropped = true;
+    }
     fault = reader->motion ? NULL : builder_drop_repeat(builder, false, &dropped);
     if (dropped && reader->cells.columns > 0)
         cells_drop_row(&reader->cells);
@@ -580,6 +623,7 @@ static bool reader_begin(csv_reader *reader, bat_curve_format format)
                            .builder = {.project = before.options->project, .strict = before.options->strict, .check = true},
                            .attributes = csv_attributes_new(format),
                            .group = BAT_NO_INDEX,
+                           .time_decimals = -1,
                            .kinds_known = before.kinds_known,
                            .tum = format == BAT_CURVE_FORMAT_TUM};
     for (size_t i = 0; i < BAT_SPACE_MAX_DIM && before.kinds_known; i++)
@@ -614,6 +658,7 @@ bat_status csv_read(const file_text *text, const bat_curve_read_options *options
                              "a TUM trajectory is in the space rigid, not %.60s", options->space);
         chosen.space = "rigid";
         chosen.columns = chosen.group = NULL;
+        chosen.motion = true;
     }
     csv_reader *reader = calloc(1, sizeof *reader);
     if (reader == NULL)

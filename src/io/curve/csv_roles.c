@@ -111,9 +111,7 @@ static bool is_nameless(const csv_reader *reader, size_t column)
 
 bool csv_takes_dates(const csv_reader *reader, size_t column)
 {
-    const csv_columns *columns = reader->attributes->csv;
-    column_names names = {columns->names, columns->count};
-    return reader->options->dates && columns->names != NULL && column_find_time(&names) == column;
+    return reader->options->motion && reader->attributes->csv->time == column;
 }
 
 /// The kind of a column by its first cell. A file without a header may have texts and times, but no misspelled numbers.
@@ -298,9 +296,11 @@ bool csv_name_tum_columns(csv_reader *reader)
 
 /// The form of a rotation, pose or tensor, in a space that may be null; null for plain coordinates. Without a named space,
 /// names of quaternions and matrices imply a form.
-static const point_form *find_form(const char *space, const column_names *names)
+static const point_form *find_form(const char *space, bool motion, const column_names *names)
 {
     static const char *const unnamed[] = {"rigid", "rotation"};
+    if (space == NULL && motion)
+        return point_form_of_motion(names);
     const char *const *candidates = space != NULL ? &space : unnamed;
     size_t count = space != NULL ? 1 : names->names != NULL ? sizeof unnamed / sizeof *unnamed : 0;
     for (size_t i = 0; i < count; i++)
@@ -326,6 +326,66 @@ static bat_status use_form(csv_reader *reader, const point_form *form, bat_error
     size_t dim = form->rotation == ROTATION_NONE ? form->count : form->rotation_at + 4;
     reader->coordinate_count = form->count;
     return bat_space_by_name(form->space, dim, &reader->builder.space, error);
+}
+
+/// Keep the columns of the coordinates and velocities: by a form, by names, else all columns of numbers.
+static void keep_columns(const csv_reader *reader, const column_names *names, bool *kept)
+{
+    const point_form *form = point_form_of_motion(names);
+    named_coordinates named = names_find_coordinates(names);
+    for (size_t i = 0; form == NULL && i < named.count; i++)
+        kept[named.columns[i]] = true;
+    if (form == NULL && !named.geographic)
+        form = named.count == 2 ? point_form_first("plane", 2) : named.count == 3 ? point_form_first("euclidean", 3) : NULL;
+    for (size_t i = 0; form != NULL && form->strict && i < form->count; i++)
+        kept[column_find(names, form->names[i])] = true;
+    size_t found[MAX_VELOCITIES], speeds = form != NULL ? point_form_find_velocities(form, names, found) : 0;
+    for (size_t i = 0; speeds > 0 && i < form->velocity_count; i++)
+        if (found[i] != BAT_NO_INDEX)
+            kept[found[i]] = true;
+    for (size_t i = 0; i < names->count && form == NULL && named.count == 0; i++)
+        kept[i] = reads_as_number(reader, reader->fields[i]);
+}
+
+bool csv_leave_columns(csv_reader *reader)
+{
+    csv_columns *columns = reader->attributes->csv;
+    column_names names = {columns->names, reader->column_count};
+    csv_field kept_names[BAT_SPACE_MAX_DIM];
+    bool kept[BAT_SPACE_MAX_DIM] = {false};
+    size_t count = 0, time;
+    if (columns->names == NULL || reader->tum)
+        return true;
+    columns->time = time = column_find_time(&names, &reader->time_decimals);
+    bool named = reader->options->columns != NULL || reader->options->group != NULL || reader->options->space != NULL;
+    if (time == BAT_NO_INDEX || named || reader->space_name[0] != '\0' || reader->column_list[0] != '\0')
+        return true;
+    keep_columns(reader, &names, kept);
+    kept[time] = true;
+    for (size_t i = 0; i < names.count; i++)
+    {
+        csv_field name = {names.names[i], names.names[i] + strlen(names.names[i])};
+        if (kept[i])
+            kept_names[count++] = name;
+        else if (reader->left_count++ == 0)
+            (void)text_excerpt(reader->left_name, csv_unquoted(name).begin, csv_unquoted(name).end);
+        reader->left[i] = !kept[i];
+    }
+    if (reader->left_count == 0)
+        return true;
+    reader->column_count = count;
+    bool good = csv_columns_name(columns, kept_names, count);
+    names = (column_names){columns->names, count};
+    columns->time = column_find_time(&names, &reader->time_decimals);
+    return good;
+}
+
+void csv_drop_left(csv_reader *reader)
+{
+    size_t next = 0, total = reader->column_count + reader->left_count;
+    for (size_t i = 0; i < total && reader->left_count > 0; i++)
+        if (!reader->left[i])
+            reader->fields[next++] = reader->fields[i];
 }
 
 /// The coordinates that the caller or a directive chooses.
@@ -389,7 +449,7 @@ static bat_status check_guess(const csv_reader *reader, const text_line *line, b
     static const int MAX_GUESSED = 3;
     const csv_columns *columns = reader->attributes->csv;
     const csv_choice *choice = &reader->choice;
-    bool others = choice->times != BAT_NO_INDEX;
+    bool others = choice->times != BAT_NO_INDEX && !reader->options->motion;
     for (size_t i = 0; i < reader->column_count && columns->kinds != NULL; i++)
         others = others || (columns->kinds[i] != CSV_NUMBER && columns->kinds[i] != CSV_EMPTY);
     if (!choice->by_place || !others || (choice->count >= 2 && (choice->count <= MAX_GUESSED || named_space)))
@@ -522,7 +582,8 @@ bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *erro
             return error_memory(error, TUM_COLUMNS * sizeof(char *));
     }
     column_names names = {columns->names, reader->column_count};
-    const point_form *form = list == NULL ? find_form(space, &names) : NULL;
+    const point_form *form =
+        list == NULL ? find_form(space, reader->options->motion && columns->time != BAT_NO_INDEX, &names) : NULL;
     char fault[BAT_ERROR_TEXT_SIZE];
     if (status == BAT_OK && space == NULL && list == NULL && point_form_incomplete(form, &names, fault, sizeof fault))
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->header_line, "%s", fault);
@@ -543,7 +604,7 @@ bat_status csv_choose(csv_reader *reader, const text_line *line, bat_error *erro
         if (list != NULL)
             status = use_chosen(reader, list, space, error);
         else
-            csv_columns_choose(columns, space, &reader->choice);
+            csv_columns_choose(columns, space, reader->options->motion, &reader->choice);
         if (status == BAT_OK)
             status = use_choice(reader, line, space != NULL, error);
     }
@@ -579,7 +640,7 @@ static bool note_coordinates(csv_reader *reader)
     motion_channels known;
     csv_columns_channels(columns, reader->coordinate_count,
                          point_form_first(reader->builder.space.name, reader->builder.space.point_dim), &known);
-    size_t channels = reader->number_count - reader->coordinate_count - known.velocity_count - (known.time != BAT_NO_INDEX);
+    size_t channels = reader->number_count - reader->coordinate_count - motion_channels_count(&known);
     bool named = columns->names != NULL && !choice->by_place;
     bool guessed =
         named ? choice->spelled || (channels > 0 && !choice->degrees) : columns->names != NULL || columns->other_count > 0;
@@ -627,7 +688,18 @@ static bool note_group(csv_reader *reader)
 bool csv_note_columns(csv_reader *reader)
 {
     char text[160];
+    int decimals = reader->attributes->time_decimals;
     bool good = note_coordinates(reader);
+    if (good && reader->left_count > 0)
+        good = attributes_note(reader->attributes, "%zu column%s no part of a motion and left out, the first '%s'",
+                               reader->left_count, reader->left_count > 1 ? "s are" : " is", reader->left_name);
+    if (good && reader->left_rows > 0)
+        good =
+            attributes_note(reader->attributes, "%zu row%s the time of the row before and left out, the first on line %zu",
+                            reader->left_rows, reader->left_rows > 1 ? "s have" : " has", reader->first_left_row);
+    if (good && decimals > 0)
+        good = attributes_note(reader->attributes, "times in %s%s; rates and velocities count seconds",
+                               exact_time_unit(decimals), reader->time_by_size ? ", by their size" : "");
     if (good && list_columns(reader, CSV_ID, text, sizeof text))
         good = attributes_note(reader->attributes,
                                "column %s holds running numbers and is no coordinate; it is numbered anew", text);

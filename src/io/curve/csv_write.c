@@ -28,6 +28,7 @@ typedef struct csv_layout
     double *places;    ///< of all points between the rows of the input file; null where they are not needed
     size_t time_place; ///< of the times among the numbers; BAT_NO_INDEX without
     int64_t origin;    ///< of the times
+    int time_decimals; ///< of their unit
     const char *date;  ///< the form of the times where they are dates; else null
 } csv_layout;
 
@@ -56,7 +57,8 @@ static bat_status choose_layout(const bat_curve_set *set, const bat_curve_write_
                            .decimals = options->precision,
                            .corner = BAT_NO_INDEX,
                            .time_place = BAT_NO_INDEX,
-                           .origin = bat_curve_set_time_origin(set)};
+                           .origin = bat_curve_set_time_origin(set),
+                           .time_decimals = attributes != NULL ? attributes->time_decimals : 0};
     const csv_columns *columns = attributes != NULL ? attributes->csv : NULL;
     if (attributes != NULL && columns == NULL &&
         (attributes->channels.time != BAT_NO_INDEX || attributes->channels.velocity_count > 0))
@@ -124,7 +126,7 @@ static bool is_open(const csv_columns *columns)
 static bool is_implied(const csv_columns *columns, const char *space, size_t coordinates)
 {
     csv_choice choice;
-    csv_columns_choose(columns, space, &choice);
+    csv_columns_choose(columns, space, false, &choice);
     bool same = choice.count == coordinates && choice.degrees == columns->degrees && choice.radians == columns->radians;
     for (size_t i = 0; same && i < coordinates; i++)
         same = columns->places[choice.columns[i]] == i;
@@ -157,7 +159,7 @@ static const char *implied_space(const csv_layout *layout)
         return ""; // the meaning of the names depends on the space
     if (layout->columns == NULL)
         return layout->column_count == 2 ? "plane" : "euclidean";
-    csv_columns_choose(layout->columns, NULL, &choice);
+    csv_columns_choose(layout->columns, NULL, false, &choice);
     return choice.space;
 }
 
@@ -224,7 +226,7 @@ static char *write_date(char *out, const csv_layout *layout, double seconds)
     if (iso_time_read(layout->date, layout->date + strlen(layout->date), &form) &&
         exact_time_nanoseconds(layout->origin, seconds, &nanoseconds))
         return iso_time_write(out, &form, nanoseconds);
-    return exact_time_write(out, layout->origin, seconds);
+    return exact_time_write(out, layout->origin, layout->time_decimals, seconds);
 }
 
 static char *write_number(char *out, const csv_row *row, size_t place)
@@ -232,8 +234,8 @@ static char *write_number(char *out, const csv_row *row, size_t place)
     const csv_layout *layout = row->layout;
     if (layout->date != NULL && place == layout->time_place && row->channels != NULL)
         return write_date(out, layout, row->channels[place - layout->coordinate_count]);
-    if (layout->origin != 0 && place == layout->time_place && row->channels != NULL)
-        return exact_time_write(out, layout->origin, row->channels[place - layout->coordinate_count]);
+    if (place == layout->time_place && row->channels != NULL)
+        return exact_time_write(out, layout->origin, layout->time_decimals, row->channels[place - layout->coordinate_count]);
     if (place >= layout->coordinate_count && row->channels != NULL)
         return number_write(out, row->channels[place - layout->coordinate_count]);
     if (layout->degrees)
@@ -355,9 +357,9 @@ typedef struct pose_layout
     char separator;
     size_t coordinates[7]; ///< those of a rigid motion in the order of a row
     bool matrix;           ///< 3 rows and 4 columns instead
-    bool nanoseconds;
-    size_t time;    ///< the channel of the times; BAT_NO_INDEX: they are not written
-    int64_t origin; ///< of the times
+    int time_decimals;     ///< of the unit of the times
+    size_t time;           ///< the channel of the times; BAT_NO_INDEX: they are not written
+    int64_t origin;        ///< of the times
 } pose_layout;
 
 enum
@@ -365,13 +367,6 @@ enum
     /// Of a row of matrices.
     MAX_POSE_NUMBERS = 12
 };
-
-/// Write seconds since an origin as whole nanoseconds. Returns null where they are too many.
-static char *write_nanoseconds(char *out, int64_t origin, double seconds)
-{
-    int64_t units;
-    return exact_time_nanoseconds(origin, seconds, &units) ? out + snprintf(out, NUMBER_TEXT_SIZE, "%" PRId64, units) : NULL;
-}
 
 /// The numbers of a pose after its time. Returns their count.
 static size_t pose_numbers(const pose_layout *layout, const double *point, double *numbers)
@@ -407,10 +402,10 @@ static bat_status format_poses(const void *context, const row_span *span, text_b
             return row_not_finite(span, i, error);
         if (layout->time != BAT_NO_INDEX)
         {
-            out = layout->nanoseconds ? write_nanoseconds(out, layout->origin, time)
-                                      : exact_time_write(out, layout->origin, time);
-            if (out == NULL)
+            int64_t units;
+            if (layout->time_decimals == EXACT_TIME_DECIMALS && !exact_time_nanoseconds(layout->origin, time, &units))
                 return error_set(error, BAT_UNSUPPORTED, i, 0, "the time of point %zu is too large for nanoseconds", i);
+            out = exact_time_write(out, layout->origin, layout->time_decimals, time);
             *out++ = layout->separator;
         }
         for (size_t j = 0; j < count; j++)
@@ -443,7 +438,7 @@ static const pose_layout POSES[] = {
      .header = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n",
      .separator = ',',
      .coordinates = {0, 1, 2, 3, 4, 5, 6},
-     .nanoseconds = true},
+     .time_decimals = EXACT_TIME_DECIMALS},
     {.format = BAT_CURVE_FORMAT_KITTI, .name = "KITTI", .header = "", .separator = ' ', .matrix = true},
 };
 
@@ -455,6 +450,8 @@ bat_status trajectory_write(const bat_curve_set *set, const bat_curve_write_opti
         layout = POSES[i];
     layout.time = layout.matrix ? BAT_NO_INDEX : time_channel(set);
     layout.origin = bat_curve_set_time_origin(set);
+    if (set->attributes != NULL && set->attributes->format == options->format)
+        layout.time_decimals = set->attributes->time_decimals;
     if (quaternion_place(set->space) != 3)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory holds rigid motions, not the space %s",
                          layout.name, set->space->name);

@@ -148,11 +148,21 @@ bat_curve_write_options bat_curve_write_defaults(void)
     return (bat_curve_write_options){.format = BAT_CURVE_FORMAT_AUTO, .precision = 10};
 }
 
+static const bat_choice TIME_UNITS[] = {
+    CHOICE("auto", "by the name of the column, else by the size of the first time", BAT_TIME_UNIT_AUTO),
+    CHOICE("seconds", "seconds", BAT_TIME_UNIT_SECONDS),
+    CHOICE("milliseconds", "thousandths of seconds", BAT_TIME_UNIT_MILLISECONDS),
+    CHOICE("microseconds", "millionths of seconds", BAT_TIME_UNIT_MICROSECONDS),
+    CHOICE("nanoseconds", "billionths of seconds", BAT_TIME_UNIT_NANOSECONDS),
+};
+const bat_family bat_time_unit_family = FAMILY("unit of time", TIME_UNITS);
+
 static bat_status curve_read_options_check(const void *opaque, bat_error *error)
 {
     const bat_curve_read_options *options = opaque;
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_curve_read_options, format, bat_curve_format_family),
+        OPTION_FAMILY(bat_curve_read_options, time_unit, bat_time_unit_family),
         OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
         OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_curve_read_options),

@@ -6,75 +6,31 @@
 #include <stdio.h>
 #include <string.h>
 
-static const int64_t BILLION = 1000000000;
-
-/// Write nanoseconds as seconds since the origin, exactly. The first time sets the origin.
-static const char *write_since(pose_clock *clock, int64_t nanoseconds, char *out)
+const char *pose_time_copy(csv_field cell, char separator, text_buffer *text)
 {
-    if (!clock->begun)
-        clock->origin = exact_time_origin(nanoseconds);
-    clock->begun = true;
-    int64_t since;
-    if (__builtin_sub_overflow(nanoseconds, clock->origin * BILLION, &since))
-        return "out of range";
-    (void)nanoseconds_write(out, since);
-    return NULL;
-}
-
-/// Whether a time in seconds has more digits than a double.
-static bool pose_time_is_long(csv_field cell)
-{
-    static const int DOUBLE_DIGITS = 15;
-    int digits = 0;
-    cell = csv_unquoted(cell);
-    for (const char *at = cell.begin; at < cell.end; at++)
-        digits += *at >= '0' && *at <= '9';
-    return digits > DOUBLE_DIGITS;
-}
-
-const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out)
-{
-    int64_t whole, nanoseconds;
     iso_time iso;
     double value;
     bool comma = false;
     cell = csv_unquoted(cell);
-    if (iso_time_read(cell.begin, cell.end, &iso))
-    {
-        if (!clock->begun && cell.end - cell.begin < (ptrdiff_t)sizeof clock->first)
-            (void)snprintf(clock->first, sizeof clock->first, "%.*s", (int)(cell.end - cell.begin), cell.begin);
-        return write_since(clock, iso.nanoseconds, out);
-    }
-    int decimals = pose_unit_decimals(unit);
-    int64_t power = number_power_of_ten(EXACT_TIME_DECIMALS - decimals);
-    if (decimals > 0 && csv_read_whole(cell, INT64_DIGITS, &whole) && !__builtin_mul_overflow(whole, power, &nanoseconds))
-        return write_since(clock, nanoseconds, out);
-    if (decimals == 0 && pose_time_is_long(cell) && exact_time_read(cell.begin, cell.end, &nanoseconds))
-        return write_since(clock, nanoseconds, out);
-    const char *fault = csv_read_number(cell, separator, &value, &comma);
-    clock->begun = true;
-    if (fault == NULL)
-        *number_write(out, value / (double)number_power_of_ten(decimals) - (double)clock->origin) = '\0';
+    const char *fault = iso_time_read(cell.begin, cell.end, &iso) ? NULL : csv_read_number(cell, separator, &value, &comma);
+    for (const char *at = cell.begin; at < cell.end && fault == NULL; at++)
+        text_append(text, *at == ',' ? "." : at, 1);
     return fault;
 }
 
-const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out)
+const char *pose_time_join(csv_field seconds, csv_field nanoseconds, text_buffer *text)
 {
+    static const int64_t BILLION = 1000000000;
     int64_t whole, part;
+    char time[EXACT_TIME_SIZE + 1];
     if (!csv_read_whole(csv_unquoted(seconds), INT64_DIGITS, &whole) ||
         !csv_read_whole(csv_unquoted(nanoseconds), INT64_DIGITS, &part))
         return "not a whole number";
     if (part < 0 || part >= BILLION || whole > INT64_MAX / BILLION - 1 || whole < 0)
         return "out of range";
-    return write_since(clock, whole * BILLION + part, out);
-}
-
-column_unit pose_unit_by_size(csv_field cell)
-{
-    int64_t whole;
-    if (!csv_read_whole(csv_unquoted(cell), INT64_DIGITS, &whole) || whole < 100000000000)
-        return UNIT_NONE;
-    return whole >= 100000000000000000 ? UNIT_NANO : whole >= 100000000000000 ? UNIT_MICRO : UNIT_MILLI;
+    *nanoseconds_write(time, whole * BILLION + part) = '\0';
+    text_append_string(text, time);
+    return NULL;
 }
 
 /// Decimals of seconds in whole nanoseconds.
@@ -143,12 +99,24 @@ int pose_unit_decimals(column_unit unit)
     return unit == UNIT_NANO ? NANO : unit == UNIT_MICRO ? 6 : unit == UNIT_MILLI ? 3 : 0;
 }
 
+bool pose_name_is_px4(csv_field field)
+{
+    field = csv_unquoted(field);
+    return field.end - field.begin == 4 && strncmp(field.begin, "q[", 2) == 0 && field.begin[2] >= '0' &&
+           field.begin[2] <= '3' && field.begin[3] == ']';
+}
+
 void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit *found)
 {
     size_t length = 0;
     field = csv_unquoted(field);
     *found = UNIT_NONE;
     char unit_name[POSE_NAME_SIZE] = "";
+    if (pose_name_is_px4(field))
+    {
+        (void)snprintf(name, POSE_NAME_SIZE, "q%c", "wxyz"[field.begin[2] - '0']);
+        return;
+    }
     for (const char *at = field.begin; at < field.end && length + 1 < POSE_NAME_SIZE; at++)
     {
         if (*at == '[' || *at == '(')
@@ -211,6 +179,8 @@ role pose_name_role(const char *name, bool *canonical)
     for (size_t i = 0; axis >= 'x' && axis <= 'z' && i < sizeof PLACES / sizeof *PLACES; i++)
         if (strlen(PLACES[i]) + 1 == length && strncmp(name, PLACES[i], length - 1) == 0)
             return (role)(X + (axis - 'x'));
+    if (length == 8 && axis >= 'x' && axis <= 'z' && strncmp(name, "v_rs_r_", 7) == 0)
+        return (role)(VX + (axis - 'x'));
     for (size_t i = 0; axis >= 'w' && axis <= 'z' && i < sizeof TURNS / sizeof *TURNS; i++)
         if (strlen(TURNS[i]) + 1 == length && strncmp(name, TURNS[i], length - 1) == 0)
             return (role)(QW + (axis - 'w'));

@@ -35,7 +35,7 @@ static bat_status read_key_times(const pose_translation *work, double **times, s
     *count = 0;
     if (work->options->key_times == NULL)
         return BAT_OK;
-    bat_status status = bat_motion_times_read(work->options->key_times, 0, times, count, error);
+    bat_status status = bat_motion_times_read(work->options->key_times, NULL, times, count, error);
     if (status == BAT_OK || error == NULL)
         return status;
     char text[BAT_ERROR_TEXT_SIZE];

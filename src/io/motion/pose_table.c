@@ -13,6 +13,9 @@ static const char *const OUTPUT_NAMES[ROLES] = {
     [TIME] = "time", [X] = "tx",  [Y] = "ty",  [Z] = "tz",  [QW] = "qw", [QX] = "qx", [QY] = "qy",
     [QZ] = "qz",     [VX] = "vx", [VY] = "vy", [VZ] = "vz", [WX] = "wx", [WY] = "wy", [WZ] = "wz"};
 
+/// What is appended to the name of times for their unit.
+static const char *const TIME_UNITS[] = {"", "_ms", "_us", "_ns"};
+
 /// How many of `count` roles have columns.
 static size_t count_roles(const pose_translation *work, role first, size_t count)
 {
@@ -37,6 +40,7 @@ static void read_roles(pose_translation *work, const csv_field *fields, size_t c
         role what = pose_name_role(name, &canonical);
         names->globe = names->globe || strncmp(name, "lon", 3) == 0 || strncmp(name, "lat", 3) == 0;
         names->euroc = names->euroc || strncmp(name, "q_rs_", 5) == 0;
+        names->px4 = names->px4 || strcmp(name, "timestamp_sample") == 0 || pose_name_is_px4(fields[i]);
         if (what == ROLES)
         {
             csv_field other = csv_unquoted(fields[i]);
@@ -59,6 +63,8 @@ static void read_roles(pose_translation *work, const csv_field *fields, size_t c
         if (what >= ROLL && what <= YAW)
             names->angles[what - ROLL] = found;
     }
+    if (names->px4 && work->time_unit == UNIT_NONE)
+        work->time_unit = UNIT_MICRO;
     work->width = count;
 }
 
@@ -87,13 +93,9 @@ static bat_status choose_angles(pose_translation *work, const pose_header *names
     return BAT_OK;
 }
 
-static void note_table(pose_translation *work, const pose_header *names, bool by_size)
+static void note_table(pose_translation *work, const pose_header *names)
 {
-    static const char *const units[] = {
-        [UNIT_NONE] = "seconds",       [UNIT_SECONDS] = "seconds",  [UNIT_MILLI] = "milliseconds",
-        [UNIT_MICRO] = "microseconds", [UNIT_NANO] = "nanoseconds", [UNIT_DEGREES] = "seconds",
-        [UNIT_RADIANS] = "seconds",    [UNIT_OTHER] = "seconds"};
-    bool split = work->columns[SECONDS] != BAT_NO_INDEX, timed = split || work->columns[TIME] != BAT_NO_INDEX;
+    bool split = work->columns[SECONDS] != BAT_NO_INDEX;
     bool angles = count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
     bool turned = has_orientation(work);
     if (names->euroc)
@@ -104,13 +106,11 @@ static void note_table(pose_translation *work, const pose_header *names, bool by
                   work->options->euler != NULL ? "" : " (another can be named)");
     else if (turned)
         pose_note(work, "poses by names of columns: quaternions from the body's frame to the fixed one");
-    if (timed)
-        pose_note(work, "times in %s%s%s", split ? "seconds and nanoseconds" : units[work->time_unit],
-                  by_size ? " (by their size)" : "",
-                  split || pose_unit_decimals(work->time_unit) > 0 ? " are seconds, with all of their digits" : "");
+    if (split)
+        pose_note(work, "times in seconds and nanoseconds are seconds, with all of their digits");
     if (names->others > 0)
-        pose_note(work, "%zu column%s no part of a pose and left out, the first '%.40s'", names->others,
-                  names->others > 1 ? "s are" : " is", names->other);
+        pose_note(work, "%zu column%s no part of a pose and left out%s%.40s", names->others,
+                  names->others > 1 ? "s are" : " is", names->other[0] != '\0' ? ", as " : "", names->other);
 }
 
 /// Append the quaternion of three angles: turns about the body's axes in the order of the letters.
@@ -144,7 +144,7 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
     csv_field fields[BAT_SPACE_MAX_DIM];
     size_t count;
     bool comma = false;
-    char time[NUMBER_TEXT_SIZE + 32], *out;
+    char *out;
     double numbers[ROLES] = {0};
     const char *fault = csv_split(work->source, line, work->separator, fields, &count);
     if (fault != NULL)
@@ -156,9 +156,9 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
                          work->width);
     size_t timed = work->columns[SECONDS] != BAT_NO_INDEX ? work->columns[SECONDS] : work->columns[TIME];
     if (work->columns[SECONDS] != BAT_NO_INDEX)
-        fault = pose_time_write_split(&work->clock, fields[timed], fields[work->columns[NANOSECONDS]], time);
+        fault = pose_time_join(fields[timed], fields[work->columns[NANOSECONDS]], &work->text);
     else if (timed != BAT_NO_INDEX)
-        fault = pose_time_write(&work->clock, fields[timed], work->separator, work->time_unit, time);
+        fault = pose_time_copy(fields[timed], work->separator, &work->text);
     if (fault != NULL)
         return cell_fault(fields, timed, line->number, fault, error);
     for (size_t i = X; i < ROLES; i++)
@@ -168,8 +168,6 @@ static bat_status translate_row(pose_translation *work, const text_line *line, b
     bool angles = count_roles(work, QW, 4) < 4 && count_roles(work, ROLL, 3) == 3;
     if (angles)
         turn_by_angles(work, numbers + ROLL, numbers + QW);
-    if (timed != BAT_NO_INDEX)
-        text_append_string(&work->text, time);
     if ((out = text_reserve(&work->text, ROLES * (NUMBER_TEXT_SIZE + 1))) == NULL)
         return BAT_OK; // told at the end
     bool first = timed == BAT_NO_INDEX;
@@ -199,12 +197,14 @@ static void write_names(pose_translation *work)
         bool plain = !turned && i >= X && i <= Z;
         text_append_string(&work->text, first ? "" : ",");
         text_append_string(&work->text, OUTPUT_NAMES[i] + plain);
+        if (i == TIME)
+            text_append_string(&work->text, TIME_UNITS[pose_unit_decimals(work->time_unit) / 3]);
         first = false;
     }
 }
 
 /// Check that the columns of a table make poses, and forget those that do not belong to one.
-static bat_status check_table(pose_translation *work, const pose_header *names, size_t line, bat_error *error)
+static bat_status check_table(pose_translation *work, pose_header *names, size_t line, bat_error *error)
 {
     size_t places = count_roles(work, X, 3), speeds = count_roles(work, VX, 3), turns = count_roles(work, WX, 3);
     if (names->twice != BAT_NO_INDEX)
@@ -216,20 +216,24 @@ static bat_status check_table(pose_translation *work, const pose_header *names, 
         return pose_fail(error, line, "of seconds and nanoseconds, only one column is there");
     if (places != 0 && places != 3)
         return pose_fail(error, line, "a pose needs columns x, y and z, or none of them");
-    bool whole = has_orientation(work) ? turns == 3 && (speeds == 3 || places == 0) : speeds == 3;
-    for (size_t i = VX; i <= WZ && !whole; i++)
-        work->columns[i] = BAT_NO_INDEX;
+    for (size_t i = VX; i <= WZ; i++)
+    {
+        bool kept = i < WX ? speeds == 3 && places == 3 : turns == 3 && has_orientation(work);
+        if (!kept && work->columns[i] != BAT_NO_INDEX)
+            names->others++;
+        work->columns[i] = kept ? work->columns[i] : BAT_NO_INDEX;
+    }
     return BAT_OK;
 }
 
-bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time, bool *by_size)
+bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time)
 {
     iso_time iso;
     const char *space = work->options->space;
     bool turned = has_orientation(work), stamped = work->columns[SECONDS] != BAT_NO_INDEX;
     csv_field bare = csv_unquoted(time);
-    *by_size = work->time_unit == UNIT_NONE && pose_unit_by_size(time) != UNIT_NONE;
-    bool scaled = stamped || *by_size || pose_unit_decimals(work->time_unit) > 0;
+    bool by_size = work->time_unit == UNIT_NONE && exact_time_decimals(bare.begin, bare.end) > 0;
+    bool scaled = stamped || by_size || pose_unit_decimals(work->time_unit) > 0;
     bool placed = count_roles(work, X, 3) == 3;
     if (names->globe || (space != NULL && strcmp(space, "rigid") != 0 && strcmp(space, "rotation") != 0))
         return false;
@@ -238,8 +242,7 @@ bool pose_wants_table(const pose_translation *work, const pose_header *names, cs
     return placed && (stamped || pose_unit_decimals(work->time_unit) > 0) && space == NULL;
 }
 
-bat_status pose_translate_table(pose_translation *work, const text_line *head, const pose_header *names, bool by_size,
-                                bat_error *error)
+bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error)
 {
     bat_status status = check_table(work, names, head->number, error);
     if (status == BAT_OK && count_roles(work, QW, 4) < 4 && has_orientation(work))
@@ -258,7 +261,7 @@ bat_status pose_translate_table(pose_translation *work, const text_line *head, c
     work->reader = BAT_CURVE_FORMAT_CSV;
     work->format = names->euroc && has_orientation(work) && count_roles(work, X, 3) == 3 ? BAT_CURVE_FORMAT_EUROC
                                                                                          : BAT_CURVE_FORMAT_CSV;
-    note_table(work, names, by_size);
+    note_table(work, names);
     return status;
 }
 

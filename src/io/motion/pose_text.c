@@ -127,17 +127,17 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
     size_t count;
     double numbers[7];
     bool comma = false;
-    char time[NUMBER_TEXT_SIZE + 32], separator = csv_find_separator(line);
+    char separator = csv_find_separator(line);
     const char *fault = csv_split(work->source, line, separator, fields, &count);
     if (fault == NULL && count < TUM_NUMBERS)
         fault = "a row of EuRoC poses has 8 numbers or more";
     if (fault == NULL)
-        fault = pose_time_write(&work->clock, fields[0], separator, UNIT_NANO, time);
+        fault = pose_time_copy(fields[0], separator, &work->text);
     for (size_t i = 0; i < 7 && fault == NULL; i++)
         fault = csv_read_number(fields[1 + i], separator, &numbers[i], &comma);
     if (fault != NULL)
         return pose_fail(error, line->number, fault);
-    pose_write_tum(work, time, numbers, numbers + 3);
+    pose_write_tum(work, "", numbers, numbers + 3);
     return BAT_OK;
 }
 
@@ -162,7 +162,6 @@ static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_e
     pose_note(work,
               "EuRoC poses%s: of the body in the reference frame, quaternions w x y z; velocities and biases are left out",
               named ? "" : ", by their numbers");
-    pose_note(work, "times in nanoseconds are seconds, with all of their digits");
     return status;
 }
 
@@ -171,15 +170,10 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
     text_line head;
     pose_header names;
     csv_field time;
-    bool by_size;
     double first = 0;
     char separator = ' ';
-    if (pose_find_header(work, &head, &names, &time) && pose_wants_table(work, &names, time, &by_size))
-    {
-        if (by_size)
-            work->time_unit = pose_unit_by_size(time);
-        return pose_translate_table(work, &head, &names, by_size, error);
-    }
+    if (pose_find_header(work, &head, &names, &time) && pose_wants_table(work, &names, time))
+        return pose_translate_table(work, &head, &names, error);
     const char *space = work->options->space;
     if (names_alone || (space != NULL && strcmp(space, "rigid") != 0))
         return BAT_OK;
@@ -200,9 +194,8 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
                                             "read.format", "tum takes quaternions as x y z w");
     work->reader = work->format = BAT_CURVE_FORMAT_TUM;
     work->as_it_is = true;
-    pose_note(work,
-              "a TUM trajectory, by its content: times in seconds, positions, quaternions x y z w from the body's frame "
-              "to the fixed one");
+    pose_note(work, "a TUM trajectory, by its content: times, positions, quaternions x y z w from the body's frame "
+                    "to the fixed one");
     return BAT_OK;
 }
 
@@ -211,14 +204,13 @@ static bat_status read_translated(pose_translation *work, bat_curve_set *set, ba
     file_text made = {.data = work->text.data, .size = work->text.size};
     bat_curve_read_options options = *work->options;
     options.format = work->reader;
+    options.motion = true;
+    if (work->format == BAT_CURVE_FORMAT_EUROC && options.time_unit == BAT_TIME_UNIT_AUTO)
+        options.time_unit = BAT_TIME_UNIT_NANOSECONDS;
     bat_status status = csv_read(work->as_it_is ? work->source : &made, &options, set, error);
     if (status != BAT_OK)
         return status;
     set->attributes->format = work->format;
-    // The reader sets an origin of its own for times that the translation has left whole.
-    set->attributes->time_origin += work->clock.origin;
-    if (work->clock.first[0] != '\0')
-        memcpy(set->attributes->time_text, work->clock.first, sizeof work->clock.first);
     for (size_t i = 0; i < work->note_count; i++)
         if (!attributes_note(set->attributes, "%s", work->notes[i]))
         {

@@ -60,31 +60,18 @@ int pose_unit_decimals(column_unit unit);
 /// The name of a column in lower case without quotes, unit and prefixes, with '_' for dots, slashes and blanks.
 void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit *found);
 
+/// Whether a column is a part of a quaternion as logs of PX4 name it: "q[0]" is w.
+bool pose_name_is_px4(csv_field field);
+
 /// The role of a normalized name, or ROLES. `*canonical` tells whether the reader of CSV knows the name itself.
 role pose_name_role(const char *name, bool *canonical);
 
-// The times of poses: seconds, their decimal parts, seconds with nanoseconds, and ISO 8601.
+// The times of poses, which the reader of CSV understands: numbers in a unit, and ISO 8601.
 
-enum
-{
-    POSE_TIME_SIZE = 64
-};
-
-/// What is known of the times of a text.
-typedef struct pose_clock
-{
-    bool begun;
-    int64_t origin;                ///< whole seconds that translated times lack; see exact_time_origin()
-    char first[ISO_TIME_SIZE + 1]; ///< the first time, where times are those of ISO 8601; else empty
-} pose_clock;
-
-/// The text of a time in seconds since the clock's origin, in at most NUMBER_TEXT_SIZE + 1 bytes. Returns null, or an error
-/// text.
-const char *pose_time_write(pose_clock *clock, csv_field cell, char separator, column_unit unit, char *out);
-/// The same of seconds and nanoseconds in two columns.
-const char *pose_time_write_split(pose_clock *clock, csv_field seconds, csv_field nanoseconds, char *out);
-/// The unit of whole times that are too large for seconds since 1970.
-column_unit pose_unit_by_size(csv_field cell);
+/// Append a time as it is, with a decimal point. Returns null, or an error text.
+const char *pose_time_copy(csv_field cell, char separator, text_buffer *text);
+/// Append seconds and nanoseconds of two columns as seconds. Returns null, or an error text.
+const char *pose_time_join(csv_field seconds, csv_field nanoseconds, text_buffer *text);
 
 enum
 {
@@ -108,7 +95,6 @@ typedef struct pose_translation
     bool as_it_is;           ///< the source needs no translation
     char notes[POSE_NOTES][POSE_NOTE_SIZE];
     size_t note_count;
-    pose_clock clock;
     // Of tables:
     size_t columns[ROLES]; ///< BAT_NO_INDEX where there is none
     column_unit time_unit, angle_unit;
@@ -137,6 +123,7 @@ typedef struct pose_header
     bool foreign;               ///< a name is not one that the CSV reader knows
     bool globe;                 ///< there are longitudes or latitudes
     bool euroc;                 ///< names of EuRoC
+    bool px4;                   ///< names of a log of PX4, whose times are microseconds
     size_t twice;               ///< a second column of a role, or BAT_NO_INDEX
     column_unit angles[3];
 } pose_header;
@@ -145,8 +132,7 @@ typedef struct pose_header
 bool pose_find_header(pose_translation *work, text_line *head, pose_header *names, csv_field *time);
 /// Whether a table needs to be translated. Poses whose names the CSV reader knows do not, unless their times are none in
 /// seconds.
-bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time, bool *by_size);
-bat_status pose_translate_table(pose_translation *work, const text_line *head, const pose_header *names, bool by_size,
-                                bat_error *error);
+bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time);
+bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error);
 
 #endif

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/number_digits.h"
+#include "curve/curve_attributes.h"
 #include "io/common/number_text.h"
 #include "io/common/time_text.h"
 #include "io/motion/pose_translation.h"
@@ -14,27 +15,28 @@ typedef struct time_list
     double *times;
     size_t count, capacity;
     int64_t origin;
+    int decimals; ///< of the unit; 0: by the size
 } time_list;
 
 /// Read a time, less the origin. Returns null or an error text.
-static const char *read_time(const char *begin, const char *end, int64_t origin, double *time)
+static const char *read_time(const time_list *list, const char *begin, const char *end, double *time)
 {
-    static const int64_t LEAST = 100000000000000000;
     int64_t whole;
     iso_time date;
+    int decimals = list->decimals > 0 ? list->decimals : exact_time_decimals(begin, end);
     bool counts = iso_time_read(begin, end, &date);
     if (counts)
         whole = date.nanoseconds;
     else
-        counts = (csv_read_whole((csv_field){begin, end}, INT64_DIGITS, &whole) && whole >= LEAST) ||
-                 (origin != 0 && exact_time_read(begin, end, &whole));
+        counts = (decimals > 0 || list->origin != 0) && exact_time_read(begin, end, decimals, &whole);
     if (counts)
     {
-        *time = exact_time_since(whole, origin);
+        *time = exact_time_since(whole, list->origin);
         return NULL;
     }
     const char *fault = number_read(begin, end, time);
-    *time -= fault == NULL ? (double)origin : 0;
+    if (fault == NULL)
+        *time = *time / (double)number_power_of_ten(decimals) - (double)list->origin;
     return fault;
 }
 
@@ -46,7 +48,7 @@ static bat_status add_line(time_list *list, const text_line *line, bat_error *er
     bool title = list->count == 0 && end - begin == 4 && strncmp(begin, "time", 4) == 0;
     if (begin == end || *begin == '#' || title)
         return BAT_OK;
-    const char *fault = read_time(begin, end, list->origin, &time);
+    const char *fault = read_time(list, begin, end, &time);
     if (fault != NULL)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' is not a time (%s): a line has one number",
                          text_excerpt(excerpt, begin, end), fault);
@@ -57,10 +59,11 @@ static bat_status add_line(time_list *list, const text_line *line, bat_error *er
                                                                      : error_memory(error, list->count * sizeof time);
 }
 
-bat_status bat_motion_times_read(const char *path, int64_t origin, double **times, size_t *count, bat_error *error)
+bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count, bat_error *error)
 {
     file_text text = {0};
-    time_list list = {.origin = origin};
+    time_list list = {.origin = set != NULL ? bat_curve_set_time_origin(set) : 0,
+                      .decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0};
     bat_status status = file_text_read(path, &text, error);
     text_line line = text_line_start(&text);
     while (status == BAT_OK && text_line_next(&text, &line))
