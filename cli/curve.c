@@ -158,7 +158,9 @@ static const option_spec MOTION_VERB_OPTIONS[] = {
     {"ends", "RULE", METHOD, COMMON, "spline: {}; default auto; clamped ends are at rest",
      CHOICE(curve_job, motion.spline.ends, bat_motion_ends_family)},
     {"sigma", "S[,T]", METHOD, 0,
-     "spline: smooth keyframes with noise S, the root mean square distance; for poses S in units of length and T in radians",
+     "spline: smooth keyframes with noise S, the root mean square distance from the truth; of poses T in radians; auto "
+     "finds "
+     "both",
      NO_FIELD},
     {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
      CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
@@ -343,6 +345,11 @@ static bool read_sigma(const arguments *given, curve_job *job)
     if (text == NULL)
         return true;
     char *end;
+    if (strcmp(text, "auto") == 0)
+    {
+        spline->sigma = BAT_MOTION_SIGMA_AUTO;
+        return true;
+    }
     spline->sigma = strtod(text, &end);
     bool good = end != text && spline->sigma >= 0 && isfinite(spline->sigma);
     if (good && *end == ',')
@@ -351,7 +358,7 @@ static bool read_sigma(const arguments *given, curve_job *job)
         spline->angle_sigma = strtod(second, &end);
         good = end != second && spline->angle_sigma >= 0 && isfinite(spline->angle_sigma);
     }
-    return (good && *end == '\0') || argument_refused(given, "sigma", "a number, or two as in 0.01,0.002");
+    return (good && *end == '\0') || argument_refused(given, "sigma", "a number, two as in 0.01,0.002, or auto");
 }
 
 static bool read_units(const arguments *given, curve_job *job)

@@ -44,7 +44,9 @@ static int refine_motion(curve_job *job, size_t levels, bat_curve_set *fine)
     bat_motion_curves_options how = job->motion;
     bat_error error;
     const char *sigma = argument(job->call.given, "sigma");
-    if (sigma != NULL && strchr(sigma, ',') == NULL && strcmp(keyframes->space->name, "rigid") == 0)
+    if (how.spline.sigma < 0 && strcmp(keyframes->space->name, "rigid") == 0)
+        how.spline.angle_sigma = BAT_MOTION_SIGMA_AUTO;
+    else if (sigma != NULL && strchr(sigma, ',') == NULL && strcmp(keyframes->space->name, "rigid") == 0)
     {
         error = (bat_error){.text = "--sigma takes two numbers for poses, as in 0.01,0.002: lengths and radians"};
         return report_failure(job->call.input, &error);
@@ -544,6 +546,15 @@ static json_t *report_outliers(const curve_job *job, bool as_json)
                        (int)(job->motion.spline.outliers == BAT_MOTION_OUTLIERS_TUKEY), time);
 }
 
+/// The noise of the keyframes, given or found.
+static json_t *report_noise(const curve_job *job, bool as_json)
+{
+    const bat_motion_report *moved = &job->findings.moved;
+    return report_part(
+        as_json, "noise: {sigma:.4g}[angle_sigma?, {angle_sigma:.4g} rad] of keyframes[found?, by themselves]\n",
+        "sigma:n angle_sigma:n -found:b", moved->sigma, moved->angle_sigma, (int)(job->motion.spline.sigma < 0));
+}
+
 /// Keys whose step says nothing of the velocity.
 static json_t *report_held(const curve_job *job, bool as_json)
 {
@@ -625,6 +636,8 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
          corners = job->refine.corner_angle > 0 || job->refine.find_corners || findings->done.curves.corners > 0;
     size_t kept = findings->done.curves.corners;
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
+    bool noisy = findings->moved.sigma > 0 || findings->moved.angle_sigma > 0;
+    json_t *noise = noisy ? report_noise(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
     json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
     json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
@@ -659,15 +672,15 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     char keys[200];
     (void)snprintf(keys, sizeof keys,
                    "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
-                   "conflict:o? "
+                   "conflict:o? noise:o? "
                    "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
                    job->motion.times != NULL ? "times"
                    : job->motion.rate > 0    ? "rate"
                                              : "levels",
                    findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, held, conflict, smoothed, crossings,
-                         corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
+                         findings->written.left_out, findings->written.lost, outliers, held, conflict, noise, smoothed,
+                         crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
 }
 
 int curve_report(void *of)

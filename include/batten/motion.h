@@ -32,7 +32,8 @@ extern BAT_API const bat_family bat_motion_method_family;
 /// What bat_motion_curves() did, over all curves.
 typedef struct bat_motion_report
 {
-    size_t keys;      ///< of all motions in time
+    size_t keys;               ///< of all motions in time
+    double sigma, angle_sigma; ///< the greatest noise of a curve's keys, given or estimated; 0 for none
     double threshold; ///< keys farther from a smoothed motion, in units of sigma, are outliers; 0 without a rule for them
     size_t outliers;  ///< keys that count less (huber) or not at all (tukey)
     size_t outlier;   ///< the first of them, and its curve; BAT_NO_INDEX for none

@@ -43,6 +43,9 @@ extern BAT_API const bat_family bat_motion_ends_family, bat_motion_shape_family;
 #define BAT_MOTION_HUBER 1.345
 #define BAT_MOTION_TUKEY 4.685
 
+/// For `sigma`: the noise is estimated, by generalized cross-validation.
+#define BAT_MOTION_SIGMA_AUTO (-1.0)
+
 /// What noisy keys far from a smoothed motion count.
 typedef enum bat_motion_outliers
 {
@@ -62,10 +65,11 @@ typedef struct bat_motion_spline_options
     bat_motion_shape shape;       ///< default BAT_MOTION_SHAPE_RESTING
     const double *begin_velocity; ///< clamped: the velocity at the first key; null: 0; default null
     const double *end_velocity;   ///< clamped: the velocity at the last key; null: 0; default null
-    /// The noise of keys, the root mean square of their distances from the motion: the spline passes near the keys, with the
-    /// least integral of the squared acceleration. In R^n, and of translations of rigid motions, in units of length; of
-    /// rotations, in radians. 0: through the keys; default 0. Not for closed motions and for given velocities; ends are
-    /// natural where they are automatic.
+    /// The noise of keys, the root mean square of their distances from the truth: the spline passes near the keys, as a
+    /// compromise with the integral of the squared acceleration that has the least expected error. In R^n, and of
+    /// translations of rigid motions, in units of length; of rotations, in radians. BAT_MOTION_SIGMA_AUTO: what the keys
+    /// tell. 0: through the keys; default 0. Not for closed motions and for given velocities; ends are natural where they
+    /// are automatic.
     double sigma;
     double angle_sigma;           ///< of the rotations of rigid motions, in radians; default 0
     bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_NONE
@@ -90,7 +94,8 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// For rotations this is the construction of Kang and Park (Cubic spline algorithms for orientation interpolation, 1999) and
 /// of scipy's RotationSpline, moved from the beginning of the interval to its middle. In R^n it is the cubic spline.
 ///
-/// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967).
+/// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967), for each coordinate
+/// with a penalty of its own, which is lower where the motion accelerates more.
 ///
 /// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none; without times the keys are
 ///                at 0, 1, 2, ...; the space must outlive the spline, the arrays need not
@@ -117,6 +122,10 @@ typedef struct bat_motion_keys
     /// The distances of the given keys from a smoothed motion in units of sigma; of rigid motions the larger of the
     /// distances of translations and of rotations. Zeros where nothing was smoothed.
     const double *deviations;
+    /// count x tangent_dim: the standard deviations of the smoothed keys, by the noise and the penalty as a prior (Wahba
+    /// 1983); of rotations in radians about the axes. Zeros where nothing was smoothed.
+    const double *uncertainties;
+    double sigma, angle_sigma; ///< the noise that was given or estimated
     /// Intervals far shorter than those beside them, with a far greater or smaller speed, whose keys have the velocity of
     /// the motion around both; acceleration jumps there. Counted for each factor. 0 for BAT_MOTION_SHAPE_SMOOTH.
     size_t held;

@@ -708,6 +708,8 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
     bat_motion_keys keys = bat_motion_spline_keys(spline);
     report->keys += keys.count;
     report->held += keys.held;
+    report->sigma = fmax(report->sigma, keys.sigma);
+    report->angle_sigma = fmax(report->angle_sigma, keys.angle_sigma);
     for (size_t i = 0; report->threshold > 0 && i < keys.count; i++)
     {
         if (!(keys.deviations[i] > report->threshold))

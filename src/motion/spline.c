@@ -34,13 +34,15 @@ struct bat_motion_spline
     size_t count, intervals; ///< of keys and of intervals
     bool extrapolate;
     int threads;
-    double *times;      ///< intervals + 1
-    size_t *buckets;    ///< intervals + 1: the interval at the beginning of each of as many equal parts of the range
-    double bucket_rate; ///< parts a unit of time
-    double *points;     ///< count x point_dim; the signs of quaternions do not jump
-    double *velocities; ///< count x tangent_dim
-    double *deviations; ///< count: of the given keys from the motion, in units of sigma
-    double *records;    ///< intervals x record_size
+    double *times;         ///< intervals + 1
+    size_t *buckets;       ///< intervals + 1: the interval at the beginning of each of as many equal parts of the range
+    double bucket_rate;    ///< parts a unit of time
+    double *points;        ///< count x point_dim; the signs of quaternions do not jump
+    double *velocities;    ///< count x tangent_dim
+    double *deviations;    ///< count: of the given keys from the motion, in units of sigma
+    double *uncertainties; ///< count x tangent_dim
+    double sigmas[2];      ///< of the noise: of all but rotations of rigid motions, and of these
+    double *records;       ///< intervals x record_size
     size_t record_size;
     size_t held; ///< intervals, over all factors
 };
@@ -86,14 +88,19 @@ static bat_status motion_spline_options_check(const void *opaque, bat_error *err
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_motion_spline_options, ends, bat_motion_ends_family),
         OPTION_FAMILY(bat_motion_spline_options, shape, bat_motion_shape_family),
-        OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
         OPTION_FAMILY(bat_motion_spline_options, outliers, bat_motion_outliers_family),
         OPTION_THREADS(bat_motion_spline_options),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_NONE && !(options->sigma > 0) &&
-        !(options->angle_sigma > 0))
+    const double sigmas[] = {options->sigma, options->angle_sigma};
+    for (int i = 0; status == BAT_OK && i < 2; i++)
+        if (sigmas[i] < 0 && sigmas[i] != BAT_MOTION_SIGMA_AUTO)
+            return error_option(error, i == 0 ? "sigma" : "angle_sigma", "is %g, but must be at least 0, or automatic",
+                                sigmas[i]);
+    if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_NONE && options->sigma == 0 &&
+        options->angle_sigma == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "outliers '%s' need sigma",
                          bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));
     bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
@@ -115,6 +122,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     free(spline->points);
     free(spline->velocities);
     free(spline->deviations);
+    free(spline->uncertainties);
     free(spline->records);
     free(spline);
 }
@@ -159,9 +167,10 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     spline->points = memory_array(keys->count, space->point_dim * sizeof(double));
     spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
     spline->deviations = calloc(keys->count, sizeof(double));
+    spline->uncertainties = calloc(keys->count, space->tangent_dim * sizeof(double));
     spline->records = memory_array(spline->intervals, spline->record_size * sizeof(double));
     if (spline->times == NULL || spline->buckets == NULL || spline->points == NULL || spline->velocities == NULL ||
-        spline->deviations == NULL || spline->records == NULL)
+        spline->deviations == NULL || spline->uncertainties == NULL || spline->records == NULL)
         return error_memory(error, spline->intervals * spline->record_size * sizeof(double));
     return BAT_OK;
 }
@@ -191,10 +200,10 @@ static bat_status check_sigma(const bat_hermite_curve *keys, const bat_motion_sp
     const bat_space *space = keys->space;
     bool rigid = space_is_rigid(space);
     const char *fault = NULL;
-    if (!rigid && options->angle_sigma > 0)
+    if (!rigid && options->angle_sigma != 0)
         return error_option(error, "angle_sigma", "is of rigid motions, not of the space %s, which takes sigma alone",
                             space->name);
-    if (!(options->sigma > 0) && !(options->angle_sigma > 0))
+    if (options->sigma == 0 && options->angle_sigma == 0)
         return BAT_OK;
     if (!rigid && !space_is_euclidean(space) && !space_is_rotation(space))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -221,7 +230,7 @@ static bat_status prepare_system(spline_system *system, const bat_motion_spline_
         given++;
     const spline_factor *f = system->factor;
     const double *begin = options->begin_velocity, *end = options->end_velocity;
-    bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) > 0 && options->ends == BAT_MOTION_ENDS_AUTO;
+    bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) != 0 && options->ends == BAT_MOTION_ENDS_AUTO;
     bat_status status = spline_system_measure(system, error);
     if (status == BAT_OK && given < system->count)
         status = spline_system_solve(system, natural ? BAT_MOTION_ENDS_NATURAL : options->ends, options->shape,
@@ -265,11 +274,16 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
     if (status == BAT_OK)
     {
         gather(keys->points, spline->count, all, f->point_at, dim, points);
+        memset(system.velocities, 0, spline->count * n * sizeof *system.velocities);
         continue_signs(f, spline->count, points);
         double sigma = sigma_of(spline, options, index);
-        if (sigma > 0)
+        if (sigma != 0)
         {
-            status = spline_smooth(f, spline->count, lengths, sigma, options->outliers, points, spline->deviations, error);
+            // The velocities are found later: their memory holds the uncertainties here.
+            status = spline_smooth(f, spline->count, lengths, options->outliers, points, &sigma, spline->deviations,
+                                   system.velocities, error);
+            spline->sigmas[space_is_rigid(&spline->space) && index > 0] = sigma;
+            scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->uncertainties);
             continue_signs(f, spline->count, points);
         }
         scatter(points, spline->count, all, f->point_at, dim, spline->points);
@@ -379,6 +393,9 @@ bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
                              .points = spline->points,
                              .velocities = spline->velocities,
                              .deviations = spline->deviations,
+                             .uncertainties = spline->uncertainties,
+                             .sigma = spline->sigmas[0],
+                             .angle_sigma = spline->sigmas[1],
                              .held = spline->held};
 }
 

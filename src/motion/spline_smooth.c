@@ -1,55 +1,50 @@
-#include "motion/spline_system.h"
+#include "motion/smoother.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /// @file
-/// Reinsch's smoothing spline (Smoothing by spline functions, Numerische Mathematik 10, 1967), with geodesic residuals and
-/// with vectors in a frame that is parallel along the keys: in it all components have one pentadiagonal system of numbers.
-/// docs/algorithms/motion-splines.md derives it.
+/// The weight of the penalty: the least expected error of the motion, for a noise that is known (Mallows, Some comments on
+/// C_p, 1973) or not (generalized cross-validation: Craven and Wahba, Smoothing noisy data with spline functions, 1979).
 
 enum
 {
-    MAX_STEPS = 60,
-    MAX_HALVINGS = 60,
-    /// Rounds of Tukey's weights after Huber's motion. More of them leave good keys behind where the motion bends most.
-    MAX_ROUNDS = 2
+    /// Steps of the search in a bracket.
+    SEARCH_STEPS = 12,
+    /// Keys over which the activity is averaged, and the fewest that tell it.
+    WINDOW = 15,
+    MIN_ACTIVE = 30,
+    /// Rounds of Huber's weights before those of the rule.
+    ROUNDS = 6
 };
 
 /// Weights of the penalty, with the mean interval as the unit of time.
 static const double FIRST_WEIGHT = 1e-6, LAST_WEIGHT = 1e13, FACTOR = 10;
-/// Steps below this share of sigma end the iteration: while the weight is sought, and at last.
-static const double NEAR = 1e-4, SETTLED = 1e-10;
-/// The weight is found to this relative accuracy of the mean square.
-static const double ACCURACY = 1e-6;
 /// Distances in units of sigma from which keys are outliers: Huber's and Tukey's constants, and the least weight.
 static const double HUBER = BAT_MOTION_HUBER, TUKEY = BAT_MOTION_TUKEY, MIN_WEIGHT = 1e-6;
-/// Keys farther than this, in units of sigma, from a motion whose mean square is CLOSE do not count in the mean square.
-static const double OUTLYING = 3, CLOSE = 0.5;
+/// The least activity, relative to the mean.
+static const double QUIET = 0.05;
+/// Of steps, while the weight is sought, and at last.
+static const double NEAR = 1e-4, SETTLED = 1e-8;
 
-typedef struct smoother
+typedef struct noise_search
 {
-    memory_pool pool; ///< holds the arrays
-    const spline_factor *f;
-    size_t count, dim, n; ///< keys; numbers of a point and of a tangent vector
-    double sigma;
-    bat_motion_outliers outliers;
-    const double *given;     ///< the measurements
-    double *points;          ///< the motion
-    double *lengths;         ///< count - 1, with mean 1
-    double *frames;          ///< count x n x n: vectors of the frame; null for FACTOR_FLAT
-    double *residuals;       ///< count x n: logarithms of the measurements, in the frame
-    double *chords;          ///< count - 1 x n: mean velocities
-    double *weights;         ///< count
-    double *bends;           ///< count x n: right-hand sides, then the accelerations; rows 0 and count - 1 are 0
-    unsigned char *outlying; ///< count: keys that the mean square leaves out
-    double cut, target;      ///< of the mean square
-    double *bands;           ///< count x 3: the factors L and D of the system
-} smoother;
+    smoother s;
+    double sigma;      ///< of a component; 0 when unknown
+    double all;        ///< the sum of the weights
+    double cut;        ///< what the square of a component counts at most
+    double *energy;    ///< count - 1: the mean square of the acceleration around each interval, relative to the whole
+    double power;      ///< of the energy in the activity
+    double weight;     ///< of the penalty
+    double value;      ///< of the criterion
+    double freedom;    ///< keys less degrees of freedom
+    double *distances; ///< count: of the measurements
+    double *sorted;    ///< count
+} noise_search;
 
 static double square(size_t n, const double *v)
 {
@@ -59,320 +54,248 @@ static double square(size_t n, const double *v)
     return sum;
 }
 
-/// The components of a vector at a key.
-static void to_frame(const smoother *s, size_t key, const double *vector, double *components)
+/// The expected error of the motion for a weight of the penalty, up to constants. Infinite where there is no motion.
+static double judge(noise_search *search, double weight)
 {
-    for (size_t k = 0; k < s->n; k++)
+    smoother *s = &search->s;
+    size_t n = s->last - s->first;
+    bat_status status = smoother_fit(s, weight, NEAR, NULL);
+    if (status != BAT_OK)
     {
-        double sum = 0;
-        for (size_t i = 0; s->frames != NULL && i < s->n; i++)
-            sum += s->frames[(key * s->n + k) * s->n + i] * vector[i];
-        components[k] = s->frames != NULL ? sum : vector[k];
+        memcpy(s->points, s->given, s->count * s->dim * sizeof *s->given);
+        return INFINITY;
+    }
+    double squares = smoother_squares(s, search->cut * (double)n), freedom = smoother_influence(s, weight);
+    double all = search->all;
+    search->freedom = (double)s->count - freedom;
+    if (search->sigma > 0)
+        return squares / (search->sigma * search->sigma) + 2 * (double)n * freedom;
+    return all > freedom ? log(fmax(squares, DBL_MIN)) - 2 * log(1 - freedom / all) : INFINITY;
+}
+
+/// The best weight between two, by golden sections of its logarithm. Takes it where it is better than what is known.
+static void refine(noise_search *search, double low, double high, double power)
+{
+    static const double GOLDEN = 0.6180339887498949;
+    double a = log(low), b = log(high), x[2], value[2];
+    for (int i = 0; i < 2; i++)
+    {
+        x[i] = i == 0 ? b - GOLDEN * (b - a) : a + GOLDEN * (b - a);
+        value[i] = judge(search, exp(x[i]));
+    }
+    for (int step = 0; step < SEARCH_STEPS; step++)
+    {
+        int better = value[0] <= value[1] ? 0 : 1;
+        if (value[better] < search->value)
+        {
+            search->value = value[better];
+            search->weight = exp(x[better]);
+            search->power = power;
+        }
+        *(better == 0 ? &b : &a) = x[1 - better];
+        x[1 - better] = x[better];
+        value[1 - better] = value[better];
+        x[better] = better == 0 ? b - GOLDEN * (b - a) : a + GOLDEN * (b - a);
+        value[better] = judge(search, exp(x[better]));
     }
 }
 
-static void from_frame(const smoother *s, size_t key, const double *components, double *vector)
+static void set_activity(noise_search *search, double power)
 {
-    for (size_t i = 0; i < s->n; i++)
-    {
-        double sum = 0;
-        for (size_t k = 0; s->frames != NULL && k < s->n; k++)
-            sum += s->frames[(key * s->n + k) * s->n + i] * components[k];
-        vector[i] = s->frames != NULL ? sum : components[i];
-    }
+    for (size_t i = 0; i + 1 < search->s.count; i++)
+        search->s.activity[i] = power > 0 ? pow(search->energy[i], power) : 1;
 }
 
-/// Frames, residuals and mean velocities of the motion.
-static bat_status measure(smoother *s, bat_error *error)
+/// The mean square of the acceleration around each interval, relative to the mean over all and at least QUIET. False where
+/// it tells nothing.
+static bool measure_energy(noise_search *search)
 {
-    const bat_space *space = &s->f->space;
-    double vector[BAT_SPACE_MAX_DIM];
-    for (size_t k = 0; s->frames != NULL && k < s->n * s->n; k++)
-        s->frames[k] = k % (s->n + 1) == 0 ? 1 : 0;
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < s->count && status == BAT_OK; i++)
+    const smoother *s = &search->s;
+    size_t n = s->last - s->first, half = WINDOW / 2;
+    double sum = 0, mean = 0;
+    for (size_t i = 1; i + 1 < s->count; i++)
+        mean += square(n, s->bends + i * s->n + s->first) / (double)(s->count - 2);
+    if (s->count < MIN_ACTIVE || !(mean > 0) || !isfinite(mean))
+        return false;
+    // Sums over the keys i - half to i + half + 1, the ends of the interval i and those around it.
+    for (size_t i = 0; i <= half; i++)
+        sum += square(n, s->bends + i * s->n + s->first);
+    for (size_t i = 0; i + 1 < s->count; i++)
     {
-        const double *p = s->points + i * s->dim, *q = p + s->dim;
-        status = space->log(space, p, s->given + i * s->dim, vector);
-        to_frame(s, i, vector, s->residuals + i * s->n);
-        if (status != BAT_OK)
-            return error_set(error, status, i, 0, "smoothing fails at point %zu, half a turn away; sigma is too large", i);
-        if (i + 1 == s->count)
+        size_t from = i > half ? i - half : 0, to = i + half + 1 < s->count ? i + half + 1 : s->count - 1;
+        if (i + half + 1 < s->count)
+            sum += square(n, s->bends + to * s->n + s->first);
+        if (i > half)
+            sum -= square(n, s->bends + (from - 1) * s->n + s->first);
+        search->energy[i] = fmax(sum, 0) / ((double)(to - from + 1) * mean) + QUIET;
+    }
+    return true;
+}
+
+/// Find the weight of the penalty, and how the activity changes along the motion, and move the points there.
+static bat_status find_weight(noise_search *search, bat_error *error)
+{
+    static const double POWERS[] = {0.5, 1}, AROUND = 30;
+    search->value = INFINITY;
+    search->power = 0;
+    search->weight = FIRST_WEIGHT;
+    set_activity(search, 0);
+    for (double weight = FIRST_WEIGHT; weight < LAST_WEIGHT; weight *= FACTOR)
+    {
+        double value = judge(search, weight);
+        if (value < search->value)
+        {
+            search->value = value;
+            search->weight = weight;
+        }
+        if (!(value < INFINITY) && search->value < INFINITY)
             break;
-        status = space->log(space, p, q, vector);
-        to_frame(s, i, vector, s->chords + i * s->n);
+    }
+    if (search->weight > FIRST_WEIGHT)
+        refine(search, search->weight / FACTOR, search->weight * FACTOR, 0);
+    double middle = search->weight;
+    (void)judge(search, middle);
+    bool active = middle > FIRST_WEIGHT && measure_energy(search);
+    for (size_t i = 0; active && i < sizeof POWERS / sizeof *POWERS; i++)
+    {
+        set_activity(search, POWERS[i]);
+        refine(search, middle / AROUND, middle * AROUND, POWERS[i]);
+    }
+    set_activity(search, search->power);
+    bat_status status = smoother_fit(&search->s, search->weight, SETTLED, error);
+    search->freedom = (double)search->s.count - smoother_influence(&search->s, search->weight);
+    return status;
+}
+
+/// Weights of the measurements by their distances from the motion.
+static void weigh(noise_search *search, bat_motion_outliers rule, double sigma)
+{
+    for (size_t i = 0; i < search->s.count; i++)
+    {
+        double u = search->distances[i] / sigma, t = u / TUKEY;
+        double weight =
+            rule == BAT_MOTION_OUTLIERS_HUBER ? (u > HUBER ? HUBER / u : 1) : (t < 1 ? (1 - t * t) * (1 - t * t) : 0);
+        search->s.weights[i] = fmax(weight, MIN_WEIGHT);
+    }
+}
+
+/// The distances of the measurements from the geodesics between their neighbours, as if these had no noise.
+static void measure_neighbours(noise_search *search)
+{
+    const smoother *s = &search->s;
+    const bat_space *space = &s->f->space;
+    double before[BAT_SPACE_MAX_DIM], after[BAT_SPACE_MAX_DIM];
+    for (size_t i = 1; i + 1 < s->count; i++)
+    {
+        const double *p = s->given + i * s->dim;
+        double share = s->lengths[i] / (s->lengths[i - 1] + s->lengths[i]);
+        bool near = space->log(space, p, p - s->dim, before) == BAT_OK && space->log(space, p, p + s->dim, after) == BAT_OK;
         for (size_t k = 0; k < s->n; k++)
-            s->chords[i * s->n + k] /= s->lengths[i];
-        for (size_t k = 0; s->frames != NULL && k < s->n && status == BAT_OK; k++)
-            status =
-                space->transport(space, p, q, s->frames + (i * s->n + k) * s->n, s->frames + ((i + 1) * s->n + k) * s->n);
-        if (status != BAT_OK)
-            return error_set(error, status, i + 1, 0, "smoothing fails at point %zu: neighbours are half a turn apart",
-                             i + 1);
+            before[k] = near ? share * before[k] + (1 - share) * after[k] : 0;
+        search->distances[i] = sqrt(square(s->n, before) / (1 + share * share + (1 - share) * (1 - share)));
     }
-    return status;
+    search->distances[0] = search->distances[1];
+    search->distances[s->count - 1] = search->distances[s->count - 2];
 }
 
-/// Weights by the residuals.
-static void weigh(smoother *s, bat_motion_outliers rule)
+static void measure_motion(noise_search *search)
 {
-    for (size_t i = 0; i < s->count; i++)
-    {
-        double u = sqrt(square(s->n, s->residuals + i * s->n)) / s->sigma, t = u / TUKEY;
-        double weight = rule == BAT_MOTION_OUTLIERS_HUBER   ? (u > HUBER ? HUBER / u : 1)
-                        : rule == BAT_MOTION_OUTLIERS_TUKEY ? (t < 1 ? (1 - t * t) * (1 - t * t) : 0)
-                                                            : 1;
-        s->weights[i] = fmax(weight, MIN_WEIGHT);
-    }
+    for (size_t i = 0; i < search->s.count; i++)
+        search->distances[i] = sqrt(square(search->s.n, search->s.residuals + i * search->s.n));
 }
 
-/// The mean squared residual of the keys that count, in units of sigma squared and of the target.
-static double mean_square(const smoother *s)
+/// The noise by the median distance of the measurements, which few outliers do not change: of normal noise in n dimensions
+/// the median is about sqrt(1 - 2 / (9 n))^3 of the root mean square (Wilson and Hilferty 1931).
+static double median_sigma(noise_search *search)
 {
-    double sum = 0, all = 0;
-    for (size_t i = 0; i < s->count; i++)
-    {
-        double u = square(s->n, s->residuals + i * s->n) / (s->sigma * s->sigma);
-        sum += s->outlying[i] != 0 ? 0 : fmin(u, s->cut);
-        all += s->outlying[i] != 0 ? 0 : 1;
-    }
-    return all > 0 ? sum / all / s->target : 0;
+    double part = 1 - 2.0 / (9 * (double)search->s.n);
+    memcpy(search->sorted, search->distances, search->s.count * sizeof *search->sorted);
+    qsort(search->sorted, search->s.count, sizeof *search->sorted, ascending);
+    return search->sorted[search->s.count / 2] / sqrt(part * part * part);
 }
 
-/// The second difference Q^T at inner key j as numbers for the keys j - 1, j and j + 1.
-static void difference(const smoother *s, size_t j, double q[3])
+/// Fit all components, each for itself but those of rotations, which have one weight of the penalty. `*sigma` receives the
+/// noise of a key, where it is unknown.
+static bat_status fit_all(noise_search *search, double *sigma, double *uncertainties, bat_error *error)
 {
-    q[0] = 1 / s->lengths[j - 1];
-    q[2] = 1 / s->lengths[j];
-    q[1] = -q[0] - q[2];
-}
-
-/// Factor R + weight Q^T W^-1 Q as L D L^T: bands have D, and L one and two below the diagonal.
-static void factor_system(smoother *s, double weight)
-{
-    for (size_t j = 1; j + 1 < s->count; j++)
-    {
-        double q[3], next[3] = {0}, second[3] = {0}, row[3];
-        const double *w = s->weights + j;
-        difference(s, j, q);
-        if (j + 2 < s->count)
-            difference(s, j + 1, next);
-        if (j + 3 < s->count)
-            difference(s, j + 2, second);
-        row[0] = (s->lengths[j - 1] + s->lengths[j]) / 3 +
-                 weight * (q[0] * q[0] / w[-1] + q[1] * q[1] / w[0] + q[2] * q[2] / w[1]);
-        row[1] = j + 2 < s->count ? s->lengths[j] / 6 + weight * (q[1] * next[0] / w[0] + q[2] * next[1] / w[1]) : 0;
-        row[2] = weight * q[2] * second[0] / w[1];
-        double *band = s->bands + 3 * j;
-        if (j > 1)
-        {
-            row[0] -= band[-3] * band[-2] * band[-2];
-            row[1] -= band[-3] * band[-2] * band[-1];
-        }
-        if (j > 2)
-            row[0] -= band[-6] * band[-4] * band[-4];
-        band[0] = row[0];
-        band[1] = row[1] / row[0];
-        band[2] = row[2] / row[0];
-    }
-}
-
-/// Solve for the accelerations, from the second differences of the measurements.
-static void solve(smoother *s)
-{
-    size_t n = s->n, last = s->count - 2;
-    memset(s->bends, 0, n * sizeof(double));
-    memset(s->bends + (s->count - 1) * n, 0, n * sizeof(double));
-    for (size_t j = 1; j <= last; j++)
-    {
-        double q[3];
-        difference(s, j, q);
-        for (size_t k = 0; k < n; k++)
-        {
-            const double *r = s->residuals + j * n + k, *c = s->chords + j * n + k;
-            double bend = c[0] - c[-(ptrdiff_t)n] + q[0] * r[-(ptrdiff_t)n] + q[1] * r[0] + q[2] * r[n];
-            if (j > 1)
-                bend -= s->bands[3 * (j - 1) + 1] * s->bends[(j - 1) * n + k];
-            if (j > 2)
-                bend -= s->bands[3 * (j - 2) + 2] * s->bends[(j - 2) * n + k];
-            s->bends[j * n + k] = bend;
-        }
-    }
-    for (size_t j = last; j >= 1; j--)
-        for (size_t k = 0; k < n; k++)
-        {
-            const double *band = s->bands + 3 * j;
-            double bend = s->bends[j * n + k] / band[0];
-            if (j + 1 <= last)
-                bend -= band[1] * s->bends[(j + 1) * n + k];
-            if (j + 2 <= last)
-                bend -= band[2] * s->bends[(j + 2) * n + k];
-            s->bends[j * n + k] = bend;
-        }
-}
-
-/// Move the points by r - weight W^-1 Q a. `*largest` receives the longest step.
-static bat_status move(smoother *s, double weight, double *largest)
-{
-    const bat_space *space = &s->f->space;
-    size_t n = s->n;
+    smoother *s = &search->s;
     bat_status status = BAT_OK;
-    *largest = 0;
-    for (size_t i = 0; i < s->count && status == BAT_OK; i++)
-    {
-        double step[BAT_SPACE_MAX_DIM], vector[BAT_SPACE_MAX_DIM], moved[BAT_SPACE_MAX_DIM];
-        const double *bend = s->bends + i * n;
-        for (size_t k = 0; k < n; k++)
-        {
-            double turned = 0;
-            if (i + 1 < s->count)
-                turned += (bend[n + k] - bend[k]) / s->lengths[i];
-            if (i > 0)
-                turned -= (bend[k] - bend[(ptrdiff_t)k - (ptrdiff_t)n]) / s->lengths[i - 1];
-            step[k] = s->residuals[i * n + k] - weight * turned / s->weights[i];
-        }
-        *largest = fmax(*largest, sqrt(square(n, step)));
-        from_frame(s, i, step, vector);
-        status = space->exp(space, s->points + i * s->dim, vector, moved);
-        memcpy(s->points + i * s->dim, moved, s->dim * sizeof *moved);
-    }
-    return status;
-}
-
-/// The motion for a weight of the penalty, with Tukey's weights as they are, by Gauss-Newton steps from the one that is
-/// there. `*square_mean` receives the mean square.
-static bat_status fit(smoother *s, bat_motion_outliers rule, double weight, double accuracy, double *square_mean,
-                      bat_error *error)
-{
-    bat_status status = measure(s, error);
-    double largest = INFINITY;
-    for (int step = 0; step < MAX_STEPS && status == BAT_OK && largest > accuracy * s->sigma; step++)
-    {
-        if (rule != BAT_MOTION_OUTLIERS_TUKEY)
-            weigh(s, rule);
-        factor_system(s, weight);
-        solve(s);
-        status = move(s, weight, &largest);
-        status = status == BAT_OK ? measure(s, error)
-                                  : error_set(error, status, BAT_NO_INDEX, 0, "smoothing fails; sigma is too large");
-    }
-    *square_mean = mean_square(s);
-    return status;
-}
-
-/// Find the weight with mean square 1 by the secant rule in logarithms (Illinois), from a weight with less.
-static bat_status find_weight(smoother *s, bat_motion_outliers rule, double *weight, bat_error *error)
-{
-    double low = *weight, high, low_value, high_value, value;
-    bat_status status = fit(s, rule, low, NEAR, &value, error);
-    while (status == BAT_OK && value > 1 && low > FIRST_WEIGHT)
-    {
-        low /= FACTOR;
-        status = fit(s, rule, low, NEAR, &value, error);
-    }
-    low_value = high_value = log(fmax(value, 1e-300));
-    for (high = low; status == BAT_OK && high_value < 0 && high < LAST_WEIGHT;)
-    {
-        low = high;
-        low_value = high_value;
-        high *= FACTOR;
-        status = fit(s, rule, high, NEAR, &value, error);
-        high_value = log(fmax(value, 1e-300));
-    }
-    *weight = high;
-    if (high_value <= 0 || low_value >= 0)
-        return status;
-    double a = log(low), b = log(high);
-    for (int step = 0; step < MAX_HALVINGS && status == BAT_OK && b - a > ACCURACY; step++)
-    {
-        double share = -low_value / (high_value - low_value), middle = a + (b - a) * fmin(fmax(share, 0.01), 0.99);
-        status = fit(s, rule, exp(middle), NEAR, &value, error);
-        double found = log(fmax(value, 1e-300));
-        *weight = exp(middle);
-        if (fabs(found) < ACCURACY)
-            break;
-        if (found < 0)
-        {
-            a = middle;
-            low_value = found;
-            high_value /= 2;
-        }
-        else
-        {
-            b = middle;
-            high_value = found;
-            low_value /= 2;
-        }
-    }
-    return status;
-}
-
-/// Find the outliers from a motion that follows the keys too closely, with Huber's weights: a stiffer one leaves good keys
-/// behind where it is bent most.
-static bat_status find_outliers(smoother *s, double *weight, bat_error *error)
-{
-    s->target = CLOSE;
-    s->cut = HUBER * HUBER;
-    bat_status status = find_weight(s, BAT_MOTION_OUTLIERS_HUBER, weight, error);
+    size_t together = s->f->kind == FACTOR_ROTATION ? s->n : 1;
+    double total = 0;
+    search->all = 0;
     for (size_t i = 0; i < s->count; i++)
-        s->outlying[i] = square(s->n, s->residuals + i * s->n) > OUTLYING * OUTLYING * s->sigma * s->sigma;
+        search->all += s->weights[i];
+    search->sigma = *sigma > 0 ? *sigma / sqrt((double)s->n) : 0;
+    for (s->first = 0; s->first < s->n && status == BAT_OK; s->first += together)
+    {
+        s->last = s->first + together;
+        status = find_weight(search, error);
+        double degrees = fmax(search->all - ((double)s->count - search->freedom), 1) * (double)together;
+        double variance = search->sigma > 0 ? search->sigma * search->sigma
+                                            : smoother_squares(s, search->cut * (double)together) / degrees;
+        total += variance * (double)together;
+        for (size_t i = 0; i < s->count && status == BAT_OK; i++)
+            for (size_t k = s->first; k < s->last; k++)
+                uncertainties[i * s->n + k] = sqrt(fmax(variance * s->influence[i] / s->weights[i], 0));
+    }
+    s->first = 0;
+    s->last = s->n;
+    *sigma = sqrt(total);
     return status;
 }
 
-/// Tukey's weights have many solutions: begin with Huber's, and keep its weight of the penalty. Else keys would leave one
-/// after the other as the motion gets stiffer.
-static bat_status smooth(smoother *s, bat_error *error)
+/// Fits with weights by the distances, which are Huber's at first: Tukey's have many solutions.
+static bat_status smooth(noise_search *search, bat_motion_outliers rule, double *sigma, double *uncertainties,
+                         bat_error *error)
 {
-    double weight = FIRST_WEIGHT, mean;
-    bool tukey = s->outliers == BAT_MOTION_OUTLIERS_TUKEY;
-    bat_motion_outliers first = tukey ? BAT_MOTION_OUTLIERS_HUBER : s->outliers;
-    bat_status status = first != BAT_MOTION_OUTLIERS_NONE ? find_outliers(s, &weight, error) : BAT_OK;
-    s->target = 1;
-    s->cut = INFINITY;
-    if (status == BAT_OK)
-        status = find_weight(s, first, &weight, error);
-    if (status == BAT_OK)
-        status = fit(s, first, weight, SETTLED, &mean, error);
-    for (int round = 0; tukey && round < MAX_ROUNDS && status == BAT_OK; round++)
+    /// Squares beyond this distance tell nothing of the motion.
+    static const double FAR = 2.5, LEAST_SHARE = 0.1;
+    double known = *sigma;
+    search->cut = INFINITY;
+    if (rule == BAT_MOTION_OUTLIERS_NONE)
+        return fit_all(search, sigma, uncertainties, error);
+    bat_status status = BAT_OK;
+    measure_neighbours(search);
+    for (int round = 0; round < ROUNDS && status == BAT_OK; round++)
     {
-        weigh(s, s->outliers);
-        status = fit(s, s->outliers, weight, SETTLED, &mean, error);
+        double share = round > 0 ? fmax(search->freedom / (double)search->s.count, LEAST_SHARE) : 1, found = known;
+        double scale = known > 0 ? known : median_sigma(search) / sqrt(share);
+        scale = scale > 0 ? scale : search->s.scale;
+        weigh(search, 2 * round >= ROUNDS ? rule : BAT_MOTION_OUTLIERS_HUBER, scale);
+        search->cut = FAR * FAR * scale * scale / (double)search->s.n;
+        status = fit_all(search, &found, uncertainties, error);
+        measure_motion(search);
+        *sigma = scale;
     }
     return status;
 }
 
-bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, double sigma,
-                         bat_motion_outliers outliers, double *points, double *deviations, bat_error *error)
+bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, bat_motion_outliers outliers,
+                         double *points, double *sigma, double *deviations, double *uncertainties, bat_error *error)
 {
-    size_t dim = f->space.point_dim, n = f->space.tangent_dim;
-    smoother s = {.f = f, .count = count, .dim = dim, .n = n, .sigma = sigma, .outliers = outliers, .given = points};
+    noise_search search = {0};
     if (count < 3)
+    {
+        *sigma = fmax(*sigma, 0);
         return BAT_OK;
-    bool turns = f->kind == FACTOR_ROTATION;
-    s.points = memory_pool_array(&s.pool, count, dim * sizeof(double));
-    s.lengths = memory_pool_array(&s.pool, count, sizeof(double));
-    s.frames = turns ? memory_pool_array(&s.pool, count, n * n * sizeof(double)) : NULL;
-    s.residuals = memory_pool_array(&s.pool, count, n * sizeof(double));
-    s.chords = memory_pool_array(&s.pool, count, n * sizeof(double));
-    s.weights = memory_pool_array(&s.pool, count, sizeof(double));
-    s.bends = memory_pool_array(&s.pool, count, n * sizeof(double));
-    s.bands = memory_pool_array(&s.pool, count, 3 * sizeof(double));
-    s.outlying = memory_pool_zeros(&s.pool, count, 1);
-    bat_status status = memory_pool_check(&s.pool, error);
+    }
+    smoother *s = &search.s;
+    bat_status status = smoother_begin(s, f, count, lengths, points, error);
+    search.energy = memory_pool_array(&s->pool, count, sizeof(double));
+    search.distances = memory_pool_array(&s->pool, count, sizeof(double));
+    search.sorted = memory_pool_array(&s->pool, count, sizeof(double));
+    if (status == BAT_OK)
+        status = memory_pool_check(&s->pool, error);
+    double noise = fmax(*sigma, 0);
+    if (status == BAT_OK)
+        status = smooth(&search, outliers, &noise, uncertainties, error);
+    for (size_t i = 0; status == BAT_OK && noise > 0 && i < count; i++)
+        deviations[i] = fmax(deviations[i], sqrt(square(s->n, s->residuals + i * s->n)) / noise);
     if (status == BAT_OK)
     {
-        double total = 0;
-        for (size_t i = 0; i + 1 < count; i++)
-            total += lengths[i];
-        for (size_t i = 0; i + 1 < count; i++)
-            s.lengths[i] = lengths[i] / total * (double)(count - 1);
-        memcpy(s.points, points, count * dim * sizeof *points);
-        status = smooth(&s, error);
+        memcpy(points, s->points, count * s->dim * sizeof *points);
+        *sigma = noise;
     }
-    for (size_t i = 0; status == BAT_OK && i < count; i++)
-        deviations[i] = fmax(deviations[i], sqrt(square(n, s.residuals + i * n)) / sigma);
-    if (status == BAT_OK)
-        memcpy(points, s.points, count * dim * sizeof *points);
-    memory_pool_free(&s.pool);
+    memory_pool_free(&s->pool);
     return status;
 }

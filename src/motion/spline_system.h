@@ -143,16 +143,17 @@ bat_status spline_system_finish(spline_system *system, bat_error *error);
 /// The record of an interval; see spline_factor_record_size().
 void spline_system_record(const spline_system *system, size_t interval, double *record);
 
-/// Move noisy keys of one factor, FACTOR_FLAT or FACTOR_ROTATION, onto the penalized spline whose root mean square distance
-/// from them is sigma; see bat_motion_spline_options. Ends are natural.
+/// Move noisy keys of one factor, FACTOR_FLAT or FACTOR_ROTATION, onto the penalized spline with the least expected error;
+/// see bat_motion_spline_options. Ends are natural.
 ///
 /// @param lengths of the count - 1 intervals in time
-/// @param sigma   above 0
 /// @param points  count x point_dim; replaced
+/// @param sigma   the noise; BAT_MOTION_SIGMA_AUTO is replaced by what the keys tell
 /// @param deviations receives, for each key, the larger of what it has and the distance of the given key in units of sigma
+/// @param uncertainties receives count x tangent_dim standard deviations of the keys that are made
 /// @return BAT_OK; BAT_CUT_LOCUS with the key whose measurement is half a turn from the motion; BAT_NO_MEMORY
-bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, double sigma,
-                         bat_motion_outliers outliers, double *points, double *deviations, bat_error *error);
+bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, bat_motion_outliers outliers,
+                         double *points, double *sigma, double *deviations, double *uncertainties, bat_error *error);
 
 /// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
 double motion_outliers_threshold(bat_motion_outliers outliers);

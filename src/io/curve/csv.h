@@ -289,7 +289,8 @@ typedef struct csv_reader
     bool comma;       ///< a number has a decimal comma
     bool again;       ///< a kind has changed: the file is read again from its beginning
     bool unnamed_tum; ///< a CSV file contains rows of a trajectory without a header
-    bool tum;         ///< the TUM format: blank lines, headers and directives have no meaning
+    bool tum;         ///< the TUM format, and rows of EuRoC in its order with velocities: blank lines, headers and
+                      ///< directives have no meaning
 } csv_reader;
 
 /// The number of a column, from 1, in the file: the column of corners is not among the fields.

@@ -197,7 +197,7 @@ static bat_status check_width(const csv_reader *reader, const text_line *line, s
         return BAT_OK;
     if (reader->tum)
         return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number,
-                         "%zu columns where a trajectory has %d", count, TUM_COLUMNS);
+                         "%zu columns where a trajectory has %zu", count, wanted);
     return error_set(error, BAT_BAD_FILE, reader->builder.point_count, line->number,
                      "%zu columns where the first row has %zu", count, wanted);
 }
@@ -625,7 +625,7 @@ static bool reader_begin(csv_reader *reader, bat_curve_format format)
                            .group = BAT_NO_INDEX,
                            .time_decimals = -1,
                            .kinds_known = before.kinds_known,
-                           .tum = format == BAT_CURVE_FORMAT_TUM};
+                           .tum = format == BAT_CURVE_FORMAT_TUM || format == BAT_CURVE_FORMAT_EUROC};
     for (size_t i = 0; i < BAT_SPACE_MAX_DIM && before.kinds_known; i++)
         reader->columns[i] = (column_state){.kind = before.columns[i].kind, .has_number = before.columns[i].has_number};
     return reader->attributes != NULL && (!reader->tum || csv_name_tum_columns(reader));
@@ -643,7 +643,7 @@ static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_err
             return error_memory(error, sizeof *reader);
         status = reader->options->group != NULL && !reader->tum ? read_groups(reader, error) : read_lines(reader, error);
     } while (status == BAT_OK && reader->again);
-    if (status == BAT_OK && !reader->tum && !csv_note_columns(reader))
+    if (status == BAT_OK && !csv_note_columns(reader))
         status = error_memory(error, BAT_ERROR_TEXT_SIZE);
     return status;
 }
@@ -651,7 +651,7 @@ static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_err
 bat_status csv_read(const file_text *text, const bat_curve_read_options *options, bat_curve_set *set, bat_error *error)
 {
     bat_curve_read_options chosen = *options;
-    if (options->format == BAT_CURVE_FORMAT_TUM)
+    if (options->format == BAT_CURVE_FORMAT_TUM || options->format == BAT_CURVE_FORMAT_EUROC)
     {
         if (options->space != NULL && strcmp(options->space, "rigid") != 0)
             return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,

@@ -286,12 +286,13 @@ bat_status csv_take_cells(csv_reader *reader, const text_line *line, bat_error *
 
 bool csv_name_tum_columns(csv_reader *reader)
 {
-    static const char *const names[TUM_COLUMNS] = {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw"};
-    csv_field fields[TUM_COLUMNS];
-    for (size_t i = 0; i < TUM_COLUMNS; i++)
+    static const char *const names[] = {"timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw", "vx", "vy", "vz"};
+    csv_field fields[sizeof names / sizeof *names];
+    size_t count = reader->options->format == BAT_CURVE_FORMAT_EUROC ? sizeof names / sizeof *names : TUM_COLUMNS;
+    for (size_t i = 0; i < count; i++)
         fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
-    reader->column_count = TUM_COLUMNS;
-    return csv_columns_name(reader->attributes->csv, fields, TUM_COLUMNS);
+    reader->column_count = count;
+    return csv_columns_name(reader->attributes->csv, fields, count);
 }
 
 /// The form of a rotation, pose or tensor, in a space that may be null; null for plain coordinates. Without a named space,

@@ -125,19 +125,29 @@ static bat_status translate_euroc_row(pose_translation *work, const text_line *l
 {
     csv_field fields[BAT_SPACE_MAX_DIM];
     size_t count;
-    double numbers[7];
+    double numbers[EUROC_SPEEDS - 1] = {0};
     bool comma = false;
     char separator = csv_find_separator(line);
     const char *fault = csv_split(work->source, line, separator, fields, &count);
-    if (fault == NULL && count < TUM_NUMBERS)
-        fault = "a row of EuRoC poses has 8 numbers or more";
+    if (work->width == 0)
+        work->width = count >= EUROC_SPEEDS ? EUROC_SPEEDS : TUM_NUMBERS;
+    if (fault == NULL && count < work->width)
+        fault = work->width == TUM_NUMBERS ? "a row of EuRoC poses has 8 numbers or more"
+                                           : "the row has less than the 11 numbers of a pose with its velocity";
     if (fault == NULL)
         fault = pose_time_copy(fields[0], separator, &work->text);
-    for (size_t i = 0; i < 7 && fault == NULL; i++)
+    for (size_t i = 0; i + 1 < work->width && fault == NULL; i++)
         fault = csv_read_number(fields[1 + i], separator, &numbers[i], &comma);
     if (fault != NULL)
         return pose_fail(error, line->number, fault);
     pose_write_tum(work, "", numbers, numbers + 3);
+    for (size_t i = TUM_NUMBERS; i < work->width; i++)
+    {
+        char number[NUMBER_TEXT_SIZE + 1];
+        *number_write(number, numbers[i - 1]) = '\0';
+        text_append_string(&work->text, " ");
+        text_append_string(&work->text, number);
+    }
     return BAT_OK;
 }
 
@@ -157,11 +167,11 @@ static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_e
         }
         text_append_string(&work->text, "\n");
     }
-    work->reader = BAT_CURVE_FORMAT_TUM;
+    work->reader = work->width == EUROC_SPEEDS ? BAT_CURVE_FORMAT_EUROC : BAT_CURVE_FORMAT_TUM;
     work->format = BAT_CURVE_FORMAT_EUROC;
-    pose_note(work,
-              "EuRoC poses%s: of the body in the reference frame, quaternions w x y z; velocities and biases are left out",
-              named ? "" : ", by their numbers");
+    pose_note(work, "EuRoC poses%s: of the body in the reference frame, quaternions w x y z%s",
+              named ? "" : ", by their numbers",
+              work->width == EUROC_SPEEDS ? ", with their velocities; biases are left out" : "");
     return status;
 }
 

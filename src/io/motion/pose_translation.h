@@ -79,7 +79,8 @@ enum
     POSE_NOTE_SIZE = 240,
     TUM_NUMBERS = 8,
     KITTI_NUMBERS = 12,
-    EUROC_NUMBERS = 17
+    EUROC_NUMBERS = 17,
+    EUROC_SPEEDS = 11 ///< of them up to the velocity
 };
 
 /// Matrices in files: the largest distance of an entry from the nearest rotation.
