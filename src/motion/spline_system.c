@@ -33,6 +33,10 @@ static const double MIN_SHARE = 1.0 / 128;
 static const double SLOW = 0.3;
 static const double FAST = 0.85;
 
+/// From which ratio to the intervals beside it on an interval is a gap; from which on its neighbours tell less of its motion,
+/// and nothing.
+static const double LONGER = 4, DOUBTFUL = 8, UNKNOWN = 15;
+
 typedef enum end_row
 {
     ROW_NOT_A_KNOT,
@@ -589,17 +593,48 @@ static bat_status estimate(spline_system *system, bat_error *error)
     return BAT_OK;
 }
 
-/// Whether an interval ends or begins at a key that rests, or is a gap, many times longer than those beside it: velocities
-/// from short steps are not to lead far away over a long one.
-static bool meets_rest(const spline_system *system, size_t i)
+/// How many times longer an interval is than those beside it.
+static double gap_of(const spline_system *system, size_t i)
 {
-    static const double LONGER = 4;
     bool closed = is_closed(system);
     size_t n = system->intervals, before = i > 0 ? i - 1 : n - 1, after = i + 1 < n ? i + 1 : 0;
     double beside = fmax(i > 0 || closed ? system->lengths[before] : 0, i + 1 < n || closed ? system->lengths[after] : 0);
-    if (n > 2 && system->lengths[i] > LONGER * beside)
-        return true;
-    return system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
+    return n > 2 ? system->lengths[i] / beside : 1;
+}
+
+/// Whether an interval ends or begins at a key that rests, or is a gap: velocities from short steps are not to lead far away
+/// over a long one.
+static bool meets_rest(const spline_system *system, size_t i)
+{
+    return gap_of(system, i) > LONGER || system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
+}
+
+/// Let the velocities at both ends of a gap go over to its mean velocity, the more the longer it is: nothing tells what the
+/// motion does between.
+static bat_status calm_gaps(spline_system *system)
+{
+    double pushed[DIM];
+    for (size_t i = 0; i < system->intervals; i++)
+    {
+        double gap = gap_of(system, i), share = fmin((gap - DOUBTFUL) / (UNKNOWN - DOUBTFUL), 1);
+        for (size_t end = 0; end < 2 && gap > DOUBTFUL; end++)
+        {
+            size_t key = end == 0 ? i : key_after(system, i);
+            double slope[DIM], *velocity = of_key(system, system->velocities, key);
+            const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
+            if (system->fixed[key] != KEY_FREE)
+                continue;
+            for (size_t c = 0; c < size_of(system); c++)
+                slope[c] = (a[c] - b[c]) / system->lengths[i];
+            bat_status status = spline_push(system->factor, middle_of(system, i), at_end(system, system->logs, i, end),
+                                            point_of(system, key), slope, pushed);
+            if (status != BAT_OK)
+                return status;
+            for (size_t c = 0; c < size_of(system); c++)
+                velocity[c] += share * (pushed[c] - velocity[c]);
+        }
+    }
+    return BAT_OK;
 }
 
 /// Limit velocities as Fritsch and Carlson do, in all intervals or in those next to rests; velocities that are given stay.
@@ -711,6 +746,8 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
         rests = rests || (k < system->intervals && meets_rest(system, k));
     if (status == BAT_OK && (limited || rests))
         status = limit(system, limited, error);
+    if (status == BAT_OK && rests)
+        status = calm_gaps(system);
     free(diagonal);
     return status;
 }
