@@ -89,7 +89,7 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// their shortest geodesic, of a cubic polynomial. Without given velocities those at the keys solve a system that makes
 /// (covariant) accelerations continuous; the error against a smooth motion is O(h^4). With given velocities the spline takes
 /// them, and accelerations jump. Reversing time reverses the motion. Factors of a product have splines of their own, so do
-/// translations and rotations of bat_rigid().
+/// translations and rotations of bat_rigid(). Tensors have the cubic spline of their logarithms, which exists for all keys.
 ///
 /// For rotations this is the construction of Kang and Park (Cubic spline algorithms for orientation interpolation, 1999) and
 /// of scipy's RotationSpline, moved from the beginning of the interval to its middle. In R^n it is the cubic spline.
@@ -97,8 +97,9 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967), for each coordinate
 /// with a penalty of its own, which is lower where the motion accelerates more.
 ///
-/// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none; without times the keys are
-///                at 0, 1, 2, ...; the space must outlive the spline, the arrays need not
+/// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none; those of a factor are
+///                unknown at a key where all of their numbers are NaN; without times the keys are at 0, 1, 2, ...; the space
+///                must outlive the spline, the arrays need not
 /// @param options null for the defaults
 /// @param spline  receives the spline; release it with bat_motion_spline_free()
 /// @return BAT_OK; the failures of bat_hermite_check(); BAT_INVALID_POINT with the key near which the space has no
@@ -142,7 +143,7 @@ BAT_API bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline);
 /// @param velocity     receives tangent_dim numbers; may be null
 /// @param acceleration receives tangent_dim numbers, the covariant derivative of the velocity: for rotations the derivative
 ///                     of the angular velocity in the body's frame; may be null. At a key that of the interval after it.
-///                     For tensors and spaces of a user, derivatives are differences, accurate to about 1e-9 of the largest
+///                     For spaces of a user, derivatives are differences, accurate to about 1e-9 of the largest
 /// @return BAT_OK; BAT_INVALID_ARGUMENT with a text that tells the time and the range; BAT_CUT_LOCUS or BAT_INVALID_POINT
 ///         where the motion leaves the space
 BAT_API bat_status bat_motion_spline_at(const bat_motion_spline *spline, double time, double *point, double *velocity,

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import warnings
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import Floats, array, call, ffi, lib, options, pointer, written
+from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, ffi, lib, options, pointer, written
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
+
+
+#: The largest distance of a rounded point from its space.
+_FAR = 0.05
 
 
 class Motion:
@@ -21,16 +27,20 @@ class Motion:
         Increasing numbers, or times of numpy or pandas, which count in seconds.
     poses : array_like or scipy.spatial.transform.Rotation
         Rows of points of the space: unit quaternions (w, x, y, z) for rotations; translation and quaternion, 7 numbers, for
-        rigid motions. Matrices (n, 3, 3) are rotations, and (n, 4, 4) rigid motions. Results have the same form.
+        rigid motions. Matrices (n, 3, 3) are rotations, and (n, 4, 4) rigid motions. Results have the same form. Rounded
+        points move onto the space, with a warning from 1e-3 on.
     space : Space or str, optional
         By default what `poses` are: rotations and matrices tell; else R^n. ``"rotation"`` and ``"rigid"`` take quaternions.
     velocities : array_like, optional
-        The velocities at the times; by default those that make the acceleration continuous.
+        The velocities at the times; by default, and where all numbers of a row are NaN, those that make the acceleration
+        continuous. Of rigid motions this holds for the two parts by themselves.
+    project : bool
+        Move points that are farther than 0.05 off their space onto it, too, and warn of none.
     closed : bool
         Whether the motion is periodic; `period` is its length.
     **settings
-        Fields of ``bat_motion_spline_options``: `ends`, `shape`, `sigma` (the noise of poses), `angle_sigma`, `outliers`,
-        `extrapolate`, `threads`, …
+        Fields of ``bat_motion_spline_options``: `ends`, `shape`, `sigma` (the noise of poses, or ``"auto"``),
+        `angle_sigma`, `outliers`, `extrapolate`, `threads`, …
 
     Examples
     --------
@@ -44,15 +54,23 @@ class Motion:
     """
 
     def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
-                 velocities: ArrayLike | None = None, closed: bool = False, period: float = 0.0, **settings: Any) -> None:
-        self._arguments = (times, poses), dict(space=space, velocities=velocities, closed=closed, period=period, **settings)
+                 velocities: ArrayLike | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
+                 **settings: Any) -> None:
+        self._arguments = (times, poses), dict(space=space, velocities=velocities, project=project, closed=closed,
+                                               period=period, **settings)
         self._origin: Any = None
-        keys, self._form, implied = _points(poses)
+        keys, self._form, implied = _points(poses, project)
         self.space = space_of(implied if space is None else space, keys.shape[1])
+        keys = _onto(self.space, keys, project)
         moments = self._seconds(times)
         if moments.shape != (len(keys),):
             raise ValueError(f"times: {len(keys)} numbers are needed, one for each pose, not an array of {moments.shape}")
-        given = None if velocities is None else array(velocities, "velocities", self.space.tangent_dim)
+        given = velocities
+        if velocities is not None:
+            raw = np.asarray(velocities)
+            unknown = np.isnan(raw) if raw.dtype.kind == "f" else np.zeros(raw.shape, bool)
+            given = array(np.where(unknown, 0, raw), "velocities", self.space.tangent_dim)
+            given = np.where(unknown.reshape(given.shape), np.nan, given) if unknown.any() else given
         if given is not None and len(given) != len(keys):
             raise ValueError(f"velocities: {len(keys)} rows are needed, not {len(given)}")
         if closed and not period > moments[-1] - moments[0]:
@@ -63,6 +81,9 @@ class Motion:
         made = ffi.new("bat_motion_spline **")
         if self.space.functions:
             settings["threads"] = 1
+        if isinstance(settings.get("sigma"), str) and settings["sigma"] == "auto":
+            found = {"sigma": -1.0, "angle_sigma": -1.0} if self.space.name == "rigid" else {"sigma": -1.0}
+            settings = {**settings, **found}
         how = options("bat_motion_spline_options", settings)
         call(lib.bat_motion_spline_make, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
@@ -100,6 +121,58 @@ class Motion:
         """Accelerations, the covariant derivatives of the velocities."""
         return self._at(times, 2)
 
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], **settings: Any) -> Motion:
+        """The motion in a file: TUM, EuRoC, KITTI or CSV, with its velocities. Times are seconds, of stamps since 1970.
+
+        Parameters
+        ----------
+        **settings
+            Those of :class:`Motion`.
+        """
+        read, made = options("bat_curve_read_options", {"motion": True}), ffi.new("bat_curve_set *")
+        call(lib.bat_curve_read, os.fsencode(path), read, made)
+        keys = ffi.new("bat_hermite_curve *")
+        how = options("bat_motion_curves_options", {"method": "spline"})
+        try:
+            given = lib.bat_motion_has_velocities(made)
+            call(lib.bat_motion_data, made, 0, how, keys)
+            space, origin = Space(ffi.string(made.space.name).decode(), made.space.point_dim), lib.bat_curve_set_time_origin(made)
+            shape = (keys.count, space.point_dim), (keys.count, space.tangent_dim)
+            points, tangents = (np.frombuffer(ffi.buffer(part, 8 * rows * columns)).reshape(rows, columns).copy()
+                                for part, (rows, columns) in zip((keys.points, keys.tangents), shape))
+            times = np.frombuffer(ffi.buffer(keys.times, 8 * keys.count)) + origin
+        finally:
+            lib.bat_hermite_free(keys)
+            lib.bat_curve_set_free(made)
+        if given:
+            settings.setdefault("velocities", tangents)
+        return cls(times, points, space=space, **settings)
+
+    def _key_rows(self, values: Any, columns: int) -> Floats:
+        return np.frombuffer(ffi.buffer(values, 8 * len(self.times) * columns)).reshape(-1, columns).copy()
+
+    @property
+    def keys(self) -> Any:
+        """The poses at the times: those given, or smoothed ones."""
+        return _form(self._key_rows(lib.bat_motion_spline_keys(self._spline).points, self.space.point_dim), self._form)
+
+    @property
+    def deviations(self) -> Floats:
+        """The distances of the given poses from a smoothed motion, in units of its noise."""
+        return self._key_rows(lib.bat_motion_spline_keys(self._spline).deviations, 1).ravel()
+
+    @property
+    def uncertainties(self) -> Floats:
+        """The standard deviations of the smoothed poses, for each number of a velocity."""
+        return self._key_rows(lib.bat_motion_spline_keys(self._spline).uncertainties, self.space.tangent_dim)
+
+    @property
+    def noise(self) -> tuple[float, float]:
+        """The noise of the poses, given or estimated; of rigid motions of translations and of rotations."""
+        keys = lib.bat_motion_spline_keys(self._spline)
+        return keys.sigma, keys.angle_sigma
+
     @property
     def range(self) -> tuple[float, float]:
         """The times of the first and of the last pose, in seconds."""
@@ -134,7 +207,27 @@ def _motion(given: tuple[Any, Any], settings: dict[str, Any]) -> Motion:
     return Motion(*given, **settings)
 
 
-def _points(poses: Any) -> tuple[Floats, str, str | None]:
+def _warn(off: float, project: bool) -> None:
+    if off > 1e-3 and not project:
+        warnings.warn(f"poses: moved onto their space by up to {off:.2g}; project=True is silent", BattenWarning, stacklevel=4)
+
+
+def _onto(space: Space, keys: Floats, project: bool) -> Floats:
+    """The points, those that are off their space moved onto it."""
+    if space.functions or not len(keys) or space.name not in ("rotation", "rigid", "sphere", "hyperbolic"):
+        return keys
+    try:
+        near = space.project(keys)
+    except BattenError:
+        return keys
+    off = abs(near - keys).max(axis=1)
+    if off.max() > _FAR and not project:
+        return keys
+    _warn(off.max(), project)
+    return np.where((off > 1e-12)[:, None], near, keys)
+
+
+def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:
     """Rows of points, the form that they came in, and the space that it implies."""
     if hasattr(poses, "as_quat"):
         return array(np.atleast_2d(poses.as_quat())[:, [3, 0, 1, 2]], "poses", 4), "Rotation", "rotation"
@@ -142,8 +235,14 @@ def _points(poses: Any) -> tuple[Floats, str, str | None]:
     if given.ndim != 3 or given.shape[1:] not in ((3, 3), (4, 4)):
         return array(poses, "poses", 0), "points", None
     matrices, rows = array(given[:, :3, :3].reshape(-1, 9), "poses", 9), np.empty((len(given), 4))
+    again = np.empty_like(matrices)
     for i in range(len(rows)):
-        call(lib.bat_rotation_from_matrix, pointer(matrices[i]), pointer(rows[i]))
+        call(lib.bat_rotation_nearest, pointer(matrices[i]), pointer(rows[i]))
+        lib.bat_rotation_to_matrix(pointer(rows[i]), pointer(again[i]))
+    off = abs(again - matrices).max(initial=0.0)
+    if off > _FAR and not project:
+        raise InvalidPoint(f"poses: a matrix is {off:.2g} off an orthogonal one; project=True takes the nearest rotation")
+    _warn(off, project)
     if given.shape[1] == 3:
         return rows, "matrices", "rotation"
     if not np.array_equal(given[:, 3], np.broadcast_to([0.0, 0.0, 0.0, 1.0], (len(given), 4))):

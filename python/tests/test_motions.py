@@ -96,3 +96,57 @@ def test_pictures(random):
     assert closed.picture(suffix="png", title="closed")[1:4] == b"PNG"
     own = batten.Space("positive", 1, exp=lambda p, v: p * np.exp(v), log=lambda p, q: np.log(q / p))
     assert "<svg" in batten.Motion([0, 1, 2], [[1.0], [4.0], [2.0]], space=own)._repr_svg_()
+
+
+def test_files_are_read(tmp_path):
+    """A trajectory is read with its stamps, and one with velocities keeps these."""
+    path = tmp_path / "a.txt"
+    path.write_text("1311868171.131477 0 0 0 0 0 0 1\n1311868172.331406 1 0 0 0 0 0 1\n1311868173 1 1 0 0 0 0.6 0.8\n")
+    motion = batten.Motion.read(path)
+    assert motion.space.name == "rigid" and abs(motion.times[0] - 1311868171.131477) < 1e-6
+    assert np.allclose(motion(motion.times[1])[:3], [1, 0, 0])
+    table = tmp_path / "b.csv"
+    table.write_text("time_ns,x,y,vx,vy\n0,0,0,1,0\n1000000000,1,0,-2,0\n")
+    motion = batten.Motion.read(table)
+    assert np.allclose(motion.velocity([0, 1])[:, 0], [1, -2]) and motion.range == (0, 1)
+    with pytest.raises(OSError):
+        batten.Motion.read(tmp_path / "none.csv")
+
+
+def test_the_noise_is_found(random):
+    """A noise that is not told is found, and the stated deviations cover the truth."""
+    times = np.linspace(0, 20, 600)
+    truth = np.stack([np.sin(times), np.cos(0.7 * times)], axis=1)
+    motion = batten.Motion(times, truth + 0.05 * random.normal(size=truth.shape), sigma="auto", outliers="huber")
+    assert abs(motion.noise[0] / (0.05 * 2**0.5) - 1) < 0.1
+    off = abs(motion.keys - truth)
+    assert 0.9 < (off < 1.96 * motion.uncertainties).mean() < 0.99
+    assert (motion.deviations < 5).all()
+
+
+def test_rounded_points_move_onto_their_space():
+    """Quaternions of four decimals, single precision and matrices are taken; worse ones with a warning, or refused."""
+    turns = Rotation.from_rotvec([[0.1, 0.2, 0.3], [0.4, 0.2, 0.1], [0.9, 0.3, 0.1]])
+    quaternions = turns.as_quat()[:, [3, 0, 1, 2]]
+    exact = batten.Motion([0, 1, 2], quaternions, space="rotation")([0.5])
+    for near in (quaternions.round(4), quaternions.astype(np.float32), turns.as_matrix().astype(np.float32)):
+        made = batten.Motion([0, 1, 2], near, space="rotation")._at(np.array([0.5]), 0)
+        assert np.allclose(made, exact, atol=2e-4)
+    with pytest.warns(batten.BattenWarning, match="moved onto"):
+        batten.Motion([0, 1, 2], 1.01 * quaternions, space="rotation")
+    with pytest.raises(batten.InvalidPoint):
+        batten.Motion([0, 1, 2], 2 * quaternions, space="rotation")
+    assert np.allclose(batten.Motion([0, 1, 2], 2 * quaternions, space="rotation", project=True)([0.5]), exact)
+
+
+def test_unknown_velocities_are_found():
+    """Rows of NaN are velocities that the motion finds, for each part of a pose by itself."""
+    poses = np.array([[0, 0, 0, 1, 0, 0, 0], [1, 0, 0, 1, 0, 0, 0], [3, 0, 0, 1, 0, 0, 0]], float)
+    given = np.full((3, 6), np.nan)
+    plain = batten.Motion([0, 1, 2], poses, space="rigid")
+    assert np.array_equal(plain([0.5]), batten.Motion([0, 1, 2], poses, space="rigid", velocities=given)([0.5]))
+    given[1, :3] = [7, 0, 0]
+    assert np.allclose(batten.Motion([0, 1, 2], poses, space="rigid", velocities=given).velocity(1), [7, 0, 0, 0, 0, 0])
+    given[1, 0] = np.nan
+    with pytest.raises(batten.InvalidPoint):
+        batten.Motion([0, 1, 2], poses, space="rigid", velocities=given)

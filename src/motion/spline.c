@@ -225,11 +225,15 @@ static double sigma_of(const bat_motion_spline *spline, const bat_motion_spline_
 static bat_status prepare_system(spline_system *system, const bat_motion_spline_options *options, bat_motion_spline *spline,
                                  bat_error *error)
 {
+    const spline_factor *f = system->factor;
+    const double *begin = options->begin_velocity, *end = options->end_velocity;
     size_t given = 0;
     while (given < system->count && system->fixed[given] == KEY_GIVEN)
         given++;
-    const spline_factor *f = system->factor;
-    const double *begin = options->begin_velocity, *end = options->end_velocity;
+    if (space_is_positive_definite(&f->space))
+        return spline_tensor_prepare(system, options->ends, options->shape, begin != NULL ? begin + f->tangent_at : NULL,
+                                     end != NULL ? end + f->tangent_at : NULL, spline->records + f->record_at,
+                                     spline->record_size, error);
     bool natural = sigma_of(spline, options, (size_t)(f - spline->factors)) != 0 && options->ends == BAT_MOTION_ENDS_AUTO;
     bat_status status = spline_system_measure(system, error);
     if (status == BAT_OK && given < system->count)
@@ -243,8 +247,8 @@ static bat_status prepare_system(spline_system *system, const bat_motion_spline_
     return status;
 }
 
-/// Take the velocities of keys where all of their numbers are there.
-static void take_velocities(const double *tangents, size_t stride, spline_system *system)
+/// Take the velocities of keys that have one: all of its numbers are there.
+static bat_status take_velocities(const double *tangents, size_t stride, spline_system *system, bat_error *error)
 {
     size_t n = system->factor->space.tangent_dim;
     for (size_t k = 0; k < system->count; k++)
@@ -253,11 +257,17 @@ static void take_velocities(const double *tangents, size_t stride, spline_system
         size_t known = 0;
         while (known < n && !isnan(given[known]))
             known++;
+        size_t unknown = 0;
+        while (unknown < n && isnan(given[unknown]))
+            unknown++;
+        if (known < n && unknown < n)
+            return error_set(error, BAT_INVALID_POINT, k, 0, "a number of the velocity of point %zu is NaN", k);
         if (known < n)
             continue;
         system->fixed[k] = KEY_GIVEN;
         memcpy(system->velocities + k * n, given, n * sizeof *given);
     }
+    return BAT_OK;
 }
 
 static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion_spline_options *options, size_t index,
@@ -288,8 +298,8 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
         }
         scatter(points, spline->count, all, f->point_at, dim, spline->points);
         memset(system.velocities, 0, spline->count * n * sizeof *system.velocities);
-        if (keys->tangents != NULL)
-            take_velocities(keys->tangents + f->tangent_at, spline->space.tangent_dim, &system);
+        if (keys->tangents != NULL && status == BAT_OK)
+            status = take_velocities(keys->tangents + f->tangent_at, spline->space.tangent_dim, &system, error);
         if (status == BAT_OK)
             status = prepare_system(&system, options, spline, error);
     }

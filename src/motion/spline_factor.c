@@ -22,6 +22,8 @@ enum
 /// The step of differences. Formulas of sixth order have an error of its sixth power over 140 and 560, below 1e-11 of the
 /// derivatives that they leave out, and rounding of 1e-16 over its square.
 static const double STEP = 1.0 / 32;
+/// The same of tensors: first differences of exact velocities lose less to rounding.
+static const double TENSOR_STEP = 1.0 / 128;
 /// First and second derivatives at 0 of a function that is 0 there, from its values at -3, -2, -1, 1, 2 and 3 steps.
 static const double PLACES[6] = {-3, -2, -1, 1, 2, 3};
 static const double FIRST[6] = {-1.0 / 60, 3.0 / 20, -3.0 / 4, 3.0 / 4, -3.0 / 20, 1.0 / 60};
@@ -250,6 +252,37 @@ static bat_status any_rates(const spline_factor *f, const double *middle, const 
     return BAT_OK;
 }
 
+/// The same of tensors, whose velocities are exact: the covariant acceleration by differences of these, transported to q.
+static bat_status tensor_rates(const spline_factor *f, const double *identity, const tangent_jet *c, const double *q,
+                               double *velocity, double *acceleration)
+{
+    const bat_space *space = &f->space;
+    size_t n = space->tangent_dim;
+    double near[DIM], log[DIM], slope[DIM], rate[DIM], moved[DIM];
+    bat_status status = BAT_OK;
+    if (velocity != NULL)
+        status = spline_tensor_convert(space, c->value, q, c->first, false, velocity);
+    if (acceleration != NULL)
+        memset(acceleration, 0, n * sizeof *acceleration);
+    for (int k = 0; k < 6 && acceleration != NULL && status == BAT_OK; k++)
+    {
+        double s = PLACES[k] * TENSOR_STEP;
+        for (size_t i = 0; i < n; i++)
+        {
+            log[i] = c->value[i] + s * (c->first[i] + s * (c->second[i] / 2 + s * c->third[i] / 6));
+            slope[i] = c->first[i] + s * (c->second[i] + s * c->third[i] / 2);
+        }
+        status = space->exp(space, identity, log, near);
+        if (status == BAT_OK)
+            status = spline_tensor_convert(space, log, near, slope, false, rate);
+        if (status == BAT_OK)
+            status = space->transport(space, near, q, rate, moved);
+        if (status == BAT_OK)
+            add(n, FIRST[k] / TENSOR_STEP, moved, acceleration);
+    }
+    return status;
+}
+
 static bat_status any_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *w,
                            double *pushed)
 {
@@ -307,6 +340,7 @@ static size_t append(const bat_space *space, size_t point_at, size_t tangent_at,
     factor_kind kind = space_is_euclidean(space)            ? FACTOR_FLAT
                        : space_is_rotation(space)           ? FACTOR_ROTATION
                        : space_is_curved(space, &curvature) ? FACTOR_CURVED
+                       : space_is_positive_definite(space)  ? FACTOR_TENSOR
                                                             : FACTOR_ANY;
     *f = (spline_factor){kind, *space, curvature, point_at, tangent_at, 0};
     if (count > 0)
@@ -359,6 +393,7 @@ bat_status spline_push(const spline_factor *f, const double *middle, const doubl
         return BAT_OK;
     case FACTOR_CURVED:
         return curved_push(f, middle, c, q, vector, pushed);
+    case FACTOR_TENSOR: // spline_tensor_prepare() has no use for it
     case FACTOR_ANY:
         break;
     }
@@ -378,6 +413,7 @@ bat_status spline_pull(const spline_factor *f, const double *middle, const doubl
         return BAT_OK;
     case FACTOR_CURVED:
         return curved_pull(f, middle, c, q, vector, pulled);
+    case FACTOR_TENSOR: // spline_tensor_prepare() has no use for it
     case FACTOR_ANY:
         break;
     }
@@ -397,6 +433,7 @@ bat_status spline_acceleration(const spline_factor *f, const double *middle, con
         return BAT_OK;
     case FACTOR_CURVED:
         return curved_acceleration(f, middle, c, q, acceleration);
+    case FACTOR_TENSOR: // spline_tensor_prepare() has no use for it
     case FACTOR_ANY:
         break;
     }
@@ -446,6 +483,8 @@ static bat_status curve_at(const spline_factor *f, const double *record, double 
     for (size_t i = 0; i < n; i++)
         third[i] = 6 * coefficients[3 * n + i];
     tangent_jet jet = {c, first, second, third};
+    if (f->kind == FACTOR_TENSOR)
+        return tensor_rates(f, record, &jet, point, velocity, acceleration);
     if (f->kind == FACTOR_ANY)
         return any_rates(f, record, &jet, point, velocity, acceleration);
     if (velocity != NULL)

@@ -33,8 +33,8 @@ static const double MIN_SHARE = 1.0 / 128;
 static const double SLOW = 0.3;
 static const double FAST = 0.85;
 
-/// From which ratio to the intervals beside it on an interval is a gap; from which on its neighbours tell less of its motion,
-/// and nothing.
+/// From which ratio to the intervals beside it on an interval is a gap; from which on its neighbours tell less of its
+/// motion, and nothing.
 static const double LONGER = 4, DOUBTFUL = 8, UNKNOWN = 15;
 
 typedef enum end_row
@@ -730,7 +730,8 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
     }
     system->roughness = 0;
     size_t key = 0;
-    if (status == BAT_OK && ends == BAT_MOTION_ENDS_AUTO && !is_closed(system) && system->factor->kind != FACTOR_FLAT)
+    if (status == BAT_OK && ends == BAT_MOTION_ENDS_AUTO && !is_closed(system) &&
+        (system->rough || system->factor->kind != FACTOR_FLAT))
     {
         status = measure_roughness(system, &system->roughness, &key);
         if (status != BAT_OK)

@@ -14,6 +14,7 @@ typedef enum factor_kind
     FACTOR_FLAT,     ///< R^n: m is the first key, and exp the sum
     FACTOR_ROTATION, ///< by the right Jacobian of SO(3)
     FACTOR_CURVED,   ///< constant curvature: by Jacobi fields in closed form
+    FACTOR_TENSOR,   ///< positive definite matrices: m is the identity; by the derivative of the matrix exponential
     FACTOR_ANY       ///< by differences
 } factor_kind;
 
@@ -107,6 +108,7 @@ typedef struct spline_system
     // By key.
     double *residuals;    ///< tangent_dim
     double *rows;         ///< 3: lower, diagonal, upper
+    bool rough;           ///< ends go by roughness in R^n as well
     double roughness;     ///< of accelerations, where the ends go by it; else 0
     unsigned char *fixed; ///< a key_state: 0 while the velocity is unknown
     size_t held;          ///< intervals that spline_system_hold() found
@@ -142,6 +144,21 @@ bat_status spline_system_finish(spline_system *system, bat_error *error);
 
 /// The record of an interval; see spline_factor_record_size().
 void spline_system_record(const spline_system *system, size_t interval, double *record);
+
+/// A tangent vector at a tensor, a point with this logarithm at the identity, as the derivative of the logarithm, or the
+/// reverse.
+bat_status spline_tensor_convert(const bat_space *space, const double *log, const double *point, const double *vector,
+                                 bool to_log, double *result);
+
+/// Prepare a factor of tensors by the spline of their logarithms in R^n, which exists for all keys, however far apart
+/// (Arsigny et al., Log-Euclidean metrics for fast and simple calculus on diffusion tensors, 2006).
+///
+/// @param system points, lengths, and velocities where `fixed` gives them; receives those of all keys
+/// @param records receives the record of interval i at i * record_size
+/// @return as spline_system_solve()
+bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
+                                 const double *begin_velocity, const double *end_velocity, double *records,
+                                 size_t record_size, bat_error *error);
 
 /// Move noisy keys of one factor, FACTOR_FLAT or FACTOR_ROTATION, onto the penalized spline with the least expected error;
 /// see bat_motion_spline_options. Ends are natural.

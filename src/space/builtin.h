@@ -13,6 +13,7 @@ bool space_is_sphere(const bat_space *space); ///< S^2
 bool space_is_disk(const bat_space *space);
 bool space_is_rotation(const bat_space *space);
 bool space_is_rigid(const bat_space *space);
+bool space_is_positive_definite(const bat_space *space);
 bool space_is_product(const bat_space *space); ///< its parameters are bat_product_factors
 
 /// Whether a space is one of ours of constant curvature with orthonormal coordinates of tangent vectors: a sphere, the disk
@@ -44,6 +45,9 @@ const char *space_not_finite(const bat_space *space, const double *point);
 bat_status space_project_valid(const bat_space *space, const double *coordinates, double *point);
 /// bat_space::inner of orthonormal coordinates.
 double space_inner(const bat_space *space, const double *p, const double *u, const double *v);
+
+/// The identity matrix as a point of bat_positive_definite().
+void positive_definite_identity(const bat_space *space, double *point);
 
 // The functions of the rotation group, for the spaces that contain it as well: none reads `space`. Tangent vectors are
 // rotation vectors in the body's frame.

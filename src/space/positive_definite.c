@@ -597,8 +597,14 @@ static const char *fault(const bat_space *space, const double *point)
     return is_positive(side_of(space), point) ? NULL : "not positive definite";
 }
 
-static void set_identity(size_t n, double *point)
+bool space_is_positive_definite(const bat_space *space)
 {
+    return space->log == logarithm;
+}
+
+void positive_definite_identity(const bat_space *space, double *point)
+{
+    size_t n = side_of(space);
     for (size_t i = 0; i < n; i++)
         for (size_t j = i; j < n; j++)
             *point++ = i == j ? 1 : 0;
@@ -608,7 +614,7 @@ static void random_point(const bat_space *space, bat_random *random, double *poi
 {
     double identity[SIDE * (SIDE + 1) / 2], tangent[SIDE * (SIDE + 1) / 2];
     size_t n = side_of(space);
-    set_identity(n, identity);
+    positive_definite_identity(space, identity);
     do
     {
         for (size_t i = 0; i < space->tangent_dim; i++)
