@@ -162,6 +162,8 @@ static const option_spec MOTION_VERB_OPTIONS[] = {
      "finds "
      "both",
      NO_FIELD},
+    {"uncertainty", NULL, METHOD, 0, "with --sigma: write velocities and the standard deviations of the motion",
+     FLAG(curve_job, motion.uncertainty)},
     {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
      CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
     {"wrap", "TURN", METHOD, 0, "numbers are angles with this full turn, as 360, and go the shorter way",
@@ -303,7 +305,7 @@ static const char *const FOR_CURVES[] = {"fairness",     "model",  "snap", "best
                                          "corner-angle", "smooth", NULL};
 
 /// Those of splines: of `batten motion`, and of `batten curve`.
-static const char *const FOR_SPLINES[] = {"times", "ends", "extrapolate", "sigma", "outliers", NULL};
+static const char *const FOR_SPLINES[] = {"times", "ends", "extrapolate", "sigma", "uncertainty", "outliers", NULL};
 static const char *const FOR_SAMPLES[] = {"times", NULL};
 
 static bool is_motion_scheme(const char *scheme)

@@ -62,6 +62,8 @@ typedef struct bat_motion_curves_options
     size_t time_count;    ///< default 0
     size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for
                           ///< continuous accelerations, Hermite schemes take 2; default 0
+    bool uncertainty;     ///< write velocities and the standard deviations of a smoothed motion, "sd_x", ..., of rotations
+                          ///< "sd_wx", ... in radians; default false
     bool velocities;      ///< write velocities also where the keyframes have none; default false
     bat_motion_report *report; ///< receives what bat_motion_curves() did; null for none; default null
 } bat_motion_curves_options;

@@ -157,6 +157,15 @@ BAT_API bat_status bat_motion_spline_at(const bat_motion_spline *spline, double 
 BAT_API bat_status bat_motion_spline_sample(const bat_motion_spline *spline, const double *times, size_t count,
                                             double *points, double *velocities, double *accelerations, bat_error *error);
 
+/// The standard deviations of a smoothed motion: between keys those of the keys, and what the penalty as a prior lets the
+/// motion wander. Covariances beside them are 0.
+///
+/// @param times      within the times of bat_motion_spline_keys()
+/// @param deviations receives count x tangent_dim numbers; zeros where nothing was smoothed
+/// @return BAT_OK, or BAT_INVALID_ARGUMENT with the index of the first failing time
+BAT_API bat_status bat_motion_spline_uncertainty(const bat_motion_spline *spline, const double *times, size_t count,
+                                                 double *deviations, bat_error *error);
+
 BAT_C_END
 
 #endif

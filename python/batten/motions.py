@@ -167,6 +167,13 @@ class Motion:
         """The standard deviations of the smoothed poses, for each number of a velocity."""
         return self._key_rows(lib.bat_motion_spline_keys(self._spline).uncertainties, self.space.tangent_dim)
 
+    def uncertainty(self, times: ArrayLike) -> Floats:
+        """The standard deviations of a smoothed motion at times, for each number of a velocity."""
+        moments = self._seconds(times)
+        made = np.empty((*moments.shape, self.space.tangent_dim))
+        call(lib.bat_motion_spline_uncertainty, self._spline, pointer(moments), moments.size, pointer(made))
+        return made
+
     @property
     def noise(self) -> tuple[float, float]:
         """The noise of the poses, given or estimated; of rigid motions of translations and of rotations."""

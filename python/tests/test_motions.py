@@ -122,6 +122,10 @@ def test_the_noise_is_found(random):
     off = abs(motion.keys - truth)
     assert 0.9 < (off < 1.96 * motion.uncertainties).mean() < 0.99
     assert (motion.deviations < 5).all()
+    between = np.linspace(0.01, 19.99, 2001)
+    off = abs(motion(between) - np.stack([np.sin(between), np.cos(0.7 * between)], axis=1))
+    assert 0.9 < (off < 1.96 * motion.uncertainty(between)).mean() < 0.99
+    assert not batten.Motion(times, truth).uncertainty(between).any()
 
 
 def test_rounded_points_move_onto_their_space():

@@ -13,6 +13,7 @@ typedef struct motion_channels
     size_t time;                     ///< BAT_NO_INDEX without times
     size_t velocity[MAX_VELOCITIES]; ///< BAT_NO_INDEX for the part of a pose that has none
     size_t velocity_count;           ///< 0 without velocities
+    size_t deviation;                ///< the first of as many standard deviations, in a result; 0 without
 } motion_channels;
 
 /// The number of channels with times and velocities.
@@ -21,7 +22,7 @@ static inline size_t motion_channels_count(const motion_channels *channels)
     size_t count = channels->time != BAT_NO_INDEX;
     for (size_t i = 0; i < channels->velocity_count; i++)
         count += channels->velocity[i] != BAT_NO_INDEX;
-    return count;
+    return count + (channels->deviation > 0 ? channels->velocity_count : 0);
 }
 
 enum

@@ -356,7 +356,9 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "motions have no corners: a column of corners has no place");
     bool degrees = set->attributes != NULL && set->attributes->degrees;
-    if (options->velocities && (is_nameless(set) || degrees))
+    if (options->uncertainty && options->spline.sigma == 0 && options->spline.angle_sigma == 0)
+        return error_option(error, "uncertainty", "is of smoothed motions: sigma smooths");
+    if ((options->velocities || options->uncertainty) && (is_nameless(set) || degrees))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",
                          set->space->name, degrees ? " in degrees" : "");
     return BAT_OK;
@@ -458,7 +460,8 @@ typedef struct result_columns
     const point_form *form; ///< of points and velocities; null without
     motion_channels channels;
     size_t channel_count;
-    double squares[2]; ///< see add_conflict()
+    double squares[2];  ///< see add_conflict()
+    double *deviations; ///< of the samples of a curve; null without
 } result_columns;
 
 /// The columns of the keyframes where they suffice, else columns in the order times, points, velocities.
@@ -470,9 +473,10 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curv
     bool sampled = options->rate > 0 || bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     bool time_missing = given.time == BAT_NO_INDEX && sampled;
     bool velocities_missing = options->velocities && (given.velocity_count == 0 || !has_whole_velocities(&given));
-    *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count, {0}};
+    *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count, {0}, NULL};
     if (time_missing && is_nameless(set))
         time_missing = false; // rows then follow each other by the rate
+    velocities_missing = velocities_missing || options->uncertainty;
     if (!time_missing && !velocities_missing)
     {
         attributes_share(set->attributes);
@@ -482,10 +486,13 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curv
     wanted.velocity_count = velocities_missing || given.velocity_count > 0 ? form->velocity_count : 0;
     for (size_t i = 0; i < wanted.velocity_count; i++)
         wanted.velocity[i] = (wanted.time == 0) + i;
+    size_t columns = wanted.velocity_count + (wanted.time == 0);
+    wanted.deviation = options->uncertainty ? columns : 0;
+    columns += options->uncertainty ? wanted.velocity_count : 0;
     bat_curve_format format = set->attributes != NULL && set->attributes->format == BAT_CURVE_FORMAT_TUM
                                   ? BAT_CURVE_FORMAT_TUM
                                   : BAT_CURVE_FORMAT_CSV;
-    *result = (result_columns){attributes_new(format), form, wanted, wanted.velocity_count + (wanted.time == 0), {0}};
+    *result = (result_columns){attributes_new(format), form, wanted, columns, {0}, NULL};
     bool good = result->attributes != NULL;
     if (good)
     {
@@ -525,6 +532,8 @@ static bat_status fill_channels(const bat_hermite_curve *smooth, const result_co
         for (size_t j = 0; j < places->velocity_count; j++)
             if (places->velocity[j] != BAT_NO_INDEX)
                 row[places->velocity[j]] = velocity[j];
+        for (size_t j = 0; j < space->tangent_dim && columns->deviations != NULL; j++)
+            row[places->deviation + j] = columns->deviations[i * space->tangent_dim + j];
     }
     return BAT_OK;
 }
@@ -740,6 +749,13 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
     if (status != BAT_OK)
         return status;
     status = sample_spline(spline, keys, options, smooth, error);
+    if (status == BAT_OK && options->uncertainty)
+    {
+        columns->deviations = memory_array(smooth->count, set->space->tangent_dim * sizeof(double));
+        status = columns->deviations == NULL
+                     ? error_memory(error, smooth->count * set->space->tangent_dim * sizeof(double))
+                     : bat_motion_spline_uncertainty(spline, smooth->times, smooth->count, columns->deviations, error);
+    }
     if (status == BAT_OK && options->report != NULL)
     {
         add_report(spline, index, options->report);
@@ -779,6 +795,8 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
         status = make_curve(&smooth, columns, curve, error);
     if (status != BAT_OK)
         bat_curve_free(curve);
+    free(columns->deviations);
+    columns->deviations = NULL;
     bat_hermite_free(&keys);
     bat_hermite_free(&smooth);
     return status;

@@ -41,6 +41,7 @@ struct bat_motion_spline
     double *velocities;    ///< count x tangent_dim
     double *deviations;    ///< count: of the given keys from the motion, in units of sigma
     double *uncertainties; ///< count x tangent_dim
+    double *wander;        ///< count x tangent_dim, of intervals; see spline_smooth()
     double sigmas[2];      ///< of the noise: of all but rotations of rigid motions, and of these
     double *records;       ///< intervals x record_size
     size_t record_size;
@@ -123,6 +124,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     free(spline->velocities);
     free(spline->deviations);
     free(spline->uncertainties);
+    free(spline->wander);
     free(spline->records);
     free(spline);
 }
@@ -168,9 +170,10 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
     spline->deviations = calloc(keys->count, sizeof(double));
     spline->uncertainties = calloc(keys->count, space->tangent_dim * sizeof(double));
+    spline->wander = calloc(keys->count, space->tangent_dim * sizeof(double));
     spline->records = memory_array(spline->intervals, spline->record_size * sizeof(double));
     if (spline->times == NULL || spline->buckets == NULL || spline->points == NULL || spline->velocities == NULL ||
-        spline->deviations == NULL || spline->uncertainties == NULL || spline->records == NULL)
+        spline->deviations == NULL || spline->uncertainties == NULL || spline->wander == NULL || spline->records == NULL)
         return error_memory(error, spline->intervals * spline->record_size * sizeof(double));
     return BAT_OK;
 }
@@ -289,9 +292,11 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
         double sigma = sigma_of(spline, options, index);
         if (sigma != 0)
         {
-            // The velocities are found later: their memory holds the uncertainties here.
+            // The velocities and slopes are found later: their memory holds the uncertainties here.
+            memset(system.slopes, 0, spline->intervals * 2 * n * sizeof *system.slopes);
             status = spline_smooth(f, spline->count, lengths, options->outliers, points, &sigma, spline->deviations,
-                                   system.velocities, error);
+                                   system.velocities, system.slopes, error);
+            scatter(system.slopes, spline->intervals, spline->space.tangent_dim, f->tangent_at, n, spline->wander);
             spline->sigmas[space_is_rigid(&spline->space) && index > 0] = sigma;
             scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->uncertainties);
             continue_signs(f, spline->count, points);
@@ -657,4 +662,25 @@ bat_status bat_motion_spline_sample(const bat_motion_spline *spline, const doubl
         shared_work_finish(&work, block, status, &fault);
     }
     return shared_work_end(&work, error);
+}
+
+bat_status bat_motion_spline_uncertainty(const bat_motion_spline *spline, const double *times, size_t count,
+                                         double *deviations, bat_error *error)
+{
+    size_t n = spline->space.tangent_dim, last = spline->count - 1, hint = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        place at;
+        if (!find_place(spline, times[i], hint, &at) || at.beyond != 0)
+            return no_place(spline, times[i], i, error);
+        hint = at.interval;
+        size_t next = at.interval < last ? at.interval + 1 : 0;
+        double s = at.share, r = 1 - s, between = 64 * s * s * s * r * r * r; // 1 in the middle
+        for (size_t c = 0; c < n; c++)
+        {
+            double ends = r * spline->uncertainties[at.interval * n + c] + s * spline->uncertainties[next * n + c];
+            deviations[i * n + c] = sqrt(ends * ends + between * spline->wander[at.interval * n + c]);
+        }
+    }
+    return BAT_OK;
 }

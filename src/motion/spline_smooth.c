@@ -44,6 +44,7 @@ typedef struct noise_search
     double freedom;    ///< keys less degrees of freedom
     double *distances; ///< count: of the measurements
     double *sorted;    ///< count
+    double *uncertainties, *wander; ///< see spline_smooth()
 } noise_search;
 
 static double square(size_t n, const double *v)
@@ -216,7 +217,7 @@ static double median_sigma(noise_search *search)
 
 /// Fit all components, each for itself but those of rotations, which have one weight of the penalty. `*sigma` receives the
 /// noise of a key, where it is unknown.
-static bat_status fit_all(noise_search *search, double *sigma, double *uncertainties, bat_error *error)
+static bat_status fit_all(noise_search *search, double *sigma, bat_error *error)
 {
     smoother *s = &search->s;
     bat_status status = BAT_OK;
@@ -236,7 +237,11 @@ static bat_status fit_all(noise_search *search, double *sigma, double *uncertain
         total += variance * (double)together;
         for (size_t i = 0; i < s->count && status == BAT_OK; i++)
             for (size_t k = s->first; k < s->last; k++)
-                uncertainties[i * s->n + k] = sqrt(fmax(variance * s->influence[i] / s->weights[i], 0));
+            {
+                double span = s->lengths[i] / 2;
+                search->uncertainties[i * s->n + k] = sqrt(fmax(variance * s->influence[i] / s->weights[i], 0));
+                search->wander[i * s->n + k] = variance / search->weight * s->activity[i] * span * span * span / 24;
+            }
     }
     s->first = 0;
     s->last = s->n;
@@ -245,15 +250,14 @@ static bat_status fit_all(noise_search *search, double *sigma, double *uncertain
 }
 
 /// Fits with weights by the distances, which are Huber's at first: Tukey's have many solutions.
-static bat_status smooth(noise_search *search, bat_motion_outliers rule, double *sigma, double *uncertainties,
-                         bat_error *error)
+static bat_status smooth(noise_search *search, bat_motion_outliers rule, double *sigma, bat_error *error)
 {
     /// Squares beyond this distance tell nothing of the motion.
     static const double FAR = 2.5, LEAST_SHARE = 0.1;
     double known = *sigma;
     search->cut = INFINITY;
     if (rule == BAT_MOTION_OUTLIERS_NONE)
-        return fit_all(search, sigma, uncertainties, error);
+        return fit_all(search, sigma, error);
     bat_status status = BAT_OK;
     measure_neighbours(search);
     for (int round = 0; round < ROUNDS && status == BAT_OK; round++)
@@ -263,7 +267,7 @@ static bat_status smooth(noise_search *search, bat_motion_outliers rule, double 
         scale = scale > 0 ? scale : search->s.scale;
         weigh(search, 2 * round >= ROUNDS ? rule : BAT_MOTION_OUTLIERS_HUBER, scale);
         search->cut = FAR * FAR * scale * scale / (double)search->s.n;
-        status = fit_all(search, &found, uncertainties, error);
+        status = fit_all(search, &found, error);
         measure_motion(search);
         *sigma = scale;
     }
@@ -271,9 +275,10 @@ static bat_status smooth(noise_search *search, bat_motion_outliers rule, double 
 }
 
 bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, bat_motion_outliers outliers,
-                         double *points, double *sigma, double *deviations, double *uncertainties, bat_error *error)
+                         double *points, double *sigma, double *deviations, double *uncertainties, double *wander,
+                         bat_error *error)
 {
-    noise_search search = {0};
+    noise_search search = {.uncertainties = uncertainties, .wander = wander};
     if (count < 3)
     {
         *sigma = fmax(*sigma, 0);
@@ -288,7 +293,7 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
         status = memory_pool_check(&s->pool, error);
     double noise = fmax(*sigma, 0);
     if (status == BAT_OK)
-        status = smooth(&search, outliers, &noise, uncertainties, error);
+        status = smooth(&search, outliers, &noise, error);
     for (size_t i = 0; status == BAT_OK && noise > 0 && i < count; i++)
         deviations[i] = fmax(deviations[i], sqrt(square(s->n, s->residuals + i * s->n)) / noise);
     if (status == BAT_OK)

@@ -168,9 +168,11 @@ bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, ba
 /// @param sigma   the noise; BAT_MOTION_SIGMA_AUTO is replaced by what the keys tell
 /// @param deviations receives, for each key, the larger of what it has and the distance of the given key in units of sigma
 /// @param uncertainties receives count x tangent_dim standard deviations of the keys that are made
+/// @param wander  receives count x tangent_dim, of the intervals: the variance in their middle where both ends were certain
 /// @return BAT_OK; BAT_CUT_LOCUS with the key whose measurement is half a turn from the motion; BAT_NO_MEMORY
 bat_status spline_smooth(const spline_factor *f, size_t count, const double *lengths, bat_motion_outliers outliers,
-                         double *points, double *sigma, double *deviations, double *uncertainties, bat_error *error);
+                         double *points, double *sigma, double *deviations, double *uncertainties, double *wander,
+                         bat_error *error);
 
 /// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
 double motion_outliers_threshold(bat_motion_outliers outliers);

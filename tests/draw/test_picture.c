@@ -315,7 +315,7 @@ static void large_curves_become_small_files(void **state)
 static void texts_must_be_utf8(void **state)
 {
     (void)state;
-    const char *good[] = {NULL, "", "plain", "\xc2\xb0", "\xe2\x88\x92", "\xf0\x9f\x99\x82", "\xed\x9f\xbf"};
+    const char *good[] = {NULL, "", "plain", "\xc2\xb0", "\xe2\x80\x93", "\xf0\x9f\x99\x82", "\xed\x9f\xbf"};
     const char *bad[] = {"\x80", "\xc1\x81", "\xe0\x80\x80", "\xed\xa0\x80", "\xf4\x90\x80\x80",
                          "\xc2", "\xe2\x88", "a\tb",         "\x7f"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++)

@@ -19,7 +19,7 @@ static void ticks_are_round(void **state)
     char label[TICK_LABEL_SIZE];
     assert_int_equal(ticks.count, 7);
     tick_label(&ticks, 0, label);
-    assert_string_equal(label, "\xe2\x88\x92"
+    assert_string_equal(label, "\xe2\x80\x93"
                                "0.1");
     tick_label(&ticks, 1, label);
     assert_string_equal(label, "0.0");
@@ -63,7 +63,7 @@ static void scales_are_told(void **state)
                  {999500.0, 1000500.0, "+1000000"},
                  {999999.0, 1000001.0, "+1000000"},
                  {-1000001.0, -999999.0,
-                  "\xe2\x88\x92"
+                  "\xe2\x80\x93"
                   "1000000"},
                  {4499999.994, 4500000.006,
                   "\xc3\x97"
@@ -95,7 +95,7 @@ static void labels_are_short_and_differ(void **state)
                 char label[TICK_LABEL_SIZE];
                 tick_label(&ticks, k, label);
                 assert_true(strlen(label) <= 12 && strcmp(label, before) != 0);
-                bool minus = strncmp(label, "\xe2\x88\x92", 3) == 0;
+                bool minus = strncmp(label, "\xe2\x80\x93", 3) == 0;
                 double shown = minus ? -strtod(label + 3, NULL) : strtod(label, NULL);
                 double meant = shown * pow(10.0, ticks.scale.exponent) + ticks.scale.offset;
                 check_near(meant, ticks.values[k], 1e-6 * range);

@@ -101,7 +101,7 @@ void tick_scale_text(tick_scale scale, char *text)
     if (scale.offset != 0.0)
         (void)snprintf(offset, sizeof offset, "%.15g", fabs(scale.offset));
     const char *gap = *power != '\0' && *offset != '\0' ? " " : "";
-    const char *sign = scale.offset < 0.0 ? "\xe2\x88\x92" : scale.offset > 0.0 ? "+" : "";
+    const char *sign = scale.offset < 0.0 ? "\xe2\x80\x93" : scale.offset > 0.0 ? "+" : "";
     (void)snprintf(text, TICK_SCALE_SIZE, "%s%s%s%s%s", power, gap, sign, gap, offset);
 }
 
@@ -167,7 +167,7 @@ void tick_label(const tick_list *ticks, size_t index, char *label)
     double size = fabs(value);
     bool general = ticks->decimals < 0;
     bool zero = !general && size < 0.5 * pow(10.0, -ticks->decimals);
-    const char *sign = value < 0.0 && !zero ? "\xe2\x88\x92" : "";
+    const char *sign = value < 0.0 && !zero ? "\xe2\x80\x93" : "";
     if (general)
     {
         (void)snprintf(label, TICK_LABEL_SIZE, "%s%.6g", sign, size);
@@ -179,7 +179,7 @@ void tick_label(const tick_list *ticks, size_t index, char *label)
 static void exponent_label(const tick_list *ticks, size_t index, char *label)
 {
     double exponent = exponent_of(ticks->values[index]);
-    (void)snprintf(label, TICK_LABEL_SIZE, "%s%.0f", exponent < 0.0 ? "\xe2\x88\x92" : "", fabs(exponent));
+    (void)snprintf(label, TICK_LABEL_SIZE, "%s%.0f", exponent < 0.0 ? "\xe2\x80\x93" : "", fabs(exponent));
 }
 
 static double font_size(cairo_t *cairo)

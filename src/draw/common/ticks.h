@@ -37,13 +37,14 @@ tick_list ticks_linear(double low, double high, double wanted);
 tick_scale ticks_scale(double low, double high);
 /// Apply an offset and an exponent to linear ticks.
 void ticks_use_scale(tick_list *ticks, tick_scale scale);
-/// The text beside an axis for its offset and exponent: "×10⁻⁶", "+1000000", "×10³ − 5000000", or "". `text` has space for
+/// The text beside an axis for its offset and exponent: "×10⁻⁶", "+1000000", "×10³ – 5000000", or "". `text` has space for
 /// TICK_SCALE_SIZE bytes.
 void tick_scale_text(tick_scale scale, char *text);
 /// The ticks of a logarithmic axis: powers of ten, and their multiples where there are few powers; 0 < low < high.
 tick_list ticks_logarithmic(double low, double high, double wanted);
 
-/// The label of a tick, without the exponent of powers: "10" or "2×10". It uses a minus sign and no negative zero.
+/// The label of a tick, without the exponent of powers: "10" or "2×10". It has an en dash for a minus sign, which every font
+/// has, and no negative zero.
 void tick_label(const tick_list *ticks, size_t index, char *label);
 double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index);
 /// Draw a label with y in the middle of its height and x at the fraction `align` of its width.

@@ -17,7 +17,9 @@ enum
     /// Frames at equal times where the options leave it open.
     FRAMES = 24,
     /// More circles would hide each other; beyond it dots are drawn.
-    MANY_KEYS = 100
+    MANY_KEYS = 100,
+    /// Circles along a path, but for outliers.
+    MAX_RINGS = 200
 };
 
 #define FLATTEST 0.3
@@ -412,12 +414,13 @@ static void draw_line(cairo_t *cairo, const film *shown, const film_track *track
 static void draw_keys(cairo_t *cairo, const film *shown, const film_track *track, const placing *at)
 {
     bool many = track->key_count > MANY_KEYS;
+    size_t stride = 1 + track->key_count / MAX_RINGS; // else rings hide the path
     for (int outlying = 0; outlying < 2; outlying++)
         for (size_t i = 0; i < track->key_count; i++)
         {
             double p[3], x, y;
             bool marked = shown->outlying > 0 && track->deviations[i] > shown->outlying;
-            if (marked != (outlying == 1))
+            if (marked != (outlying == 1) || (!marked && i % stride != 0))
                 continue;
             take_point(shown, at->view, track->given + i * shown->space->point_dim, p);
             place_point(at, p, &x, &y);

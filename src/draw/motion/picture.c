@@ -152,12 +152,12 @@ static bat_status add_coordinates(film_page *page, size_t index, bat_error *erro
     return BAT_OK;
 }
 
-/// "speed (m/s)", "speed (m per unit of time)", "speed (1/s)" or "speed".
+/// "speed (m/s)", "speed (m per time)", "speed (1/s)" or "speed".
 static void write_label(const char *name, const char *length, const char *time, char *label)
 {
     bool timed = time[0] != '\0', measured = length[0] != '\0';
     (void)snprintf(label, LABEL_SIZE, measured || timed ? "%s (%.40s%s%.40s)" : "%s", name, measured ? length : "1",
-                   timed ? "/" : " per unit of time", time);
+                   timed ? "/" : " per time", time);
 }
 
 static void write_labels(film_page *page)

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -214,13 +215,19 @@ void csv_attributes_describe(bat_curve_attributes *attributes, const bat_space *
     csv_columns_channels(columns, coordinates, columns->degrees ? NULL : form, &attributes->channels);
 }
 
+enum
+{
+    DEVIATION_NAME_SIZE = 16
+};
+
 bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *columns)
 {
     static const char *const degrees[] = {"lon", "lat", NULL};
     const point_form *form = attributes->form;
     const motion_channels *channels = &attributes->channels;
-    const char *names[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
-    csv_field fields[1 + MAX_FORM_COLUMNS + MAX_VELOCITIES];
+    const char *names[1 + MAX_FORM_COLUMNS + 2 * MAX_VELOCITIES];
+    char deviations[MAX_VELOCITIES][DEVIATION_NAME_SIZE];
+    csv_field fields[1 + MAX_FORM_COLUMNS + 2 * MAX_VELOCITIES];
     size_t count = 0, first = channels->time != BAT_NO_INDEX;
     *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
     static const char *const times[] = {"time", "time_ms", "time_us", "time_ns"};
@@ -230,6 +237,11 @@ bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *
         names[count++] = *point;
     for (size_t i = 0; i < channels->velocity_count; i++)
         names[count++] = form->velocities[i];
+    for (size_t i = 0; i < channels->velocity_count && channels->deviation > 0; i++)
+    {
+        (void)snprintf(deviations[i], DEVIATION_NAME_SIZE, "sd_%s", form->velocities[i] + (form->velocities[i][0] == 'v'));
+        names[count++] = deviations[i];
+    }
     for (size_t i = 0; i < count; i++)
         fields[i] = (csv_field){names[i], names[i] + strlen(names[i])};
     if (!csv_columns_name(columns, fields, count))
