@@ -35,7 +35,7 @@ function(batten_shared_library target objects)
   add_library(${target} SHARED $<TARGET_OBJECTS:${objects}>)
   set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${BATTEN_ABI})
   if(CMAKE_SYSTEM_NAME STREQUAL Linux AND NOT BATTEN_SANITIZED)
-    target_link_options(${target} PRIVATE -Wl,--no-undefined)
+    target_link_options(${target} PRIVATE -Wl,--no-undefined ${BATTEN_EXPORTS})
   endif()
 endfunction()
 

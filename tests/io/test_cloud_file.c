@@ -401,7 +401,7 @@ static void test_texts_that_are_written(void **state)
         check_status(bat_cloud_write(path, &cloud, NULL), BAT_OK);
         FILE *file = fopen(path, "rb");
         assert_non_null(file);
-        (void)fread(text, 1, sizeof text - 1, file);
+        assert_true(fread(text, 1, sizeof text - 1, file) > 0);
         (void)fclose(file);
         (void)remove(path);
         assert_string_equal(text, texts[i][1]);
