@@ -27,6 +27,12 @@ const option_spec THREADS_OPTION[] = {
     {"threads", "N", CALL, 0, "default: all; the result does not depend on it", WHOLE(verb_call, threads, 1, MAX_THREADS)},
     END_OF_OPTIONS,
 };
+/// Of every verb, for files of strangers.
+static const option_spec LIMIT_OPTIONS[] = {
+    {"max-seconds", "S", CALL, 0, "stop after so many seconds, and write nothing", POSITIVE(verb_call, max_seconds)},
+    {"max-memory", "MB", CALL, 0, "use no more than so many megabytes of memory", POSITIVE(verb_call, max_memory)},
+    END_OF_OPTIONS,
+};
 const option_spec MANY_OPTIONS[] = {
     {"jobs", "N", CALL, 0, "of several IN: so many at a time, which share the threads; default 1", NO_FIELD},
     {"in-place", NULL, CALL, 0, "of several IN: outputs may replace inputs", NO_FIELD},
@@ -55,9 +61,11 @@ bool usage_obeys(const arguments *given, const usage_rule *rules, size_t count, 
 const option_spec *option_at(const verb *what, size_t index, size_t *offset)
 {
     static const option_table FIRST[] = {{OUTPUT_OPTION, 0}, {NULL, 0}},
-                              LAST[] = {{REPORT_OPTIONS, 0}, {THREADS_OPTION, 0}, {MANY_OPTIONS, 0}, {NULL, 0}};
+                              LAST[] = {{REPORT_OPTIONS, 0}, {THREADS_OPTION, 0}, {MANY_OPTIONS, 0}, {NULL, 0}},
+                              LIMITS[] = {{LIMIT_OPTIONS, 0}, {NULL, 0}};
     bool many = what->formats != NULL;
-    const option_table *const all[] = {many ? FIRST : what->options, many ? what->options : NULL, many ? LAST : NULL};
+    const option_table *const all[] = {many ? FIRST : what->options, many ? what->options : NULL, many ? LAST : NULL,
+                                       LIMITS};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         for (const option_table *table = all[k]; table != NULL && table->rows != NULL; table++)
             for (const option_spec *option = table->rows; option->name != NULL; option++)

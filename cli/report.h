@@ -49,6 +49,11 @@ typedef enum interrupt_mode
 /// Choose how signals are taken. INTERRUPT_AT_ONCE ends the program when one is pending.
 void interrupt_use(interrupt_mode mode);
 
+/// End the program after so many seconds, and let it have no more than so many megabytes of memory; 0 for no limit.
+void interrupt_limit(double seconds, double megabytes);
+/// Whether memory has a limit, by an option or by the caller's shell.
+bool interrupt_memory_is_limited(void);
+
 /// Whether a signal has come.
 bool interrupt_pending(void);
 

@@ -182,7 +182,10 @@ static int run(const arguments *given)
     if (calls->begin != NULL)
         calls->begin(call);
     int code = EXIT_BAD_USAGE;
-    if (arguments_store(given, call) && choose_outputs(what, call) && (calls->check == NULL || calls->check(call)))
+    bool stored = arguments_store(given, call);
+    if (stored)
+        interrupt_limit(call->max_seconds, call->max_memory);
+    if (stored && choose_outputs(what, call) && (calls->check == NULL || calls->check(call)))
         code = open_outputs(given, &call->files);
     if (code == EXIT_DONE)
     {

@@ -47,9 +47,10 @@ typedef struct verb_call
     const char *output, *picture; ///< null where not given
     outputs files;
     bool json;
-    bool silent; ///< --quiet
-    bool quiet;  ///< no report: --quiet, or standard output has the result
-    int threads; ///< --threads; 0 for the default
+    bool silent;                    ///< --quiet
+    bool quiet;                     ///< no report: --quiet, or standard output has the result
+    int threads;                    ///< --threads; 0 for the default
+    double max_seconds, max_memory; ///< of --max-memory in megabytes; 0 for no limit
 } verb_call;
 
 enum

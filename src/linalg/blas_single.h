@@ -1,6 +1,8 @@
 #ifndef LINALG_BLAS_SINGLE_H
 #define LINALG_BLAS_SINGLE_H
 
+#include "batten/base.h"
+
 /// @file
 /// The one setting of OpenBLAS that matters when several threads ask for products at once, or when results must not depend
 /// on the number of threads.
@@ -8,10 +10,15 @@
 /// Let every product run on the thread that asks for it, until blas_single_end(). OpenBLAS keeps its number of threads for
 /// the whole process: the first to begin remembers it, the last to end restores it. May be called from any thread.
 ///
-/// This pair is the library's only state of the process, and it lasts no longer than a call of the library. Each begin has
-/// one end on every way out, failures and cancelling included: nothing returns between the two. A program that sets the
-/// number of threads itself meanwhile, from another thread, loses its setting at the end.
+/// Beside blas_reserve(), this pair is the library's only state of the process, and it lasts no longer than a call. Each
+/// begin has one end on every way out, failures and cancelling included: nothing returns between the two. A program that
+/// sets the number of threads itself meanwhile, from another thread, loses its setting at the end.
 void blas_single_begin(void);
 void blas_single_end(void);
+
+/// Make OpenBLAS take its memory for products, once for the process. Where it cannot, it would try for ever: that is found
+/// out first. From here on the process keeps that memory.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status blas_reserve(bat_error *error);
 
 #endif

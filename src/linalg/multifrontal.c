@@ -333,6 +333,9 @@ bat_status multifrontal_factor(multifrontal *solver, const double *lower, const 
                                bat_error *error)
 {
     *pivot = 0;
+    bat_status reserved = blas_reserve(error);
+    if (reserved != BAT_OK)
+        return reserved;
     size_t size = solver->tree.update_max;
     solver->updates = memory_array(size, solver->sides * sizeof(double));
     if (solver->updates == NULL)

@@ -486,7 +486,7 @@ static void remove_all(const char *name)
 static int remove_input(void **state)
 {
     (void)state;
-    (void)chdir("/");
+    assert_int_equal(chdir("/"), 0);
     remove_all(folder);
     return 0;
 }

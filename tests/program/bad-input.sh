@@ -500,5 +500,20 @@ full reproduce hermite-order
 "$batten" help nothing > stdout 2> stderr
 [ $? -eq 2 ] && grep -q "no verb 'nothing'" stderr || fail "batten help nothing"
 
+# Limits end the program with one line, whatever its libraries wait for.
+refused 1 'the time of --max-seconds is over' reproduce hermite-order --max-seconds 0.05
+for limit in '-v 200000' '-d 60000'; do
+    (
+        ulimit $limit
+        for verb in 'list schemes' 'measure good.in.csv' 'surface cloud.in.xyz -o limited.step' 'shape cage --max-memory 300'; do
+            timeout -s KILL 60 "$batten" $verb > stdout 2> stderr
+            code=$?
+            [ $code -le 1 ] && [ $(wc -l < stderr) -le 2 ] || echo "ulimit $limit, batten $verb: exit $code" >> limits
+        done
+    )
+done
+[ ! -s limits ] || fail "$(cat limits)"
+rm -f limits limited.step
+
 [ $failures -eq 0 ] && echo "all bad input is refused"
 [ $failures -eq 0 ]

@@ -198,6 +198,8 @@ static bat_status infer(const void *network, const bat_cloud *cloud, const doubl
                         bat_error *error)
 {
     bat_status status = check_boundary(cloud, boundary, error);
+    if (status == BAT_OK)
+        status = blas_reserve(error);
     if (status != BAT_OK)
         return status;
     size_t count = cloud->count - cloud->boundary_count;
