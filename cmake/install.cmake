@@ -56,7 +56,7 @@ install(FILES ${PROJECT_BINARY_DIR}/batten-config.cmake ${PROJECT_BINARY_DIR}/ba
 if(BATTEN_INSTALLS_RESEARCH)
   set(component COMPONENT research EXCLUDE_FROM_ALL)
   configure_file(${CMAKE_CURRENT_LIST_DIR}/batten-research.pc.in ${PROJECT_BINARY_DIR}/batten-research.pc @ONLY)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/batten/research DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/batten ${component}
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/research/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} ${component}
           FILES_MATCHING PATTERN *.h)
   foreach(kind shared static)
     install(TARGETS batten_research_${kind} EXPORT batten-research-${kind}
