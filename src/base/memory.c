@@ -1,22 +1,22 @@
+// For madvise().
+// NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch
+#define _DEFAULT_SOURCE
+
 #include "base/memory.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
 
-#include <immintrin.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
-// For madvise().
-// NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch
-#define _DEFAULT_SOURCE
-
 #if defined(__linux__)
+#include <sys/mman.h>
 #endif
 #if defined(__SSE2__)
+#include <immintrin.h>
 #endif
 
 /// A large array in large pages where the system has them: entering a page costs about as much as writing it.
