@@ -2,6 +2,7 @@
 
 #include "batten/curve_analysis.h"
 #include "batten/curve_picture.h"
+#include "batten/research/mask_sweep.h"
 
 #include <errno.h>
 #include <math.h>

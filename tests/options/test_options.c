@@ -8,6 +8,7 @@
 #include "batten/batten.h"
 #include "batten/research/curve_study.h"
 #include "batten/research/map_shapes.h"
+#include "batten/research/mask_sweep.h"
 #include "batten/research/surface_shapes.h"
 
 #include <stdio.h>

@@ -1,10 +1,11 @@
-#include "curve/analysis/analysis_symbol.h"
-#include "curve/mask.h"
+#include "batten/research/mask_sweep.h"
 
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
+#include "curve/analysis/analysis_symbol.h"
+#include "curve/mask.h"
 
 #include <math.h>
 #include <stdlib.h>
