@@ -145,9 +145,8 @@ typedef struct bat_chart_series
     const double *y; ///< the same
     size_t count;    ///< at least 1; at least 2 for bars
     bat_chart_mark mark;
-    const char *label;               ///< UTF-8, for the legend; null or "" for none
-    const char *const *point_labels; ///< `count` texts written beside the points, entries may be null; null for none
-    int colour;                      ///< 1, 2, …: that colour of the fixed order; 0: the place in the chart
+    const char *label; ///< UTF-8, for the legend; null or "" for none
+    int colour;        ///< 1, 2, …: that colour of the fixed order; 0: the place in the chart
 } bat_chart_series;
 
 /// A chart: axes with ticks at round numbers, a light grid, a legend below. All zero but `series` is a sensible chart, but

@@ -5,6 +5,7 @@
 
 #include "batten/curve_picture.h"
 #include "batten/space.h"
+#include "research/studies/chart_labels.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -64,12 +65,8 @@ static bat_chart chart_of(frontier *f, const char *space, bool bending)
                                       .count = f->learned,
                                       .mark = BAT_CHART_MARK_LINE_POINTS,
                                       .label = "learned, fairness 0 to 1"};
-    f->series[1] = (bat_chart_series){.x = f->other_x,
-                                      .y = f->other_y,
-                                      .count = f->others,
-                                      .mark = BAT_CHART_MARK_POINTS,
-                                      .label = "other schemes",
-                                      .point_labels = f->other_names};
+    f->series[1] = (bat_chart_series){
+        .x = f->other_x, .y = f->other_y, .count = f->others, .mark = BAT_CHART_MARK_POINTS, .label = "other schemes"};
     bat_chart chart = bat_chart_defaults();
     chart.series = f->series;
     chart.series_count = 2;
@@ -78,6 +75,16 @@ static bat_chart chart_of(frontier *f, const char *space, bool bending)
     chart.y_label = bending ? "median bending" : "mean G1";
     chart.log_x = chart.log_y = true;
     return chart;
+}
+
+/// Name the other schemes of a chart: those of the frontier that has its series.
+static bat_status draw_names(const void *context, cairo_t *cairo, const bat_chart *chart, const plot_axis *x,
+                             const plot_axis *y, bat_error *error)
+{
+    const frontier *f = context;
+    while (chart->series != f->series)
+        f++;
+    return chart_labels_draw(cairo, &f->series[1], f->other_names, x, y, error);
 }
 
 bat_status bat_tension_frontier_draw(const char *path, const bat_tension_row *rows, size_t count, bat_error *error)
@@ -95,7 +102,8 @@ bat_status bat_tension_frontier_draw(const char *path, const bat_tension_row *ro
     draw.columns = SPACES;
     draw.width = 1400;
     draw.height = 900;
-    return bat_chart_write(path, charts, CHARTS, &draw, error);
+    const plot_overlay names = {draw_names, frontiers};
+    return plot_write(path, charts, CHARTS, &draw, &names, error);
 }
 
 // The histograms

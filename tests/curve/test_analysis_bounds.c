@@ -145,8 +145,8 @@ static void bounds_hold_measured_growth(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shifts_and_zeros_change_nothing_else),  cmocka_unit_test(reversal_reverses),
-        cmocka_unit_test(smoothing_adds_one_derivative),         cmocka_unit_test(bounds_tighten_with_depth),
+        cmocka_unit_test(shifts_and_zeros_change_nothing_else), cmocka_unit_test(reversal_reverses),
+        cmocka_unit_test(smoothing_adds_one_derivative),        cmocka_unit_test(bounds_tighten_with_depth),
         cmocka_unit_test(bounds_hold_measured_growth),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

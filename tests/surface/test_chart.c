@@ -120,12 +120,11 @@ static void writes_charts(void **state)
     (void)state;
     const double x[] = {0.1, 1.0, 10.0, 100.0};
     const double y[] = {3.0, 1e-9, 5e6, 2.0};
-    const char *names[] = {"a", NULL, "a rather long name", ""};
     for (int mark = 0; mark <= BAT_CHART_MARK_BARS; mark++)
     {
         for (int axes = 0; axes < 4; axes++)
         {
-            bat_chart_series series = {x, y, 4, (bat_chart_mark)mark, "series", names, 0};
+            bat_chart_series series = {x, y, 4, (bat_chart_mark)mark, "series", 0};
             bat_chart chart = bat_chart_defaults();
             chart.series = &series;
             chart.series_count = 1;
@@ -156,7 +155,7 @@ static void bad_charts_are_refused(void **state)
     path_of(path, "chart.svg");
     double x[] = {1.0, 2.0, 3.0};
     double y[] = {1.0, 0.0, 3.0};
-    bat_chart_series series = {x, y, 3, BAT_CHART_MARK_LINE, NULL, NULL, 0};
+    bat_chart_series series = {x, y, 3, BAT_CHART_MARK_LINE, NULL, 0};
     bat_chart chart = bat_chart_defaults();
     bat_error error;
     assert_int_equal(bat_chart_write(path, &chart, 1, NULL, &error), BAT_INVALID_ARGUMENT);

@@ -10,16 +10,10 @@
 #include <stdlib.h>
 
 /// @file
-/// Ranges of a chart's axes, and the placement of point labels where they cover least.
+/// Charts: the ranges of their axes, their drawing, and pages of them.
 
 /// The margin between the numbers and the ends of an axis, relative to the range.
 #define PADDING 0.04
-
-/// A value on an axis: its decimal logarithm if the axis is logarithmic.
-static double plot_number(const plot_axis *axis, double value)
-{
-    return axis->logarithmic ? log10(value) : value;
-}
 
 static bat_status check_numbers(const double *numbers, size_t count, bool logarithmic, const char *name, size_t series,
                                 bat_error *error)
@@ -53,15 +47,6 @@ static bat_status check_bars(const bat_chart_series *series, bool logarithmic, s
     return BAT_OK;
 }
 
-static bat_status check_texts(const bat_chart_series *series, size_t index, bat_error *error)
-{
-    bool valid = text_is_valid(series->label);
-    for (size_t i = 0; series->point_labels != NULL && i < series->count; i++)
-        valid = valid && text_is_valid(series->point_labels[i]);
-    return valid ? BAT_OK
-                 : error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: a label is not plain UTF-8 text", index);
-}
-
 static bat_status check_series(const bat_chart *chart, size_t index, bat_error *error)
 {
     const bat_chart_series *series = &chart->series[index];
@@ -69,8 +54,9 @@ static bat_status check_series(const bat_chart *chart, size_t index, bat_error *
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu has no numbers", index);
     if (series->mark < BAT_CHART_MARK_AUTO || series->mark > BAT_CHART_MARK_BARS || series->colour < 0)
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: no such mark or colour", index);
-    bat_status status = check_texts(series, index, error);
-    status = status == BAT_OK ? check_numbers(series->x, series->count, chart->log_x, "x", index, error) : status;
+    if (!text_is_valid(series->label))
+        return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "series %zu: the label is not plain UTF-8 text", index);
+    bat_status status = check_numbers(series->x, series->count, chart->log_x, "x", index, error);
     status = status == BAT_OK ? check_numbers(series->y, series->count, chart->log_y, "y", index, error) : status;
     return status == BAT_OK && series->mark == BAT_CHART_MARK_BARS ? check_bars(series, chart->log_y, index, error) : status;
 }
@@ -138,185 +124,7 @@ bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot
     return BAT_OK;
 }
 
-/// The distance between a point and its label.
-#define CLEARANCE 4.5
-
-typedef struct rectangle
-{
-    double x, y, width, height;
-} rectangle;
-
-static double overlap(const rectangle *a, const rectangle *b)
-{
-    double width = fmin(a->x + a->width, b->x + b->width) - fmax(a->x, b->x);
-    double height = fmin(a->y + a->height, b->y + b->height) - fmax(a->y, b->y);
-    return width > 0.0 && height > 0.0 ? width * height : 0.0;
-}
-
-/// Candidate positions of a label: eight directions at three distances.
-#define DIRECTIONS 8
-#define RINGS 3
-
-/// The position of a label for a candidate, in order of preference.
-static rectangle candidate(double x, double y, double width, double height, int choice)
-{
-    static const double across[DIRECTIONS] = {0.0, -1.0, -0.5, -0.5, 0.0, -1.0, 0.0, -1.0};
-    static const double down[DIRECTIONS] = {-0.5, -0.5, -1.0, 0.0, -1.0, -1.0, 0.0, 0.0};
-    static const double shift_x[DIRECTIONS] = {1.0, -1.0, 0.0, 0.0, 0.6, -0.6, 0.6, -0.6};
-    static const double shift_y[DIRECTIONS] = {0.0, 0.0, -1.0, 1.0, -0.6, -0.6, 0.6, 0.6};
-    static const double distances[RINGS] = {CLEARANCE, 3.0 * CLEARANCE, 6.0 * CLEARANCE};
-    int k = choice % DIRECTIONS;
-    double distance = distances[choice / DIRECTIONS];
-    return (rectangle){x + across[k] * width + distance * shift_x[k], y + down[k] * height + distance * shift_y[k], width,
-                       height};
-}
-
-typedef struct point_label
-{
-    const char *text;
-    double x, y;
-} point_label;
-
-/// The areas that labels should not cover: dots and earlier labels.
-typedef struct obstacles
-{
-    rectangle plot;
-    rectangle *taken; ///< the dots come first
-    size_t dots;
-    size_t count;
-} obstacles;
-
-static void leader_end(const rectangle *label, double x, double y, double *to_x, double *to_y)
-{
-    *to_x = fmin(fmax(x, label->x - 1.5), label->x + label->width + 1.5);
-    *to_y = fmin(fmax(y, label->y), label->y + label->height);
-}
-
-/// Draw a thin line from a dot to a label that is not beside it.
-static void draw_leader(cairo_t *cairo, double x, double y, const rectangle *label)
-{
-    double to_x;
-    double to_y;
-    leader_end(label, x, y, &to_x, &to_y);
-    double length = hypot(to_x - x, to_y - y);
-    double share = length > 0.0 ? fmin(1.0, 3.2 / length) : 1.0;
-    cairo_move_to(cairo, x + share * (to_x - x), y + share * (to_y - y));
-    cairo_line_to(cairo, to_x, to_y);
-    style_stroke(cairo, (line_style){COLOUR_FRAME, LINE_GRID, 0.0, 0.0});
-}
-
-/// Whether the line from (x, y) to its label crosses another dot.
-static bool leader_hits(const obstacles *around, double x, double y, const rectangle *label)
-{
-    double to_x;
-    double to_y;
-    leader_end(label, x, y, &to_x, &to_y);
-    double dx = to_x - x;
-    double dy = to_y - y;
-    double square = fmax(dx * dx + dy * dy, 1e-12);
-    for (size_t i = 0; i < around->dots; i++)
-    {
-        double from_x = around->taken[i].x + 0.5 * around->taken[i].width - x;
-        double from_y = around->taken[i].y + 0.5 * around->taken[i].height - y;
-        double share = fmin(fmax((from_x * dx + from_y * dy) / square, 0.0), 1.0);
-        bool other = hypot(from_x, from_y) > 0.5;
-        if (other && hypot(from_x - share * dx, from_y - share * dy) < 2.5)
-            return true;
-    }
-    return false;
-}
-
-/// The area that a label covers, in square points.
-static double cost(const obstacles *around, const point_label *point, const rectangle *label)
-{
-    const double wrong_dot = 40.0;
-    double hidden = 0.0;
-    for (size_t i = 0; i < around->count; i++)
-        hidden += overlap(&around->taken[i], label);
-    double outside = label->width * label->height - overlap(&around->plot, label);
-    return hidden + 3.0 * outside + (leader_hits(around, point->x, point->y, label) ? wrong_dot : 0.0);
-}
-
-static void place_label(cairo_t *cairo, obstacles *around, const point_label *point)
-{
-    double width = text_width(cairo, point->text);
-    rectangle best = candidate(point->x, point->y, width, TEXT_TICK, 0);
-    double min_cost = cost(around, point, &best);
-    int chosen = 0;
-    for (int choice = 1; choice < RINGS * DIRECTIONS && min_cost > 1e-9; choice++)
-    {
-        rectangle label = candidate(point->x, point->y, width, TEXT_TICK, choice);
-        double price = cost(around, point, &label);
-        if (price < min_cost)
-        {
-            min_cost = price;
-            best = label;
-            chosen = choice;
-        }
-    }
-    if (chosen >= DIRECTIONS)
-        draw_leader(cairo, point->x, point->y, &best);
-    style_use_colour(cairo, COLOUR_FOREGROUND);
-    text_draw_middle(cairo, point->text, best.x, best.y + 0.5 * best.height, 0.0);
-    around->taken[around->count++] = best;
-}
-
-/// Collect the visible points of labelled series. Points without a text are included, because labels must not cover them.
-static size_t collect(const bat_chart *chart, const plot_axis *x, const plot_axis *y, point_label *points)
-{
-    size_t count = 0;
-    for (size_t s = 0; s < chart->series_count; s++)
-    {
-        const bat_chart_series *series = &chart->series[s];
-        for (size_t i = 0; series->point_labels != NULL && i < series->count; i++)
-        {
-            double place_x = plot_place(x, plot_number(x, series->x[i]));
-            double place_y = plot_place(y, plot_number(y, series->y[i]));
-            if (place_x >= x->start && place_x <= x->end && place_y >= y->end && place_y <= y->start)
-                points[count++] = (point_label){series->point_labels[i], place_x, place_y};
-        }
-    }
-    return count;
-}
-
-/// Order from top to bottom, then from left to right.
-static int compare(const void *a, const void *b)
-{
-    const point_label *p = a;
-    const point_label *q = b;
-    return p->y != q->y ? (p->y > q->y) - (p->y < q->y) : (p->x > q->x) - (p->x < q->x);
-}
-
-/// Draw the labels of points beside them, where they cover least.
-static bat_status plot_draw_labels(cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
-                                   bat_error *error)
-{
-    size_t max_count = 0;
-    for (size_t s = 0; s < chart->series_count; s++)
-        max_count += chart->series[s].point_labels != NULL ? chart->series[s].count : 0;
-    point_label *points = memory_array(max_count, sizeof *points);
-    rectangle *taken = memory_array(2 * max_count, sizeof *taken);
-    if (points == NULL || taken == NULL)
-    {
-        free(points);
-        free(taken);
-        return error_memory(error, 2 * max_count * sizeof *taken);
-    }
-    obstacles around = {.plot = {x->start, y->end, x->end - x->start, y->start - y->end}, .taken = taken};
-    around.dots = around.count = collect(chart, x, y, points);
-    qsort(points, around.dots, sizeof *points, compare);
-    for (size_t i = 0; i < around.dots; i++)
-        taken[i] = (rectangle){points[i].x - 3.0, points[i].y - 3.0, 6.0, 6.0};
-    text_use(cairo, TEXT_TICK, false);
-    for (size_t i = 0; i < around.dots; i++)
-        if (text_given(points[i].text))
-            place_label(cairo, &around, &points[i]);
-    free(points);
-    free(taken);
-    return BAT_OK;
-}
-
-// Drawing of one chart: axes, bars, lines, dots and labels.
+// Drawing of one chart: axes, bars, lines and dots.
 
 static const double TURN = 6.28318530717958647693;
 
@@ -604,7 +412,7 @@ static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4]
 }
 
 bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
-                     plot_axis y, const double box[4], bat_error *error)
+                     plot_axis y, const double box[4], const plot_overlay *overlay, bat_error *error)
 {
     tick_list across;
     tick_list upwards;
@@ -615,7 +423,7 @@ bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_pic
     draw_axes(cairo, &x, &y, &across, &upwards);
     draw_tick_labels(cairo, &x, &y, &across, &upwards);
     draw_axis_names(cairo, chart, &x, &y, box);
-    return plot_draw_labels(cairo, chart, &x, &y, error);
+    return overlay != NULL ? overlay->draw(overlay->context, cairo, chart, &x, &y, error) : BAT_OK;
 }
 
 // Pages of charts.
@@ -635,6 +443,7 @@ typedef struct chart_set
     const bat_chart *charts;
     const bat_curve_picture_options *options;
     plot_axis *axes; ///< x and y for each chart
+    const plot_overlay *overlay;
 } chart_set;
 
 static double content_height(const void *context, size_t index, double width)
@@ -653,7 +462,8 @@ static const char *content_caption(const void *context, size_t index)
 static bat_status content_draw(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
 {
     const chart_set *set = context;
-    return plot_draw(cairo, &set->charts[index], set->options, set->axes[2 * index], set->axes[2 * index + 1], box, error);
+    return plot_draw(cairo, &set->charts[index], set->options, set->axes[2 * index], set->axes[2 * index + 1], box,
+                     set->overlay, error);
 }
 
 /// Collect the labelled series of all charts without repetitions. Release the items with free().
@@ -710,13 +520,13 @@ static bat_status write_set(const char *path, chart_set *set, size_t count, bat_
     return status;
 }
 
-bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t count, const bat_curve_picture_options *options,
-                           bat_error *error)
+bat_status plot_write(const char *path, const bat_chart *charts, size_t count, const bat_curve_picture_options *options,
+                      const plot_overlay *overlay, bat_error *error)
 {
     bat_curve_picture_options defaults = bat_curve_picture_defaults();
     if (path == NULL || charts == NULL || count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "charts need a file name and at least one chart");
-    chart_set set = {charts, options != NULL ? options : &defaults, NULL};
+    chart_set set = {charts, options != NULL ? options : &defaults, NULL, overlay};
     bat_status status = bat_options_check(&bat_curve_picture_fields, set.options, error);
     if (status != BAT_OK)
         return status;
@@ -726,4 +536,10 @@ bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t cou
     status = write_set(path, &set, count, error);
     free(set.axes);
     return status;
+}
+
+bat_status bat_chart_write(const char *path, const bat_chart *charts, size_t count, const bat_curve_picture_options *options,
+                           bat_error *error)
+{
+    return plot_write(path, charts, count, options, NULL, error);
 }

@@ -9,6 +9,7 @@
 #include "draw/curve/view.h"
 
 #include <cairo.h>
+#include <math.h>
 
 /// @file
 /// The content of a picture's panels, and the drawing of one.
@@ -316,6 +317,12 @@ typedef struct plot_axis
     bool logarithmic;
 } plot_axis;
 
+/// A value on an axis: its decimal logarithm if the axis is logarithmic.
+static inline double plot_number(const plot_axis *axis, double value)
+{
+    return axis->logarithmic ? log10(value) : value;
+}
+
 static inline double plot_place(const plot_axis *axis, double number)
 {
     return axis->start + (number - axis->low) / (axis->high - axis->low) * (axis->end - axis->start);
@@ -326,7 +333,19 @@ static inline double plot_place(const plot_axis *axis, double number)
 bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot_axis *y, bat_error *error);
 /// The room to the left of a chart's y axis in the box (x, y, width, height), to align charts.
 double plot_margin(cairo_t *cairo, const bat_chart *chart, plot_axis x, plot_axis y, const double box[4]);
+/// Draws over a chart, whose axes have their places.
+typedef struct plot_overlay
+{
+    bat_status (*draw)(const void *context, cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
+                       bat_error *error);
+    const void *context;
+} plot_overlay;
+
+/// @param overlay null for nothing
 bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
-                     plot_axis y, const double box[4], bat_error *error);
+                     plot_axis y, const double box[4], const plot_overlay *overlay, bat_error *error);
+/// bat_chart_write() with an overlay on each chart.
+bat_status plot_write(const char *path, const bat_chart *charts, size_t count, const bat_curve_picture_options *options,
+                      const plot_overlay *overlay, bat_error *error);
 
 #endif

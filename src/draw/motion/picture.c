@@ -316,7 +316,7 @@ static bat_status content_draw(const void *context, cairo_t *cairo, size_t index
         inner[0] += widest - own;
         inner[2] -= widest - own;
         return plot_draw(cairo, &page->charts[chart], &page->page, page->axes[2 * chart], page->axes[2 * chart + 1], inner,
-                         error);
+                         NULL, error);
     }
     if (page->film.kind == FILM_PATH)
         return path_draw(&page->film, &page->view, cairo, box, error);
