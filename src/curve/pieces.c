@@ -54,12 +54,6 @@ typedef struct pieces
     int team;              ///< threads that share the pieces
 } pieces;
 
-bool pieces_wanted(const bat_curve *coarse, const bat_curve_refine_options *options)
-{
-    return coarse->corners != NULL ||
-           (options != NULL && (options->corner_angle > 0 || options->find_corners || stop_wanted(options)));
-}
-
 static void pieces_free(pieces *all)
 {
     for (size_t i = 0; i < all->count; i++)
@@ -544,7 +538,7 @@ static bat_status pieces_run(pieces *all, const bat_curve *coarse, double *point
     options.levels = most;
     bat_curve fine = {.space = coarse->space, .points = points, .count = all->rows, .closed = coarse->closed};
     bat_curve_refine_report report;
-    status = keep_simple(coarse, &options, &fine, starts, progress_of_part(&parts[1]), &report, error);
+    status = keep_simple(coarse, &options, &fine, all->stops ? starts : NULL, progress_of_part(&parts[1]), &report, error);
     if (status != BAT_OK)
         return status;
     report.corners = all->corner_count;
@@ -573,49 +567,29 @@ bat_status pieces_count(const bat_curve *coarse, const bat_curve_refine_options 
     return status;
 }
 
-bat_status pieces_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,
-                              double *channels, size_t capacity, bat_error *error)
+/// The rows of a refined curve, to be filled: new ones, or those of `room` unless it is null.
+static bat_status refined_rows(const bat_curve *coarse, size_t count, const refine_room *room, bat_curve *fine,
+                               bat_error *error)
 {
-    pieces all;
-    size_t *starts = NULL;
-    progress_part part = {progress_of(options), 0, SEARCH_SHARE};
-    bat_status status = pieces_make(coarse, options, progress_of_part(&part), &all, error);
-    if (status == BAT_OK && capacity < all.rows)
-        status = error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
-                           all.rows, capacity);
-    if (status == BAT_OK)
+    size_t row = coarse->space->point_dim * sizeof(double), channels = coarse->channel_count;
+    *fine = (bat_curve){.space = coarse->space, .count = count, .closed = coarse->closed, .channel_count = channels};
+    if (room != NULL)
     {
-        starts = memory_array(all.edges + 1, sizeof *starts);
-        status = starts != NULL ? pieces_run(&all, coarse, points, channels, starts, error)
-                                : error_memory(error, (all.edges + 1) * sizeof *starts);
+        fine->points = room->points;
+        fine->channels = room->channels;
+        return count <= room->capacity
+                   ? BAT_OK
+                   : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
+                               "the refined curve has %zu points, there is room for %zu", count, room->capacity);
     }
-    free(starts);
-    pieces_free(&all);
-    return status;
+    fine->points = memory_array(count, row);
+    if (channels > 0)
+        fine->channels = memory_array(count, channels * sizeof(double));
+    return fine->points != NULL && (channels == 0 || fine->channels != NULL) ? BAT_OK : error_memory(error, count * row);
 }
 
-/// Memory for the result, with flags where corners may be.
-static bat_status result_make(const pieces *all, const bat_curve *coarse, bat_curve *result, size_t **starts,
-                              bat_error *error)
-{
-    size_t row = coarse->space->point_dim * sizeof(double);
-    *result = (bat_curve){.space = coarse->space, .count = all->rows, .closed = coarse->closed};
-    result->channel_count = coarse->channel_count;
-    result->points = memory_array(all->rows, row);
-    if (coarse->channel_count > 0)
-        result->channels = memory_array(all->rows, coarse->channel_count * sizeof(double));
-    bool flagged = corners_wanted(coarse, &all->plan.options);
-    if (flagged)
-        result->corners = memory_array(all->rows, 1);
-    *starts = memory_array(all->edges + 1, sizeof **starts);
-    if (result->points != NULL && (coarse->channel_count == 0 || result->channels != NULL) &&
-        (!flagged || result->corners != NULL) && *starts != NULL)
-        return BAT_OK;
-    return error_memory(error, all->rows * row);
-}
-
-bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, bat_curve *fine, size_t **starts,
-                         bat_error *error)
+bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const refine_room *room,
+                         bat_curve *fine, size_t **starts, bat_error *error)
 {
     pieces all;
     bat_curve result = {0};
@@ -623,17 +597,25 @@ bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options
     progress_part part = {progress_of(options), 0, SEARCH_SHARE};
     bat_status status = pieces_make(coarse, options, progress_of_part(&part), &all, error);
     if (status == BAT_OK)
-        status = result_make(&all, coarse, &result, &rows, error);
+        status = refined_rows(coarse, all.rows, room, &result, error);
+    if (status == BAT_OK)
+    {
+        bool flagged = room == NULL && corners_wanted(coarse, &all.plan.options);
+        result.corners = flagged ? memory_array(all.rows, 1) : NULL;
+        rows = memory_array(all.edges + 1, sizeof *rows);
+        if (rows == NULL || (flagged && result.corners == NULL))
+            status = error_memory(error, all.rows + all.edges * sizeof *rows);
+    }
     if (status == BAT_OK)
         status = pieces_run(&all, coarse, result.points, result.channels, rows, error);
-    if (status != BAT_OK)
-        bat_curve_free(&result);
-    else
+    if (status == BAT_OK)
     {
         if (result.corners != NULL)
             fill_corners(&all, rows, result.corners);
         *fine = result;
     }
+    else if (room == NULL)
+        bat_curve_free(&result);
     if (status == BAT_OK && starts != NULL)
         *starts = rows;
     else

@@ -112,7 +112,7 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
         one.threads = 1;
         one.progress = (bat_progress){0};
         one.report = &report;
-        bat_status status = pieces_refine(&job->graph->arcs[i], &one, &next->arcs[i], &next->starts[i], &failure);
+        bat_status status = pieces_refine(&job->graph->arcs[i], &one, NULL, &next->arcs[i], &next->starts[i], &failure);
         (void)error_curve(&failure, status, i);
         least = report.min_levels < least ? report.min_levels : least;
         most = report.max_levels > most ? report.max_levels : most;
