@@ -106,7 +106,7 @@ bat_status learn_checkpoint_write(const char *path, const char *recipe, const le
     }
     free(arrays);
     free(names);
-    return error_in_file(error, status, path);
+    return error_prefix(error, status, "%s: ", path);
 }
 
 static bat_status read_numbers(const safetensors *content, learn_state *state, bat_error *error)
@@ -183,5 +183,5 @@ bat_status learn_checkpoint_read(const char *path, const char *recipe, learn_par
         status = read_state(&content, recipe, parameters, state, error);
         safetensors_free(&content);
     }
-    return error_in_file(error, status, path);
+    return error_prefix(error, status, "%s: ", path);
 }

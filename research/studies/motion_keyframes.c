@@ -225,7 +225,7 @@ static bat_status read_motion(const char *folder, const keyframe_facts *facts, t
         return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "the folder's name is too long");
     bat_status status = bat_curve_read(path, &options, &set, error);
     if (status != BAT_OK)
-        return error_in_file(error, status, path);
+        return error_prefix(error, status, "%s: ", path);
     const bat_curve *curve = &set.curves[0];
     if (curve->count != facts->poses)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "%s: %zu poses, but the figures are of %zu", path,

@@ -35,7 +35,7 @@ static bat_status read_set(const char *folder, const char *name, bat_curve_set *
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the folder's name is too long");
     bat_curve_read_options options = bat_curve_read_defaults();
     options.space = "plane";
-    return error_in_file(error, bat_curve_read(path, &options, set, error), path);
+    return error_prefix(error, bat_curve_read(path, &options, set, error), "%s: ", path);
 }
 
 static bat_status copy_name(const char *file, const char *text, size_t length, char *name, bat_error *error)

@@ -161,6 +161,12 @@ static void turn_back(const double *angles, const double *lengths, int i, double
         length_gradient[0] += by_span;
 }
 
+double learned_later(const double *angles, const double *lengths)
+{
+    double turns[EDGE_VERTICES], factor = edge_turns_of(angles - 1, lengths - 2, turns);
+    return factor * learned_six_point(turns);
+}
+
 void learned_later_back(const double *angles, const double *lengths, double gradient, double *angle_gradient,
                         double *length_gradient)
 {

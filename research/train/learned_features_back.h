@@ -3,6 +3,9 @@
 
 #include "curve/network/learned_features.h"
 
+/// The insertion angle of the levels after the learned ones: the rule of base, with the turns z_i that are bounded at
+/// corners.
+double learned_later(const double *angles, const double *lengths);
 /// Add the gradients of learned_later() with respect to angles and lengths.
 void learned_later_back(const double *angles, const double *lengths, double gradient, double *angle_gradient,
                         double *length_gradient);

@@ -112,12 +112,12 @@ static bat_status reopen(train_log *log, const char *path, uint64_t step, size_t
     file_text text;
     bat_status status = file_text_read(path, &text, error);
     if (status != BAT_OK)
-        return error_in_file(error, status, path);
+        return error_prefix(error, status, "%s: ", path);
     double *row = calloc(log->columns, sizeof *row);
     status = row != NULL ? read_rows(log, &text, step, row, size, error) : error_memory(error, log->columns * sizeof *row);
     free(row);
     file_text_free(&text);
-    status = error_in_file(error, status, path);
+    status = error_prefix(error, status, "%s: ", path);
     if (status == BAT_OK && truncate(path, (off_t)*size) != 0)
         status = cannot("truncate", path, error);
     return status;
@@ -220,7 +220,7 @@ static bat_status draw_charts(const train_log *log, bat_chart *charts, bat_chart
     bat_curve_picture_options options = bat_curve_picture_defaults();
     options.columns = 3;
     bat_status status = count > 0 ? bat_chart_write(log->picture, charts, count, &options, error) : BAT_OK;
-    return error_in_file(error, status, log->picture);
+    return error_prefix(error, status, "%s: ", log->picture);
 }
 
 static bat_status draw(const train_log *log, bat_error *error)

@@ -33,6 +33,23 @@ void mesh_learned_start(learn_parameters *parameters, uint64_t seed)
 
 // Rows
 
+bat_status learned_geometry_make(const mesh_flaps *flaps, const double *positions, learned_geometry *geometry,
+                                 bat_error *error)
+{
+    size_t size = learned_geometry_size(flaps->vertex_count, flaps->edge_count);
+    void *memory = memory_array(size, 1);
+    if (memory == NULL)
+        return error_memory(error, size);
+    *geometry = learned_geometry_in(flaps, positions, 1, memory);
+    return BAT_OK;
+}
+
+void learned_geometry_free(learned_geometry *geometry)
+{
+    free(geometry->umbrella); // the first of all
+    *geometry = (learned_geometry){0};
+}
+
 bat_status mesh_learned_rows_make(const mesh_flaps *flaps, mesh_learned_rows *rows, bat_error *error)
 {
     mesh_learned_rows made = {.memory = memory_array(3 * flaps->count + 4 * flaps->edge_count, sizeof *made.memory)};

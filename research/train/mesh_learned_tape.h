@@ -25,6 +25,12 @@ typedef struct mesh_learned_rows
 bat_status mesh_learned_rows_make(const mesh_flaps *flaps, mesh_learned_rows *rows, bat_error *error);
 void mesh_learned_rows_free(mesh_learned_rows *rows);
 
+/// Compute the geometry of a level in memory of its own, to be released with learned_geometry_free().
+/// @return BAT_OK or BAT_NO_MEMORY; `geometry` is untouched on failure
+bat_status learned_geometry_make(const mesh_flaps *flaps, const double *positions, learned_geometry *geometry,
+                                 bat_error *error);
+void learned_geometry_free(learned_geometry *geometry);
+
 /// A coarse mesh as the network gets it.
 typedef struct mesh_learned_input
 {

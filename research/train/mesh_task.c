@@ -450,7 +450,7 @@ bat_status mesh_task_make(const mesh_target *target, coarse_kind kind, size_t ve
     for (size_t level = 0; level < LEARNED_LEVELS_OF_MESH && status == BAT_OK; level++)
         status = mesh_learned_rows_make(&made.levels.level[level], &made.rows[level], error);
     if (status == BAT_OK)
-        status = learned_geometry_make(&made.levels.level[0], made.coarse.positions, 1, &made.geometry, error);
+        status = learned_geometry_make(&made.levels.level[0], made.coarse.positions, &made.geometry, error);
     if (status == BAT_OK)
         status = measure_classical(&made, error);
     bat_mesh_connectivity_free(&links);

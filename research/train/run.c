@@ -67,8 +67,8 @@ bat_status train_begin(train_context *context, const char *path, bat_error *erro
     safetensors content;
     bat_status status = safetensors_read(path, &content, error);
     if (status != BAT_OK)
-        return error_in_file(error, status, path);
-    status = error_in_file(error, learn_parameters_extract(weights, &content, "", weights->values, error), path);
+        return error_prefix(error, status, "%s: ", path);
+    status = error_prefix(error, learn_parameters_extract(weights, &content, "", weights->values, error), "%s: ", path);
     safetensors_free(&content);
     context->begun_with = hash_bytes(HASH_BEGIN, weights->values, weights->total * sizeof *weights->values);
     return status;
@@ -163,7 +163,7 @@ static bat_status write_model(const char *path, const train_recipe *recipe, cons
     const safetensors_note notes[] = {
         {"recipe", text}, {"seed", seed}, {"epochs", epochs}, {"best_epoch", best_epoch}, {recipe->best_note, best}};
     bat_status status = learn_parameters_write(&context->parameters, path, notes, recipe->best_note != NULL ? 5 : 3, error);
-    return error_in_file(error, status, path);
+    return error_prefix(error, status, "%s: ", path);
 }
 
 // The training

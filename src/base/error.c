@@ -114,11 +114,6 @@ bat_status error_prefix(bat_error *error, bat_status status, const char *format,
     return status;
 }
 
-bat_status error_in_file(bat_error *error, bat_status status, const char *path)
-{
-    return error_prefix(error, status, "%s: ", path);
-}
-
 const char *bat_status_name(bat_status status)
 {
     switch (status)

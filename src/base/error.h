@@ -35,9 +35,6 @@ bat_status error_curve(bat_error *error, bat_status status, size_t curve);
 /// Put words before the text of a failure, and hand its status back. Does nothing for BAT_OK or a null error.
 bat_status error_prefix(bat_error *error, bat_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-/// Put "PATH: " before the text of an error, and hand its status back. Does nothing for BAT_OK or a null error.
-bat_status error_in_file(bat_error *error, bat_status status, const char *path);
-
 #if defined(__clang_analyzer__)
 // Tells the static analyzer, which does not see the bodies, which status comes back.
 #define error_set(error, status, ...) ((void)error_set(error, status, __VA_ARGS__), (status))

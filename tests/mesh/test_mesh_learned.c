@@ -139,7 +139,7 @@ static void inference_is_the_network_on_the_tape(void **state)
         learned_geometry geometry;
         for (size_t i = 0; i < LEARNED_LEVELS_OF_MESH; i++)
             check_status(mesh_learned_rows_make(&levels.level[i], &rows[i], NULL), BAT_OK);
-        check_status(learned_geometry_make(&levels.level[0], coarse.positions, 1, &geometry, NULL), BAT_OK);
+        check_status(learned_geometry_make(&levels.level[0], coarse.positions, &geometry, NULL), BAT_OK);
         mesh_learned_input input = {&levels, rows, coarse.positions, &geometry};
         for (int fair = 0; fair < 2; fair++)
         {

@@ -57,7 +57,7 @@ static double evaluate(const probe *p, const double *positions, bool far, real *
     learn_tape tape = learn_tape_make();
     learned_geometry geometry;
     size_t vertices = p->mesh.vertex_count;
-    check_status(learned_geometry_make(&p->levels.level[0], positions, 1, &geometry, NULL), BAT_OK);
+    check_status(learned_geometry_make(&p->levels.level[0], positions, &geometry, NULL), BAT_OK);
     for (size_t v = 0; v < vertices && far; v++)
         geometry.size[v] = 1e9;
     learn_tape_begin(&tape, &p->parameters, gradient);

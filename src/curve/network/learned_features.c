@@ -162,12 +162,6 @@ static void find_statistics(const double *angles, const double *lengths, double 
     memcpy(statistics, found, sizeof found);
 }
 
-double learned_later(const double *angles, const double *lengths)
-{
-    double turns[EDGE_VERTICES], factor = edge_turns_of(angles - 1, lengths - 2, turns);
-    return factor * learned_six_point(turns);
-}
-
 double learned_angle(learned_edge edge, double correction, double gate)
 {
     double angle = edge.base * (1 + tanh(gate)) + edge.scale * tanh(correction);

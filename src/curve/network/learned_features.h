@@ -88,9 +88,6 @@ typedef struct learned_edge
 /// @param correction,gate the outputs of the network
 double learned_angle(learned_edge edge, double correction, double gate);
 
-/// The insertion angle of the levels after the learned ones: the rule of base, with the turns z_i that are bounded at
-/// corners.
-double learned_later(const double *angles, const double *lengths);
 /// Compute the features of an edge.
 /// @param angles    angles[i] is that of vertex i, 1 - LEARNED_RANGE <= i <= LEARNED_RANGE; the edge goes from vertex 0 to 1
 /// @param lengths   lengths[i] is that of edge i, -LEARNED_RANGE <= i <= LEARNED_RANGE, positive

@@ -508,24 +508,6 @@ learned_geometry learned_geometry_in(const mesh_flaps *flaps, const double *posi
     return g;
 }
 
-bat_status learned_geometry_make(const mesh_flaps *flaps, const double *positions, int threads, learned_geometry *geometry,
-                                 bat_error *error)
-{
-    size_t size = learned_geometry_size(flaps->vertex_count, flaps->edge_count);
-    void *memory = memory_array(size, 1);
-    if (memory == NULL)
-        return error_memory(error, size);
-    *geometry = learned_geometry_in(flaps, positions, threads, memory);
-    geometry->memory = memory;
-    return BAT_OK;
-}
-
-void learned_geometry_free(learned_geometry *geometry)
-{
-    free(geometry->memory);
-    *geometry = (learned_geometry){0};
-}
-
 // Candidates
 
 static inline void project(const double normal[3], const double vector[3], double result[3])

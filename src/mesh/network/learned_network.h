@@ -30,7 +30,7 @@ enum
     LEARNED_EDGE_CANDIDATES = 9
 };
 
-/// The geometry of a level. Release it with learned_geometry_free().
+/// The geometry of a level.
 typedef struct learned_geometry
 {
     const mesh_flaps *flaps;
@@ -44,23 +44,17 @@ typedef struct learned_geometry
     double *size;               ///< vertices: mean length of the edges
     real *bend;                 ///< edges: height of the opposite vertices over the edge's middle, along the normal
     real (*ring)[LEARNED_RING_NUMBERS]; ///< vertices
-    void *memory;                       ///< of all, or null where it is another's
 } learned_geometry;
 
-/// Compute the geometry.
-/// @param positions absolute values between 0 and about 1, so that no product overflows
-/// @return BAT_OK or BAT_NO_MEMORY; `geometry` is untouched on failure
-bat_status learned_geometry_make(const mesh_flaps *flaps, const double *positions, int threads, learned_geometry *geometry,
-                                 bat_error *error);
 /// The memory that a geometry takes, in bytes.
 size_t learned_geometry_size(size_t vertices, size_t edges);
 /// Compute the geometry in memory of learned_geometry_size() bytes, aligned to 8, which stays the caller's.
+/// @param positions absolute values between 0 and about 1, so that no product overflows
 learned_geometry learned_geometry_in(const mesh_flaps *flaps, const double *positions, int threads, void *memory);
 /// Compute the inputs of a vertex.
 /// @param old the first `old` vertices are those of the level before; 0 at the first level
 /// @param row LEARNED_VERTEX_INPUTS
 void learned_vertex_inputs(const learned_geometry *geometry, size_t old, size_t vertex, real *row);
-void learned_geometry_free(learned_geometry *geometry);
 
 /// Whether a vertex is on the boundary. Its half-flaps must be there.
 bool learned_at_boundary(const mesh_flaps *flaps, size_t vertex);
