@@ -378,6 +378,7 @@ static void write_value(const void *context, size_t curve, size_t index, double 
     }
     else
         json_text_string(text, value.data, value.size);
+    text->failed = text->failed || value.failed;
     text_free(&value);
 }
 
