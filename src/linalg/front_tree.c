@@ -215,33 +215,23 @@ static size_t number_fronts(analysis *work)
 
 void front_tree_free(front_tree *tree)
 {
-    free(tree->order);
-    free(tree->diagonal);
-    free(tree->entry_first);
-    free(tree->entries);
-    free(tree->pivot_first);
-    free(tree->children);
-    free(tree->row_first);
-    free(tree->rows);
-    free(tree->panel_first);
+    memory_pool_free(&tree->pool);
     *tree = (front_tree){0};
 }
 
 static bat_status allocate_tree(size_t count, size_t fronts, size_t entries, front_tree *tree, bat_error *error)
 {
-    *tree = (front_tree){.count = count,
-                         .fronts = fronts,
-                         .order = memory_array(count, sizeof(int)),
-                         .diagonal = memory_array(count, sizeof(int)),
-                         .entry_first = calloc(count + 1, sizeof(size_t)),
-                         .entries = memory_array(entries, sizeof(front_entry)),
-                         .pivot_first = calloc(fronts + 1, sizeof(int)),
-                         .children = calloc(fronts + 1, sizeof(int)),
-                         .row_first = calloc(fronts + 1, sizeof(size_t)),
-                         .panel_first = calloc(fronts + 1, sizeof(size_t))};
-    bool whole = tree->order != NULL && tree->diagonal != NULL && tree->entry_first != NULL && tree->entries != NULL &&
-                 tree->pivot_first != NULL && tree->children != NULL && tree->row_first != NULL && tree->panel_first != NULL;
-    return whole ? BAT_OK : error_memory(error, count * sizeof(size_t) + entries * sizeof(front_entry));
+    *tree = (front_tree){.count = count, .fronts = fronts};
+    memory_pool *pool = &tree->pool;
+    tree->order = memory_pool_array(pool, count, sizeof(int));
+    tree->diagonal = memory_pool_array(pool, count, sizeof(int));
+    tree->entry_first = memory_pool_zeros(pool, count + 1, sizeof(size_t));
+    tree->entries = memory_pool_array(pool, entries, sizeof(front_entry));
+    tree->pivot_first = memory_pool_zeros(pool, fronts + 1, sizeof(int));
+    tree->children = memory_pool_zeros(pool, fronts + 1, sizeof(int));
+    tree->row_first = memory_pool_zeros(pool, fronts + 1, sizeof(size_t));
+    tree->panel_first = memory_pool_zeros(pool, fronts + 1, sizeof(size_t));
+    return memory_pool_check(pool, error);
 }
 
 /// Widths, numbers of rows and children of the fronts, and what they need.
@@ -264,8 +254,8 @@ static bat_status measure_fronts(const analysis *work, front_tree *tree, bat_err
         tree->row_first[f + 1] += tree->row_first[f];
         tree->panel_first[f + 1] += tree->panel_first[f];
     }
-    tree->rows = memory_array(tree->row_first[tree->fronts], sizeof(int));
-    return tree->rows != NULL ? BAT_OK : error_memory(error, tree->row_first[tree->fronts] * sizeof(int));
+    tree->rows = memory_pool_array(&tree->pool, tree->row_first[tree->fronts], sizeof(int));
+    return memory_pool_check(&tree->pool, error);
 }
 
 /// The order of elimination: front by front, the columns of a front as they were.

@@ -1,7 +1,7 @@
 #ifndef LINALG_MULTIFRONTAL_H
 #define LINALG_MULTIFRONTAL_H
 
-#include "batten/base.h"
+#include "base/memory.h"
 
 /// @file
 /// The symbolic part of the multifrontal method (Liu, "The multifrontal method for sparse matrix solution: theory and
@@ -40,6 +40,7 @@ typedef struct front_tree
     size_t *panel_first;  ///< [fronts + 1] sums of rows times pivots, the pivots' own rows among the rows
     size_t panel_max;     ///< rows of the largest front, its pivots among them
     size_t update_max;    ///< the largest sum of squared numbers of rows over the fronts whose parents are to come
+    memory_pool pool;     ///< of all arrays
 } front_tree;
 
 /// Order the unknowns by approximate minimum degree (Amestoy, Davis and Duff, 2004) and find the fronts.

@@ -32,6 +32,7 @@ typedef struct repair_work
     uint32_t *copies;    ///< face_count x 3: the remaining faces, in vertices of the result
     uint32_t *origins;   ///< for each vertex of the result: its vertex of the mesh
     size_t vertex_count; ///< the number of vertices of the result
+    memory_pool pool;    ///< of all arrays
 } repair_work;
 
 /// An edge, by its two vertices in the mesh in increasing order.
@@ -384,35 +385,24 @@ static bool repair_split_vertices(repair_work *work, bat_mesh_repair_report *rep
         return false;
     find_fans(work);
     work->vertex_count = count_fans(work, fans, report);
-    work->copies = memory_array(work->face_count, 3 * sizeof *work->copies);
-    work->origins = memory_array(work->vertex_count, sizeof *work->origins);
-    if (work->copies != NULL && work->origins != NULL)
+    work->copies = memory_pool_array(&work->pool, work->face_count, 3 * sizeof *work->copies);
+    work->origins = memory_pool_array(&work->pool, work->vertex_count, sizeof *work->origins);
+    if (work->pool.missing == 0)
         number_fans(work, fans);
     free(fans);
-    return work->copies != NULL && work->origins != NULL;
-}
-
-static void work_free(repair_work *work)
-{
-    free(work->faces);
-    free(work->sources);
-    free(work->sorted);
-    free(work->twin);
-    free(work->fan);
-    free(work->origins);
-    free(work->copies);
+    return work->pool.missing == 0;
 }
 
 static bool work_begin(const bat_mesh *broken, repair_work *work)
 {
     size_t half_edges = 3 * broken->face_count;
-    *work = (repair_work){.mesh = broken,
-                          .faces = memory_array(half_edges, sizeof *work->faces),
-                          .sources = memory_array(broken->face_count, sizeof *work->sources),
-                          .sorted = memory_array(half_edges, sizeof *work->sorted),
-                          .twin = memory_array(half_edges, sizeof *work->twin),
-                          .fan = memory_array(half_edges, sizeof *work->fan)};
-    return work->faces != NULL && work->sources != NULL && work->sorted != NULL && work->twin != NULL && work->fan != NULL;
+    *work = (repair_work){.mesh = broken};
+    work->faces = memory_pool_array(&work->pool, half_edges, sizeof *work->faces);
+    work->sources = memory_pool_array(&work->pool, broken->face_count, sizeof *work->sources);
+    work->sorted = memory_pool_array(&work->pool, half_edges, sizeof *work->sorted);
+    work->twin = memory_pool_array(&work->pool, half_edges, sizeof *work->twin);
+    work->fan = memory_pool_array(&work->pool, half_edges, sizeof *work->fan);
+    return work->pool.missing == 0;
 }
 
 /// Copy the texture coordinates; the texture corners follow the faces.
@@ -601,7 +591,7 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
         status = carry_all(&work, repaired, error);
     if (status == BAT_OK && report != NULL)
         *report = done;
-    work_free(&work);
+    memory_pool_free(&work.pool);
     return status;
 }
 

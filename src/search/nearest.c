@@ -35,12 +35,7 @@ static double *box_of(const nearest_tree *tree, size_t node)
 
 void nearest_free(nearest_tree *tree)
 {
-    free(tree->coordinates);
-    free(tree->weights);
-    free(tree->items);
-    free(tree->boxes);
-    free(tree->min_weights);
-    free(tree->min_items);
+    memory_pool_free(&tree->pool);
     *tree = (nearest_tree){0};
 }
 
@@ -120,17 +115,16 @@ static bool allocate(nearest_tree *tree, bool weighted)
     if (size_multiply_overflows(item_size(tree), sizeof(double), &row) ||
         size_multiply_overflows(2 * tree->dim, sizeof(double), &box))
         return false;
-    tree->coordinates = memory_array(tree->count, row);
-    tree->items = memory_array(tree->count, sizeof *tree->items);
-    tree->boxes = memory_array(nodes, box);
-    tree->min_items = memory_array(nodes, sizeof *tree->min_items);
+    tree->coordinates = memory_pool_array(&tree->pool, tree->count, row);
+    tree->items = memory_pool_array(&tree->pool, tree->count, sizeof *tree->items);
+    tree->boxes = memory_pool_array(&tree->pool, nodes, box);
+    tree->min_items = memory_pool_array(&tree->pool, nodes, sizeof *tree->min_items);
     if (weighted)
     {
-        tree->weights = memory_array(tree->count, sizeof *tree->weights);
-        tree->min_weights = memory_array(nodes, sizeof *tree->min_weights);
+        tree->weights = memory_pool_array(&tree->pool, tree->count, sizeof *tree->weights);
+        tree->min_weights = memory_pool_array(&tree->pool, nodes, sizeof *tree->min_weights);
     }
-    return tree->coordinates != NULL && tree->items != NULL && tree->boxes != NULL && tree->min_items != NULL &&
-           (!weighted || (tree->weights != NULL && tree->min_weights != NULL));
+    return tree->pool.missing == 0;
 }
 
 bat_status nearest_build(nearest_kind kind, const double *coordinates, const double *weights, size_t count, size_t dim,

@@ -1,7 +1,7 @@
 #ifndef SEARCH_NEAREST_H
 #define SEARCH_NEAREST_H
 
-#include "batten/base.h"
+#include "base/memory.h"
 
 #include <float.h>
 #include <stddef.h>
@@ -104,6 +104,7 @@ typedef struct nearest_tree
     double *boxes;       ///< per node its box: dim lowest, then dim highest coordinates
     double *min_weights; ///< per node, or null
     size_t *min_items;   ///< per node, the lowest item number below it
+    memory_pool pool;    ///< of all arrays
 } nearest_tree;
 
 /// Build the tree over `count` items with coordinates of at most DBL_MAX / 2; they are copied.

@@ -43,33 +43,32 @@ typedef struct graph_job
     size_t *edge_ends; ///< two vertices for each arc of one edge, in the order of their arcs; others are not set
     arc_graph *graph;
     size_t used_points;
+    memory_pool pool; ///< of all arrays
 } graph_job;
 
 /// A table of zeros for `count` entries at most half full.
-static size_t *make_table(size_t count, size_t *mask)
+static size_t *make_table(memory_pool *pool, size_t count, size_t *mask)
 {
     size_t size = 2;
     while (size / 2 < count)
         size *= 2;
     *mask = size - 1;
-    return calloc(size, sizeof(size_t));
+    return memory_pool_zeros(pool, size, sizeof(size_t));
 }
 
 /// Number the vertices: the first point with new coordinates begins one.
 static bat_status number_vertices(graph_job *job, bat_error *error)
 {
-    size_t *owners = memory_array(job->point_count, sizeof *owners); // of each vertex, its first point
-    const double **points = memory_array(job->point_count, sizeof *points);
-    job->ids = memory_array(job->point_count, sizeof *job->ids);
-    job->table = make_table(job->point_count, &job->table_mask);
-    if (owners == NULL || points == NULL || job->ids == NULL || job->table == NULL)
-    {
-        free(owners);
-        free(points);
-        return error_memory(error, job->point_count * sizeof *owners);
-    }
+    memory_pool scratch = {0};
+    size_t *owners = memory_pool_array(&scratch, job->point_count, sizeof *owners); // of each vertex, its first point
+    const double **points = memory_pool_array(&scratch, job->point_count, sizeof *points);
+    job->ids = memory_pool_array(&job->pool, job->point_count, sizeof *job->ids);
+    job->table = make_table(&job->pool, job->point_count, &job->table_mask);
+    bat_status status = memory_pool_check(&job->pool, error);
+    if (status == BAT_OK)
+        status = memory_pool_check(&scratch, error);
     size_t at = 0;
-    for (size_t c = 0; c < job->count; c++)
+    for (size_t c = 0; c < job->count && status == BAT_OK; c++)
         for (size_t i = 0; i < job->curves[c].count; i++, at++)
         {
             points[at] = job->curves[c].points + i * job->dim;
@@ -83,10 +82,9 @@ static bat_status number_vertices(graph_job *job, bat_error *error)
             }
             job->ids[at] = job->table[slot] - 1;
         }
-    free(owners);
-    free(points);
-    job->vertices = calloc(job->vertex_count > 0 ? job->vertex_count : 1, sizeof *job->vertices);
-    return job->vertices != NULL ? BAT_OK : error_memory(error, job->vertex_count * sizeof *job->vertices);
+    memory_pool_free(&scratch);
+    job->vertices = memory_pool_zeros(&job->pool, job->vertex_count, sizeof *job->vertices);
+    return status == BAT_OK ? memory_pool_check(&job->pool, error) : status;
 }
 
 static void add_neighbour(map_vertex *vertex, size_t neighbour)
@@ -280,9 +278,9 @@ static bat_status cut_all(graph_job *job, bat_error *error)
     graph->arcs = memory_pool_array(&graph->pool, room, sizeof *graph->arcs);
     graph->origins = memory_pool_array(&graph->pool, room, sizeof *graph->origins);
     graph->points = memory_pool_array(&graph->pool, 2 * room, job->dim * sizeof *graph->points);
-    job->edge_table = make_table(room, &job->edge_mask);
-    job->edge_ends = memory_array(2 * room, sizeof *job->edge_ends);
-    if (graph->pool.missing > 0 || job->edge_table == NULL || job->edge_ends == NULL)
+    job->edge_table = make_table(&job->pool, room, &job->edge_mask);
+    job->edge_ends = memory_pool_array(&job->pool, 2 * room, sizeof *job->edge_ends);
+    if (graph->pool.missing > 0 || job->pool.missing > 0)
         return error_memory(error, 2 * room * job->dim * sizeof *graph->points);
     for (size_t c = 0; c < job->count; c++)
     {
@@ -323,15 +321,11 @@ static size_t root_of(size_t *parents, size_t arc)
 static bat_status number_components(graph_job *job, bat_error *error)
 {
     arc_graph *graph = job->graph;
-    size_t *parents = memory_array(graph->arc_count, sizeof *parents);
-    size_t *arc_at = memory_array(job->vertex_count, sizeof *arc_at);
+    size_t *parents = memory_pool_array(&job->pool, graph->arc_count, sizeof *parents);
+    size_t *arc_at = memory_pool_array(&job->pool, job->vertex_count, sizeof *arc_at);
     graph->components = memory_pool_array(&graph->pool, graph->arc_count, sizeof *graph->components);
-    if (parents == NULL || arc_at == NULL || graph->components == NULL)
-    {
-        free(parents);
-        free(arc_at);
+    if (job->pool.missing > 0 || graph->components == NULL)
         return error_memory(error, job->vertex_count * sizeof *arc_at);
-    }
     for (size_t i = 0; i < job->vertex_count; i++)
         arc_at[i] = BAT_NO_INDEX;
     for (size_t a = 0; a < graph->arc_count; a++)
@@ -353,8 +347,6 @@ static bat_status number_components(graph_job *job, bat_error *error)
         size_t root = root_of(parents, a);
         graph->components[a] = root == a ? graph->component_count++ : graph->components[root];
     }
-    free(parents);
-    free(arc_at);
     return BAT_OK;
 }
 
@@ -364,15 +356,15 @@ bat_status arc_graph_make(const bat_curve *curves, size_t count, unsigned char *
     *graph = (arc_graph){.has_corners = corners != NULL};
     graph_job job = {.curves = curves, .count = count, .graph = graph};
     job.dim = count > 0 ? curves[0].space->point_dim : 1;
-    job.first_point = memory_array(count, sizeof *job.first_point);
-    if (job.first_point == NULL)
-        return error_memory(error, count * sizeof *job.first_point);
-    for (size_t c = 0; c < count; c++)
+    job.first_point = memory_pool_array(&job.pool, count, sizeof *job.first_point);
+    bat_status status = memory_pool_check(&job.pool, error);
+    for (size_t c = 0; c < count && status == BAT_OK; c++)
     {
         job.first_point[c] = job.point_count;
         job.point_count += curves[c].count;
     }
-    bat_status status = number_vertices(&job, error);
+    if (status == BAT_OK)
+        status = number_vertices(&job, error);
     if (status == BAT_OK)
     {
         find_nodes(&job, corners, cross);
@@ -382,12 +374,7 @@ bat_status arc_graph_make(const bat_curve *curves, size_t count, unsigned char *
         status = count_shared(graph, error);
     if (status == BAT_OK)
         status = number_components(&job, error);
-    free(job.first_point);
-    free(job.ids);
-    free(job.vertices);
-    free(job.table);
-    free(job.edge_table);
-    free(job.edge_ends);
+    memory_pool_free(&job.pool);
     return status;
 }
 

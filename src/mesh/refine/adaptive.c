@@ -37,7 +37,8 @@ typedef struct adaptive_level
     /// For each half-edge, where its face is refined: the number of the vertex on it, BAT_MESH_NONE where no real face there
     /// is split; and the half-edge in the part that is refined.
     uint32_t *middle, *part;
-    mesh_sides part_sides; ///< of the part that is refined; owns its arrays
+    mesh_sides part_sides; ///< of the part that is refined
+    memory_pool pool;      ///< of all arrays, but of the mesh and the limits
 } adaptive_level;
 
 static void level_free(adaptive_level *level)
@@ -51,14 +52,7 @@ static void level_free(adaptive_level *level)
     }
     bat_mesh_connectivity_free(&level->links);
     free(level->limits);
-    free(level->number);
-    free(level->real);
-    free(level->split);
-    free(level->source);
-    free(level->middle);
-    free(level->part);
-    free((void *)(uintptr_t)level->part_sides.offsets);
-    free((void *)(uintptr_t)level->part_sides.face);
+    memory_pool_free(&level->pool);
 }
 
 typedef struct adaptive_work
@@ -189,7 +183,7 @@ static bat_status choose_faces(const adaptive_work *work, adaptive_level *now, s
     mesh_level level = {
         .faces = now->mesh.faces, .sides = now->sides, .links = &now->links, .coarse_count = now->mesh.vertex_count};
     double *edges = NULL, *corners = NULL, *bends = memory_array(vertices, sizeof *bends);
-    now->split = memory_array(now->mesh.face_count, sizeof *now->split);
+    now->split = memory_pool_array(&now->pool, now->mesh.face_count, sizeof *now->split);
     bat_status status = bends != NULL && now->split != NULL ? BAT_OK : no_memory(work, error);
     if (status == BAT_OK)
         status = sharpness_of_edges(&level, &now->mesh, 0, &edges, error);
@@ -251,6 +245,7 @@ typedef struct level_part
     uint32_t *vertex, *face; ///< of the level, for each of the part
     uint32_t *vertex_in;     ///< of the part, for each of the level that a face has which is split
     uint32_t *corner_vertex; ///< of the part, for each corner of the level
+    memory_pool pool;        ///< of all arrays but the mesh's
 } level_part;
 
 static void part_free(level_part *part)
@@ -258,10 +253,7 @@ static void part_free(level_part *part)
     part->mesh.channel_names = NULL;
     part->mesh.channel_count = 0;
     bat_mesh_free(&part->mesh);
-    free(part->vertex);
-    free(part->face);
-    free(part->vertex_in);
-    free(part->corner_vertex);
+    memory_pool_free(&part->pool);
 }
 
 /// Mark faces that share a vertex with one that is split, and count their corners.
@@ -380,19 +372,20 @@ static void fill_creases(const adaptive_level *now, const double *edges, level_p
 static bat_status make_part(adaptive_level *now, level_part *part, bat_error *error)
 {
     size_t vertices = now->mesh.vertex_count, all = sides_corners(&now->sides, now->mesh.face_count), corners;
-    bool *near_split = memory_array(vertices, sizeof *near_split);
-    bool *in_part = memory_array(now->mesh.face_count, sizeof *in_part);
-    *part = (level_part){.vertex = memory_array(all, sizeof *part->vertex),
-                         .corner_vertex = memory_array(all, sizeof *part->corner_vertex),
-                         .face = memory_array(now->mesh.face_count, sizeof *part->face),
-                         .vertex_in = memory_array(vertices, sizeof *part->vertex_in)};
-    now->part = memory_array(all, sizeof *now->part);
-    now->middle = memory_array(all, sizeof *now->middle);
+    *part = (level_part){0};
+    memory_pool scratch = {0}, *pool = &part->pool;
+    bool *near_split = memory_pool_array(&scratch, vertices, sizeof *near_split);
+    bool *in_part = memory_pool_array(&scratch, now->mesh.face_count, sizeof *in_part);
+    part->vertex = memory_pool_array(pool, all, sizeof *part->vertex);
+    part->corner_vertex = memory_pool_array(pool, all, sizeof *part->corner_vertex);
+    part->face = memory_pool_array(pool, now->mesh.face_count, sizeof *part->face);
+    part->vertex_in = memory_pool_array(pool, vertices, sizeof *part->vertex_in);
+    now->part = memory_pool_array(&now->pool, all, sizeof *now->part);
+    now->middle = memory_pool_array(&now->pool, all, sizeof *now->middle);
     double *edges = NULL;
     mesh_level level = {.faces = now->mesh.faces, .sides = now->sides, .links = &now->links};
     bat_status status = sharpness_of_edges(&level, &now->mesh, 0, &edges, error);
-    bool made = near_split != NULL && part->vertex != NULL && part->face != NULL && part->vertex_in != NULL &&
-                in_part != NULL && part->corner_vertex != NULL && now->part != NULL && now->middle != NULL;
+    bool made = scratch.missing == 0 && pool->missing == 0 && now->pool.missing == 0;
     if (status == BAT_OK && made)
     {
         memset(now->part, 0xff, all * sizeof *now->part);
@@ -401,8 +394,8 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
         number_part(now, near_split, in_part, part);
         bat_mesh *to = &part->mesh;
         bool mixed = now->sides.offsets != NULL;
-        uint32_t *offsets = mixed ? memory_array(to->face_count + 1, sizeof *offsets) : NULL;
-        uint32_t *face_of = mixed ? memory_array(corners, sizeof *face_of) : NULL;
+        uint32_t *offsets = mixed ? memory_pool_array(&now->pool, to->face_count + 1, sizeof *offsets) : NULL;
+        uint32_t *face_of = mixed ? memory_pool_array(&now->pool, corners, sizeof *face_of) : NULL;
         now->part_sides = (mesh_sides){.quads = now->sides.quads, .offsets = offsets, .face = face_of};
         to->channel_count = now->mesh.channel_count;
         to->channel_names = now->mesh.channel_names;
@@ -413,7 +406,7 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
         to->corners = now->mesh.corner_count > 0 ? memory_array(now->mesh.corner_count, sizeof *to->corners) : NULL;
         made = to->faces != NULL && to->positions != NULL && (to->channel_count == 0 || to->channels != NULL) &&
                (edges == NULL || to->creases != NULL) && (now->mesh.corner_count == 0 || to->corners != NULL) &&
-               (!mixed || (offsets != NULL && face_of != NULL));
+               now->pool.missing == 0;
         if (made)
         {
             fill_faces(now, part, offsets, face_of);
@@ -421,8 +414,7 @@ static bat_status make_part(adaptive_level *now, level_part *part, bat_error *er
             fill_creases(now, edges, part);
         }
     }
-    free(near_split);
-    free(in_part);
+    memory_pool_free(&scratch);
     free(edges);
     if (status == BAT_OK && !made)
         status = error_memory(error, all * sizeof *now->part);
@@ -478,9 +470,9 @@ static bat_status descend(adaptive_work *work, adaptive_level *now, adaptive_lev
         status = refine_corners(&part.mesh, &now->part_sides, &work->step, &next->mesh, error);
     next->sides.quads = work->options->scheme == BAT_MESH_SCHEME_CATMULL_CLARK;
     bool *fresh = memory_array(next->mesh.vertex_count, sizeof *fresh);
-    next->number = memory_array(next->mesh.vertex_count, sizeof *next->number);
-    next->real = memory_array(next->mesh.face_count, sizeof *next->real);
-    next->source = memory_array(next->mesh.face_count, sizeof *next->source);
+    next->number = memory_pool_array(&next->pool, next->mesh.vertex_count, sizeof *next->number);
+    next->real = memory_pool_array(&next->pool, next->mesh.face_count, sizeof *next->real);
+    next->source = memory_pool_array(&next->pool, next->mesh.face_count, sizeof *next->source);
     if (status == BAT_OK && (fresh == NULL || next->number == NULL || next->real == NULL || next->source == NULL))
         status = no_memory(work, error);
     if (status == BAT_OK)
@@ -655,9 +647,9 @@ static bat_status begin(adaptive_work *work, const bat_mesh *coarse, const mesh_
     bat_status status = take_marks(work, coarse, now, error);
     if (status != BAT_OK)
         return status;
-    now->number = memory_array(coarse->vertex_count, sizeof *now->number);
-    now->real = memory_array(coarse->face_count, sizeof *now->real);
-    now->source = memory_array(coarse->face_count, sizeof *now->source);
+    now->number = memory_pool_array(&now->pool, coarse->vertex_count, sizeof *now->number);
+    now->real = memory_pool_array(&now->pool, coarse->face_count, sizeof *now->real);
+    now->source = memory_pool_array(&now->pool, coarse->face_count, sizeof *now->source);
     bool *fresh = memory_array(coarse->vertex_count, sizeof *fresh);
     if (now->number == NULL || now->real == NULL || now->source == NULL || fresh == NULL)
         status = no_memory(work, error);

@@ -48,6 +48,7 @@ typedef struct mesh_shape
     unsigned char *flat;    ///< regions: a flat_kind
     unsigned char *on_flat; ///< vertices: 1 on a flat face
     uint32_t *bends;        ///< vertices: edges of an angle above 0
+    memory_pool pool;       ///< of all arrays
 } mesh_shape;
 
 static const double *place(const mesh_shape *shape, uint32_t vertex)
@@ -204,40 +205,23 @@ static double diagonal_of(const bat_mesh *mesh)
     return vector3_distance(low, high);
 }
 
-static void shape_free(mesh_shape *shape)
-{
-    free(shape->normal);
-    free(shape->height);
-    free(shape->angle);
-    free(shape->region);
-    free(shape->stack);
-    free(shape->flat);
-    free(shape->on_flat);
-    free(shape->bends);
-}
-
-/// Release the result with shape_free(), also on failure.
+/// Release the pool of the result, also on failure.
 static bat_status shape_make(const bat_mesh *mesh, const mesh_level *level, mesh_shape *shape, bat_error *error)
 {
     size_t faces = level->links->face_count, edges = level->links->edge_count, vertices = level->links->vertex_count;
-    *shape = (mesh_shape){
-        .level = level,
-        .positions = mesh->positions,
-        .tolerance = FLATNESS * diagonal_of(mesh),
-        .normal = memory_array(faces, sizeof *shape->normal),
-        .height = memory_array(faces, sizeof *shape->height),
-        .angle = memory_array(edges, sizeof *shape->angle),
-        .region = memory_array(faces, sizeof *shape->region),
-        .stack = memory_array(faces, sizeof *shape->stack),
-        .flat = memory_array(faces, sizeof *shape->flat),
-        .on_flat = memory_array(vertices, sizeof *shape->on_flat),
-        .bends = memory_array(vertices, sizeof *shape->bends),
-    };
-    if (shape->normal == NULL || shape->height == NULL || shape->angle == NULL || shape->region == NULL ||
-        shape->stack == NULL || shape->flat == NULL || shape->on_flat == NULL || shape->bends == NULL)
-        return error_memory(error, faces * sizeof *shape->normal);
-    memset(shape->on_flat, 0, vertices);
-    memset(shape->bends, 0, vertices * sizeof *shape->bends);
+    *shape = (mesh_shape){.level = level, .positions = mesh->positions, .tolerance = FLATNESS * diagonal_of(mesh)};
+    memory_pool *pool = &shape->pool;
+    shape->normal = memory_pool_array(pool, faces, sizeof *shape->normal);
+    shape->height = memory_pool_array(pool, faces, sizeof *shape->height);
+    shape->angle = memory_pool_array(pool, edges, sizeof *shape->angle);
+    shape->region = memory_pool_array(pool, faces, sizeof *shape->region);
+    shape->stack = memory_pool_array(pool, faces, sizeof *shape->stack);
+    shape->flat = memory_pool_array(pool, faces, sizeof *shape->flat);
+    shape->on_flat = memory_pool_zeros(pool, vertices, sizeof *shape->on_flat);
+    shape->bends = memory_pool_zeros(pool, vertices, sizeof *shape->bends);
+    bat_status status = memory_pool_check(pool, error);
+    if (status != BAT_OK)
+        return status;
     for (uint32_t f = 0; f < faces; f++)
         measure_face(shape, f);
     measure_edges(shape);
@@ -360,7 +344,7 @@ bat_status brake_make(const bat_mesh *coarse, const mesh_level *level, bool foun
         free_named(&shape, brake);
         hold_between(brake, coarse->faces);
     }
-    shape_free(&shape);
+    memory_pool_free(&shape.pool);
     if (status != BAT_OK)
         brake_free(brake);
     return status;
@@ -492,7 +476,7 @@ bat_status bat_mesh_is_solid(const bat_mesh *mesh, bool *solid, bat_error *error
     mesh_shape shape;
     status = shape_make(mesh, &level, &shape, error);
     *solid = status == BAT_OK && is_solid(&shape);
-    shape_free(&shape);
+    memory_pool_free(&shape.pool);
     bat_mesh_connectivity_free(&links);
     return status;
 }
