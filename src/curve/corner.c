@@ -55,6 +55,7 @@ typedef struct corner_search
     double *lengths; ///< of the edges
     edge_direction *directions;
     unsigned char *aligned; ///< edges at right angles to each other
+    memory_pool pool;       ///< of all arrays
 } corner_search;
 
 bool corners_stay(const bat_curve_refine_options *options)
@@ -236,14 +237,11 @@ bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *
     size_t n = curve->count;
     corner_search search = {.curve = curve, .count = n, .edges = polygon_edges(n, curve->closed)};
     bool searched = options->find_corners && corners_stay(options), turned = options->corner_angle > 0 || searched;
-    search.turns = turned ? memory_array(n, sizeof *search.turns) : NULL;
-    search.lengths = searched ? memory_array(n, sizeof *search.lengths) : NULL;
-    search.directions = searched ? memory_array(n, sizeof *search.directions) : NULL;
-    search.aligned = searched ? memory_array(n, 1) : NULL;
-    bat_status status = BAT_OK;
-    if ((turned && search.turns == NULL) ||
-        (searched && (search.lengths == NULL || search.directions == NULL || search.aligned == NULL)))
-        status = error_memory(error, n * sizeof *search.directions);
+    search.turns = turned ? memory_pool_array(&search.pool, n, sizeof *search.turns) : NULL;
+    search.lengths = searched ? memory_pool_array(&search.pool, n, sizeof *search.lengths) : NULL;
+    search.directions = searched ? memory_pool_array(&search.pool, n, sizeof *search.directions) : NULL;
+    search.aligned = searched ? memory_pool_array(&search.pool, n, 1) : NULL;
+    bat_status status = memory_pool_check(&search.pool, error);
     if (status == BAT_OK && turned)
         status = find_turns(curve, search.turns, error);
     for (size_t i = 0; i < n; i++)
@@ -254,9 +252,6 @@ bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *
     *count = 0;
     for (size_t i = 0; i < n; i++)
         *count += flags[i];
-    free(search.turns);
-    free(search.lengths);
-    free(search.directions);
-    free(search.aligned);
+    memory_pool_free(&search.pool);
     return status;
 }

@@ -16,22 +16,19 @@ bat_status smooth_back_make(const bat_curve *given, smooth_back *back, bat_error
 {
     size_t n = given->count, row = given->space->point_dim * sizeof(double);
     *back = (smooth_back){.given = {.space = given->space, .count = n, .closed = given->closed}};
-    back->given.points = memory_array(n, row);
-    back->smoothed = memory_array(n, row);
-    back->shares = memory_array(n, sizeof(double));
-    back->factors = memory_array(n, sizeof(double));
-    if (back->given.points == NULL || back->smoothed == NULL || back->shares == NULL || back->factors == NULL)
-        return error_memory(error, n * row);
-    memcpy(back->given.points, given->points, n * row);
-    return BAT_OK;
+    back->given.points = memory_pool_array(&back->pool, n, row);
+    back->smoothed = memory_pool_array(&back->pool, n, row);
+    back->shares = memory_pool_array(&back->pool, n, sizeof(double));
+    back->factors = memory_pool_array(&back->pool, n, sizeof(double));
+    bat_status status = memory_pool_check(&back->pool, error);
+    if (status == BAT_OK)
+        memcpy(back->given.points, given->points, n * row);
+    return status;
 }
 
 void smooth_back_free(smooth_back *back)
 {
-    free(back->given.points);
-    free(back->smoothed);
-    free(back->shares);
-    free(back->factors);
+    memory_pool_free(&back->pool);
     *back = (smooth_back){0};
 }
 

@@ -1,6 +1,7 @@
 #ifndef CURVE_SMOOTH_BACK_H
 #define CURVE_SMOOTH_BACK_H
 
+#include "base/memory.h"
 #include "batten/curve.h"
 
 /// @file
@@ -9,10 +10,11 @@
 /// The points of a smoothed curve, and the shares of their ways that they have come.
 typedef struct smooth_back
 {
-    bat_curve given;  ///< its points belong to the struct
+    bat_curve given;  ///< its points are in `pool`
     double *smoothed; ///< the points at share 1
     double *shares, *factors;
-    bool marked; ///< an edge since the last smooth_back_move()
+    bool marked;      ///< an edge since the last smooth_back_move()
+    memory_pool pool; ///< of all arrays
 } smooth_back;
 
 /// Copy a given curve.

@@ -14,31 +14,22 @@ typedef struct average_matrix
     int *first; ///< count + 1
     int *row;
     double *lower, *upper;
-    int *slot; ///< of each row in the column at work, or before it
+    int *slot;        ///< of each row in the column at work, or before it
+    memory_pool pool; ///< of all arrays
 } average_matrix;
-
-static void average_matrix_free(average_matrix *matrix)
-{
-    free(matrix->first);
-    free(matrix->row);
-    free(matrix->lower);
-    free(matrix->upper);
-    free(matrix->slot);
-}
 
 static bat_status average_matrix_allocate(size_t count, size_t entries, average_matrix *matrix, bat_error *error)
 {
     *matrix = (average_matrix){0};
     if (entries > INT_MAX)
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "a system of %zu averages is too large to factor", count);
-    *matrix = (average_matrix){.first = memory_array(count + 1, sizeof(int)),
-                               .row = memory_array(entries, sizeof(int)),
-                               .lower = memory_array(entries, sizeof(double)),
-                               .upper = memory_array(entries, sizeof(double)),
-                               .slot = memory_array(count, sizeof(int))};
-    bool whole = matrix->first != NULL && matrix->row != NULL && matrix->lower != NULL && matrix->upper != NULL &&
-                 matrix->slot != NULL;
-    return whole ? BAT_OK : error_memory(error, entries * (sizeof(int) + 2 * sizeof(double)));
+    memory_pool *pool = &matrix->pool;
+    matrix->first = memory_pool_array(pool, count + 1, sizeof(int));
+    matrix->row = memory_pool_array(pool, entries, sizeof(int));
+    matrix->lower = memory_pool_array(pool, entries, sizeof(double));
+    matrix->upper = memory_pool_array(pool, entries, sizeof(double));
+    matrix->slot = memory_pool_array(pool, count, sizeof(int));
+    return memory_pool_check(pool, error);
 }
 
 /// Add an entry to a column, unless the column has it.
@@ -107,6 +98,6 @@ bat_status average_solve_direct(const sparse_rows *weights, const double *consta
         status = multifrontal_solve(solver, 2, x, error);
     }
     multifrontal_free(solver);
-    average_matrix_free(&matrix);
+    memory_pool_free(&matrix.pool);
     return status;
 }

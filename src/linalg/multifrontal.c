@@ -27,23 +27,20 @@ struct multifrontal
     int *waiting;          ///< [fronts] a stack of these fronts
     int *position;         ///< [count] positions of rows in the front at work, by place
     int *relative;         ///< [panel_max] positions of a child's rows in the front at work
+    memory_pool pool;      ///< of all arrays but `updates`
 };
 
 static bat_status allocate_factors(multifrontal *solver, bat_error *error)
 {
     const front_tree *tree = &solver->tree;
     size_t entries = tree->panel_first[tree->fronts];
-    bool whole = true;
+    memory_pool *pool = &solver->pool;
     for (size_t side = 0; side < solver->sides; side++)
-    {
-        solver->panels[side] = memory_array(entries, sizeof(double));
-        whole = whole && solver->panels[side] != NULL;
-    }
-    solver->waiting = memory_array(tree->fronts, sizeof(int));
-    solver->position = memory_array(tree->count, sizeof(int));
-    solver->relative = memory_array(tree->panel_max, sizeof(int));
-    whole = whole && solver->waiting != NULL && solver->position != NULL && solver->relative != NULL;
-    return whole ? BAT_OK : error_memory(error, entries * solver->sides * sizeof(double));
+        solver->panels[side] = memory_pool_array(pool, entries, sizeof(double));
+    solver->waiting = memory_pool_array(pool, tree->fronts, sizeof(int));
+    solver->position = memory_pool_array(pool, tree->count, sizeof(int));
+    solver->relative = memory_pool_array(pool, tree->panel_max, sizeof(int));
+    return memory_pool_check(pool, error);
 }
 
 bat_status multifrontal_make(const symmetric_pattern *pattern, bool symmetric, multifrontal **solver, bat_error *error)
@@ -67,11 +64,7 @@ void multifrontal_free(multifrontal *solver)
     if (solver == NULL)
         return;
     front_tree_free(&solver->tree);
-    for (size_t side = 0; side < SIDES; side++)
-        free(solver->panels[side]);
-    free(solver->waiting);
-    free(solver->position);
-    free(solver->relative);
+    memory_pool_free(&solver->pool);
     free(solver);
 }
 

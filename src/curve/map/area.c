@@ -50,6 +50,7 @@ typedef struct area_job
     double *vectors; ///< five of `count` numbers, for conjugate gradients
     size_t frozen;   ///< edges whose points stay
     const map_chart *chart;
+    memory_pool pool; ///< of all arrays
 } area_job;
 
 static double determinant(const double *a, const double *b, const double *c)
@@ -178,29 +179,29 @@ static void weigh_arc(const area_job *job, size_t a, double *weights)
 static bat_status prepare(area_job *job, bat_error *error)
 {
     size_t arcs = job->graph->arc_count;
-    job->arcs = calloc(arcs, sizeof *job->arcs);
-    job->targets = memory_array(job->count, sizeof(double));
-    job->areas = memory_array(job->count, sizeof(double));
-    job->vectors = memory_array(5 * job->count, sizeof(double));
-    if (job->arcs == NULL || job->targets == NULL || job->areas == NULL || job->vectors == NULL)
-        return error_memory(error, arcs * sizeof *job->arcs);
-    for (size_t a = 0; a < arcs; a++)
+    job->arcs = memory_pool_zeros(&job->pool, arcs, sizeof *job->arcs);
+    job->targets = memory_pool_array(&job->pool, job->count, sizeof(double));
+    job->areas = memory_pool_array(&job->pool, job->count, sizeof(double));
+    job->vectors = memory_pool_array(&job->pool, 5 * job->count, sizeof(double));
+    bat_status status = memory_pool_check(&job->pool, error);
+    for (size_t a = 0; a < arcs && status == BAT_OK; a++)
     {
         size_t rows = job->fine->arcs[a].count, values = rows * job->dim;
-        job->arcs[a].weights = memory_array(rows, sizeof(double));
-        job->arcs[a].given = memory_array(values, sizeof(double));
-        if (job->arcs[a].weights == NULL || job->arcs[a].given == NULL)
-            return error_memory(error, values * sizeof(double));
+        job->arcs[a].weights = memory_pool_array(&job->pool, rows, sizeof(double));
+        job->arcs[a].given = memory_pool_array(&job->pool, values, sizeof(double));
+        status = memory_pool_check(&job->pool, error);
+        if (status != BAT_OK)
+            return status;
         memcpy(job->arcs[a].given, job->fine->arcs[a].points, values * sizeof(double));
         (job->keeps_points ? weigh_edges : weigh_arc)(job, a, job->arcs[a].weights);
     }
-    for (size_t c = 0; c < job->count; c++)
+    for (size_t c = 0; c < job->count && status == BAT_OK; c++)
     {
         double middle[3] = {0};
         middle_of(job, &job->curves[c], middle);
         job->targets[c] = job->curves[c].closed ? area_under(job, middle, &job->curves[c]) : NAN;
     }
-    return BAT_OK;
+    return status;
 }
 
 /// The gains of the arcs where they are now.
@@ -478,14 +479,6 @@ bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_
     bat_status status = prepare(&job, error);
     if (status == BAT_OK)
         status = run(&job, tested, largest, error);
-    for (size_t a = 0; a < graph->arc_count && job.arcs != NULL; a++)
-    {
-        free(job.arcs[a].weights);
-        free(job.arcs[a].given);
-    }
-    free(job.arcs);
-    free(job.targets);
-    free(job.areas);
-    free(job.vectors);
+    memory_pool_free(&job.pool);
     return status;
 }

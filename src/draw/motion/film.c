@@ -117,13 +117,9 @@ static bool allocate(const film *shown, film_track *track)
                       speeds ? keys : 0,
                       turns ? track->count : 0,
                       turns ? keys : 0};
-    bool good = true;
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-    {
-        *arrays[i] = sizes[i] > 0 ? memory_array(sizes[i], sizeof(double)) : NULL;
-        good = good && (sizes[i] == 0 || *arrays[i] != NULL);
-    }
-    return good;
+        *arrays[i] = sizes[i] > 0 ? memory_pool_array(&track->pool, sizes[i], sizeof(double)) : NULL;
+    return track->pool.missing == 0;
 }
 
 /// Sample the spline of a track at the keys and between them.
@@ -247,14 +243,7 @@ void film_free(film *made)
         film_track *track = &made->tracks[k];
         if (track->owned)
             bat_motion_spline_free(track->spline);
-        free(track->key_times);
-        free(track->times);
-        free(track->points);
-        free(track->velocities);
-        free(track->speeds);
-        free(track->turns);
-        free(track->key_speeds);
-        free(track->key_turns);
+        memory_pool_free(&track->pool);
     }
     made->count = 0;
 }

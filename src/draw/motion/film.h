@@ -1,6 +1,7 @@
 #ifndef DRAW_MOTION_FILM_H
 #define DRAW_MOTION_FILM_H
 
+#include "base/memory.h"
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 
@@ -31,6 +32,7 @@ typedef struct film_track
     double *speeds, *turns;         ///< lengths of velocities; angular speeds in degrees; null where there are none
     double *key_speeds, *key_turns; ///< the same at the keyframes
     draw_colour colour;
+    memory_pool pool; ///< of the arrays that are not others'
 } film_track;
 
 typedef struct film

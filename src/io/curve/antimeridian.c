@@ -350,6 +350,7 @@ typedef struct border
     bool *used;                 ///< for each chain
     bool south;                 ///< the interior contains the south pole
     bool odd;                   ///< the number of crossings is odd
+    memory_pool pool;           ///< of all arrays but the chains
 } border;
 
 static int compare_crossings(const void *a, const void *b)
@@ -362,23 +363,12 @@ static int compare_crossings(const void *a, const void *b)
 
 static bool border_allocate(border *edge)
 {
-    size_t chains = edge->chains.count;
-    edge->count = chains;
-    edge->crossings = memory_array(chains, sizeof *edge->crossings);
-    edge->ending = memory_array(chains, sizeof *edge->ending);
-    edge->beginning = memory_array(chains, sizeof *edge->beginning);
-    edge->used = calloc(chains, sizeof *edge->used);
-    return !edge->chains.failed && edge->crossings != NULL && edge->ending != NULL && edge->beginning != NULL &&
-           edge->used != NULL;
-}
-
-static void border_free(border *edge)
-{
-    globe_lines_free(&edge->chains);
-    free(edge->crossings);
-    free(edge->ending);
-    free(edge->beginning);
-    free(edge->used);
+    size_t chains = edge->count = edge->chains.count;
+    edge->crossings = memory_pool_array(&edge->pool, chains, sizeof *edge->crossings);
+    edge->ending = memory_pool_array(&edge->pool, chains, sizeof *edge->ending);
+    edge->beginning = memory_pool_array(&edge->pool, chains, sizeof *edge->beginning);
+    edge->used = memory_pool_zeros(&edge->pool, chains, sizeof *edge->used);
+    return !edge->chains.failed && edge->pool.missing == 0;
 }
 
 /// Cut the rings into chains and sort the crossings.
@@ -716,7 +706,8 @@ bool globe_polygon_cut(const degree_grid *grid, const globe_curve *rings, size_t
         done = !outers.failed && assemble(&outers, rings + 1, ring_count - 1, parts);
     }
     globe_lines_free(&outers);
-    border_free(&edge);
+    globe_lines_free(&edge.chains);
+    memory_pool_free(&edge.pool);
     return done;
 }
 

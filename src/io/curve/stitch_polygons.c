@@ -45,6 +45,7 @@ typedef struct stitch_edges
     bool *changed;       ///< for each polygon, whether one of its edges was cancelled
     bool *north, *south; ///< for each polygon, whether a cancelled edge ends at the pole
     size_t cancelled;    ///< pairs of half-edges
+    memory_pool pool;    ///< of all arrays but `edges`
 } stitch_edges;
 
 static const double QUARTER_TURN = 90.0, HALF_TURN = 180.0, TURN = 360.0;
@@ -336,13 +337,12 @@ static void cancel_all(stitch_edges *edges, seam_pieces *pieces)
 static bool allocate(stitch_edges *edges)
 {
     size_t rings = edges->geometry->count, polygons = edges->geometry->polygon_count;
-    edges->rings = calloc(rings + 1, sizeof *edges->rings);
-    edges->groups = memory_array(polygons, sizeof *edges->groups);
-    edges->changed = calloc(polygons + 1, sizeof *edges->changed);
-    edges->north = calloc(polygons + 1, sizeof *edges->north);
-    edges->south = calloc(polygons + 1, sizeof *edges->south);
-    return edges->rings != NULL && edges->groups != NULL && edges->changed != NULL && edges->north != NULL &&
-           edges->south != NULL;
+    edges->rings = memory_pool_zeros(&edges->pool, rings + 1, sizeof *edges->rings);
+    edges->groups = memory_pool_array(&edges->pool, polygons, sizeof *edges->groups);
+    edges->changed = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->changed);
+    edges->north = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->north);
+    edges->south = memory_pool_zeros(&edges->pool, polygons + 1, sizeof *edges->south);
+    return edges->pool.missing == 0;
 }
 
 /// Degrees by which a closure over a pole may end short of the seam: a kilometre on the equator, nothing at the pole.
@@ -426,7 +426,7 @@ static bool stitch_edges_make(const stitch_geometry *geometry, const double *deg
         }
     }
     edges->seam = stitch_seam_of(degrees, point);
-    edges->snapped = memory_array(point, 2 * sizeof *edges->snapped);
+    edges->snapped = memory_pool_array(&edges->pool, point, 2 * sizeof *edges->snapped);
     if (edges->snapped == NULL)
         return false;
     ring = 0;
@@ -449,13 +449,8 @@ static bool stitch_edges_make(const stitch_geometry *geometry, const double *deg
 
 static void stitch_edges_free(stitch_edges *edges)
 {
-    free(edges->rings);
-    free(edges->snapped);
     free(edges->edges);
-    free(edges->groups);
-    free(edges->changed);
-    free(edges->north);
-    free(edges->south);
+    memory_pool_free(&edges->pool);
     *edges = (stitch_edges){0};
 }
 
@@ -803,8 +798,8 @@ static void replace(stitch_geometry *geometry, stitch_geometry *made)
 
 static bool stitch(polygon_job *job, stitch_geometry *geometry, stitch_report *report)
 {
-    job->fates = calloc(geometry->polygon_count + 1, 1);
-    job->several = calloc(geometry->polygon_count + 1, sizeof *job->several);
+    job->fates = memory_pool_zeros(&job->edges.pool, geometry->polygon_count, 1);
+    job->several = memory_pool_zeros(&job->edges.pool, geometry->polygon_count, sizeof *job->several);
     if (job->fates == NULL || job->several == NULL || !trace_all(job))
         return false;
     if (job->ring_count > 0)
@@ -835,7 +830,5 @@ bool stitch_polygons(stitch_geometry *geometry, const double *degrees, const sti
         *report = found;
     stitch_edges_free(&job.edges);
     free(job.rings);
-    free(job.fates);
-    free(job.several);
     return done;
 }

@@ -65,6 +65,7 @@ typedef struct decimation
     double *corners;    ///< for each vertex: its sharpness as a corner; null for a mesh without corners
     bat_mesh_map *map;  ///< null without a map
     flat_workspace *workspace; ///< null without a map
+    memory_pool pool;          ///< of the arrays and the workspace
     collapse_ring ring;        ///< of the current edge
     double points[FLAT_POINTS][3], flat[FLAT_POINTS][2];
 } decimation;
@@ -73,13 +74,7 @@ static void free_all(decimation *all)
 {
     collapse_mesh_free(&all->mesh);
     edge_queue_free(&all->queue);
-    free(all->vertices);
-    free(all->errors);
-    free(all->changed);
-    free(all->computed);
-    free(all->waiting);
-    free(all->corners);
-    free(all->workspace);
+    memory_pool_free(&all->pool);
     attributes_free(&all->fields);
     bat_mesh_map_free(all->map);
     free(all);
@@ -87,19 +82,17 @@ static void free_all(decimation *all)
 
 static bat_status allocate(const bat_mesh *fine, bool mapped, decimation *all, bat_error *error)
 {
-    all->vertices = memory_array(fine->vertex_count, sizeof *all->vertices);
-    all->errors = memory_array(all->mesh.edge_count, sizeof *all->errors);
-    all->waiting = calloc(fine->vertex_count + 1, sizeof *all->waiting);
-    all->corners = fine->corner_count > 0 ? calloc(fine->vertex_count, sizeof *all->corners) : NULL;
+    all->vertices = memory_pool_array(&all->pool, fine->vertex_count, sizeof *all->vertices);
+    all->errors = memory_pool_array(&all->pool, all->mesh.edge_count, sizeof *all->errors);
+    all->waiting = memory_pool_zeros(&all->pool, fine->vertex_count + 1, sizeof *all->waiting);
+    all->corners = fine->corner_count > 0 ? memory_pool_zeros(&all->pool, fine->vertex_count, sizeof *all->corners) : NULL;
     bool dated = all->options->method != BAT_MESH_DECIMATE_METHOD_QUADRIC;
-    all->changed = dated ? calloc(fine->vertex_count, sizeof *all->changed) : NULL;
-    all->computed = dated ? calloc(all->mesh.edge_count, sizeof *all->computed) : NULL;
-    all->workspace = mapped ? malloc(sizeof *all->workspace) : NULL;
-    if (all->vertices == NULL || all->errors == NULL || all->waiting == NULL || (mapped && all->workspace == NULL) ||
-        (dated && (all->changed == NULL || all->computed == NULL)) || (fine->corner_count > 0 && all->corners == NULL))
-        return error_memory(error, fine->vertex_count * sizeof *all->vertices);
-    bat_status status =
-        edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->queue, error);
+    all->changed = dated ? memory_pool_zeros(&all->pool, fine->vertex_count, sizeof *all->changed) : NULL;
+    all->computed = dated ? memory_pool_zeros(&all->pool, all->mesh.edge_count, sizeof *all->computed) : NULL;
+    all->workspace = mapped ? memory_pool_array(&all->pool, 1, sizeof *all->workspace) : NULL;
+    bat_status status = memory_pool_check(&all->pool, error);
+    if (status == BAT_OK)
+        status = edge_queue_make(all->mesh.edge_count, all->options->candidates, all->options->seed, &all->queue, error);
     return status == BAT_OK && mapped ? map_make(fine->face_count, &all->map, error) : status;
 }
 

@@ -43,6 +43,7 @@ typedef struct compare_side
     size_t *samples;   ///< the first sample of each face, in the order of the tree, then their number; or null
     double area;       ///< the area of all faces; set with the samples
     double wanted;     ///< the requested number of samples
+    memory_pool pool;  ///< of all arrays
 } compare_side;
 
 /// The distances of one mesh from the other, in one direction.
@@ -463,7 +464,7 @@ static bat_status plan_samples(compare_side *side, const char *which, size_t sam
         side->area += area_of(side, side->tree.faces[f]);
     if (!(side->area > 0))
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the %s mesh has no area", which);
-    side->samples = memory_array(faces + 1, sizeof *side->samples);
+    side->samples = memory_pool_array(&side->pool, faces + 1, sizeof *side->samples);
     if (side->samples == NULL)
         return error_memory(error, faces * sizeof *side->samples);
     side->samples[0] = 0;
@@ -596,11 +597,7 @@ static void measure_vertices(const compare_way *way, size_t block, compare_tally
 
 static void side_free(compare_side *side)
 {
-    free(side->mesh.positions);
-    free(side->vertices);
-    free(side->distances);
-    free(side->places);
-    free(side->samples);
+    memory_pool_free(&side->pool);
     closest_free(&side->tree);
 }
 
@@ -627,16 +624,17 @@ static bat_status side_make(const bat_mesh *mesh, const char *which, double scal
 {
     size_t count = mesh->vertex_count;
     side->mesh = (bat_mesh){.faces = mesh->faces, .face_count = mesh->face_count, .vertex_count = count};
-    side->mesh.positions = memory_array(count, 3 * sizeof *side->mesh.positions);
-    side->vertices = memory_array(count, sizeof *side->vertices);
-    side->distances = memory_array(count, sizeof *side->distances);
-    side->places = memory_array(count, sizeof *side->places);
-    if (side->mesh.positions == NULL || side->vertices == NULL || side->distances == NULL || side->places == NULL)
-        return error_memory(error, count * 3 * sizeof(double));
+    side->mesh.positions = memory_pool_array(&side->pool, count, 3 * sizeof *side->mesh.positions);
+    side->vertices = memory_pool_array(&side->pool, count, sizeof *side->vertices);
+    side->distances = memory_pool_array(&side->pool, count, sizeof *side->distances);
+    side->places = memory_pool_array(&side->pool, count, sizeof *side->places);
+    bat_status status = memory_pool_check(&side->pool, error);
+    if (status != BAT_OK)
+        return status;
     for (size_t i = 0; i < 3 * count; i++)
         side->mesh.positions[i] = mesh->positions[i] * scale;
     closest_tree tree;
-    bat_status status = closest_build(&side->mesh, 1, &tree, error);
+    status = closest_build(&side->mesh, 1, &tree, error);
     if (status != BAT_OK)
         return status;
     side->tree = tree;

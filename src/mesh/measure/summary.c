@@ -137,18 +137,20 @@ typedef struct topology
     uint32_t *fans;        ///< sets of corners, numbered as half-edges, joined around their vertex
     uint32_t *loops;       ///< sets of corners that are also joined along the boundary
     uint32_t *valence;
+    memory_pool pool; ///< of all arrays but the edges'
 } topology;
 
 static bat_status topology_make(const bat_mesh *mesh, topology *made, bat_error *error)
 {
     size_t corners = 3 * mesh->face_count, vertices = mesh->vertex_count;
-    *made = (topology){.mesh = mesh,
-                       .vertex_sets = memory_array(vertices, sizeof *made->vertex_sets),
-                       .fans = memory_array(corners, sizeof *made->fans),
-                       .loops = memory_array(corners, sizeof *made->loops),
-                       .valence = calloc(vertices, sizeof *made->valence)};
-    if (made->vertex_sets == NULL || made->fans == NULL || made->loops == NULL || made->valence == NULL)
-        return error_memory(error, corners * sizeof *made->fans);
+    *made = (topology){.mesh = mesh};
+    made->vertex_sets = memory_pool_array(&made->pool, vertices, sizeof *made->vertex_sets);
+    made->fans = memory_pool_array(&made->pool, corners, sizeof *made->fans);
+    made->loops = memory_pool_array(&made->pool, corners, sizeof *made->loops);
+    made->valence = memory_pool_zeros(&made->pool, vertices, sizeof *made->valence);
+    bat_status status = memory_pool_check(&made->pool, error);
+    if (status != BAT_OK)
+        return status;
     sets_begin(made->vertex_sets, vertices);
     sets_begin(made->fans, corners);
     return edge_groups_make(mesh, &made->edges, error);
@@ -156,10 +158,7 @@ static bat_status topology_make(const bat_mesh *mesh, topology *made, bat_error 
 
 static void topology_free(topology *made)
 {
-    free(made->vertex_sets);
-    free(made->fans);
-    free(made->loops);
-    free(made->valence);
+    memory_pool_free(&made->pool);
     edge_groups_free(&made->edges);
 }
 
