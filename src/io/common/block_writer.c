@@ -77,10 +77,16 @@ static bat_status format_lines(const void *context, size_t block, text_buffer *t
     return BAT_OK;
 }
 
-bat_status lines_write(text_sink *sink, size_t count, line_format *format, const void *context, bat_error *error)
+bat_status text_lines_write(text_sink *sink, size_t count, int threads, line_format *format, const void *context,
+                            bat_error *error)
 {
     const lines_job job = {count, format, context};
-    return blocks_write(sink, count / LINES_PER_BLOCK + (count % LINES_PER_BLOCK > 0), 0, format_lines, &job, error);
+    return blocks_write(sink, count / LINES_PER_BLOCK + (count % LINES_PER_BLOCK > 0), threads, format_lines, &job, error);
+}
+
+bat_status lines_write(text_sink *sink, size_t count, line_format *format, const void *context, bat_error *error)
+{
+    return text_lines_write(sink, count, 0, format, context, error);
 }
 
 bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,

@@ -395,6 +395,20 @@ void text_append_number(text_buffer *text, double value, char after)
     text_append(text, &after, 1);
 }
 
+void text_append_numbers(text_buffer *text, const char *before, const double *numbers, size_t count)
+{
+    text_append_string(text, before);
+    char *out = text_reserve(text, count * (NUMBER_TEXT_SIZE + 1) + 1);
+    if (out == NULL)
+        return;
+    for (size_t i = 0; i < count; i++)
+    {
+        out = number_write(out, numbers[i]);
+        *out++ = i + 1 < count ? ' ' : '\n';
+    }
+    text_advance(text, out);
+}
+
 void text_append_count(text_buffer *text, size_t count, const char *after)
 {
     char *out = text_reserve(text, NUMBER_TEXT_SIZE);

@@ -23,6 +23,8 @@ char *number_write_fixed(char *out, int64_t units, int decimals);
 void text_append_real(text_buffer *text, const char *before, double value);
 /// Append a finite number, then the character `after`.
 void text_append_number(text_buffer *text, double value, char after);
+/// Append a line: a text, then finite numbers with blanks between them.
+void text_append_numbers(text_buffer *text, const char *before, const double *numbers, size_t count);
 /// Append a whole number, then `after`.
 void text_append_count(text_buffer *text, size_t count, const char *after);
 /// Append a text of at most 511 characters without floating-point numbers, because printf() would use the locale's decimal

@@ -46,11 +46,6 @@ bat_status mesh_note(bat_mesh_notes *notes, bat_error *error, const char *format
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_notes_move(bat_mesh_notes *from, bat_mesh_notes *to, bat_error *error);
 
-/// Write rows of text on several threads; `format` appends the rows begin, …, end - 1.
-typedef void mesh_row_format(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text);
-bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
-                           text_sink *sink, bat_error *error);
-
 // Different labels, numbered in the order of their first use.
 
 /// A name in the text of a file; `begin` is null for none.

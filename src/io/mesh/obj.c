@@ -554,79 +554,42 @@ bat_status mesh_obj_read_points(const file_text *text, const bat_mesh_read_optio
     return read_obj(text, options, true, mesh, error);
 }
 
-/// Write numbers, each after a blank.
-static char *write_numbers(char *out, const double *numbers, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-    {
-        *out++ = ' ';
-        out = number_write(out, numbers[i]);
-    }
-    return out;
-}
-
 /// The sharpness in a finite form.
 static double finite_sharpness(double sharpness)
 {
     return isfinite(sharpness) ? sharpness : BAT_MESH_SHARP;
 }
 
-/// What is written beside positions.
+/// What is written.
 typedef struct obj_plan
 {
+    const bat_mesh *mesh;
     size_t places[MESH_COLOURS]; ///< the positions of the colours among the channels
     size_t colours;
     const double *normals; ///< null: none
 } obj_plan;
 
-static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_vertex(const void *context, size_t v, text_buffer *text)
 {
     const obj_plan *plan = context;
-    for (size_t v = begin; v < end; v++)
-    {
-        char *out = text_reserve(text, (3 + MESH_COLOURS) * (NUMBER_TEXT_SIZE + 1) + 2);
-        if (out == NULL)
-            return;
-        *out++ = 'v';
-        out = write_numbers(out, mesh->positions + 3 * v, 3);
-        for (size_t i = 0; i < plan->colours; i++)
-            out = write_numbers(out, mesh->channels + v * mesh->channel_count + plan->places[i], 1);
-        *out++ = '\n';
-        text_advance(text, out);
-    }
+    const bat_mesh *mesh = plan->mesh;
+    double numbers[3 + MESH_COLOURS];
+    memcpy(numbers, mesh->positions + 3 * v, 3 * sizeof *numbers);
+    for (size_t i = 0; i < plan->colours; i++)
+        numbers[3 + i] = mesh->channels[v * mesh->channel_count + plan->places[i]];
+    text_append_numbers(text, "v ", numbers, 3 + plan->colours);
 }
 
-static void format_texture(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_texture(const void *context, size_t i, text_buffer *text)
 {
-    (void)context;
-    for (size_t i = begin; i < end; i++)
-    {
-        char *out = text_reserve(text, 2 * (NUMBER_TEXT_SIZE + 1) + 3);
-        if (out == NULL)
-            return;
-        *out++ = 'v';
-        *out++ = 't';
-        out = write_numbers(out, mesh->texture + 2 * i, 2);
-        *out++ = '\n';
-        text_advance(text, out);
-    }
-}
-
-static void format_normals(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
-{
-    (void)mesh;
     const obj_plan *plan = context;
-    for (size_t i = begin; i < end; i++)
-    {
-        char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 3);
-        if (out == NULL)
-            return;
-        *out++ = 'v';
-        *out++ = 'n';
-        out = write_numbers(out, plan->normals + 3 * i, 3);
-        *out++ = '\n';
-        text_advance(text, out);
-    }
+    text_append_numbers(text, "vt ", plan->mesh->texture + 2 * i, 2);
+}
+
+static void format_normal(const void *context, size_t v, text_buffer *text)
+{
+    const obj_plan *plan = context;
+    text_append_numbers(text, "vn ", plan->normals + 3 * v, 3);
 }
 
 /// Write a slash and an index, which counts from 1.
@@ -636,63 +599,44 @@ static char *write_index(char *out, uint32_t index)
     return number_write_fixed(out, (int64_t)index + 1, 0);
 }
 
-static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_face(const void *context, size_t f, text_buffer *text)
 {
     const obj_plan *plan = context;
-    for (size_t f = begin; f < end; f++)
+    const bat_mesh *mesh = plan->mesh;
+    obj_labels_write(mesh, f, text);
+    size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
+    char *out = text_reserve(text, 3 * (last - first) * NUMBER_TEXT_SIZE);
+    if (out == NULL)
+        return;
+    *out++ = 'f';
+    for (size_t h = first; h < last; h++)
     {
-        obj_labels_write(mesh, f, text);
-        size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
-        char *out = text_reserve(text, 3 * (last - first) * NUMBER_TEXT_SIZE);
-        if (out == NULL)
-            return;
-        *out++ = 'f';
-        for (size_t h = first; h < last; h++)
-        {
-            *out++ = ' ';
-            out = number_write_fixed(out, (int64_t)mesh->faces[h] + 1, 0);
-            if (mesh->texture_faces != NULL)
-                out = write_index(out, mesh->texture_faces[h]);
-            else if (plan->normals != NULL)
-                *out++ = '/';
-            if (plan->normals != NULL)
-                out = write_index(out, mesh->faces[h]);
-        }
-        *out++ = '\n';
-        text_advance(text, out);
+        *out++ = ' ';
+        out = number_write_fixed(out, (int64_t)mesh->faces[h] + 1, 0);
+        if (mesh->texture_faces != NULL)
+            out = write_index(out, mesh->texture_faces[h]);
+        else if (plan->normals != NULL)
+            *out++ = '/';
+        if (plan->normals != NULL)
+            out = write_index(out, mesh->faces[h]);
     }
+    *out++ = '\n';
+    text_advance(text, out);
 }
 
-static void format_creases(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_crease(const void *context, size_t i, text_buffer *text)
 {
-    (void)context;
-    for (size_t i = begin; i < end; i++)
-    {
-        text_append_string(text, "t crease 2/1/0");
-        char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 1);
-        if (out == NULL)
-            return;
-        const double numbers[] = {mesh->creases[i].a, mesh->creases[i].b, finite_sharpness(mesh->creases[i].sharpness)};
-        out = write_numbers(out, numbers, 3);
-        *out++ = '\n';
-        text_advance(text, out);
-    }
+    const obj_plan *plan = context;
+    const bat_mesh_crease *crease = &plan->mesh->creases[i];
+    const double numbers[] = {crease->a, crease->b, finite_sharpness(crease->sharpness)};
+    text_append_numbers(text, "t crease 2/1/0 ", numbers, 3);
 }
 
-static void format_corners(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_corner(const void *context, size_t i, text_buffer *text)
 {
-    (void)context;
-    for (size_t i = begin; i < end; i++)
-    {
-        text_append_string(text, "t corner 1/1/0");
-        char *out = text_reserve(text, 2 * (NUMBER_TEXT_SIZE + 1) + 1);
-        if (out == NULL)
-            return;
-        const double numbers[] = {mesh->corners[i].vertex, finite_sharpness(mesh->corners[i].sharpness)};
-        out = write_numbers(out, numbers, 2);
-        *out++ = '\n';
-        text_advance(text, out);
-    }
+    const obj_plan *plan = context;
+    const double numbers[] = {plan->mesh->corners[i].vertex, finite_sharpness(plan->mesh->corners[i].sharpness)};
+    text_append_numbers(text, "t corner 1/1/0 ", numbers, 2);
 }
 
 /// A tag with one small number.
@@ -704,11 +648,10 @@ static void text_append_tag(text_buffer *text, const char *tag, size_t number)
 }
 
 /// The rules of refinement as tags.
-static void format_rules(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_rules(const void *context, size_t row, text_buffer *text)
 {
-    (void)context;
-    (void)begin;
-    (void)end;
+    (void)row; // the only one
+    const bat_mesh *mesh = ((const obj_plan *)context)->mesh;
     for (size_t i = 0; i < sizeof BOUNDARY_TAGS / sizeof *BOUNDARY_TAGS; i++)
         if (mesh->rules.boundary == BOUNDARY_TAGS[i])
             text_append_tag(text, "t interpolateboundary 1/0/0 ", i);
@@ -722,7 +665,7 @@ static void format_rules(const bat_mesh *mesh, const void *context, size_t begin
 
 bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    obj_plan plan = {.normals = options->vertex_normals};
+    obj_plan plan = {.mesh = mesh, .normals = options->vertex_normals};
     plan.colours = mesh_colours(mesh, plan.places);
     text_buffer files = {0};
     bat_status status = obj_labels_check(mesh, error);
@@ -733,15 +676,15 @@ bat_status mesh_obj_write(const bat_mesh *mesh, const bat_mesh_write_options *op
     const struct
     {
         size_t count;
-        mesh_row_format *format;
-    } parts[] = {{mesh->vertex_count, format_vertices},
+        line_format *format;
+    } parts[] = {{mesh->vertex_count, format_vertex},
                  {mesh->texture_faces != NULL ? mesh->texture_count : 0, format_texture},
-                 {plan.normals != NULL ? mesh->vertex_count : 0, format_normals},
-                 {mesh->face_count, format_faces},
-                 {mesh->crease_count, format_creases},
-                 {mesh->corner_count, format_corners},
+                 {plan.normals != NULL ? mesh->vertex_count : 0, format_normal},
+                 {mesh->face_count, format_face},
+                 {mesh->crease_count, format_crease},
+                 {mesh->corner_count, format_corner},
                  {1, format_rules}};
     for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
-        status = mesh_rows_write(mesh, parts[i].count, parts[i].format, &plan, options->threads, sink, error);
+        status = text_lines_write(sink, parts[i].count, options->threads, parts[i].format, &plan, error);
     return status;
 }

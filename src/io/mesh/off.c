@@ -250,58 +250,40 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
     return status;
 }
 
-/// The optional data to write.
+/// What is written, with optional data.
 typedef struct off_parts
 {
+    const bat_mesh *mesh;
     size_t colour_places[MESH_COLOURS];
     size_t colours;
     bool textured;
 } off_parts;
 
-static char *write_number(char *out, double number)
-{
-    *out++ = ' ';
-    return number_write(out, number);
-}
-
-static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_vertex(const void *context, size_t v, text_buffer *text)
 {
     const off_parts *parts = context;
-    for (size_t v = begin; v < end; v++)
-    {
-        char *out = text_reserve(text, (5 + MESH_COLOURS) * (NUMBER_TEXT_SIZE + 1));
-        if (out == NULL)
-            return;
-        const double *position = mesh->positions + 3 * v;
-        out = number_write(out, position[0]);
-        out = write_number(write_number(out, position[1]), position[2]);
-        for (size_t i = 0; i < parts->colours; i++)
-            out = write_number(out, mesh->channels[v * mesh->channel_count + parts->colour_places[i]]);
-        if (parts->textured)
-            out = write_number(write_number(out, mesh->texture[2 * v]), mesh->texture[2 * v + 1]);
-        *out++ = '\n';
-        text_advance(text, out);
-    }
+    const bat_mesh *mesh = parts->mesh;
+    double numbers[5 + MESH_COLOURS];
+    size_t count = 3;
+    memcpy(numbers, mesh->positions + 3 * v, 3 * sizeof *numbers);
+    for (size_t i = 0; i < parts->colours; i++)
+        numbers[count++] = mesh->channels[v * mesh->channel_count + parts->colour_places[i]];
+    for (size_t k = 0; k < 2 && parts->textured; k++)
+        numbers[count++] = mesh->texture[2 * v + k];
+    text_append_numbers(text, "", numbers, count);
 }
 
-static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_face(const void *context, size_t f, text_buffer *text)
 {
-    (void)context;
-    for (size_t f = begin; f < end; f++)
+    const bat_mesh *mesh = ((const off_parts *)context)->mesh;
+    size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
+    text_append_count(text, last - first, "");
+    for (size_t h = first; h < last; h++)
     {
-        size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
-        char *out = text_reserve(text, (last - first + 1) * NUMBER_TEXT_SIZE);
-        if (out == NULL)
-            return;
-        out = number_write_fixed(out, (int64_t)(last - first), 0);
-        for (size_t h = first; h < last; h++)
-        {
-            *out++ = ' ';
-            out = number_write_fixed(out, mesh->faces[h], 0);
-        }
-        *out++ = '\n';
-        text_advance(text, out);
+        text_append_string(text, " ");
+        text_append_count(text, mesh->faces[h], "");
     }
+    text_append_string(text, "\n");
 }
 
 /// Check that colours are at most 1; greater ones would be read as 0 … 255.
@@ -318,35 +300,26 @@ static bat_status check_colours(const bat_mesh *mesh, const off_parts *parts, ba
     return BAT_OK;
 }
 
-static void format_header(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_header(const void *context, size_t row, text_buffer *text)
 {
-    (void)begin;
-    (void)end;
+    (void)row; // the only one
     const off_parts *parts = context;
     text_append_string(text, parts->textured ? "ST" : "");
     text_append_string(text, parts->colours > 0 ? "COFF\n" : "OFF\n");
-    char *out = text_reserve(text, 3 * NUMBER_TEXT_SIZE);
-    if (out == NULL)
-        return;
-    out = number_write_fixed(out, (int64_t)mesh->vertex_count, 0);
-    *out++ = ' ';
-    out = number_write_fixed(out, (int64_t)mesh->face_count, 0);
-    *out++ = ' ';
-    *out++ = '0';
-    *out++ = '\n';
-    text_advance(text, out);
+    text_append_count(text, parts->mesh->vertex_count, " ");
+    text_append_count(text, parts->mesh->face_count, " 0\n");
 }
 
 bat_status mesh_off_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    off_parts parts = {.textured = mesh_texture_by_vertex(mesh)};
+    off_parts parts = {.mesh = mesh, .textured = mesh_texture_by_vertex(mesh)};
     parts.colours = mesh_colours(mesh, parts.colour_places);
     bat_status status = check_colours(mesh, &parts, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, 1, format_header, &parts, 1, sink, error);
+        status = text_lines_write(sink, 1, 1, format_header, &parts, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->vertex_count, format_vertices, &parts, options->threads, sink, error);
+        status = text_lines_write(sink, mesh->vertex_count, options->threads, format_vertex, &parts, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->face_count, format_faces, NULL, options->threads, sink, error);
+        status = text_lines_write(sink, mesh->face_count, options->threads, format_face, &parts, error);
     return status;
 }

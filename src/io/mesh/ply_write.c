@@ -11,6 +11,7 @@
 /// The data to write, and the encoding.
 typedef struct ply_plan
 {
+    const bat_mesh *mesh;
     bool *bytes; ///< for each channel: whether it is a colour and all values are multiples of 1/255
     bool texture_by_vertex, texture_by_corner;
     bool text, big_endian;
@@ -152,60 +153,56 @@ static char *end_row(char *out, const ply_plan *plan)
     return out;
 }
 
-static void format_vertices(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_vertex(const void *context, size_t v, text_buffer *text)
 {
     static const size_t MAX_NUMBERS = 8;
     const ply_plan *plan = context;
-    for (size_t v = begin; v < end; v++)
+    const bat_mesh *mesh = plan->mesh;
+    char *out = text_reserve(text, (MAX_NUMBERS + mesh->channel_count) * (NUMBER_TEXT_SIZE + 1));
+    if (out == NULL)
+        return;
+    for (size_t k = 0; k < 3; k++)
+        out = put_double(out, mesh->positions[3 * v + k], plan);
+    for (size_t k = 0; k < 3 && plan->normals != NULL; k++)
+        out = put_double(out, plan->normals[3 * v + k], plan);
+    for (size_t k = 0; k < 2 && plan->texture_by_vertex; k++)
+        out = put_double(out, mesh->texture[2 * v + k], plan);
+    for (size_t i = 0; i < mesh->channel_count; i++)
     {
-        char *out = text_reserve(text, (MAX_NUMBERS + mesh->channel_count) * (NUMBER_TEXT_SIZE + 1));
-        if (out == NULL)
-            return;
-        for (size_t k = 0; k < 3; k++)
-            out = put_double(out, mesh->positions[3 * v + k], plan);
-        for (size_t k = 0; k < 3 && plan->normals != NULL; k++)
-            out = put_double(out, plan->normals[3 * v + k], plan);
-        for (size_t k = 0; k < 2 && plan->texture_by_vertex; k++)
-            out = put_double(out, mesh->texture[2 * v + k], plan);
-        for (size_t i = 0; i < mesh->channel_count; i++)
-        {
-            double value = mesh->channels[v * mesh->channel_count + i];
-            out = plan->bytes[i] ? put_integer(out, (uint32_t)round(value * UINT8_MAX), 1, plan)
-                                 : put_double(out, value, plan);
-        }
-        text_advance(text, end_row(out, plan));
+        double value = mesh->channels[v * mesh->channel_count + i];
+        out = plan->bytes[i] ? put_integer(out, (uint32_t)round(value * UINT8_MAX), 1, plan) : put_double(out, value, plan);
     }
+    text_advance(text, end_row(out, plan));
 }
 
-static void format_faces(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_face(const void *context, size_t f, text_buffer *text)
 {
     static const int INDEX_SIZE = 4;
     const ply_plan *plan = context;
+    const bat_mesh *mesh = plan->mesh;
     int length_size = plan->long_lists ? 4 : 1;
-    for (size_t f = begin; f < end; f++)
-    {
-        size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
-        uint32_t corners = (uint32_t)(last - first);
-        char *out = text_reserve(text, (3 * (size_t)corners + 3) * (NUMBER_TEXT_SIZE + 1));
-        if (out == NULL)
-            return;
-        out = put_integer(out, corners, length_size, plan);
-        for (size_t h = first; h < last; h++)
-            out = put_integer(out, mesh->faces[h], INDEX_SIZE, plan);
-        if (plan->texture_by_corner)
-            out = put_integer(out, 2 * corners, length_size, plan);
-        for (size_t h = first; h < last && plan->texture_by_corner; h++)
-            for (size_t k = 0; k < 2; k++)
-                out = put_double(out, mesh->texture[2 * (size_t)mesh->texture_faces[h] + k], plan);
-        if (mesh->face_labels != NULL)
-            out = put_integer(out, mesh->face_labels[f], INDEX_SIZE, plan);
-        text_advance(text, end_row(out, plan));
-    }
+    size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
+    uint32_t corners = (uint32_t)(last - first);
+    char *out = text_reserve(text, (3 * (size_t)corners + 3) * (NUMBER_TEXT_SIZE + 1));
+    if (out == NULL)
+        return;
+    out = put_integer(out, corners, length_size, plan);
+    for (size_t h = first; h < last; h++)
+        out = put_integer(out, mesh->faces[h], INDEX_SIZE, plan);
+    if (plan->texture_by_corner)
+        out = put_integer(out, 2 * corners, length_size, plan);
+    for (size_t h = first; h < last && plan->texture_by_corner; h++)
+        for (size_t k = 0; k < 2; k++)
+            out = put_double(out, mesh->texture[2 * (size_t)mesh->texture_faces[h] + k], plan);
+    if (mesh->face_labels != NULL)
+        out = put_integer(out, mesh->face_labels[f], INDEX_SIZE, plan);
+    text_advance(text, end_row(out, plan));
 }
 
 bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
-    ply_plan plan = {.texture_by_vertex = mesh_texture_by_vertex(mesh),
+    ply_plan plan = {.mesh = mesh,
+                     .texture_by_vertex = mesh_texture_by_vertex(mesh),
                      .text = options->encoding == BAT_MESH_ENCODING_TEXT,
                      .big_endian = options->encoding == BAT_MESH_ENCODING_BIG_ENDIAN,
                      .normals = options->vertex_normals};
@@ -222,9 +219,9 @@ bat_status mesh_ply_write(const bat_mesh *mesh, const bat_mesh_write_options *op
         plan.bytes[i] = is_byte_colour(mesh, i);
     status = write_header(mesh, &plan, sink, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->vertex_count, format_vertices, &plan, options->threads, sink, error);
+        status = text_lines_write(sink, mesh->vertex_count, options->threads, format_vertex, &plan, error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->face_count, format_faces, &plan, options->threads, sink, error);
+        status = text_lines_write(sink, mesh->face_count, options->threads, format_face, &plan, error);
     free(plan.bytes);
     return status;
 }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /// @file
-/// What writers and readers of meshes share: the names of colours, and rows of text that threads format.
+/// What writers and readers of meshes share: the names of colours, and notes.
 
 const char *const mesh_colour_names[MESH_COLOURS] = {"red", "green", "blue", "alpha"};
 
@@ -32,32 +32,6 @@ bool mesh_texture_by_vertex(const bat_mesh *mesh)
 {
     return mesh->texture_faces != NULL && mesh->texture_count == mesh->vertex_count &&
            memcmp(mesh->texture_faces, mesh->faces, mesh_corners_until(mesh, mesh->face_count) * sizeof *mesh->faces) == 0;
-}
-
-static const size_t ROWS_PER_BLOCK = 1 << 14;
-
-typedef struct row_job
-{
-    const bat_mesh *mesh;
-    size_t count;
-    mesh_row_format *format;
-    const void *context;
-} row_job;
-
-static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)
-{
-    (void)error; // the sink reports a lack of memory
-    const row_job *job = context;
-    size_t begin = block * ROWS_PER_BLOCK, left = job->count - begin;
-    job->format(job->mesh, job->context, begin, begin + (left < ROWS_PER_BLOCK ? left : ROWS_PER_BLOCK), text);
-    return BAT_OK;
-}
-
-bat_status mesh_rows_write(const bat_mesh *mesh, size_t count, mesh_row_format *format, const void *context, int threads,
-                           text_sink *sink, bat_error *error)
-{
-    row_job job = {mesh, count, format, context};
-    return blocks_write(sink, count / ROWS_PER_BLOCK + (count % ROWS_PER_BLOCK > 0), threads, format_block, &job, error);
 }
 
 // A list of texts that grows by one.

@@ -249,53 +249,32 @@ static char *put_floats(char *out, const double values[3])
     return out;
 }
 
-static void format_binary(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_binary(const void *context, size_t f, text_buffer *text)
 {
-    (void)context;
-    for (size_t f = begin; f < end; f++)
-    {
-        char *out = text_reserve(text, TRIANGLE_SIZE);
-        double normal[3];
-        if (out == NULL)
-            return;
-        face_normal(mesh, f, normal);
-        out = put_floats(out, normal);
-        for (size_t h = 3 * f; h < 3 * f + 3; h++)
-            out = put_floats(out, mesh->positions + 3 * (size_t)mesh->faces[h]);
-        *out++ = 0;
-        *out++ = 0;
-        text_advance(text, out);
-    }
-}
-
-static void append_numbers(text_buffer *text, const char *words, const double numbers[3])
-{
-    text_append_string(text, words);
-    char *out = text_reserve(text, 3 * (NUMBER_TEXT_SIZE + 1) + 1);
+    const bat_mesh *mesh = context;
+    char *out = text_reserve(text, TRIANGLE_SIZE);
+    double normal[3];
     if (out == NULL)
         return;
-    for (int k = 0; k < 3; k++)
-    {
-        *out++ = ' ';
-        out = number_write(out, numbers[k]);
-    }
-    *out++ = '\n';
+    face_normal(mesh, f, normal);
+    out = put_floats(out, normal);
+    for (size_t h = 3 * f; h < 3 * f + 3; h++)
+        out = put_floats(out, mesh->positions + 3 * (size_t)mesh->faces[h]);
+    *out++ = 0;
+    *out++ = 0;
     text_advance(text, out);
 }
 
-static void format_text(const bat_mesh *mesh, const void *context, size_t begin, size_t end, text_buffer *text)
+static void format_text(const void *context, size_t f, text_buffer *text)
 {
-    (void)context;
-    for (size_t f = begin; f < end; f++)
-    {
-        double normal[3];
-        face_normal(mesh, f, normal);
-        append_numbers(text, "facet normal", normal);
-        text_append_string(text, "outer loop\n");
-        for (size_t h = 3 * f; h < 3 * f + 3; h++)
-            append_numbers(text, "vertex", mesh->positions + 3 * (size_t)mesh->faces[h]);
-        text_append_string(text, "endloop\nendfacet\n");
-    }
+    const bat_mesh *mesh = context;
+    double normal[3];
+    face_normal(mesh, f, normal);
+    text_append_numbers(text, "facet normal ", normal, 3);
+    text_append_string(text, "outer loop\n");
+    for (size_t h = 3 * f; h < 3 * f + 3; h++)
+        text_append_numbers(text, "vertex ", mesh->positions + 3 * (size_t)mesh->faces[h], 3);
+    text_append_string(text, "endloop\nendfacet\n");
 }
 
 /// Check that single precision can represent every coordinate.
@@ -322,7 +301,7 @@ static bat_status write_binary(const bat_mesh *mesh, const bat_mesh_write_option
     }
     text_free(&text);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->face_count, format_binary, NULL, options->threads, sink, error);
+        status = text_lines_write(sink, mesh->face_count, options->threads, format_binary, mesh, error);
     return status;
 }
 
@@ -341,6 +320,6 @@ bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *op
         return write_binary(mesh, options, sink, error);
     bat_status status = write_line(sink, "solid mesh\n", error);
     if (status == BAT_OK)
-        status = mesh_rows_write(mesh, mesh->face_count, format_text, NULL, options->threads, sink, error);
+        status = text_lines_write(sink, mesh->face_count, options->threads, format_text, mesh, error);
     return status == BAT_OK ? write_line(sink, "endsolid mesh\n", error) : status;
 }

@@ -1,5 +1,6 @@
 #include "io/common/block_writer.h"
 #include "io/common/number_text.h"
+#include "io/mesh/formats.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
 
@@ -8,12 +9,6 @@
 
 /// @file
 /// Tessellated surfaces as OBJ triangles and as VTK polygons with data points. Rows are formatted on all threads.
-
-static void append_numbers(text_buffer *text, const double *numbers, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        text_append_number(text, numbers[i], i + 1 < count ? ' ' : '\n');
-}
 
 /// Write a text without floating-point numbers.
 __attribute__((format(printf, 3, 4))) static bat_status write_heading(text_sink *sink, bat_error *error, const char *format,
@@ -31,33 +26,6 @@ __attribute__((format(printf, 3, 4))) static bat_status write_heading(text_sink 
     return status;
 }
 
-typedef struct obj_rows
-{
-    const char *keyword; ///< with its blank
-    const double *numbers;
-    size_t width;
-} obj_rows;
-
-static void append_row(const void *context, size_t row, text_buffer *text)
-{
-    const obj_rows *rows = context;
-    text_append_string(text, rows->keyword);
-    append_numbers(text, rows->numbers + row * rows->width, rows->width);
-}
-
-static void append_triangle(const void *context, size_t row, text_buffer *text)
-{
-    const surface_tessellation *tessellation = context;
-    text_append_string(text, "f");
-    for (size_t h = 3 * row; h < 3 * row + 3; h++)
-        for (int use = 0; use < 3; use++)
-        {
-            text_append_string(text, use == 0 ? " " : "/");
-            text_append_count(text, (size_t)tessellation->triangles[h] + 1, "");
-        }
-    text_append_string(text, "\n");
-}
-
 bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
                              bat_error *error)
 {
@@ -65,12 +33,15 @@ bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surfac
     bat_status status = surface_tessellate(surface, options->samples, &tessellation, error);
     if (status != BAT_OK)
         return status;
-    const obj_rows rows[] = {
-        {"v ", tessellation.positions, 3}, {"vt ", tessellation.parameters, 2}, {"vn ", tessellation.normals, 3}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows && status == BAT_OK; i++)
-        status = lines_write(sink, tessellation.vertex_count, append_row, &rows[i], error);
-    if (status == BAT_OK)
-        status = lines_write(sink, tessellation.triangle_count, append_triangle, &tessellation, error);
+    const bat_mesh mesh = {.positions = tessellation.positions,
+                           .vertex_count = tessellation.vertex_count,
+                           .faces = tessellation.triangles,
+                           .face_count = tessellation.triangle_count,
+                           .texture = tessellation.parameters,
+                           .texture_count = tessellation.vertex_count,
+                           .texture_faces = tessellation.triangles};
+    const bat_mesh_write_options how = {.vertex_normals = tessellation.normals};
+    status = mesh_obj_write(&mesh, &how, sink, error);
     tessellation_free(&tessellation);
     return status;
 }
@@ -86,8 +57,9 @@ static void append_point(const void *context, size_t row, text_buffer *text)
 {
     const vtk_content *content = context;
     size_t vertices = content->surface->grid_count;
-    append_numbers(
-        text, row < vertices ? content->surface->positions + 3 * row : content->options->points + 3 * (row - vertices), 3);
+    text_append_numbers(
+        text, "", row < vertices ? content->surface->positions + 3 * row : content->options->points + 3 * (row - vertices),
+        3);
 }
 
 static void append_counted(text_buffer *text, const uint64_t *numbers, size_t count)
@@ -141,7 +113,7 @@ static void append_error(const void *context, size_t row, text_buffer *text)
     const vtk_content *content = context;
     size_t vertices = content->surface->grid_count;
     static const double none = 0;
-    append_numbers(text, row < vertices ? &none : content->options->errors + (row - vertices), 1);
+    text_append_numbers(text, "", row < vertices ? &none : content->options->errors + (row - vertices), 1);
 }
 
 static bat_status write_geometry(const vtk_content *content, text_sink *sink, bat_error *error)
