@@ -56,9 +56,7 @@ static void off_diagonal_sums(const matrix_set *set, size_t i, double *row, doub
     }
 }
 
-/// Scale coordinates by powers of two, the same for all matrices, so that rows and columns have similar sums (Osborne 1960).
-/// Exact; changes no spectral radius.
-static void balance(matrix_set *set)
+void matrix_set_balance(matrix_set *set)
 {
     static const int SWEEPS = 10;
     const size_t n = set->dimension;
@@ -190,9 +188,7 @@ static bool length_is_affordable(const matrix_set *set, size_t length)
     return words * (2.0 * n * n * n + 500.0) + words / (double)length * (25.0 * n * n * n + 10000.0) <= WORD_WORK;
 }
 
-/// product = letters[0] letters[1] …; `other` is room for a matrix.
-/// @return how far it may be from the product of factors that are within `distance` of these, Frobenius norm, with rounding
-static double multiply_word(const matrix_set *set, const matrix_word *word, double distance, double *product, double *other)
+double matrix_word_product(const matrix_set *set, const matrix_word *word, double distance, double *product, double *other)
 {
     const size_t n = set->dimension;
     double error_norm = distance;
@@ -233,7 +229,7 @@ static bat_status word_orbits(const matrix_set *set, const matrix_word *word, do
     double *product = memory;
     double *real = memory + 2 * n * n;
     double *imaginary = real + n;
-    (void)multiply_word(set, word, 0.0, product, product + n * n);
+    (void)matrix_word_product(set, word, 0.0, product, product + n * n);
     const bat_status status = dense_leading_vector(n, product, real, imaginary, error);
     if (status != BAT_OK)
         return status;
@@ -286,8 +282,16 @@ static bat_status leading_orbits(const matrix_set *set, const joint_radius *radi
     return status;
 }
 
-/// A polytope for matrices `set` that starts from the leaders' orbits under `seed_set`.
-static bat_status start_growth(const matrix_set *set, const matrix_set *seed_set, const joint_radius *radius, double rate,
+/// How many vertices V stay within POLYTOPE_WORK: about count V norms, each n steps of n (3 n + V) operations.
+static size_t affordable_vertices(const matrix_set *set, size_t wanted)
+{
+    const double n = (double)set->dimension;
+    const double norms = POLYTOPE_WORK / (n * n * (double)set->count);
+    const double affordable = 0.5 * (sqrt(9.0 * n * n + 4.0 * norms) - 3.0 * n);
+    return (double)wanted < affordable ? wanted : (size_t)affordable;
+}
+
+bat_status joint_radius_growth(const matrix_set *set, const matrix_set *seed_set, const joint_radius *radius, double rate,
                                size_t phases, size_t vertices, polytope_growth *growth, bat_error *error)
 {
     double *seeds;
@@ -295,7 +299,7 @@ static bat_status start_growth(const matrix_set *set, const matrix_set *seed_set
     bat_status status = leading_orbits(seed_set, radius, rate, phases, &seeds, &seed_count, error);
     if (status != BAT_OK)
         return status;
-    status = polytope_growth_make(set, rate, seeds, seed_count, vertices, growth, error);
+    status = polytope_growth_make(set, rate, seeds, seed_count, affordable_vertices(set, vertices), growth, error);
     free(seeds);
     return status;
 }
@@ -316,15 +320,6 @@ static bool is_enough(const joint_radius *result, const joint_radius_limits *lim
            result->lower >= limits->stop_from;
 }
 
-/// How many vertices V stay within POLYTOPE_WORK: about count V norms, each n steps of n (3 n + V) operations.
-static size_t affordable_vertices(const matrix_set *set, size_t wanted)
-{
-    const double n = (double)set->dimension;
-    const double norms = POLYTOPE_WORK / (n * n * (double)set->count);
-    const double affordable = 0.5 * (sqrt(9.0 * n * n + 4.0 * norms) - 3.0 * n);
-    return (double)wanted < affordable ? wanted : (size_t)affordable;
-}
-
 /// Let the polytope at the rate of the lower bound grow a little, from new seeds if that bound is new.
 static bat_status grow_at_lower_bound(bound_search *search, bool is_new, size_t vertices, bat_error *error)
 {
@@ -336,7 +331,7 @@ static bat_status grow_at_lower_bound(bound_search *search, bool is_new, size_t 
         if (search->growing)
             polytope_growth_free(&search->growth);
         search->growing = search->closed = false;
-        status = start_growth(set, set, result, result->lower, 2, vertices, &search->growth, error);
+        status = joint_radius_growth(set, set, result, result->lower, 2, vertices, &search->growth, error);
         search->growing = status == BAT_OK;
     }
     for (size_t round = 0; round < ROUNDS_PER_DEPTH && status == BAT_OK && !search->closed && !search->growth.full; round++)
@@ -369,7 +364,7 @@ static bat_status grow_at_larger_rate(bound_search *search, size_t vertices, bat
         return BAT_OK;
     }
     polytope_growth growth;
-    bat_status status = start_growth(set, set, result, rate, (size_t)phases, vertices, &growth, error);
+    bat_status status = joint_radius_growth(set, set, result, rate, (size_t)phases, vertices, &growth, error);
     if (status != BAT_OK)
         return status;
     bool closed = false;
@@ -470,7 +465,7 @@ bat_status joint_radius_bound(const matrix_set *set, const joint_radius_limits *
     if (status != BAT_OK)
         return status;
     memcpy(copy.entries, set->entries, set->count * set->dimension * set->dimension * sizeof *copy.entries);
-    balance(&copy);
+    matrix_set_balance(&copy);
     const double scale = scale_to_unit(&copy);
     status = bound_scaled(&copy, limits, scale, result, error);
     matrix_set_free(&copy);
@@ -478,65 +473,5 @@ bat_status joint_radius_bound(const matrix_set *set, const joint_radius_limits *
     result->upper *= scale;
     for (size_t l = 0; l < result->leader_count; l++)
         result->leaders[l].growth *= scale;
-    return status;
-}
-
-/// Points of half the ellipse of a complex leading eigenvector when a threshold is to be proven.
-#define PHASES_OF_PROOF 16
-
-static bat_status grow_below(const matrix_set *hull, const matrix_set *middle, const joint_radius *middle_radius,
-                             const joint_radius_limits *limits, double threshold, bool *proven, bat_error *error)
-{
-    polytope_growth growth;
-    const double rate = threshold * (1.0 - limits->tolerance);
-    bat_status status = start_growth(hull, middle, middle_radius, rate, PHASES_OF_PROOF,
-                                     affordable_vertices(hull, limits->vertices), &growth, error);
-    if (status != BAT_OK)
-        return status;
-    bool closed = false;
-    *proven = false;
-    for (size_t round = 0; round < ROUNDS_PER_DEPTH * limits->depth && !closed && !growth.full && !*proven; round++)
-    {
-        double bound;
-        status = polytope_growth_round(&growth, &bound, &closed, error);
-        if (status != BAT_OK)
-            break;
-        *proven = bound < threshold;
-    }
-    polytope_growth_free(&growth);
-    return status;
-}
-
-bat_status joint_radius_prove_below(const matrix_set *hull, const matrix_set *middle, const joint_radius *middle_radius,
-                                    const joint_radius_limits *limits, double threshold, bool *proven, bat_error *error)
-{
-    const size_t square = hull->dimension * hull->dimension;
-    matrix_set both;
-    bat_status status = matrix_set_make(hull->dimension, hull->count + middle->count, &both, error);
-    if (status != BAT_OK)
-        return status;
-    memcpy(both.entries, hull->entries, hull->count * square * sizeof *both.entries);
-    memcpy(both.entries + hull->count * square, middle->entries, middle->count * square * sizeof *both.entries);
-    balance(&both);
-    const matrix_set scaled_hull = {hull->dimension, hull->count, both.entries};
-    const matrix_set scaled_middle = {hull->dimension, middle->count, both.entries + hull->count * square};
-    status = grow_below(&scaled_hull, &scaled_middle, middle_radius, limits, threshold, proven, error);
-    matrix_set_free(&both);
-    return status;
-}
-
-bat_status joint_radius_word_below(const matrix_set *set, const matrix_word *word, double distance, double *bound,
-                                   bat_error *error)
-{
-    const size_t n = set->dimension;
-    double *memory = memory_array(2 * n * n, sizeof *memory);
-    if (memory == NULL)
-        return error_memory(error, 2 * n * n * sizeof *memory);
-    double radius;
-    const double error_norm = multiply_word(set, word, distance, memory, memory + n * n);
-    const bat_status status = dense_spectral_radius_below(n, memory, error_norm, &radius, error);
-    if (status == BAT_OK)
-        *bound = pow(radius, 1.0 / (double)word->length) * (1.0 - 2.0 * DBL_EPSILON);
-    free(memory);
     return status;
 }

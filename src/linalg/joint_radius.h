@@ -28,6 +28,10 @@ static inline double *matrix_set_at(const matrix_set *set, size_t index)
     return set->entries + index * set->dimension * set->dimension;
 }
 
+/// Scale coordinates by powers of two, the same for all matrices, so that rows and columns have similar sums (Osborne 1960).
+/// Exact; changes no spectral radius.
+void matrix_set_balance(matrix_set *set);
+
 /// A product by the indices of its factors, leftmost first.
 typedef struct matrix_word
 {
@@ -35,6 +39,10 @@ typedef struct matrix_word
     size_t length;
     double growth; ///< (spectral radius)^(1 / length), as computed
 } matrix_word;
+
+/// product = letters[0] letters[1] …; `other` is room for a matrix.
+/// @return how far it may be from the product of factors that are within `distance` of these, Frobenius norm, with rounding
+double matrix_word_product(const matrix_set *set, const matrix_word *word, double distance, double *product, double *other);
 
 typedef struct joint_radius_limits
 {
@@ -67,16 +75,6 @@ typedef struct joint_radius
 /// @return BAT_OK, BAT_NO_MEMORY or BAT_NO_CONVERGENCE
 bat_status joint_radius_bound(const matrix_set *set, const joint_radius_limits *limits, joint_radius *result,
                               bat_error *error);
-
-/// Try to prove that the joint spectral radius of `hull`, and so of every set of matrices between its members, is below
-/// `threshold`, with a polytope that starts at the leading eigenvectors of products of `middle`.
-bat_status joint_radius_prove_below(const matrix_set *hull, const matrix_set *middle, const joint_radius *middle_radius,
-                                    const joint_radius_limits *limits, double threshold, bool *proven, bat_error *error);
-
-/// A lower bound of the spectral radius^(1 / length) of a product for every choice of factors within `distance` (Frobenius
-/// norm) of those of the set.
-bat_status joint_radius_word_below(const matrix_set *set, const matrix_word *word, double distance, double *bound,
-                                   bat_error *error);
 
 /// A polytope symmetric about the origin, the convex hull of +-v over its vertices v: the unit ball of a norm on R^n.
 /// Some listed vertices may lie inside; that costs time only.
@@ -117,5 +115,11 @@ void polytope_growth_free(polytope_growth *growth);
 ///              upper bound of the joint spectral radius
 /// @param closed receives whether no image was outside
 bat_status polytope_growth_round(polytope_growth *growth, double *bound, bool *closed, bat_error *error);
+
+/// Start a polytope for matrices `set` from the orbits of the leaders of a joint radius under `seed_set`.
+/// @param phases   points of half the ellipse of a complex leading eigenvector
+/// @param vertices as many as are wanted; fewer where the work would be too much
+bat_status joint_radius_growth(const matrix_set *set, const matrix_set *seed_set, const joint_radius *radius, double rate,
+                               size_t phases, size_t vertices, polytope_growth *growth, bat_error *error);
 
 #endif
