@@ -1,9 +1,12 @@
 #include "batten/curve.h"
 
 #include "base/error.h"
+#include "base/memory.h"
+#include "curve/polygon.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void bat_curve_free(bat_curve *curve)
 {
@@ -11,6 +14,27 @@ void bat_curve_free(bat_curve *curve)
     free(curve->channels);
     free(curve->corners);
     *curve = (bat_curve){.space = curve->space};
+}
+
+bat_status curve_room(const bat_curve *like, size_t count, bool corners, bat_curve *made, bat_error *error)
+{
+    size_t channels = like->channel_count, point_size = like->space->point_dim * sizeof(double);
+    *made = (bat_curve){.space = like->space, .count = count, .closed = like->closed, .channel_count = channels};
+    made->points = memory_array(count, point_size);
+    made->channels = channels > 0 ? memory_array(count, channels * sizeof(double)) : NULL;
+    made->corners = corners ? calloc(count > 0 ? count : 1, 1) : NULL;
+    bool whole = made->points != NULL && (channels == 0 || made->channels != NULL) && (!corners || made->corners != NULL);
+    return whole ? BAT_OK : error_memory(error, count * point_size);
+}
+
+void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
+{
+    size_t dim = from->space->point_dim, channels = from->channel_count;
+    memmove(to->points + row * dim, from->points + i * dim, dim * sizeof(double));
+    if (channels > 0)
+        memmove(to->channels + row * channels, from->channels + i * channels, channels * sizeof(double));
+    if (from->corners != NULL && to->corners != NULL)
+        to->corners[row] = from->corners[i];
 }
 
 static const double *row(const bat_curve *curve, size_t index)

@@ -87,26 +87,12 @@ static bat_curve curve_of(const pieces *all, const piece *part)
 /// The points from the first corner on, round to it again.
 static bat_status turn(pieces *all, const bat_curve *coarse, bat_error *error)
 {
-    size_t n = coarse->count, dim = coarse->space->point_dim, channels = coarse->channel_count;
-    bat_curve turned = {.space = coarse->space, .count = n + 1, .channel_count = channels};
-    turned.points = memory_array(n + 1, dim * sizeof(double));
-    if (channels > 0)
-        turned.channels = memory_array(n + 1, channels * sizeof(double));
-    if (turned.points == NULL || (channels > 0 && turned.channels == NULL))
-    {
-        bat_curve_free(&turned);
-        return error_memory(error, (n + 1) * dim * sizeof(double));
-    }
-    for (size_t i = 0; i <= n; i++)
-    {
-        memcpy(turned.points + i * dim, coarse->points + vertex_of(all, i) * dim, dim * sizeof(double));
-        if (channels > 0)
-            memcpy(turned.channels + i * channels, coarse->channels + vertex_of(all, i) * channels,
-                   channels * sizeof(double));
-    }
-    all->coarse = turned;
+    bat_status status = curve_room(coarse, coarse->count + 1, false, &all->coarse, error);
+    all->coarse.closed = false;
     all->owned = true;
-    return BAT_OK;
+    for (size_t i = 0; i <= coarse->count && status == BAT_OK; i++)
+        curve_copy_row(coarse, vertex_of(all, i), &all->coarse, i);
+    return status;
 }
 
 /// Cut the curve: the pieces with their edges.
@@ -508,7 +494,6 @@ static void fill_starts(const pieces *all, size_t *starts)
 /// Flags at the rows of corners.
 static void fill_corners(const pieces *all, const size_t *starts, unsigned char *flags)
 {
-    memset(flags, 0, all->rows);
     for (size_t i = 0; i < all->vertices; i++)
         if (all->corners[i] != 0)
             flags[starts[i]] = 1;
@@ -568,24 +553,16 @@ bat_status pieces_count(const bat_curve *coarse, const bat_curve_refine_options 
 }
 
 /// The rows of a refined curve, to be filled: new ones, or those of `room` unless it is null.
-static bat_status refined_rows(const bat_curve *coarse, size_t count, const refine_room *room, bat_curve *fine,
+static bat_status refined_rows(const bat_curve *coarse, size_t count, bool corners, const refine_room *room, bat_curve *fine,
                                bat_error *error)
 {
-    size_t row = coarse->space->point_dim * sizeof(double), channels = coarse->channel_count;
-    *fine = (bat_curve){.space = coarse->space, .count = count, .closed = coarse->closed, .channel_count = channels};
-    if (room != NULL)
-    {
-        fine->points = room->points;
-        fine->channels = room->channels;
-        return count <= room->capacity
-                   ? BAT_OK
-                   : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
-                               "the refined curve has %zu points, there is room for %zu", count, room->capacity);
-    }
-    fine->points = memory_array(count, row);
-    if (channels > 0)
-        fine->channels = memory_array(count, channels * sizeof(double));
-    return fine->points != NULL && (channels == 0 || fine->channels != NULL) ? BAT_OK : error_memory(error, count * row);
+    if (room == NULL)
+        return curve_room(coarse, count, corners, fine, error);
+    *fine = (bat_curve){.points = room->points, .channels = room->channels, .count = count};
+    return count <= room->capacity
+               ? BAT_OK
+               : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has %zu points, there is room for %zu",
+                           count, room->capacity);
 }
 
 bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const refine_room *room,
@@ -597,15 +574,10 @@ bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options
     progress_part part = {progress_of(options), 0, SEARCH_SHARE};
     bat_status status = pieces_make(coarse, options, progress_of_part(&part), &all, error);
     if (status == BAT_OK)
-        status = refined_rows(coarse, all.rows, room, &result, error);
-    if (status == BAT_OK)
-    {
-        bool flagged = room == NULL && corners_wanted(coarse, &all.plan.options);
-        result.corners = flagged ? memory_array(all.rows, 1) : NULL;
-        rows = memory_array(all.edges + 1, sizeof *rows);
-        if (rows == NULL || (flagged && result.corners == NULL))
-            status = error_memory(error, all.rows + all.edges * sizeof *rows);
-    }
+        status = refined_rows(coarse, all.rows, corners_wanted(coarse, &all.plan.options), room, &result, error);
+    rows = status == BAT_OK ? memory_array(all.edges + 1, sizeof *rows) : NULL;
+    if (status == BAT_OK && rows == NULL)
+        status = error_memory(error, all.edges * sizeof *rows);
     if (status == BAT_OK)
         status = pieces_run(&all, coarse, result.points, result.channels, rows, error);
     if (status == BAT_OK)

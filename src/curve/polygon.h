@@ -12,6 +12,13 @@ typedef enum polygon_end
     POLYGON_END_MIRROR   ///< reflection in the perpendicular bisector of the end edge, which continues circles
 } polygon_end;
 
+/// A curve like another with room for `count` rows, and for flags of corners, none set.
+/// @param made release it with bat_curve_free(), also on failure
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status curve_room(const bat_curve *like, size_t count, bool corners, bat_curve *made, bat_error *error);
+/// Copy a row of a curve, also within a curve. The flag of a corner goes along where there is room for it.
+void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row);
+
 /// The edges of a polygon of `count` points, at least one.
 static inline size_t polygon_edges(size_t count, bool closed)
 {

@@ -503,18 +503,14 @@ bat_status smooth_curve(const bat_curve *curve, const bat_curve_refine_options *
         status = bat_curve_check(curve, error);
     if (status != BAT_OK)
         return status;
-    size_t n = curve->count, row = curve->space->point_dim * sizeof(double), channels = curve->channel_count, corners = 0;
+    size_t n = curve->count, channels = curve->channel_count, corners = 0;
     bat_curve_refine_options how = *options;
     if (how.scheme.kind == BAT_CURVE_SCHEME_KIND_AUTO)
         how.scheme = bat_curve_scheme_for(curve->space, NULL);
     bool cut = corners_wanted(curve, &how);
-    bat_curve result = *curve;
+    bat_curve result;
     double noise;
-    result.points = memory_array(n, row);
-    result.channels = channels > 0 ? memory_array(n, channels * sizeof(double)) : NULL;
-    result.corners = cut ? memory_array(n, 1) : NULL;
-    if (result.points == NULL || (channels > 0 && result.channels == NULL) || (cut && result.corners == NULL))
-        status = error_memory(error, n * row);
+    status = curve_room(curve, n, cut, &result, error);
     if (status == BAT_OK && channels > 0)
         memcpy(result.channels, curve->channels, n * channels * sizeof(double));
     if (status == BAT_OK && cut)

@@ -42,13 +42,6 @@ static inline bool points_equal(const double *p, const double *q, size_t dim)
     return same == dim;
 }
 
-/// A curve like another with room for `count` rows.
-/// @param made release it with bat_curve_free(), also on failure
-/// @return BAT_OK or BAT_NO_MEMORY
-bat_status curve_room(const bat_curve *like, size_t count, bat_curve *made, bat_error *error);
-/// Copy a row of a curve, also within a curve.
-void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row);
-
 // The plane in which the curves of a map must not cross. Curves of the plane and the disk are their own charts. Those of
 // the sphere have the chart of longitude and latitude, in units of the last decimal that a file holds, because readers of
 // the file see straight lines between these numbers (RFC 7946, section 3.1.1).

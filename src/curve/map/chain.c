@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -175,7 +176,7 @@ static bat_status add_chain(const chain_job *job, size_t end, line_chains *chain
     bat_curve shape = *like; // with corners if a member has any
     shape.corners = corners ? &flag : NULL;
     shape.closed = like->closed || at == end;
-    bat_status status = curve_room(&shape, points, chain, error);
+    bat_status status = curve_room(&shape, points, shape.corners != NULL, chain, error);
     chain->count = 0;
     if (status != BAT_OK)
         return status;
@@ -245,7 +246,7 @@ bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bo
                            bat_error *error)
 {
     size_t count = last >= first && !(last == first && chain->closed) ? last - first + 1 : last + chain->count - first + 1;
-    bat_status status = curve_room(chain, count, line, error);
+    bat_status status = curve_room(chain, count, chain->corners != NULL, line, error);
     line->closed = false;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         curve_copy_row(chain, (first + i) % chain->count, line, reversed ? count - 1 - i : i);

@@ -302,20 +302,13 @@ static bat_status assemble_curve(map_job *job, size_t curve, bat_error *error)
     const arc_graph *graph = &job->graph;
     const bat_curve *given = &job->curves[curve];
     bat_curve *result = &job->result[curve];
-    *result = (bat_curve){.space = given->space, .closed = given->closed, .channel_count = given->channel_count};
-    result->count = !given->closed;
+    size_t count = !given->closed;
     for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1]; u++)
-        result->count += rows_of_use(job, &graph->uses[u], 0).count;
-    result->points = memory_array(result->count, given->space->point_dim * sizeof(double));
-    if (given->channel_count > 0)
-        result->channels = memory_array(result->count, given->channel_count * sizeof(double));
-    if (job->corners != NULL)
-        result->corners = calloc(result->count, 1);
-    if (result->points == NULL || (given->channel_count > 0 && result->channels == NULL) ||
-        (job->corners != NULL && result->corners == NULL))
-        return error_memory(error, result->count * given->space->point_dim * sizeof(double));
+        count += rows_of_use(job, &graph->uses[u], 0).count;
+    bat_status status = curve_room(given, count, job->corners != NULL, result, error);
+    if (status != BAT_OK)
+        return status;
     size_t first = row_of_point(job, curve, 0), row = 0, begin = graph->begins[curve];
-    bat_status status = BAT_OK;
     for (size_t u = graph->first_use[curve]; u < graph->first_use[curve + 1] && status == BAT_OK; u++)
     {
         const arc_use *use = &graph->uses[u];

@@ -238,7 +238,7 @@ static void flag_kept(const arc_graph *graph, unsigned char *const *keep, const 
 static bat_status copy_kept(const bat_curve *curve, const unsigned char *flags, bat_curve *kept, size_t **origins,
                             bat_error *error)
 {
-    bat_status status = curve_room(curve, curve->count, kept, error);
+    bat_status status = curve_room(curve, curve->count, curve->corners != NULL, kept, error);
     *origins = memory_array(curve->count, sizeof **origins);
     kept->count = 0;
     for (size_t i = 0; i < curve->count && status == BAT_OK && *origins != NULL; i++)

@@ -3,6 +3,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 #include "curve/topology/edge_tree.h"
 #include "space/builtin.h"
 
@@ -187,33 +188,11 @@ static size_t drop_repeats(const snap_job *job, size_t first, size_t *list, size
     return kept;
 }
 
-bat_status curve_room(const bat_curve *like, size_t count, bat_curve *made, bat_error *error)
-{
-    size_t channels = like->channel_count, point_size = like->space->point_dim * sizeof(double);
-    *made = (bat_curve){.space = like->space, .count = count, .closed = like->closed, .channel_count = channels};
-    made->points = memory_array(count, point_size);
-    made->channels = channels > 0 ? memory_array(count, channels * sizeof(double)) : NULL;
-    made->corners = like->corners != NULL ? calloc(count > 0 ? count : 1, 1) : NULL;
-    bool whole = made->points != NULL && (channels == 0 || made->channels != NULL) &&
-                 (like->corners == NULL || made->corners != NULL);
-    return whole ? BAT_OK : error_memory(error, count * point_size);
-}
-
-void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
-{
-    size_t dim = from->space->point_dim, channels = from->channel_count;
-    memmove(to->points + row * dim, from->points + i * dim, dim * sizeof(double));
-    if (channels > 0)
-        memmove(to->channels + row * channels, from->channels + i * channels, channels * sizeof(double));
-    if (from->corners != NULL)
-        to->corners[row] = from->corners[i];
-}
-
 /// The same with the points where the rows come from.
 static bat_status make_room(const bat_curve *like, size_t count, bat_curve *made, size_t **origins, bat_error *error)
 {
     *origins = memory_array(count, sizeof **origins);
-    bat_status status = curve_room(like, count, made, error);
+    bat_status status = curve_room(like, count, like->corners != NULL, made, error);
     return *origins != NULL ? status : error_memory(error, count * sizeof **origins);
 }
 

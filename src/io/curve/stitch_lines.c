@@ -2,6 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 #include "io/common/number_text.h"
 #include "space/degrees.h"
 
@@ -196,14 +197,13 @@ bool stitch_make_curve(stitch_path *path, bool closed, const stitch_tolerance *t
     *removed += remove_junctions(path, closed, tolerance);
     const bat_curve *first = path->vertices[0].curve;
     size_t channels = first->channel_count;
-    bat_curve made = {.space = first->space, .count = path->count, .closed = closed, .channel_count = channels};
-    made.points = memory_array(path->count, 3 * sizeof *made.points);
-    made.channels = channels > 0 ? memory_array(path->count, channels * sizeof *made.channels) : NULL;
-    if (made.points == NULL || (channels > 0 && made.channels == NULL))
+    bat_curve made;
+    if (curve_room(first, path->count, false, &made, NULL) != BAT_OK)
     {
         bat_curve_free(&made);
         return false;
     }
+    made.closed = closed;
     for (size_t i = 0; i < path->count; i++)
     {
         point_of(&path->vertices[i], made.points + 3 * i);

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 #include "io/gis/gis.h"
 #include "space/degrees.h"
 
@@ -101,17 +102,11 @@ static OGRCoordinateTransformationH transformation(const char *name, system_targ
 /// Copy a curve, with room for the points of another space.
 static bool copy_curve(const bat_curve *curve, const bat_space *space, bat_curve *copy)
 {
-    *copy =
-        (bat_curve){.space = space, .count = curve->count, .closed = curve->closed, .channel_count = curve->channel_count};
-    size_t channels = curve->count * curve->channel_count;
-    copy->points = memory_array(curve->count * space->point_dim, sizeof *copy->points);
-    copy->channels = curve->channels != NULL ? memory_array(channels, sizeof *copy->channels) : NULL;
-    copy->corners = curve->corners != NULL ? memory_array(curve->count, 1) : NULL;
-    if (copy->points == NULL || (copy->channels == NULL) != (curve->channels == NULL) ||
-        (copy->corners == NULL) != (curve->corners == NULL))
+    const bat_curve like = {.space = space, .closed = curve->closed, .channel_count = curve->channel_count};
+    if (curve_room(&like, curve->count, curve->corners != NULL, copy, NULL) != BAT_OK)
         return false;
     if (copy->channels != NULL)
-        memcpy(copy->channels, curve->channels, channels * sizeof *copy->channels);
+        memcpy(copy->channels, curve->channels, curve->count * curve->channel_count * sizeof *copy->channels);
     if (copy->corners != NULL)
         memcpy(copy->corners, curve->corners, curve->count);
     return true;
