@@ -246,7 +246,8 @@ bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *
         status = find_turns(curve, search.turns, error);
     for (size_t i = 0; i < n; i++)
         flags[i] = (curve->corners != NULL && curve->corners[i] != 0) ||
-                   (status == BAT_OK && options->corner_angle > 0 && search.turns[i] > options->corner_angle);
+                   (status == BAT_OK && options->corner_angle > 0 && search.turns != NULL &&
+                    search.turns[i] > options->corner_angle);
     if (status == BAT_OK && searched)
         flag_found(&search, flags);
     *count = 0;

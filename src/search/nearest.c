@@ -70,7 +70,7 @@ static void describe(const builder *build, size_t node, size_t begin, size_t end
                 high[axis] = fmax(high[axis], row[corner + axis]);
             }
         min_item = item < min_item ? item : min_item;
-        if (tree->weights != NULL)
+        if (build->weights != NULL)
             min_weight = fmin(min_weight, build->weights[item]);
     }
     tree->min_items[node] = min_item;
@@ -146,7 +146,7 @@ bat_status nearest_build(nearest_kind kind, const double *coordinates, const dou
     {
         size_t item = made.items[i] = build.entries[i].item;
         memcpy(made.coordinates + i * size, coordinates + item * size, size * sizeof *coordinates);
-        if (weights != NULL)
+        if (weights != NULL && made.weights != NULL)
             made.weights[i] = weights[item];
     }
     free(build.entries);

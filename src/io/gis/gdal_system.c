@@ -105,9 +105,9 @@ static bool copy_curve(const bat_curve *curve, const bat_space *space, bat_curve
     const bat_curve like = {.space = space, .closed = curve->closed, .channel_count = curve->channel_count};
     if (curve_room(&like, curve->count, curve->corners != NULL, copy, NULL) != BAT_OK)
         return false;
-    if (copy->channels != NULL)
+    if (copy->channels != NULL && curve->channels != NULL)
         memcpy(copy->channels, curve->channels, curve->count * curve->channel_count * sizeof *copy->channels);
-    if (copy->corners != NULL)
+    if (copy->corners != NULL && curve->corners != NULL)
         memcpy(copy->corners, curve->corners, curve->count);
     return true;
 }
