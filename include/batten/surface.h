@@ -116,6 +116,15 @@ typedef struct bat_surface_candidate
     double fit_seconds;          ///< of the fit on trial
 } bat_surface_candidate;
 
+/// A hole of a trimmed surface, or a gap between its points that was closed.
+typedef struct bat_surface_gap
+{
+    double place[3]; ///< mean of the points around it
+    double diameter; ///< of the box around it
+    double area;
+    bool closed; ///< the surface covers it
+} bat_surface_gap;
+
 /// The largest number of candidates.
 #define BAT_SURFACE_MAX_CANDIDATES 6
 
@@ -136,7 +145,9 @@ typedef struct bat_surface_result
     double seconds[3];                 ///< of the boundary, of the measures of the cloud, and of the rest
     bool boundary_found;               ///< the boundary was unknown
     size_t filled_holes;               ///< of a trimmed surface
-    bool corners_found;                ///< the corners were unknown
+    bat_surface_gap *gaps;             ///< gap_count, of a trimmed surface: its holes, and the largest gaps that are closed
+    size_t gap_count;
+    bool corners_found; ///< the corners were unknown
 } bat_surface_result;
 
 /// Free what a result owns and make it empty.

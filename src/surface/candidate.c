@@ -267,7 +267,9 @@ bat_status surface_candidate_fit(const bat_cloud *cloud, const cloud_geometry *g
     if (status == BAT_OK)
         status = record_metrics(&data, options, &candidate->surface, &candidate->fit, &candidate->report, &failure);
     if (status == BAT_OK && candidate->trimming != NULL)
-        status = trimming_curves(geometry, candidate->trimming, candidate->corrected, &candidate->surface.trim, &failure);
+        status = trimming_curves(geometry, candidate->trimming, candidate->corrected,
+                                 ldexp(candidate->fit.rounds[candidate->fit.count - 1].rms, geometry->frame.exponent - 1),
+                                 &candidate->surface.trim, &failure);
     if (status == BAT_OK)
         status = surface_judge(geometry, &candidate->surface, candidate->corrected, candidate->fit.distances, cloud->count,
                                options, &candidate->report.verdict, &failure);

@@ -70,6 +70,7 @@ void bat_surface_result_free(bat_surface_result *result)
     bat_spline_surface_free(&result->surface);
     bat_surface_fit_report_free(&result->report);
     free(result->parameters);
+    free(result->gaps);
     *result = (bat_surface_result){0};
 }
 
@@ -414,7 +415,10 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     result->noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
     result->below_noise = bat_surface_below_noise(&work->options->fit, &best->fit, work->cloud->count, result->noise);
     if (work->planar != NULL)
+    {
         result->filled_holes = trimming_drop_filled(&work->trimming, &best->surface.trim);
+        trimming_take_gaps(&work->geometry, &work->trimming, &result->gaps, &result->gap_count);
+    }
     result->surface = best->surface;
     result->report = best->fit;
     result->parameters = best->corrected;

@@ -354,22 +354,18 @@ static bat_status trace_from(alpha_boundary_trace *trace, uint32_t start, const 
     return BAT_OK;
 }
 
-/// The distance of two points; `context` is the array of points.
-static double distance_between(const void *context, uint32_t a, uint32_t b)
-{
-    const double *points = context;
-    return vector3_distance(points + 3 * (size_t)a, points + 3 * (size_t)b);
-}
-
-static double length_of(loop_step *step, const void *context, const uint32_t *line, size_t count)
+static double length_of(const double *points, const uint32_t *line, size_t count)
 {
     double length = 0;
     for (size_t i = 0; i < count; i++)
-        length += step(context, line[i], line[(i + 1) % count]);
+        length += vector3_distance(points + 3 * (size_t)line[i], points + 3 * (size_t)line[(i + 1) % count]);
     return length;
 }
 
-size_t loop_cut_pinches(loop_step *step, const void *context, uint32_t *line, size_t count, size_t *last)
+/// Make a closed polygon simple: at every repeated point, keep the longer of the two parts.
+/// @param last an entry for each point, SIZE_MAX on entry and on return
+/// @return the number of corners that are left
+static size_t cut_pinches(const double *points, uint32_t *line, size_t count, size_t *last)
 {
     size_t i = 0;
     while (i < count)
@@ -381,7 +377,7 @@ size_t loop_cut_pinches(loop_step *step, const void *context, uint32_t *line, si
             i++;
             continue;
         }
-        double inner = length_of(step, context, line + before, i - before), all = length_of(step, context, line, count);
+        double inner = length_of(points, line + before, i - before), all = length_of(points, line, count);
         for (size_t k = 0; k < i; k++)
             last[line[k]] = SIZE_MAX;
         if (2 * inner > all)
@@ -405,13 +401,12 @@ static bat_status store_cycle(alpha_boundary_trace *trace, size_t begin, size_t 
                               bat_error *error)
 {
     uint32_t *line = trace->path + begin;
-    size_t count = loop_cut_pinches(distance_between, trace->search.points, line, trace->path_count - begin, last);
+    size_t count = cut_pinches(trace->search.points, line, trace->path_count - begin, last);
     if (count < MIN_CYCLE)
         return BAT_OK;
     const double *points = trace->search.points;
-    alpha_boundary_cycle cycle = {.points = memory_array(count, sizeof *line),
-                                  .count = count,
-                                  .length = length_of(distance_between, points, line, count)};
+    alpha_boundary_cycle cycle = {
+        .points = memory_array(count, sizeof *line), .count = count, .length = length_of(points, line, count)};
     if (cycle.points == NULL || !ARRAY_GROW(cycles->cycles, cycles->capacity, cycles->count + 1))
     {
         free(cycle.points);

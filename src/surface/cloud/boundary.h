@@ -82,14 +82,6 @@ typedef struct alpha_boundary_search
     size_t blocked_capacity;
 } alpha_boundary_search;
 
-/// The distance of two points of a polygon.
-typedef double loop_step(const void *context, uint32_t a, uint32_t b);
-
-/// Make a closed polygon simple: at every repeated point, keep the longer of the two parts.
-/// @param last an entry for each point, SIZE_MAX on entry and on return
-/// @return the number of corners that are left
-size_t loop_cut_pinches(loop_step *step, const void *context, uint32_t *line, size_t count, size_t *last);
-
 /// A closed polygon along the boundary.
 typedef struct alpha_boundary_cycle
 {

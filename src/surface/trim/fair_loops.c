@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "linalg/vector.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,19 +27,27 @@ enum
     DEGREE = 3
 };
 
-/// Mean distance of the true edge of randomly scattered points from their loop, in units of its roughness; measured by the
-/// areas of an L, a U, a star and a plate with holes.
-static const double OFFSET = 1.35;
+/// Largest distance of the true edge from a loop, in units of its roughness: points of grids with jitter leave less area
+/// free than random ones.
+static const double MAX_OFFSET = 1.75;
 /// Loops with less roughness, in spacings, pass through points of the edge.
 static const double ROUGH = 0.08;
+/// Roughness beyond this, in spacings, is the shape of a narrow loop.
+static const double MAX_ROUGH = 0.3;
+/// Least part of the squared roughness that is not the noise's where points are at random places.
+static const double RANDOM_PART = 0.25;
 /// Smallest turns of corners, of exact and of rough loops.
 static const double MIN_TURNS[2] = {0.6, 0.9};
+/// Largest turn of a corner where the curves cross otherwise.
+static const double BLUNT_TURN = 1.9;
 /// Share of the turn over twice the window that is in the window.
-static const double TURN_SHARE = 0.7;
+static const double TURN_SHARE = 0.65;
 /// Lengths on each side of a corner, in spacings, of exact and of rough loops.
 static const double WINDOWS[2] = {3, 6};
 /// A corner is at most so many spacings away from its point, over the sine of half its angle.
 static const double MAX_REACH = 2;
+/// Where the sides are nearly opposite, the sine is that of this sum of 1 and their cosine.
+static const double MIN_OPENING = 0.7;
 /// Tolerances of the fit, in spacings and in units of the roughness.
 static const double EXACT = 2e-3;
 static const double FAIR = 1.25;
@@ -53,10 +62,12 @@ typedef struct fair_loop
     memory_pool pool;
     size_t count;
     double (*points)[2];
+    double sides[2];  ///< of the rectangle
     double spacing;   ///< median of its points
     double roughness; ///< without the part of the noise
     double offset;
     double window;       ///< length on each side of a corner
+    double max_turn;     ///< of corners
     bool has_corners;    ///< whether corners can be found
     double *at;          ///< count + 1: length of the loop up to a point
     bool *corner;        ///< count
@@ -120,8 +131,10 @@ static double residual_at(const fair_loop *loop, size_t index)
     return sqrt(sum / (POINTS - 3));
 }
 
-static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const double *spacing, double noise,
-                               bat_error *error)
+/// @param random  whether the points are at random places
+/// @param missing the area outside of the loop, if its points are at random places
+static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const double *spacing, double noise, bool random,
+                               double missing, bat_error *error)
 {
     double *values = memory_array(loop->count, sizeof *values);
     if (values == NULL)
@@ -133,9 +146,8 @@ static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const d
     for (size_t i = 0; i < loop->count; i++)
         values[i] = loop->count > 2 * ARM ? residual_at(loop, i) : 0;
     qsort(values, loop->count, sizeof *values, ascending);
-    double rough = values[loop->count / 2];
-    loop->roughness = sqrt(fmax(rough * rough - noise * noise, 0));
-    loop->offset = loop->roughness > ROUGH * loop->spacing ? OFFSET * loop->roughness : 0;
+    double rough = fmin(values[loop->count / 2], MAX_ROUGH * loop->spacing);
+    loop->roughness = sqrt(fmax(rough * rough - noise * noise, random ? RANDOM_PART * rough * rough : 0));
     loop->at[0] = 0;
     for (size_t i = 0; i < loop->count; i++)
     {
@@ -143,6 +155,8 @@ static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const d
         loop->at[i + 1] = loop->at[i] + hypot(b[0] - a[0], b[1] - a[1]);
     }
     double length = loop->at[loop->count];
+    loop->offset =
+        loop->roughness > ROUGH * loop->spacing ? fmax(fmin(missing / length, MAX_OFFSET * loop->roughness), DBL_MIN) : 0;
     loop->window = WINDOWS[loop->offset > 0] * loop->spacing;
     // Windows of short loops are too small to tell the corners of a rough one from its roughness.
     loop->has_corners = loop->count >= MIN_LOOP && (loop->offset == 0 || loop->window < length / 10);
@@ -227,7 +241,7 @@ static void place_corner(fair_loop *loop, size_t index)
         return;
     double t = ((q[0] - p[0]) * b[1] - (q[1] - p[1]) * b[0]) / cross;
     // The angle between the sides is pi less the turn.
-    double half_sine = sqrt(fmax(1 + along, 1e-2) / 2);
+    double half_sine = sqrt(fmax(1 + along, MIN_OPENING) / 2);
     const double meet[2] = {p[0] + t * a[0], p[1] + t * a[1]};
     if (hypot(meet[0] - point[0], meet[1] - point[1]) <= MAX_REACH * loop->spacing / half_sine)
         memcpy(loop->places[index], meet, sizeof meet);
@@ -258,7 +272,7 @@ static void find_corners(fair_loop *loop)
         double turn = turn_at(loop, i, loop->window);
         bool sharp =
             fabs(turn) >= MIN_TURNS[loop->offset > 0] && fabs(turn) >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
-        loop->turns[i] = sharp ? turn : 0;
+        loop->turns[i] = sharp && fabs(turn) <= loop->max_turn ? turn : 0;
     }
     for (size_t i = 0; i < loop->count; i++)
         loop->corner[i] = loop->turns[i] != 0 && is_sharpest(loop, i);
@@ -453,6 +467,15 @@ static void set_parameters(fair_piece *piece)
         piece->at[i] = length > 0 ? fmin(piece->at[i] / length, 1) : (double)i / (double)(piece->count - 1);
 }
 
+/// Whether all control points are in the rectangle.
+static bool is_within(const fair_loop *loop, const bat_spline_curve *curve)
+{
+    for (size_t k = 0; k < 2 * knot_vector_functions(&curve->knots); k++)
+        if (curve->control[k] < 0 || curve->control[k] > loop->sides[k % 2])
+            return false;
+    return true;
+}
+
 /// Fit the curve with the fewest spans within the tolerance; the polygon of exact points where there is none.
 static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline_curve *curve, bat_error *error)
 {
@@ -465,7 +488,8 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
     {
         double residuals[2] = {0, 0};
         bat_status status = fit_spans(piece, spans, curve, residuals, error);
-        if (status != BAT_OK || residuals[0] <= tolerance || (2 * spans > most && loop->offset > 0))
+        bool fits = residuals[0] <= tolerance && is_within(loop, curve);
+        if (status != BAT_OK || fits || (2 * spans > most && loop->offset > 0))
             return status;
         if (2 * spans <= most)
         {
@@ -565,14 +589,66 @@ static bat_status fit_loop(const fair_loop *loop, bat_spline_trim *trim, bat_err
     return status;
 }
 
-/// The polygon of a loop's own points as its only piece.
+/// The area that the curves of the last loop surround; negative for a hole.
+static double curve_area(const bat_spline_trim *trim)
+{
+    static const size_t STEPS = 8; ///< of each span
+    double sum = 0, origin[2], from[2], to[2];
+    size_t begin = trim->loops[trim->loop_count - 1], end = trim->loops[trim->loop_count];
+    spline_curve_place(&trim->pieces[begin], 0, origin);
+    for (size_t i = begin; i < end; i++)
+    {
+        const bat_spline_curve *piece = &trim->pieces[i];
+        size_t steps = STEPS * (knot_vector_functions(&piece->knots) - (size_t)piece->knots.degree);
+        spline_curve_place(piece, 0, from);
+        for (size_t k = 1; k <= steps; k++)
+        {
+            spline_curve_place(piece, (double)k / (double)steps, to);
+            sum += vector2_turn(origin, from, to) / 2;
+            memcpy(from, to, sizeof from);
+        }
+    }
+    return sum;
+}
+
+/// Fit curves that surround the area of the points and of the offset: corners and smoothing change it.
+static bat_status fit_area(fair_loop *loop, bat_spline_trim *trim, bat_error *error)
+{
+    static const int ROUNDS = 3;
+    double length = loop->at[loop->count], area = loop->offset * length, most = 2 * loop->spacing;
+    for (size_t i = 1; i + 1 < loop->count; i++)
+        area += vector2_turn(loop->points[0], loop->points[i], loop->points[i + 1]) / 2;
+    bat_status status = fit_loop(loop, trim, error);
+    for (int round = 0; round < ROUNDS && status == BAT_OK && loop->offset > 0; round++)
+    {
+        loop->offset = fmin(fmax(loop->offset + (area - curve_area(trim)) / length, DBL_MIN), most);
+        trim->loop_count--;
+        for (size_t i = trim->loops[trim->loop_count]; i < trim->loops[trim->loop_count + 1]; i++)
+            spline_curve_free(&trim->pieces[i]);
+        find_corners(loop);
+        status = fit_loop(loop, trim, error);
+    }
+    return status;
+}
+
+/// Fit the loops again in another way where curves cross.
+typedef enum fair_way
+{
+    ALL_CORNERS,
+    BLUNT_CORNERS, ///< without those of narrow notches
+    POLYGONS,      ///< of the points, shifted
+    HALF_SHIFTED,
+    UNSHIFTED,
+    FAIR_WAYS
+} fair_way;
+
+/// The polygon of a loop's own points, shifted, as its only piece.
 static bat_status fit_points(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
 {
-    fair_piece piece = {.points = memory_array(loop->count + 1, sizeof *piece.points), .count = loop->count + 1};
+    fair_piece piece = {.points = memory_array(loop->count + 1, sizeof *piece.points), .closed = true};
     if (piece.points == NULL)
         return error_memory(error, loop->count * 2 * sizeof(double));
-    memcpy(piece.points, loop->points, loop->count * sizeof *piece.points);
-    memcpy(piece.points[loop->count], loop->points[0], sizeof *piece.points);
+    gather_piece(loop, 0, loop->count, &piece);
     size_t at = trim->loops[trim->loop_count];
     bat_status status = fit_polygon(&piece, &trim->pieces[at], error);
     free(piece.points);
@@ -621,7 +697,7 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
 {
     const uint32_t *corners = loops->corners + loops->first[number];
     size_t count = loops->first[number + 1] - loops->first[number];
-    *loop = (fair_loop){.count = count};
+    *loop = (fair_loop){.count = count, .sides = {sides[0], sides[1]}};
     loop->points = memory_pool_array(&loop->pool, count, sizeof *loop->points);
     loop->at = memory_pool_array(&loop->pool, count + 1, sizeof *loop->at);
     loop->corner = memory_pool_array(&loop->pool, count, sizeof *loop->corner);
@@ -633,15 +709,15 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
     for (size_t i = 0; i < count; i++)
         for (size_t d = 0; d < 2; d++)
             loop->points[i][d] = parameters[2 * (size_t)corners[i] + d] * sides[d];
-    status = measure_loop(loop, corners, spacing, noise, error);
-    if (status == BAT_OK)
-        find_corners(loop);
-    return status;
+    double missing = 0;
+    for (size_t i = loops->first[number]; i < loops->first[number + 1]; i++)
+        missing += loops->missing[i];
+    return measure_loop(loop, corners, spacing, noise, loops->random, missing, error);
 }
 
-/// Fit all loops; `plain` ones as polygons of their points.
+/// Fit all loops.
 static bat_status fit_loops(const outline_loops *loops, const double sides[2], const double *parameters,
-                            const double *spacing, double noise, bool plain, bat_spline_trim *trim, bat_error *error)
+                            const double *spacing, double noise, fair_way way, bat_spline_trim *trim, bat_error *error)
 {
     size_t corners = loops->first[loops->count];
     *trim = (bat_spline_trim){.pieces = calloc(corners, sizeof *trim->pieces),
@@ -652,8 +728,12 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
     {
         fair_loop loop;
         status = loop_make(loops, l, sides, parameters, spacing, noise, &loop, error);
+        loop.max_turn = way == ALL_CORNERS ? INFINITY : BLUNT_TURN;
+        loop.offset *= way == UNSHIFTED ? 0 : way == HALF_SHIFTED ? 0.5 : 1;
         if (status == BAT_OK)
-            status = plain ? fit_points(&loop, trim, error) : fit_loop(&loop, trim, error);
+            find_corners(&loop);
+        if (status == BAT_OK)
+            status = way >= POLYGONS ? fit_points(&loop, trim, error) : fit_area(&loop, trim, error);
         memory_pool_free(&loop.pool);
     }
     if (status == BAT_OK)
@@ -666,14 +746,15 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
 bat_status fair_loops_make(const outline_loops *loops, const double sides[2], const double *parameters,
                            const double *spacing, double noise, bat_spline_trim *trim, bat_error *error)
 {
-    bool crosses = false;
-    bat_status status = fit_loops(loops, sides, parameters, spacing, noise, false, trim, error);
-    if (status == BAT_OK)
-        status = find_crossing(trim, &crosses, error);
-    if (status == BAT_OK && crosses)
+    bool crosses = true;
+    bat_status status = BAT_OK;
+    *trim = (bat_spline_trim){0};
+    for (int way = 0; way < FAIR_WAYS && status == BAT_OK && crosses; way++)
     {
         spline_trim_free(trim);
-        status = fit_loops(loops, sides, parameters, spacing, noise, true, trim, error);
+        status = fit_loops(loops, sides, parameters, spacing, noise, (fair_way)way, trim, error);
+        if (status == BAT_OK)
+            status = find_crossing(trim, &crosses, error);
     }
     if (status != BAT_OK)
         spline_trim_free(trim);

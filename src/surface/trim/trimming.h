@@ -63,7 +63,12 @@ typedef struct outline_loops
     size_t *first;     ///< count + 1: the first corner of each loop
     size_t count;      ///< the outline comes first, counter-clockwise; then holes, clockwise, the largest area first
     bool *filled;      ///< count: whether a hole is to be closed
-    double area;       ///< of the surface within, in units of the scaled cloud
+    double *missing; ///< of each corner: its share of the area between the loop and the edge of a sheet that was scanned at
+                     ///< random places
+    bool random;     ///< whether the points are at random places, not on a grid
+    double area;     ///< of the surface by the density of the points, in units of the scaled cloud
+    bat_surface_gap *gaps; ///< gap_count: the holes, and gaps nearly as large, in units of the scaled cloud
+    size_t gap_count;
 } outline_loops;
 
 /// Find the loops.
@@ -74,7 +79,7 @@ bat_status outline_find(const cloud_geometry *geometry, const planar_chart *char
 void outline_free(outline_loops *loops);
 
 /// Fit trimming curves to loops. Points inside a patch that was scanned at random places end before the true edge. Their
-/// loops are rough, and the curves lie outside of them by OFFSET times the roughness. Points on the edge are met.
+/// loops are rough, and the curves lie outside of them by the missing area over their length. Points on the edge are met.
 /// @param sides      of the rectangle that the square stands for, in units of the scaled cloud
 /// @param parameters of the points, count x 2
 /// @param spacing    of the points, in units of the scaled cloud
@@ -102,9 +107,13 @@ void trimming_parameters(const cloud_geometry *geometry, const surface_trimming 
 
 /// The curves of all loops, the filled ones included.
 /// @param parameters of the points after the fit, count x 2, in the cloud's order
+/// @param rms        root mean square distance of the points from the surface, in units of the scaled cloud: their noise is
+///                   no larger, also where the surface bends between neighbours
 /// @return BAT_OK or BAT_NO_MEMORY; `trim` is empty on failure
 bat_status trimming_curves(const cloud_geometry *geometry, const surface_trimming *trimming, const double *parameters,
-                           bat_spline_trim *trim, bat_error *error);
+                           double rms, bat_spline_trim *trim, bat_error *error);
+/// Hand over the list of holes and gaps, in units of the cloud.
+void trimming_take_gaps(const cloud_geometry *geometry, surface_trimming *trimming, bat_surface_gap **gaps, size_t *count);
 /// Remove the curves of the filled loops. Returns their number.
 size_t trimming_drop_filled(const surface_trimming *trimming, bat_spline_trim *trim);
 
