@@ -123,6 +123,8 @@ static void make_reason(const surface_findings *findings, char *text, size_t siz
     bool tolerant = findings->options->fit.tolerance > 0;
     if (findings->options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         (void)snprintf(text, size, "asked for");
+    else if (second == NULL && result->chosen == BAT_SURFACE_PARAMETERS_TENSOR)
+        (void)snprintf(text, size, "new points are as near as the noise allows, so that no others were tried");
     else if (second == NULL)
         (void)snprintf(text, size, "the only ones that neither fail nor stray");
     else if (tolerant && first->reached && !second->reached)
@@ -243,6 +245,36 @@ static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
         verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
 }
 
+/// The form of the surface: a plane, a tensor product or a hierarchical spline.
+static void make_form(const bat_surface_result *result, char *text, size_t size)
+{
+    const bat_hierarchical_space *space = result->surface.space;
+    bat_hierarchical_options first = bat_hierarchical_space_options(space);
+    size_t cells = bat_hierarchical_space_cells(space), functions = bat_hierarchical_space_functions(space);
+    unsigned level = (unsigned)bat_hierarchical_space_levels(space) - 1;
+    const size_t spans[2] = {first.spans[0] << level, first.spans[1] << level};
+    if (result->is_plane)
+        (void)snprintf(text, size, "plane, %zu functions", functions);
+    else if (cells == spans[0] * spans[1])
+        (void)snprintf(text, size, "tensor product of %zu x %zu cells, %zu functions", spans[0], spans[1], functions);
+    else
+        (void)snprintf(text, size, "hierarchical, %zu functions", functions);
+}
+
+/// List holes and closed gaps.
+static json_t *report_gaps(const bat_surface_result *result, bool as_json)
+{
+    report_table table = report_begin(as_json);
+    for (size_t k = 0; k < result->gap_count; k++)
+    {
+        const bat_surface_gap *gap = &result->gaps[k];
+        report_row(&table, "{kind}: {diameter:.3g} across, area {area:.3g}, near {x:.4g} {y:.4g} {z:.4g}\n",
+                   "-kind:s closed:b diameter:n area:n x:n y:n z:n", gap->closed ? "closed gap" : "hole", (int)gap->closed,
+                   gap->diameter, gap->area, gap->place[0], gap->place[1], gap->place[2]);
+    }
+    return table.rows;
+}
+
 /// Report the candidates, and what was chosen.
 static json_t *report_candidates(const surface_findings *findings, const char *reason, bool as_json)
 {
@@ -263,8 +295,9 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
 {
     const bat_surface_result *result = findings->result;
     const bat_surface_fit_report *report = &result->report;
-    char reason[200];
+    char reason[200], form[100];
     make_reason(findings, reason, sizeof reason);
+    make_form(result, form, sizeof form);
     json_t *cloud = report_cloud(findings, as_json), *candidates = report_candidates(findings, reason, as_json);
     report_table rounds = report_begin(as_json);
     report_head(&rounds, "\nround  functions  levels  mean square      largest %8s  smoothing  seconds\n",
@@ -273,6 +306,8 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
         report_gather(&rounds, report_round(findings, i, as_json));
     if (!as_json)
         print_end(findings);
+    if (!as_json)
+        (void)printf("form: %s\n", form);
     const bat_spline_trim *cuts = &result->surface.trim;
     json_t *trim = json_null();
     if (cuts->loop_count > 0)
@@ -280,6 +315,7 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
             as_json, "trimmed by an outline and {holes} holes, {curves} curves in all; {filled_holes} holes are filled\n",
             "holes:z curves:z filled_holes:z", cuts->loop_count - 1, (size_t)cuts->loops[cuts->loop_count],
             (size_t)result->filled_holes);
+    json_t *gaps = report_gaps(result, as_json);
     json_t *held_out = report_part(
         as_json,
         "[points?{points} points held out: root mean square distance {rms:.4g}, largest {largest:.4g}\n]noise: about "
@@ -293,11 +329,12 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
     if (!as_json)
         return NULL;
     const int *degree = findings->options->fit.space.degree;
-    return report_object(
-        "cloud:o chosen:s reason:s trial_points:z candidates:o degree:o rounds:o result:o reached:b moved:z outliers:z "
-        "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o",
-        cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, result->trial_points,
-        candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows, report_round(findings, report->count - 1, true),
-        (int)report->reached, (size_t)report->moved, (size_t)report->outliers, folds_json(findings->cloud, &result->folds),
-        held_out, result->noise, verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3));
+    return report_object("cloud:o chosen:s reason:s form:s gaps:o trial_points:z candidates:o degree:o rounds:o result:o "
+                         "reached:b moved:z outliers:z "
+                         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o",
+                         cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, form, gaps,
+                         result->trial_points, candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows,
+                         report_round(findings, report->count - 1, true), (int)report->reached, (size_t)report->moved,
+                         (size_t)report->outliers, folds_json(findings->cloud, &result->folds), held_out, result->noise,
+                         verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3));
 }

@@ -22,10 +22,11 @@ typedef enum bat_surface_parameters
     BAT_SURFACE_PARAMETERS_ISOMETRIC, ///< least distortion, for deep shapes
     BAT_SURFACE_PARAMETERS_GIVEN,     ///< those of the caller
     BAT_SURFACE_PARAMETERS_PLANAR,    ///< of a trimmed surface: a chart with free boundary
+    BAT_SURFACE_PARAMETERS_TENSOR,    ///< the same for a height field, kept, with a tensor-product surface
     BAT_SURFACE_PARAMETERS_COUNT      ///< how many there are
 } bat_surface_parameters;
 
-/// The choices by name; BAT_SURFACE_PARAMETERS_GIVEN and BAT_SURFACE_PARAMETERS_PLANAR are not listed.
+/// The choices by name; BAT_SURFACE_PARAMETERS_GIVEN and those of trimmed surfaces are not listed.
 extern BAT_API const bat_family bat_surface_parameters_family;
 
 /// Options of a reconstruction. Begin with bat_surface_reconstruct_defaults().
@@ -148,6 +149,7 @@ typedef struct bat_surface_result
     bat_surface_gap *gaps;             ///< gap_count, of a trimmed surface: its holes, and the largest gaps that are closed
     size_t gap_count;
     bool corners_found; ///< the corners were unknown
+    bool is_plane;      ///< the control points are as near to a plane as the noise
 } bat_surface_result;
 
 /// Free what a result owns and make it empty.

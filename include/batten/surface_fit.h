@@ -70,8 +70,11 @@ typedef struct bat_surface_fit_options
     int corrections;                 ///< parameter corrections after each fit, 0 to 1000; default 1
     int final_corrections;           ///< rounds of correction and fit after the last refinement, 0 to 1000; default 0
     bool restarts; ///< project points anew whose projection converged to a wrong foot; published loops do not; default true
-    bool robust;   ///< robust weights: Tukey's biweight on the scale of the residuals; default false
-    int threads;   ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
+    /// Refine all cells at once and keep the parameters: a tensor-product surface. Distances are those of feet all the same.
+    /// Default false
+    bool tensor;
+    bool robust;           ///< robust weights: Tukey's biweight on the scale of the residuals; default false
+    int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress; ///< default: none
 } bat_surface_fit_options;
 

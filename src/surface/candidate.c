@@ -21,6 +21,9 @@
 
 static const size_t POINTS_PER_FUNCTION = 4; ///< minimum number of points for each function of a fit to a sample
 
+// A tensor-product surface is simpler, and parameters that are corrected take a part of the noise.
+static const double TENSOR_FACTOR = 0.95;
+
 // Largest admissible ratio of a one-sided Hausdorff distance to the smallest one among the candidates.
 static const double MAX_DISTANCE_RATIO = 2;
 
@@ -89,7 +92,7 @@ static bat_status parameterize(const bat_cloud *cloud, const double *boundary,
 {
     if (kind == BAT_SURFACE_PARAMETERS_LEARNED)
         return parameterize_learned(cloud, boundary, options, parameters, error);
-    if (kind != BAT_SURFACE_PARAMETERS_GIVEN && kind != BAT_SURFACE_PARAMETERS_PLANAR)
+    if (kind < BAT_SURFACE_PARAMETERS_GIVEN)
         return parameterize_classical(cloud, boundary, options, kind, parameters, error);
     memcpy(parameters, options->given, 2 * cloud->count * sizeof *parameters);
     return BAT_OK;
@@ -371,6 +374,12 @@ bat_status surface_candidate_extend(surface_candidate *candidate, const cloud_pa
     return BAT_OK;
 }
 
+/// Factor of the expected distance for comparisons.
+static double factor_of(const bat_surface_candidate *report)
+{
+    return report->parameters == BAT_SURFACE_PARAMETERS_TENSOR ? TENSOR_FACTOR : 1;
+}
+
 static bool is_better(const bat_surface_candidate *first, const bat_surface_candidate *second,
                       const bat_surface_fit_options *options)
 {
@@ -379,7 +388,7 @@ static bool is_better(const bat_surface_candidate *first, const bat_surface_cand
     if (options->tolerance > 0 && first->reached && first->functions != second->functions)
         return first->functions < second->functions;
     if (options->functions == 0 && !options->robust && isfinite(first->expected_rms) && isfinite(second->expected_rms))
-        return first->expected_rms < second->expected_rms;
+        return first->expected_rms * factor_of(first) < second->expected_rms * factor_of(second);
     return first->mean_squared < second->mean_squared;
 }
 

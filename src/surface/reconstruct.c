@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
+#include "linalg/vector.h"
 #include "surface/candidate.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/neighbours.h"
@@ -33,6 +34,8 @@ enum
 static const double SMALL_DISC = 0.7;
 // Fewest conflicts of orientation of a one-sided surface, in roots of the number of points.
 static const double ONE_SIDED_ROOTS = 0.25;
+// Expected distance of new points, in standard deviations of the noise, below which other candidates are not tried.
+static const double NOISE_REACHED = 1.05;
 // Progress share of the fits to samples, for clouds that are fitted on a sample first.
 static const double TRIAL_SHARE = 0.3;
 // Progress share of finding the boundary and measuring the cloud.
@@ -56,6 +59,8 @@ static const bat_choice PARAMETERS[] = {
            BAT_SURFACE_PARAMETERS_ISOMETRIC),
     CHOICE_OF_USE(UNNAMED, "given", "brought by the caller", BAT_SURFACE_PARAMETERS_GIVEN),
     CHOICE_OF_USE(RESULT, "planar", "chart of a trimmed surface", BAT_SURFACE_PARAMETERS_PLANAR),
+    CHOICE_OF_USE(RESULT, "tensor-product", "the same of a height field, kept, with uniform cells",
+                  BAT_SURFACE_PARAMETERS_TENSOR),
 };
 const bat_family bat_surface_parameters_family = FAMILY("parameterization", PARAMETERS);
 
@@ -178,17 +183,70 @@ static bat_status prepare(reconstruction *work, bat_error *error)
     return bat_cloud_boundary_parameters(cloud, work->options->sides, work->boundary, error);
 }
 
+/// Set the parameters of the chart, and list a tensor-product surface over it.
+static bat_status use_chart(reconstruction *work, bat_error *error)
+{
+    work->planar = memory_array(work->cloud->count, 2 * sizeof *work->planar);
+    if (work->planar == NULL)
+        return error_memory(error, work->cloud->count * 2 * sizeof *work->planar);
+    trimming_parameters(&work->geometry, &work->trimming, work->planar);
+    const double *direction = work->trimming.chart.direction;
+    if (vector3_dot(direction, direction) > 0 && work->options->fit.functions == 0 &&
+        work->cloud->count <= BAT_SURFACE_ALL_POINTS)
+    {
+        memmove(work->kinds + 1, work->kinds, work->kind_count++ * sizeof *work->kinds);
+        work->kinds[0] = BAT_SURFACE_PARAMETERS_TENSOR;
+    }
+    return BAT_OK;
+}
+
 static bat_status make_trimming(reconstruction *work, bat_error *error)
 {
     bat_status status = trimming_make(&work->geometry, work->options->fill_holes, &work->trimming, error);
     if (status != BAT_OK)
         return status;
     work->geometry.area = work->trimming.loops.area;
-    work->planar = memory_array(work->cloud->count, 2 * sizeof *work->planar);
-    if (work->planar == NULL)
-        return error_memory(error, work->cloud->count * 2 * sizeof *work->planar);
-    trimming_parameters(&work->geometry, &work->trimming, work->planar);
-    return BAT_OK;
+    return use_chart(work, error);
+}
+
+/// Whether the boundary runs along the sides of the chart's rectangle, and meets its corners.
+static bool fills_rectangle(const reconstruction *work)
+{
+    static const double NEAR_SPACINGS = 2, NEAR_NOISE = 4, SHARE = 0.98;
+    const planar_chart *chart = &work->trimming.chart;
+    const cloud_geometry *geometry = &work->geometry;
+    double near = NEAR_SPACINGS * geometry->middle_spacing + NEAR_NOISE * geometry->noise, corners[4];
+    size_t boundary = work->cloud->boundary_count, beside = 0;
+    for (int k = 0; k < 4; k++)
+        corners[k] = INFINITY;
+    for (size_t i = 0; i < geometry->order.cloud.count; i++)
+    {
+        double apart = INFINITY;
+        const double low[2] = {chart->places[i][0], chart->places[i][1]};
+        const double high[2] = {chart->sides[0] - low[0], chart->sides[1] - low[1]};
+        for (int k = 0; k < 4; k++)
+        {
+            double u = k % 2 == 0 ? low[0] : high[0], v = k / 2 == 0 ? low[1] : high[1];
+            corners[k] = fmin(corners[k], hypot(u, v));
+            apart = fmin(apart, fmin(u, v));
+        }
+        beside += geometry->order.places[i] < boundary && apart <= near;
+    }
+    return (double)beside >= SHARE * (double)boundary &&
+           fmax(fmax(corners[0], corners[1]), fmax(corners[2], corners[3])) <= 2 * near;
+}
+
+/// A height field over a rectangle is fitted over its projection too.
+static bat_status use_rectangle(reconstruction *work, bat_error *error)
+{
+    bat_error failure;
+    if (work->options->parameters != BAT_SURFACE_PARAMETERS_AUTO || work->deep || work->part.members != NULL ||
+        !work->result.corners_found || work->options->published || work->options->fit.functions > 0)
+        return BAT_OK;
+    bat_status status = planar_chart_make(&work->geometry, 0, &work->trimming.chart, &failure);
+    if (status == BAT_NO_MEMORY)
+        return error_set(error, status, failure.index, failure.line, "%s", failure.text);
+    return status == BAT_OK && fills_rectangle(work) ? use_chart(work, error) : BAT_OK;
 }
 
 /// Whether every candidate is fitted to all points; the best fit is then already the result.
@@ -278,14 +336,15 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     // Charts only ask whether to go on: their share of the time is small.
     progress_part chart = {fit.progress, 0, 0};
     options.fit.progress = progress_of_part(&chart);
-    if (work->planar != NULL)
+    if (work->kinds[number] >= BAT_SURFACE_PARAMETERS_PLANAR)
     {
         options.given = work->planar;
         set_spans(work, &fit.space);
+        fit.tensor = work->kinds[number] == BAT_SURFACE_PARAMETERS_TENSOR;
     }
     bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, &options,
                                                work->kinds[number], candidate, error);
-    candidate->trimming = work->planar != NULL ? &work->trimming : NULL;
+    candidate->trimming = work->options->trim ? &work->trimming : NULL;
     if (status == BAT_OK && !progress_goes_on(fit.progress, 0))
         status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     if (status == BAT_OK && candidate->report.failure.status == BAT_OK)
@@ -348,11 +407,27 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     return status == BAT_OK ? check_best(work, error) : status;
 }
 
+/// Whether a tensor-product surface is right, and as near to new points as the noise allows.
+static bool is_at_noise(const reconstruction *work, const bat_surface_candidate *report)
+{
+    double noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
+    return report->parameters == BAT_SURFACE_PARAMETERS_TENSOR && report->failure.status == BAT_OK &&
+           report->verdict.fault == BAT_SURFACE_FAULT_NONE && report->expected_rms <= NOISE_REACHED * noise &&
+           (work->options->fit.tolerance == 0 || report->reached);
+}
+
 static bat_status fit_kinds(reconstruction *work, bat_error *error)
 {
     bat_status status = BAT_OK;
     for (size_t i = 0; i < work->kind_count && status == BAT_OK; i++)
+    {
         status = fit_kind(work, i, error);
+        if (status != BAT_OK || !is_at_noise(work, &work->candidates[i].report))
+            continue;
+        work->kind_count = i + 1;
+        if (!progress_goes_on(work->options->fit.progress, 1))
+            status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
+    }
     if (status != BAT_OK)
         return status;
     work->best = &work->candidates[surface_candidate_best(work->candidates, work->kind_count, &work->options->fit)];
@@ -414,11 +489,17 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     result->verdict = best->report.verdict;
     result->noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
     result->below_noise = bat_surface_below_noise(&work->options->fit, &best->fit, work->cloud->count, result->noise);
-    if (work->planar != NULL)
+    if (work->options->trim)
     {
         result->filled_holes = trimming_drop_filled(&work->trimming, &best->surface.trim);
         trimming_take_gaps(&work->geometry, &work->trimming, &result->gaps, &result->gap_count);
     }
+    local_plane plane;
+    status =
+        local_plane_fit_all(best->surface.control, bat_hierarchical_space_functions(best->surface.space), &plane, error);
+    if (status != BAT_OK)
+        return status;
+    result->is_plane = sqrt(fmax(plane.variance[2], 0)) <= result->noise;
     result->surface = best->surface;
     result->report = best->fit;
     result->parameters = best->corrected;
@@ -458,8 +539,8 @@ static bat_status find_best(reconstruction *work, bat_error *error)
                                      &work->geometry, error);
     work->geometry.is_deep = work->deep;
     double measured = clock_seconds();
-    if (status == BAT_OK && work->options->trim)
-        status = make_trimming(work, error);
+    if (status == BAT_OK)
+        status = work->options->trim ? make_trimming(work, error) : use_rectangle(work, error);
     if (status == BAT_OK)
         status = fit_kinds(work, error);
     const double seconds[3] = {prepared - begin, measured - prepared, clock_seconds() - measured};

@@ -23,7 +23,7 @@
 enum
 {
     MIN_SIDE = 2, ///< samples of a cell in each direction
-    MAX_SIDE = 16,
+    MAX_SIDE = 64,
     MAX_SAMPLES = 400000,
     BLOCK_POINTS = 65536, ///< measured between two questions whether to go on
     SPACING_POINTS = 12,
@@ -54,6 +54,7 @@ static const double DEEP_STRAY = 0.03;
 static const double CROSS_COSINE = 0.5;
 /// Sides of stars longer than this many spacings span gaps.
 static const double MAX_SPOKE = 3.5;
+static const double GOLDEN = 0.6180339887498949;
 static const double PI = 3.14159265358979323846;
 
 void cloud_geometry_free(cloud_geometry *geometry)
@@ -277,6 +278,11 @@ static size_t side_of(const bat_hierarchical_space *space, size_t points)
     return wanted;
 }
 
+static double fraction(double number)
+{
+    return number - floor(number);
+}
+
 /// Set the samples of all cells. Coarse cells, which are larger, get as many more as they are larger, up to MAX_SIDE.
 static bat_status set_samples(const bat_spline_surface *surface, size_t points, surface_samples *samples, bat_error *error)
 {
@@ -306,7 +312,9 @@ static bat_status set_samples(const bat_spline_surface *surface, size_t points, 
         for (size_t k = 0; k < sides[c] * sides[c]; k++, made++)
         {
             size_t column = k % sides[c], row = k / sides[c];
-            const double at[2] = {((double)column + 0.5) / (double)sides[c], ((double)row + 0.5) / (double)sides[c]};
+            // Shifted rows and columns: edges along them would meet all samples of one, or none.
+            const double at[2] = {((double)column + fraction(GOLDEN * (double)row)) / (double)sides[c],
+                                  ((double)row + fraction(GOLDEN * (double)column)) / (double)sides[c]};
             for (size_t d = 0; d < 2; d++)
                 samples->parameters[2 * made + d] = fmin((cell.low[d] + at[d]) * step[d], 1);
             samples->shares[made] = step[0] * step[1] / (double)(sides[c] * sides[c]);
@@ -486,8 +494,8 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
 }
 
-/// Leave out samples beyond the bounding box of the parameters, where nothing is known of the surface, and beyond the
-/// trimming curves.
+/// Leave out samples beyond the trimming curves, or else beyond the bounding box of the parameters, where nothing is known
+/// of the surface.
 static bat_status clip_samples(const bat_spline_trim *trim, const double *parameters, size_t count, surface_samples *samples,
                                bat_error *error)
 {
@@ -505,8 +513,8 @@ static bat_status clip_samples(const bat_spline_trim *trim, const double *parame
     for (size_t s = 0; s < samples->count; s++)
     {
         const double *at = samples->parameters + 2 * s;
-        if (at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1] ||
-            !trim_region_contains(&region, at[0], at[1]))
+        bool beyond = at[0] < low[0] || at[0] > high[0] || at[1] < low[1] || at[1] > high[1];
+        if (trim->loop_count > 0 ? !trim_region_contains(&region, at[0], at[1]) : beyond)
             continue;
         memmove(samples->parameters + 2 * kept, at, 2 * sizeof *at);
         samples->shares[kept++] = samples->shares[s];

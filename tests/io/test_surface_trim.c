@@ -254,12 +254,12 @@ static void small_holes_are_filled(void **state)
     assert_int_equal(result.filled_holes, 2);
     trim_region region;
     check_status(trim_region_make(&result.surface.trim, &region, NULL), BAT_OK);
-    // The largest hole is still there. The rectangle is two spacings wider than the plate on each side.
+    // The largest hole is still there. The rectangle is four spacings wider than the plate on each side.
     size_t outside = 0;
     for (int i = 10; i < 90; i++)
         for (int j = 10; j < 90; j++)
             outside += !trim_region_contains(&region, (i + 0.5) / 100, (j + 0.5) / 100);
-    check_near((double)outside / 10000, PI * 0.16 / 6.93, 0.005);
+    check_near((double)outside / 10000, PI * 0.16 / 7.87, 0.005);
     trim_region_free(&region);
     bat_surface_result_free(&result);
     bat_cloud_free(&cloud);

@@ -18,7 +18,7 @@ typedef struct exchange
     int saves; ///< that are still kept
     char *head;
     size_t head_size;
-    double *columns[3];
+    double *columns[4];
 } exchange;
 
 /// One process.
@@ -275,13 +275,13 @@ static void a_saved_state_is_taken_up(void **state)
             check_status(bat_surface_fit(&sample.data, options, &surface, &report, NULL), BAT_OK);
             memcpy(sample.data.parameters, parameters, 2 * sample.data.count * sizeof *parameters);
             exchange shared = {.saves = saves};
-            for (int k = 0; k < 3; k++)
+            for (int k = 0; k < 4; k++)
                 shared.columns[k] = calloc(2 * sample.data.count + 1000, sizeof(double));
             compare(&sample, options, 3, &shared, &surface, &report);
             assert_non_null(shared.head);
             shared.saves = 0;
             compare(&sample, options, 2, &shared, &surface, &report);
-            for (int k = 0; k < 3; k++)
+            for (int k = 0; k < 4; k++)
                 free(shared.columns[k]);
             free(shared.head);
             bat_spline_surface_free(&surface);

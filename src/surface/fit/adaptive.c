@@ -27,7 +27,8 @@ enum
     /// points, above all at the border, which points at random places do not reach.
     POINTS_IN_CELL = 12,
     POINTS_PER_FUNCTION = 4, ///< fewest points for each function, when neither a tolerance nor a budget is set,
-    POINTS_IN_TOLERANCE = 2, ///< and beside a tolerance
+    POINTS_IN_TOLERANCE = 2, ///< and beside a tolerance,
+    POINTS_IN_TENSOR = 1,    ///< and of a tensor product, whose smoothing is the same everywhere
     HOLD_OUT = 10,           ///< one in this many points is held out by default,
     HOLD_OUT_MIN = 200,      ///< of at least this many points
     MAX_HOLD_OUT = 1000,
@@ -56,13 +57,17 @@ static const double NEAR_SHARE = 0.9;
 static const double GAIN_POINTS = 15;
 static const double FUNCTION_GAIN = 0.1;
 static const double MIN_GAIN = 5e-4;
+// The expected distances must also fall by this many standard errors of their fall over the points.
+static const double FALL_ERRORS = 1;
 static const double STALL_GROWTH = 2.2;
 static const double STALL_MORE = 64;
 // Weight of held-out points in the expected squared distance: the other part is generalized cross-validation.
 static const double HELD_OUT_SHARE = 1.0 / 3;
 // A budget counts as filled from this fraction on, because refinement adds at least a few functions at a time.
 static const double BUDGET_FILLED = 0.99;
-// Distances below this fraction of the size of the point set are rounding errors.
+// Distances of held-out points below this fraction of the size of the point set are as good as none.
+static const double EXACT = 1e-9;
+// Distances below this fraction are rounding errors.
 static const double ROUNDING = 1e-13;
 
 bat_surface_fit_options bat_surface_fit_defaults(void)
@@ -150,7 +155,9 @@ static void loop_free(fit_loop *loop)
     bat_hierarchical_space_free(loop->space);
     bat_hierarchical_space_free(loop->best.space);
     free(loop->best.parameter);
+    free(loop->best.distance);
     free(loop->held);
+    free(loop->fixed);
     free(loop->rounds);
 }
 
@@ -166,7 +173,8 @@ static bat_status hold_out(fit_loop *loop, bat_error *error)
     uint64_t step = (uint64_t)loop->options->hold_out, passed = 0, count = 0;
     loop->held = memory_array(points->count, sizeof *loop->held);
     loop->best.parameter = memory_array(points->count, 2 * sizeof *loop->best.parameter);
-    if (loop->held == NULL || loop->best.parameter == NULL)
+    loop->best.distance = memory_array(points->count, sizeof *loop->best.distance);
+    if (loop->held == NULL || loop->best.parameter == NULL || loop->best.distance == NULL)
         return error_memory(error, points->count * 2 * sizeof *loop->best.parameter);
     for (size_t row = 0; row < points->count; row++)
         count += can_be_held_out(points, row);
@@ -209,10 +217,9 @@ static void held_terms(const void *context, size_t row, double *sums)
 /// cross-validation, R / N / (1 - T / N)^2. The first is unbiased, the second varies less.
 static double expected_distance(const fit_loop *loop, const double sums[4])
 {
-    double left = sums[3] > 0 ? 1 - loop->trace / sums[3] : NAN;
-    if (!(left > 0))
+    if (!(loop->left > 0))
         return loop->held_rms;
-    return pow(sqrt(sums[2] / sums[3]) / left, 1 - HELD_OUT_SHARE) * pow(loop->held_rms, HELD_OUT_SHARE);
+    return pow(sqrt(sums[2] / sums[3]) / loop->left, 1 - HELD_OUT_SHARE) * pow(loop->held_rms, HELD_OUT_SHARE);
 }
 
 /// Measure the distances of the points that are held out, and take these out of the fit.
@@ -233,8 +240,19 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
     if (status == BAT_OK)
         status = group_largest(points->group, &loop->held_largest, 1, error);
     loop->held_rms = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
+    loop->left = sums[3] > 0 ? 1 - loop->trace / sums[3] : NAN;
     loop->expected = expected_distance(loop, sums);
     return status;
+}
+
+static bat_status keep_parameters(fit_loop *loop, bat_error *error)
+{
+    size_t size = 2 * loop->points.count * sizeof *loop->fixed;
+    loop->fixed = memory_array(loop->points.count, 2 * sizeof *loop->fixed);
+    if (loop->fixed == NULL)
+        return error_memory(error, size);
+    memcpy(loop->fixed, loop->points.parameter, size);
+    return BAT_OK;
 }
 
 /// @param group   null for one process
@@ -261,7 +279,9 @@ static bat_status loop_make(const bat_group *group, const bat_surface_fit_backen
     }
     if (status == BAT_OK)
         status = fit_border_points(&loop->border, group, data, numbers, options->space.truncated, &loop->points, error);
-    size_t fewest = options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
+    if (status == BAT_OK && options->tensor)
+        status = keep_parameters(loop, error);
+    size_t fewest = options->tensor ? POINTS_IN_TENSOR : options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
     loop->budget = options->functions > 0 ? options->functions : (loop->points.total + fewest - 1) / fewest;
     if (status == BAT_OK && options->hold_out > 0 && loop->points.total >= HOLD_OUT_MIN)
         status = hold_out(loop, error);
@@ -410,7 +430,7 @@ static bat_status measure_distances(fit_loop *loop, double reach, bat_error *err
     double share = 0;
     if (status == BAT_OK && reach > 0)
         status = fit_near_share(&loop->nets, &loop->points, reach, threads, &share, error);
-    bool correct = share >= NEAR_SHARE;
+    bool correct = share >= NEAR_SHARE || loop->fixed != NULL;
     if (status == BAT_OK && !correct)
         status = fit_nets_measure(&loop->nets, &loop->points, threads, error);
     if (status == BAT_OK && correct)
@@ -421,6 +441,9 @@ static bat_status measure_distances(fit_loop *loop, double reach, bat_error *err
         status = fit_robust_weights(&loop->points, loop->size, &loop->outliers, error);
     if (status == BAT_OK && loop->held != NULL)
         status = measure_held_out(loop, error);
+    if (loop->fixed != NULL)
+        memcpy(loop->points.parameter, loop->fixed, 2 * loop->points.count * sizeof *loop->fixed);
+    correct = correct && loop->fixed == NULL;
     loop->corrects = loop->corrects || correct;
     if (status == BAT_OK && correct && loop->border.samples > 0)
     {
@@ -543,8 +566,24 @@ static bool has_reached(const fit_loop *loop, const bat_surface_fit_round *round
         return true;
     if (loop->options->tolerance > 0)
         return round->within >= loop->options->share;
+    if (loop->options->functions == 0 && loop->held != NULL && loop->held_rms <= EXACT * loop->size)
+        return true;
     bool filled = loop->full || (double)round->functions >= BUDGET_FILLED * (double)loop->budget;
     return filled || round->largest <= ROUNDING * loop->size;
+}
+
+/// Refine all cells, where the budget allows it.
+static bat_status refine_all(const fit_loop *loop, bat_hierarchical_space **finer, bat_error *error)
+{
+    size_t cells = bat_hierarchical_space_cells(loop->space), functions;
+    bat_spline_box *boxes = memory_array(cells, sizeof *boxes);
+    if (boxes == NULL)
+        return error_memory(error, cells * sizeof *boxes);
+    for (size_t c = 0; c < cells; c++)
+        boxes[c] = bat_hierarchical_space_cell(loop->space, c);
+    bat_status status = hierarchical_space_refined(loop->space, boxes, cells, loop->budget, &functions, finer, error);
+    free(boxes);
+    return status;
 }
 
 /// Refine the marked cells.
@@ -559,7 +598,8 @@ static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
     // Each process has two spaces for a while, and no room for the nets too.
     fit_nets_free(&loop->nets);
     if (status == BAT_OK)
-        status = fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
+        status = options->tensor ? refine_all(loop, &finer, error)
+                                 : fit_mark_refine(loop->space, &loop->points, &marking, &finer, error);
     *refined = finer != NULL;
     loop->full = loop->budget > 0 && finer == NULL;
     if (status == BAT_OK && finer == NULL)
@@ -573,6 +613,32 @@ static bat_status refine_marked(fit_loop *loop, bool *refined, bat_error *error)
     return status;
 }
 
+/// Sums over the points of how much their squared distances have fallen since the best round. Those of points that are not
+/// held out are expected ones, by generalized cross-validation.
+static void fall_terms(const void *context, size_t row, double *sums)
+{
+    const fit_loop *loop = context;
+    if (loop->points.number[row] >= loop->points.own)
+        return;
+    bool held = loop->held[row];
+    double now = loop->points.distance[row] / (held ? 1 : loop->left);
+    double before = loop->best.distance[row] / (held ? 1 : loop->best.left);
+    double fall = (held ? held_weight(loop, row) : loop->points.weight[row]) * (before * before - now * now);
+    sums[0] += isfinite(fall) ? fall : 0;
+    sums[1] += isfinite(fall) ? fall * fall : 0;
+}
+
+/// Whether the expected distances have fallen by more than some standard errors of their fall.
+static bat_status has_fallen(const fit_loop *loop, bool *fallen, bat_error *error)
+{
+    const fit_points *points = &loop->points;
+    double sums[2];
+    bat_status status =
+        fit_sum_points(points->group, points->count, fall_terms, loop, 2, loop->options->threads, sums, error);
+    *fallen = status == BAT_OK && sums[0] > FALL_ERRORS * sqrt(sums[1] - sums[0] * sums[0] / (double)points->total);
+    return status;
+}
+
 /// Compare the last round with the best one, and keep the better of them. Sets `stalled` where refinement ends.
 static bat_status compare_held_out(fit_loop *loop, bat_error *error)
 {
@@ -581,26 +647,32 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
     double before = best->space == NULL ? 0 : (double)loop->rounds[best->round].functions, expected = loop->expected;
     double least = fmax(GAIN_POINTS, FUNCTION_GAIN * ((double)round->functions - before));
     double gain = fmax(least / (double)loop->points.total, MIN_GAIN);
-    if (best->space != NULL && !(expected * expected < (1 - gain) * best->expected * best->expected))
+    bool fallen = true;
+    bat_status status = best->space != NULL ? has_fallen(loop, &fallen, error) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
+    if (best->space != NULL && !(fallen && expected * expected < (1 - gain) * best->expected * best->expected))
     {
         double enough = STALL_GROWTH * (double)loop->rounds[best->round].functions + STALL_MORE;
         // A surface that is still far from the points is too stiff to tell.
-        bool near = loop->corrects || loop->options->corrections == 0;
+        bool near = loop->corrects || loop->fixed != NULL || loop->options->corrections == 0;
         loop->stalled = near && (double)round->functions >= enough && loop->count > best->round + 2;
         return BAT_OK;
     }
     bat_hierarchical_space *copy;
-    bat_status status = hierarchical_space_copy(loop->space, &copy, error);
+    status = hierarchical_space_copy(loop->space, &copy, error);
     if (status != BAT_OK)
         return status;
     bat_hierarchical_space_free(best->space);
     best->space = copy;
     best->expected = expected;
+    best->left = loop->left;
     best->held_rms = loop->held_rms;
     best->held_largest = loop->held_largest;
     best->round = loop->count - 1;
     best->lambda = loop->lambda;
     memcpy(best->parameter, loop->points.parameter, 2 * loop->points.count * sizeof *best->parameter);
+    memcpy(best->distance, loop->points.distance, loop->points.count * sizeof *best->distance);
     return BAT_OK;
 }
 

@@ -81,8 +81,10 @@ typedef struct fit_best
 {
     bat_hierarchical_space *space; ///< null for none
     double *parameter;             ///< points.count x 2, before the corrections of later rounds
+    double *distance;              ///< points.count
     double expected;               ///< root of the expected squared distance
     double held_rms, held_largest; ///< distances of held-out points
+    double left;                   ///< see fit_loop
     size_t round;
     double lambda;
 } fit_best;
@@ -102,11 +104,13 @@ typedef struct fit_loop
     fit_nets nets;
     double lambda; ///< smoothing weight of the last fit; 0 before the first
     double trace;  ///< of the influence matrix, at the last search for a weight
+    double left;   ///< share of the degrees of freedom that residuals have at the last measurement; not positive: unknown
     size_t budget; ///< maximum number of functions; 0: none
     double size;   ///< the largest absolute coordinate of a point
     bool full;     ///< no further refinement fits the budget
     size_t outliers;
     size_t held_count;
+    double *fixed; ///< points.count x 2: parameters that stay; null where they are corrected
     bool *held;    ///< points.count: rows that are held out; null without
     bool corrects; ///< parameters have been corrected, which leaves residuals across the surface only
     bool stalled;

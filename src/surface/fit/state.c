@@ -15,22 +15,23 @@
 typedef struct state_head
 {
     uint64_t rounds, boxes, best_boxes, best_round, outliers;
-    double lambda, best_expected, best_held_rms, best_held_largest, best_lambda, seconds;
+    double lambda, best_expected, best_left, best_held_rms, best_held_largest, best_lambda, seconds;
     uint64_t full, corrects, has_best;
 } state_head;
 
-static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns[3])
+static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns[4])
 {
     columns[0] = (bat_surface_fit_column){loop->points.parameter, 2};
     columns[1] = (bat_surface_fit_column){loop->points.weight, 1};
     columns[2] = (bat_surface_fit_column){loop->best.parameter, 2};
-    return loop->held != NULL ? 3 : 2;
+    columns[3] = (bat_surface_fit_column){loop->best.distance, 1};
+    return loop->held != NULL ? 4 : 2;
 }
 
 bat_status fit_state_save(const fit_loop *loop, bat_error *error)
 {
     const bat_surface_fit_backend *backend = &loop->backend;
-    bat_surface_fit_column columns[3];
+    bat_surface_fit_column columns[4];
     bat_spline_box *boxes = NULL, *best_boxes = NULL;
     size_t count = 0, best_count = 0;
     if (backend->save == NULL)
@@ -52,6 +53,7 @@ bat_status fit_state_save(const fit_loop *loop, bat_error *error)
                            .outliers = loop->outliers,
                            .lambda = loop->lambda,
                            .best_expected = loop->best.expected,
+                           .best_left = loop->best.left,
                            .best_held_rms = loop->best.held_rms,
                            .best_held_largest = loop->best.held_largest,
                            .best_lambda = loop->best.lambda,
@@ -108,6 +110,7 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
     loop->corrects = head.corrects != 0;
     loop->best.round = head.best_round;
     loop->best.expected = head.best_expected;
+    loop->best.left = head.best_left;
     loop->best.held_rms = head.best_held_rms;
     loop->best.held_largest = head.best_held_largest;
     loop->best.lambda = head.best_lambda;
@@ -119,7 +122,7 @@ static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat
 bat_status fit_state_load(fit_loop *loop, bat_error *error)
 {
     const bat_surface_fit_backend *backend = &loop->backend;
-    bat_surface_fit_column columns[3];
+    bat_surface_fit_column columns[4];
     void *bytes = NULL;
     size_t size = 0;
     if (backend->load == NULL)

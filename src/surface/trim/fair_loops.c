@@ -480,7 +480,7 @@ static bool is_within(const fair_loop *loop, const bat_spline_curve *curve)
 static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline_curve *curve, bat_error *error)
 {
     double tolerance = loop->offset > 0 ? FAIR * loop->roughness : fmax(EXACT * loop->spacing, FAIR * loop->roughness);
-    size_t first = piece->closed ? 4 : 1, most = (size_t)fmin((double)piece->count / SPAN_POINTS[piece->rough], MAX_SPANS);
+    size_t first = piece->closed ? 4 : 1;
     set_parameters(piece);
     if (piece->count == 2 && !piece->closed)
         return fit_polygon(piece, curve, error);
@@ -489,6 +489,9 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
         double residuals[2] = {0, 0};
         bat_status status = fit_spans(piece, spans, curve, residuals, error);
         bool fits = residuals[0] <= tolerance && is_within(loop, curve);
+        // Few points far from their curve are no roughness.
+        bool rough = piece->rough && residuals[0] <= 2 * tolerance;
+        size_t most = (size_t)fmin((double)piece->count / SPAN_POINTS[rough], MAX_SPANS);
         if (status != BAT_OK || fits || (2 * spans > most && loop->offset > 0))
             return status;
         if (2 * spans <= most)

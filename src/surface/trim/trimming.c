@@ -244,11 +244,10 @@ static bat_status work_make(outline_work *work, bat_error *error)
 typedef struct outline_part
 {
     size_t count;
-    double area;    ///< in squared spacings
-    double largest; ///< circumcircle, in spacings
-    bool outside;   ///< it reaches the hull, or a gap that does
-    bool attached;  ///< it touches an empty triangle
-    bool joins;     ///< it touches two gaps
+    double area;   ///< in squared spacings
+    bool outside;  ///< it reaches the hull, or a gap that does
+    bool attached; ///< it touches an empty triangle
+    bool joins;    ///< it touches two gaps
 } outline_part;
 
 /// Visit the component of a triangle among those inside with larger circumcircles. Its triangles are at the beginning of the
@@ -264,7 +263,6 @@ static outline_part flood(outline_work *work, uint32_t start, double radius)
         uint32_t triangle = work->stack[head];
         double spacing = mean_spacing(work, triangle);
         part.area += work->area[triangle] / (spacing * spacing);
-        part.largest = fmax(part.largest, work->radius[triangle]);
         for (uint32_t k = 0; k < 3; k++)
         {
             uint32_t side = work->opposite[3 * triangle + k], other = side / 3;
@@ -714,8 +712,8 @@ bat_status outline_find(const cloud_geometry *geometry, const planar_chart *char
 
 // Trimmed surfaces; see trimming.h.
 
-/// Room around the points, in spacings: the curves lie up to about one spacing outside.
-static const double MARGIN = 2;
+/// Room around the points, in spacings: the curves lie up to about one spacing outside, their control points farther.
+static const double MARGIN = 4;
 
 void trimming_free(surface_trimming *trimming)
 {
