@@ -212,7 +212,7 @@ static bat_status make_trimming(reconstruction *work, bat_error *error)
 /// Whether the boundary runs along the sides of the chart's rectangle, and meets its corners.
 static bool fills_rectangle(const reconstruction *work)
 {
-    static const double NEAR_SPACINGS = 2, NEAR_NOISE = 4, SHARE = 0.98;
+    static const double NEAR_SPACINGS = 2.5, NEAR_NOISE = 4, SHARE = 0.95;
     const planar_chart *chart = &work->trimming.chart;
     const cloud_geometry *geometry = &work->geometry;
     double near = NEAR_SPACINGS * geometry->middle_spacing + NEAR_NOISE * geometry->noise, corners[4];

@@ -51,14 +51,10 @@ static const double CORRECTION_REACH = 0.25;
 static const double STIFF_REACH = 0.025;
 static const double SLOW = 0.7;
 static const double NEAR_SHARE = 0.9;
-// The expected squared distance of new points falls, when it falls below its least value before by the largest of these
-// shares: GAIN_POINTS of the number of points, FUNCTION_GAIN for each function more, and MIN_GAIN. Refinement ends when it
-// has not, with the functions more by STALL_GROWTH and STALL_MORE: a few coarse cells do not reach a narrow feature.
-static const double GAIN_POINTS = 15;
-static const double FUNCTION_GAIN = 0.1;
-static const double MIN_GAIN = 5e-4;
-// The expected distances must also fall by this many standard errors of their fall over the points.
-static const double FALL_ERRORS = 1;
+// The expected squared distances of new points fall, when they do by this many standard errors of their fall over the
+// points. Refinement ends when they have not, with the functions more by STALL_GROWTH and STALL_MORE: a few coarse cells do
+// not reach a narrow feature.
+static const double FALL_ERRORS = 2;
 static const double STALL_GROWTH = 2.2;
 static const double STALL_MORE = 64;
 // Weight of held-out points in the expected squared distance: the other part is generalized cross-validation.
@@ -644,14 +640,11 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
 {
     const bat_surface_fit_round *round = &loop->rounds[loop->count - 1];
     fit_best *best = &loop->best;
-    double before = best->space == NULL ? 0 : (double)loop->rounds[best->round].functions, expected = loop->expected;
-    double least = fmax(GAIN_POINTS, FUNCTION_GAIN * ((double)round->functions - before));
-    double gain = fmax(least / (double)loop->points.total, MIN_GAIN);
     bool fallen = true;
     bat_status status = best->space != NULL ? has_fallen(loop, &fallen, error) : BAT_OK;
     if (status != BAT_OK)
         return status;
-    if (best->space != NULL && !(fallen && expected * expected < (1 - gain) * best->expected * best->expected))
+    if (best->space != NULL && !(fallen && loop->expected < best->expected))
     {
         double enough = STALL_GROWTH * (double)loop->rounds[best->round].functions + STALL_MORE;
         // A surface that is still far from the points is too stiff to tell.
@@ -665,7 +658,7 @@ static bat_status compare_held_out(fit_loop *loop, bat_error *error)
         return status;
     bat_hierarchical_space_free(best->space);
     best->space = copy;
-    best->expected = expected;
+    best->expected = loop->expected;
     best->left = loop->left;
     best->held_rms = loop->held_rms;
     best->held_largest = loop->held_largest;

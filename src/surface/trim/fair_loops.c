@@ -38,8 +38,6 @@ static const double MAX_ROUGH = 0.3;
 static const double RANDOM_PART = 0.25;
 /// Smallest turns of corners, of exact and of rough loops.
 static const double MIN_TURNS[2] = {0.6, 0.9};
-/// Largest turn of a corner where the curves cross otherwise.
-static const double BLUNT_TURN = 1.9;
 /// Share of the turn over twice the window that is in the window.
 static const double TURN_SHARE = 0.65;
 /// Lengths on each side of a corner, in spacings, of exact and of rough loops.
@@ -67,7 +65,6 @@ typedef struct fair_loop
     double roughness; ///< without the part of the noise
     double offset;
     double window;       ///< length on each side of a corner
-    double max_turn;     ///< of corners
     bool has_corners;    ///< whether corners can be found
     double *at;          ///< count + 1: length of the loop up to a point
     bool *corner;        ///< count
@@ -272,7 +269,7 @@ static void find_corners(fair_loop *loop)
         double turn = turn_at(loop, i, loop->window);
         bool sharp =
             fabs(turn) >= MIN_TURNS[loop->offset > 0] && fabs(turn) >= TURN_SHARE * fabs(turn_at(loop, i, 2 * loop->window));
-        loop->turns[i] = sharp && fabs(turn) <= loop->max_turn ? turn : 0;
+        loop->turns[i] = sharp ? turn : 0;
     }
     for (size_t i = 0; i < loop->count; i++)
         loop->corner[i] = loop->turns[i] != 0 && is_sharpest(loop, i);
@@ -634,17 +631,6 @@ static bat_status fit_area(fair_loop *loop, bat_spline_trim *trim, bat_error *er
     return status;
 }
 
-/// Fit the loops again in another way where curves cross.
-typedef enum fair_way
-{
-    ALL_CORNERS,
-    BLUNT_CORNERS, ///< without those of narrow notches
-    POLYGONS,      ///< of the points, shifted
-    HALF_SHIFTED,
-    UNSHIFTED,
-    FAIR_WAYS
-} fair_way;
-
 /// The polygon of a loop's own points, shifted, as its only piece.
 static bat_status fit_points(const fair_loop *loop, bat_spline_trim *trim, bat_error *error)
 {
@@ -718,9 +704,18 @@ static bat_status loop_make(const outline_loops *loops, size_t number, const dou
     return measure_loop(loop, corners, spacing, noise, loops->random, missing, error);
 }
 
+/// Ways to fit loops: the next one where curves cross.
+enum
+{
+    CURVES,
+    POLYGONS,  ///< of the points, shifted
+    UNSHIFTED, ///< polygons of the points
+    WAYS
+};
+
 /// Fit all loops.
 static bat_status fit_loops(const outline_loops *loops, const double sides[2], const double *parameters,
-                            const double *spacing, double noise, fair_way way, bat_spline_trim *trim, bat_error *error)
+                            const double *spacing, double noise, int way, bat_spline_trim *trim, bat_error *error)
 {
     size_t corners = loops->first[loops->count];
     *trim = (bat_spline_trim){.pieces = calloc(corners, sizeof *trim->pieces),
@@ -731,8 +726,7 @@ static bat_status fit_loops(const outline_loops *loops, const double sides[2], c
     {
         fair_loop loop;
         status = loop_make(loops, l, sides, parameters, spacing, noise, &loop, error);
-        loop.max_turn = way == ALL_CORNERS ? INFINITY : BLUNT_TURN;
-        loop.offset *= way == UNSHIFTED ? 0 : way == HALF_SHIFTED ? 0.5 : 1;
+        loop.offset *= way == UNSHIFTED ? 0 : 1;
         if (status == BAT_OK)
             find_corners(&loop);
         if (status == BAT_OK)
@@ -752,10 +746,10 @@ bat_status fair_loops_make(const outline_loops *loops, const double sides[2], co
     bool crosses = true;
     bat_status status = BAT_OK;
     *trim = (bat_spline_trim){0};
-    for (int way = 0; way < FAIR_WAYS && status == BAT_OK && crosses; way++)
+    for (int way = 0; way < WAYS && status == BAT_OK && crosses; way++)
     {
         spline_trim_free(trim);
-        status = fit_loops(loops, sides, parameters, spacing, noise, (fair_way)way, trim, error);
+        status = fit_loops(loops, sides, parameters, spacing, noise, way, trim, error);
         if (status == BAT_OK)
             status = find_crossing(trim, &crosses, error);
     }
