@@ -245,6 +245,52 @@ static void straight_edges_are_pieces(void **state)
     bat_cloud_free(&cloud);
 }
 
+/// A notch four spacings wide has no circle that random points do not leave free, but an area that they do not.
+static void narrow_notches_are_cut(void **state)
+{
+    (void)state;
+    static const plane_shape NOTCH = {
+        .name = "notch",
+        .corner_count = 8,
+        .corners = {{0, 0}, {3, 0}, {3, 2}, {1.59, 2}, {1.59, 0.5}, {1.41, 0.5}, {1.41, 2}, {0, 2}}};
+    for (uint64_t seed = 1; seed <= 3; seed++)
+    {
+        bat_cloud cloud = cloud_of(&NOTCH, POINTS, false, false, seed);
+        bat_surface_result result = must_trim(&cloud, 0);
+        check_near(area_of_triangles(&result.surface) / area_of(&NOTCH), 1, LIMITS[0]);
+        bat_surface_result_free(&result);
+        bat_cloud_free(&cloud);
+    }
+}
+
+/// A flat plate is a plane of a few functions, and each of its holes is listed with its place and size.
+static void plates_are_planes_with_holes(void **state)
+{
+    (void)state;
+    bat_cloud cloud = cloud_of(&SHAPES[3], POINTS, false, false, 4);
+    bat_surface_result result = must_trim(&cloud, 0);
+    assert_true(result.is_plane);
+    assert_true(bat_hierarchical_space_functions(result.surface.space) <= 20);
+    size_t holes = 0;
+    for (size_t k = 0; k < result.gap_count; k++)
+    {
+        const bat_surface_gap *gap = &result.gaps[k];
+        double x = 0.8 * gap->place[0] - 0.6 * gap->place[2],
+               y = 0.36 * gap->place[0] + 0.8 * gap->place[1] + 0.48 * gap->place[2];
+        for (size_t h = 0; h < SHAPES[3].hole_count && !gap->closed; h++)
+        {
+            const double *hole = SHAPES[3].holes[h];
+            bool near = hypot(x - hole[0], y - hole[1]) < 0.1;
+            holes += near;
+            if (near)
+                check_near(gap->diameter, 2 * hole[2], 0.2);
+        }
+    }
+    assert_int_equal(holes, SHAPES[3].hole_count);
+    bat_surface_result_free(&result);
+    bat_cloud_free(&cloud);
+}
+
 static void small_holes_are_filled(void **state)
 {
     (void)state;
@@ -431,6 +477,8 @@ int main(void)
         cmocka_unit_test(bent_shapes_have_their_areas),
         cmocka_unit_test(cad_files_are_read_by_open_cascade),
         cmocka_unit_test(straight_edges_are_pieces),
+        cmocka_unit_test(narrow_notches_are_cut),
+        cmocka_unit_test(plates_are_planes_with_holes),
         cmocka_unit_test(small_holes_are_filled),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(curves_go_through_json),
