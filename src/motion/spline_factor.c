@@ -261,7 +261,7 @@ static bat_status tensor_rates(const spline_factor *f, const double *identity, c
     double near[DIM], log[DIM], slope[DIM], rate[DIM], moved[DIM];
     bat_status status = BAT_OK;
     if (velocity != NULL)
-        status = spline_tensor_convert(space, c->value, q, c->first, false, velocity);
+        status = positive_definite_convert(space, c->value, q, c->first, false, velocity);
     if (acceleration != NULL)
         memset(acceleration, 0, n * sizeof *acceleration);
     for (int k = 0; k < 6 && acceleration != NULL && status == BAT_OK; k++)
@@ -274,7 +274,7 @@ static bat_status tensor_rates(const spline_factor *f, const double *identity, c
         }
         status = space->exp(space, identity, log, near);
         if (status == BAT_OK)
-            status = spline_tensor_convert(space, log, near, slope, false, rate);
+            status = positive_definite_convert(space, log, near, slope, false, rate);
         if (status == BAT_OK)
             status = space->transport(space, near, q, rate, moved);
         if (status == BAT_OK)

@@ -145,11 +145,6 @@ bat_status spline_system_finish(spline_system *system, bat_error *error);
 /// The record of an interval; see spline_factor_record_size().
 void spline_system_record(const spline_system *system, size_t interval, double *record);
 
-/// A tangent vector at a tensor, a point with this logarithm at the identity, as the derivative of the logarithm, or the
-/// reverse.
-bat_status spline_tensor_convert(const bat_space *space, const double *log, const double *point, const double *vector,
-                                 bool to_log, double *result);
-
 /// Prepare a factor of tensors by the spline of their logarithms in R^n, which exists for all keys, however far apart
 /// (Arsigny et al., Log-Euclidean metrics for fast and simple calculus on diffusion tensors, 2006).
 ///

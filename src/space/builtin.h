@@ -49,6 +49,11 @@ double space_inner(const bat_space *space, const double *p, const double *u, con
 /// The identity matrix as a point of bat_positive_definite().
 void positive_definite_identity(const bat_space *space, double *point);
 
+/// A tangent vector at a tensor, a point with this logarithm at the identity, as the derivative of the logarithm, or the
+/// reverse.
+bat_status positive_definite_convert(const bat_space *space, const double *log, const double *point, const double *vector,
+                                     bool to_log, double *result);
+
 // The functions of the rotation group, for the spaces that contain it as well: none reads `space`. Tangent vectors are
 // rotation vectors in the body's frame.
 

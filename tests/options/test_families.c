@@ -43,6 +43,7 @@ static const struct
     ROW(bat_hermite_kind),
     ROW(bat_motion_ends),
     ROW(bat_motion_shape),
+    ROW(bat_time_unit),
     ROW(bat_motion_outliers),
     ROW(bat_mesh_scheme),
     ROW(bat_mesh_boundary),

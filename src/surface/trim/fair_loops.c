@@ -485,7 +485,7 @@ static bat_status fit_piece(const fair_loop *loop, fair_piece *piece, bat_spline
     {
         double residuals[2] = {0, 0};
         bat_status status = fit_spans(piece, spans, curve, residuals, error);
-        bool fits = residuals[0] <= tolerance && is_within(loop, curve);
+        bool fits = status == BAT_OK && residuals[0] <= tolerance && is_within(loop, curve);
         // Few points far from their curve are no roughness.
         bool rough = piece->rough && residuals[0] <= 2 * tolerance;
         size_t most = (size_t)fmin((double)piece->count / SPAN_POINTS[rough], MAX_SPANS);
