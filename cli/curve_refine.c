@@ -550,9 +550,9 @@ static json_t *report_outliers(const curve_job *job, bool as_json)
 static json_t *report_noise(const curve_job *job, bool as_json)
 {
     const bat_motion_report *moved = &job->findings.moved;
-    return report_part(
-        as_json, "noise: {sigma:.4g}[angle_sigma?, {angle_sigma:.4g} rad] of keyframes[found?, by themselves]\n",
-        "sigma:n angle_sigma:n -found:b", moved->sigma, moved->angle_sigma, (int)(job->motion.spline.sigma < 0));
+    return report_part(as_json, "noise: {sigma:.4g}[turns?, {angle_sigma:.4g} rad] of keyframes[found?, by themselves]\n",
+                       "sigma:n angle_sigma:n -turns:b -found:b", moved->sigma, moved->angle_sigma,
+                       (int)(moved->angle_sigma > 0), (int)(job->motion.spline.sigma < 0));
 }
 
 /// Keys whose step says nothing of the velocity.
@@ -636,7 +636,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
          corners = job->refine.corner_angle > 0 || job->refine.find_corners || findings->done.curves.corners > 0;
     size_t kept = findings->done.curves.corners;
     json_t *outliers = job->is_motion && findings->moved.threshold > 0 ? report_outliers(job, json) : json_null();
-    bool noisy = findings->moved.sigma > 0 || findings->moved.angle_sigma > 0;
+    bool noisy = findings->moved.sigma > 0 || findings->moved.angle_sigma > 0 || job->motion.spline.sigma < 0;
     json_t *noise = noisy ? report_noise(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
     json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();

@@ -66,11 +66,12 @@ camera.velocity([0.0, 5.0]).round(3)
 # %% [markdown]
 # ## Noise and outliers
 #
-# `sigma` states the noise of the poses: the motion passes near them. With a rule for outliers, wrong poses count less.
+# `sigma` states the noise of the poses, or finds it: the motion passes near them. With a rule for outliers, wrong poses
+# count less.
 
 # %%
 random = np.random.default_rng(1)
 t = np.linspace(0, 6, 60)
 noisy = np.stack([np.cos(t), np.sin(t)], axis=1) + random.normal(0, 0.02, size=(60, 2))
 noisy[25] += [0.3, 0.3]
-batten.Motion(t, noisy, sigma=0.02, outliers="tukey")
+batten.Motion(t, noisy, sigma="auto", outliers="tukey")

@@ -68,8 +68,8 @@ typedef struct bat_motion_spline_options
     /// The noise of keys, the root mean square of their distances from the truth: the spline passes near the keys, as a
     /// compromise with the integral of the squared acceleration that has the least expected error. In R^n, and of
     /// translations of rigid motions, in units of length; of rotations, in radians. BAT_MOTION_SIGMA_AUTO: what the keys
-    /// tell. 0: through the keys; default 0. Not for closed motions and for given velocities; ends are natural where they
-    /// are automatic.
+    /// tell, which is none for fewer than 12. 0: through the keys; default 0. Not for closed motions and for given
+    /// velocities; ends are natural where they are automatic.
     double sigma;
     double angle_sigma;           ///< of the rotations of rigid motions, in radians; default 0
     bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_NONE

@@ -17,6 +17,8 @@ enum
     SEARCH_STEPS = 12,
     /// Keys over which the activity is averaged, and the fewest that tell it.
     WINDOW = 15,
+    /// The fewest keys that tell a noise.
+    MIN_KEYS = 12,
     MIN_ACTIVE = 30,
     /// Rounds of Huber's weights before those of the rule.
     ROUNDS = 6
@@ -279,7 +281,7 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
                          bat_error *error)
 {
     noise_search search = {.uncertainties = uncertainties, .wander = wander};
-    if (count < 3)
+    if (count < (size_t)(*sigma < 0 ? MIN_KEYS : 3))
     {
         *sigma = fmax(*sigma, 0);
         return BAT_OK;

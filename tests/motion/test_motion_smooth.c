@@ -150,6 +150,27 @@ static void sigma_0_interpolates(void **state)
     bat_motion_spline_free(moved);
 }
 
+/// Few keys, and those without noise, stay where they are where the noise is to be found.
+static void exact_keys_stay(void **state)
+{
+    (void)state;
+    noisy_motion m = make_motion(0, 0, false);
+    const double automatic = BAT_MOTION_SIGMA_AUTO;
+    bat_motion_spline_options options = smoothing(automatic, automatic, BAT_MOTION_OUTLIERS_NONE);
+    bat_motion_spline *spline = must_make(&m, &options), *few;
+    double rms[2], at[7];
+    distances(&m, spline, m.truth, rms);
+    assert_true(rms[0] < 1e-5 && rms[1] < 1e-5);
+    bat_hermite_curve keys = keys_of(&m);
+    keys.count = 11;
+    assert_int_equal(bat_motion_spline_make(&keys, &options, &few, NULL), BAT_OK);
+    assert_true(bat_motion_spline_keys(few).sigma == 0);
+    assert_int_equal(bat_motion_spline_at(few, m.times[5], at, NULL, NULL, NULL), BAT_OK);
+    assert_memory_equal(at, m.points + 35, 3 * sizeof *at);
+    bat_motion_spline_free(spline);
+    bat_motion_spline_free(few);
+}
+
 static void constant_velocity_stays(void **state)
 {
     (void)state;
@@ -284,6 +305,7 @@ int main(void)
         cmocka_unit_test(noise_falls),
         cmocka_unit_test(sigma_0_interpolates),
         cmocka_unit_test(constant_velocity_stays),
+        cmocka_unit_test(exact_keys_stay),
         cmocka_unit_test(outliers_are_ignored),
         cmocka_unit_test(left_multiplication_commutes),
         cmocka_unit_test(residuals_are_orthogonal_to_lines),
