@@ -42,8 +42,8 @@ typedef struct bat_curve_read_options
     /// CSV: the name or number of a column; all rows with one value in it make one curve, in the order of the file, and the
     /// curves follow each other in the order of their first rows. Default null: blank lines separate curves.
     const char *group;
-    /// CSV: read the rows as keyframes of motions: the names of the columns tell the space, of rotation vectors and tensors
-    /// too; one column beside the times is a motion on the line; other columns are left out, with a note. Times are seconds
+    /// CSV: read the rows as keyframes of motions. The names of the columns tell the space, of rotation vectors and tensors
+    /// too. One column beside the times is a motion on the line. Other columns are left out, with a note. Times are seconds
     /// since bat_curve_set_time_origin(); they are written as they were: in their unit, or as dates with times of day (ISO
     /// 8601). Default false: such dates are texts, with new ones between.
     bool motion;

@@ -56,8 +56,8 @@ typedef struct bat_motion_curves_options
     double rate;          ///< samples a unit of time, at least 0; 0: by levels instead; default 0
     double period;        ///< of closed motions; 0: the time until a last key that repeats the first, or else one mean step
                           ///< beyond the last key; default 0
-    double wrap;          ///< R^n: coordinates are angles with this full turn: they go the shorter way, and come back from 0
-                          ///< on, or around 0 where a key is negative; 0: they are numbers; default 0
+    double wrap;          ///< R^n: coordinates are angles with this full turn, which go the shorter way. Results begin at 0,
+                          ///< or lie around 0 where a key is negative. 0: they are numbers; default 0
     const double *times;  ///< BAT_MOTION_METHOD_SPLINE: `time_count` increasing times to sample at; null: none; default null
     size_t time_count;    ///< default 0
     size_t tangent_order; ///< 2 or 4: the order of tangents that are estimated where the file has none. 0: splines solve for

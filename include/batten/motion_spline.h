@@ -65,8 +65,8 @@ typedef struct bat_motion_spline_options
     bat_motion_shape shape;       ///< default BAT_MOTION_SHAPE_RESTING
     const double *begin_velocity; ///< clamped: the velocity at the first key; null: 0; default null
     const double *end_velocity;   ///< clamped: the velocity at the last key; null: 0; default null
-    /// The noise of keys, the root mean square of their distances from the truth: the spline passes near the keys, as a
-    /// compromise with the integral of the squared acceleration that has the least expected error. In R^n, and of
+    /// The noise of keys, the root mean square of their distances from the truth. The spline passes near the keys, with the
+    /// penalty on the squared acceleration that has the least expected error. In R^n, and of
     /// translations of rigid motions, in units of length; of rotations, in radians. BAT_MOTION_SIGMA_AUTO: what the keys
     /// tell, which is none for fewer than 12. 0: through the keys; default 0. Not for closed motions and for given
     /// velocities; ends are natural where they are automatic.
@@ -94,11 +94,11 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// For rotations this is the construction of Kang and Park (Cubic spline algorithms for orientation interpolation, 1999) and
 /// of scipy's RotationSpline, moved from the beginning of the interval to its middle. In R^n it is the cubic spline.
 ///
-/// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967), for each coordinate
-/// with a penalty of its own, which is lower where the motion accelerates more.
+/// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967). Each coordinate has
+/// a penalty of its own, which is lower where the motion accelerates more.
 ///
-/// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none; those of a factor are
-///                unknown at a key where all of their numbers are NaN; without times the keys are at 0, 1, 2, ...; the space
+/// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none. Those of a factor are
+///                unknown at a key where all of their numbers are NaN. Without times the keys are at 0, 1, 2, .... The space
 ///                must outlive the spline, the arrays need not
 /// @param options null for the defaults
 /// @param spline  receives the spline; release it with bat_motion_spline_free()
