@@ -76,6 +76,14 @@ size_t column_find(const column_names *columns, const char *name)
     return BAT_NO_INDEX;
 }
 
+int time_unit_decimals(const char *text, size_t size)
+{
+    for (size_t i = 0; i < sizeof TIME_UNITS / sizeof *TIME_UNITS; i++)
+        if (strlen(TIME_UNITS[i].name) == size && strncasecmp(text, TIME_UNITS[i].name, size) == 0)
+            return TIME_UNITS[i].decimals;
+    return -1;
+}
+
 /// Whether a column is called by a name, an underscore or a blank, and a unit of time, which may be in brackets.
 static bool name_has_unit(const char *column, const char *name, int *decimals)
 {
@@ -84,16 +92,10 @@ static bool name_has_unit(const char *column, const char *name, int *decimals)
     if (strncasecmp(column, name, length) != 0 || strchr("_ [(", column[length]) == NULL || column[length] == '\0')
         return false;
     column += length + strspn(column + length, "_ [(");
-    for (size_t i = 0; i < sizeof TIME_UNITS / sizeof *TIME_UNITS; i++)
-    {
-        size_t size = strlen(TIME_UNITS[i].name);
-        const char *rest = column + size;
-        if (strncasecmp(column, TIME_UNITS[i].name, size) != 0 || rest[strspn(rest, ")] \"")] != '\0')
-            continue;
-        *decimals = TIME_UNITS[i].decimals;
-        return true;
-    }
-    return false;
+    size_t size = strcspn(column, ")] \"");
+    const char *rest = column + size;
+    *decimals = rest[strspn(rest, ")] \"")] == '\0' ? time_unit_decimals(column, size) : -1;
+    return *decimals >= 0;
 }
 
 size_t column_find_time(const column_names *columns, int *decimals)

@@ -42,6 +42,9 @@ typedef struct column_names
     size_t count;
 } column_names;
 
+/// The decimals of seconds that a unit of time has: "ms" has 3. -1 for other texts.
+int time_unit_decimals(const char *text, size_t size);
+
 /// The column with a name, in upper or lower case, with or without quotes; or BAT_NO_INDEX.
 size_t column_find(const column_names *columns, const char *name);
 /// The column of the times, or BAT_NO_INDEX.

@@ -24,6 +24,11 @@ static inline double vector_dot(size_t n, const double *u, const double *v)
     return sum;
 }
 
+static inline double vector_square(size_t n, const double *v)
+{
+    return vector_dot(n, v, v);
+}
+
 // Vectors of three numbers.
 
 /// a . b

@@ -1,6 +1,7 @@
 #include "motion/smoother.h"
 
 #include "base/error.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,19 +16,11 @@ enum
     MAX_STEPS = 60
 };
 
-static double square(size_t n, const double *v)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += v[i] * v[i];
-    return sum;
-}
-
 double smoother_squares(const smoother *s, double cut)
 {
     double sum = 0;
     for (size_t i = 0; i < s->count; i++)
-        sum += fmin(s->weights[i] * square(s->last - s->first, s->residuals + i * s->n + s->first), cut);
+        sum += fmin(s->weights[i] * vector_square(s->last - s->first, s->residuals + i * s->n + s->first), cut);
     return sum;
 }
 
@@ -178,7 +171,7 @@ static bat_status move(smoother *s, double weight, double *largest)
                 turned -= (bend[k] - bend[(ptrdiff_t)k - (ptrdiff_t)n]) / s->lengths[i - 1];
             step[k] = s->residuals[i * n + k] - weight * turned / s->weights[i];
         }
-        *largest = fmax(*largest, sqrt(square(n, step)));
+        *largest = fmax(*largest, sqrt(vector_square(n, step)));
         from_frame(s, i, step, vector);
         status = space->exp(space, s->points + i * s->dim, vector, moved);
         memcpy(s->points + i * s->dim, moved, s->dim * sizeof *moved);

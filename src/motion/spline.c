@@ -257,15 +257,12 @@ static bat_status take_velocities(const double *tangents, size_t stride, spline_
     for (size_t k = 0; k < system->count; k++)
     {
         const double *given = tangents + k * stride;
-        size_t known = 0;
-        while (known < n && !isnan(given[known]))
-            known++;
         size_t unknown = 0;
-        while (unknown < n && isnan(given[unknown]))
-            unknown++;
-        if (known < n && unknown < n)
+        for (size_t i = 0; i < n; i++)
+            unknown += isnan(given[i]) ? 1 : 0;
+        if (unknown > 0 && unknown < n)
             return error_set(error, BAT_INVALID_POINT, k, 0, "a number of the velocity of point %zu is NaN", k);
-        if (known < n)
+        if (unknown == n)
             continue;
         system->fixed[k] = KEY_GIVEN;
         memcpy(system->velocities + k * n, given, n * sizeof *given);

@@ -1,6 +1,7 @@
 #include "motion/smoother.h"
 
 #include "base/error.h"
+#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>
@@ -15,12 +16,12 @@ enum
 {
     /// Steps of the search in a bracket.
     SEARCH_STEPS = 12,
-    /// Keys over which the activity is averaged, and the fewest that tell it.
-    WINDOW = 15,
     /// The fewest keys that tell a noise.
     MIN_KEYS = 12,
+    /// Keys over which the activity is averaged, and the fewest that tell it.
+    WINDOW = 15,
     MIN_ACTIVE = 30,
-    /// Rounds of Huber's weights before those of the rule.
+    /// Rounds with a rule for outliers: the first half have Huber's weights.
     ROUNDS = 6
 };
 
@@ -48,14 +49,6 @@ typedef struct noise_search
     double *sorted;    ///< count
     double *uncertainties, *wander; ///< see spline_smooth()
 } noise_search;
-
-static double square(size_t n, const double *v)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += v[i] * v[i];
-    return sum;
-}
 
 /// The expected error of the motion for a weight of the penalty, up to constants. Infinite where there is no motion.
 static double judge(noise_search *search, double weight)
@@ -117,19 +110,19 @@ static bool measure_energy(noise_search *search)
     size_t n = s->last - s->first, half = WINDOW / 2;
     double sum = 0, mean = 0;
     for (size_t i = 1; i + 1 < s->count; i++)
-        mean += square(n, s->bends + i * s->n + s->first) / (double)(s->count - 2);
+        mean += vector_square(n, s->bends + i * s->n + s->first) / (double)(s->count - 2);
     if (s->count < MIN_ACTIVE || !(mean > 0) || !isfinite(mean))
         return false;
     // Sums over the keys i - half to i + half + 1, the ends of the interval i and those around it.
     for (size_t i = 0; i <= half; i++)
-        sum += square(n, s->bends + i * s->n + s->first);
+        sum += vector_square(n, s->bends + i * s->n + s->first);
     for (size_t i = 0; i + 1 < s->count; i++)
     {
         size_t from = i > half ? i - half : 0, to = i + half + 1 < s->count ? i + half + 1 : s->count - 1;
         if (i + half + 1 < s->count)
-            sum += square(n, s->bends + to * s->n + s->first);
+            sum += vector_square(n, s->bends + to * s->n + s->first);
         if (i > half)
-            sum -= square(n, s->bends + (from - 1) * s->n + s->first);
+            sum -= vector_square(n, s->bends + (from - 1) * s->n + s->first);
         search->energy[i] = fmax(sum, 0) / ((double)(to - from + 1) * mean) + QUIET;
     }
     return true;
@@ -195,7 +188,7 @@ static void measure_neighbours(noise_search *search)
         bool near = space->log(space, p, p - s->dim, before) == BAT_OK && space->log(space, p, p + s->dim, after) == BAT_OK;
         for (size_t k = 0; k < s->n; k++)
             before[k] = near ? share * before[k] + (1 - share) * after[k] : 0;
-        search->distances[i] = sqrt(square(s->n, before) / (1 + share * share + (1 - share) * (1 - share)));
+        search->distances[i] = sqrt(vector_square(s->n, before) / (1 + share * share + (1 - share) * (1 - share)));
     }
     search->distances[0] = search->distances[1];
     search->distances[s->count - 1] = search->distances[s->count - 2];
@@ -204,7 +197,7 @@ static void measure_neighbours(noise_search *search)
 static void measure_motion(noise_search *search)
 {
     for (size_t i = 0; i < search->s.count; i++)
-        search->distances[i] = sqrt(square(search->s.n, search->s.residuals + i * search->s.n));
+        search->distances[i] = sqrt(vector_square(search->s.n, search->s.residuals + i * search->s.n));
 }
 
 /// The noise by the median distance of the measurements, which few outliers do not change: of normal noise in n dimensions
@@ -297,7 +290,7 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
     if (status == BAT_OK)
         status = smooth(&search, outliers, &noise, error);
     for (size_t i = 0; status == BAT_OK && noise > 0 && i < count; i++)
-        deviations[i] = fmax(deviations[i], sqrt(square(s->n, s->residuals + i * s->n)) / noise);
+        deviations[i] = fmax(deviations[i], sqrt(vector_square(s->n, s->residuals + i * s->n)) / noise);
     if (status == BAT_OK)
     {
         memcpy(points, s->points, count * s->dim * sizeof *points);

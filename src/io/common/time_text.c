@@ -221,6 +221,12 @@ const char *exact_time_unit(int decimals)
     return names[decimals / 3];
 }
 
+const char *exact_time_suffix(int decimals)
+{
+    static const char *const suffixes[] = {"", "_ms", "_us", "_ns"};
+    return suffixes[decimals / 3];
+}
+
 /// The largest whole number of seconds up to a time.
 static int64_t whole_seconds(int64_t nanoseconds)
 {

@@ -49,8 +49,9 @@ bool exact_time_read(const char *begin, const char *end, int decimals, int64_t *
 /// 1e14, microseconds below 1e17, else nanoseconds.
 int exact_time_decimals(const char *begin, const char *end);
 
-/// A unit's name in words.
+/// A unit's name in words, and what the name of a column gets for it: "", "_ms", "_us" or "_ns".
 const char *exact_time_unit(int decimals);
+const char *exact_time_suffix(int decimals);
 
 /// The whole seconds that are kept apart for a first time: 0 for times that a double holds to the nanosecond.
 int64_t exact_time_origin(int64_t nanoseconds);

@@ -1,6 +1,7 @@
 #include "io/curve/csv.h"
 
 #include "base/memory.h"
+#include "io/common/time_text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -217,7 +218,7 @@ void csv_attributes_describe(bat_curve_attributes *attributes, const bat_space *
 
 enum
 {
-    DEVIATION_NAME_SIZE = 16
+    MADE_NAME_SIZE = 16
 };
 
 bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *columns)
@@ -226,20 +227,21 @@ bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *
     const point_form *form = attributes->form;
     const motion_channels *channels = &attributes->channels;
     const char *names[1 + MAX_FORM_COLUMNS + 2 * MAX_VELOCITIES];
-    char deviations[MAX_VELOCITIES][DEVIATION_NAME_SIZE];
+    char deviations[MAX_VELOCITIES][MADE_NAME_SIZE];
     csv_field fields[1 + MAX_FORM_COLUMNS + 2 * MAX_VELOCITIES];
     size_t count = 0, first = channels->time != BAT_NO_INDEX;
     *columns = (csv_columns){.time = BAT_NO_INDEX, .altitude = BAT_NO_INDEX, .corner = BAT_NO_INDEX};
-    static const char *const times[] = {"time", "time_ms", "time_us", "time_ns"};
+    char time[MADE_NAME_SIZE];
+    (void)snprintf(time, sizeof time, "time%s", exact_time_suffix(attributes->time_decimals));
     if (first > 0)
-        names[count++] = times[attributes->time_decimals / 3];
+        names[count++] = time;
     for (const char *const *point = attributes->degrees ? degrees : form->names; *point != NULL; point++)
         names[count++] = *point;
     for (size_t i = 0; i < channels->velocity_count; i++)
         names[count++] = form->velocities[i];
     for (size_t i = 0; i < channels->velocity_count && channels->deviation > 0; i++)
     {
-        (void)snprintf(deviations[i], DEVIATION_NAME_SIZE, "sd_%s", form->velocities[i] + (form->velocities[i][0] == 'v'));
+        (void)snprintf(deviations[i], MADE_NAME_SIZE, "sd_%s", form->velocities[i] + (form->velocities[i][0] == 'v'));
         names[count++] = deviations[i];
     }
     for (size_t i = 0; i < count; i++)

@@ -33,9 +33,6 @@ const char *pose_time_join(csv_field seconds, csv_field nanoseconds, text_buffer
     return NULL;
 }
 
-/// Decimals of seconds in whole nanoseconds.
-static const int NANO = 9;
-
 /// Names of columns after normalized_name(). The canonical ones come first; the CSV reader knows them itself.
 static const struct
 {
@@ -89,14 +86,24 @@ static const struct
 {
     const char *name;
     column_unit unit;
-} UNITS[] = {{"s", UNIT_SECONDS},   {"sec", UNIT_SECONDS},    {"seconds", UNIT_SECONDS}, {"ms", UNIT_MILLI},
-             {"us", UNIT_MICRO},    {"ns", UNIT_NANO},        {"nsec", UNIT_NANO},       {"nanoseconds", UNIT_NANO},
-             {"deg", UNIT_DEGREES}, {"degree", UNIT_DEGREES}, {"degrees", UNIT_DEGREES}, {"\xC2\xB0", UNIT_DEGREES},
-             {"rad", UNIT_RADIANS}, {"radian", UNIT_RADIANS}, {"radians", UNIT_RADIANS}};
+} ANGLES[] = {{"deg", UNIT_DEGREES}, {"degree", UNIT_DEGREES}, {"degrees", UNIT_DEGREES}, {"\xC2\xB0", UNIT_DEGREES},
+              {"rad", UNIT_RADIANS}, {"radian", UNIT_RADIANS}, {"radians", UNIT_RADIANS}};
 
 int pose_unit_decimals(column_unit unit)
 {
-    return unit == UNIT_NANO ? NANO : unit == UNIT_MICRO ? 6 : unit == UNIT_MILLI ? 3 : 0;
+    return unit >= UNIT_SECONDS && unit <= UNIT_NANO ? 3 * ((int)unit - (int)UNIT_SECONDS) : 0;
+}
+
+/// The unit of a text; UNIT_NONE where it is not known as one.
+static column_unit unit_of(const char *text)
+{
+    int decimals = time_unit_decimals(text, strlen(text));
+    if (decimals >= 0)
+        return (column_unit)((int)UNIT_SECONDS + decimals / 3);
+    for (size_t i = 0; i < sizeof ANGLES / sizeof *ANGLES; i++)
+        if (strcmp(text, ANGLES[i].name) == 0)
+            return ANGLES[i].unit;
+    return UNIT_NONE;
 }
 
 bool pose_name_is_px4(csv_field field)
@@ -150,19 +157,16 @@ void pose_name_normalize(csv_field field, char name[POSE_NAME_SIZE], column_unit
         }
     }
     char *last = strrchr(name, '_');
-    for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++)
-        if (strcmp(unit_name, UNITS[i].name) == 0)
-            *found = UNITS[i].unit;
+    column_unit unit = unit_of(unit_name);
+    *found = unit != UNIT_NONE ? unit : *found;
     // "time_ns", "yaw_deg"; "stamp_sec" has a meaning of its own.
     bool angle = strncmp(name, "roll_", 5) == 0 || strncmp(name, "pitch_", 6) == 0 || strncmp(name, "yaw_", 4) == 0;
     bool time = strncmp(name, "time_", 5) == 0 || strncmp(name, "timestamp_", 10) == 0 || strncmp(name, "t_", 2) == 0;
-    for (size_t i = 0; last != NULL && (angle || time) && i < sizeof UNITS / sizeof *UNITS; i++)
-        if (*found == UNIT_NONE && strcmp(last + 1, UNITS[i].name) == 0)
-        {
-            *found = UNITS[i].unit;
-            *last = '\0';
-            break;
-        }
+    unit = last != NULL && (angle || time) && *found == UNIT_NONE ? unit_of(last + 1) : UNIT_NONE;
+    if (unit == UNIT_NONE)
+        return;
+    *found = unit;
+    *last = '\0';
 }
 
 role pose_name_role(const char *name, bool *canonical)

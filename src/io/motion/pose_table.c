@@ -13,9 +13,6 @@ static const char *const OUTPUT_NAMES[ROLES] = {
     [TIME] = "time", [X] = "tx",  [Y] = "ty",  [Z] = "tz",  [QW] = "qw", [QX] = "qx", [QY] = "qy",
     [QZ] = "qz",     [VX] = "vx", [VY] = "vy", [VZ] = "vz", [WX] = "wx", [WY] = "wy", [WZ] = "wz"};
 
-/// What is appended to the name of times for their unit.
-static const char *const TIME_UNITS[] = {"", "_ms", "_us", "_ns"};
-
 /// How many of `count` roles have columns.
 static size_t count_roles(const pose_translation *work, role first, size_t count)
 {
@@ -198,7 +195,7 @@ static void write_names(pose_translation *work)
         text_append_string(&work->text, first ? "" : ",");
         text_append_string(&work->text, OUTPUT_NAMES[i] + plain);
         if (i == TIME)
-            text_append_string(&work->text, TIME_UNITS[pose_unit_decimals(work->time_unit) / 3]);
+            text_append_string(&work->text, exact_time_suffix(pose_unit_decimals(work->time_unit)));
         first = false;
     }
 }
