@@ -459,7 +459,10 @@ int many_run(const arguments *given, many_verb run)
         code = report_failure(folder, &error);
     }
     if (code == EXIT_DONE)
+    {
+        (void)bat_outputs_sweep(all.tasks[0].output);
         code = run_tasks(&all);
+    }
     if (code == EXIT_DONE)
         code = finish(&all);
     json_decref(all.list);

@@ -211,5 +211,10 @@ int verb_run(const verb *what, int argc, char **argv)
     int code;
     if (!arguments_read(what, argc, argv, &given, &code))
         return code;
-    return what->formats != NULL && many_wanted(&given) ? many_run(&given, run) : run(&given);
+    if (what->formats != NULL && many_wanted(&given))
+        return many_run(&given, run);
+    const char *output = argument(&given, "output");
+    if (output != NULL && !is_standard_output(output))
+        (void)bat_outputs_sweep(output);
+    return run(&given);
 }

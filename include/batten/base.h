@@ -208,6 +208,11 @@ BAT_API void bat_outputs_remove(const bat_outputs *outputs);
 /// Remove the temporary files that are left and release the set. Null is fine.
 BAT_API void bat_outputs_free(bat_outputs *outputs);
 
+/// Remove hidden files that killed programs left in the folder of `path`: of processes that are gone, and not written for an
+/// hour. Only the moment in which a file is replaced, file systems without nameless files, and GDAL can leave one.
+/// @return the number of removed files
+BAT_API size_t bat_outputs_sweep(const char *path);
+
 /// A stream of pseudo-random numbers (xoshiro256++ of Blackman and Vigna, seeded through splitmix64). The same seed gives
 /// the same bits and uniform numbers on every machine; normal ones may differ in the last digit.
 typedef struct bat_random

@@ -4,8 +4,10 @@
 
 #include "base/error.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -38,7 +40,7 @@ char *atomic_folder_of(const char *path)
     return length == 0 ? strdup(".") : strndup(path, length);
 }
 
-char *atomic_hidden_name(const char *target, unsigned attempt)
+char *atomic_hidden_name(const char *target, unsigned attempt, int descriptor)
 {
     static const int LONGEST = 160; ///< of the part of the target's name that is kept, since file systems bound the length
     const char *base = atomic_base_name(target);
@@ -49,8 +51,8 @@ char *atomic_hidden_name(const char *target, unsigned attempt)
     size_t size = strlen(target) + sizeof HIDDEN + 64;
     char *name = malloc(size);
     if (name != NULL)
-        (void)snprintf(name, size, "%.*s%s%ld-%lx-%x.%s", (int)(base - target), target, HIDDEN, (long)getpid(),
-                       (unsigned long)now.tv_nsec, attempt, kept);
+        (void)snprintf(name, size, "%.*s%s%ld-%lx-%x-%x.%s", (int)(base - target), target, HIDDEN, (long)getpid(),
+                       (unsigned long)now.tv_nsec, attempt, (unsigned)(descriptor + 1), kept);
     return name;
 }
 
@@ -75,7 +77,37 @@ int atomic_open_nameless(const char *target, mode_t mode)
     return descriptor;
 }
 
-static int link_nameless(int descriptor, const char *name)
+/// The parts of a hidden name; false for another one.
+static bool read_hidden(const char *path, long *process, unsigned *descriptor)
+{
+    int end = 0;
+    const char *base = atomic_base_name(path);
+    if (!atomic_is_hidden(path))
+        return false;
+    // NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion,cert-err34-c): a name with other numbers has no such
+    // file
+    (void)sscanf(base + sizeof HIDDEN - 1, "%ld-%*x-%*x-%x.%n", process, descriptor, &end);
+    return end > 0;
+}
+
+/// A copy of the open file without a name that a hidden name of this process stands for, emptied; -1 for none.
+static int open_parked(const char *path)
+{
+    long process;
+    unsigned number;
+    struct stat about;
+    if (!read_hidden(path, &process, &number) || process != (long)getpid() || number == 0 ||
+        fstat((int)number - 1, &about) != 0 || !S_ISREG(about.st_mode) || about.st_nlink != 0)
+        return -1;
+    int copy = fcntl((int)number - 1, F_DUPFD_CLOEXEC, 0);
+    if (copy >= 0 && lseek(copy, 0, SEEK_SET) == 0 && ftruncate(copy, 0) == 0)
+        return copy;
+    if (copy >= 0)
+        (void)close(copy);
+    return -1;
+}
+
+int atomic_link_nameless(int descriptor, const char *name)
 {
     char nameless[48];
     (void)snprintf(nameless, sizeof nameless, "/proc/self/fd/%d", descriptor);
@@ -99,7 +131,7 @@ static int use_name(const char *name, int descriptor, mode_t mode)
 {
     if (descriptor < 0)
         return open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    return link_nameless(descriptor, name) == 0 ? descriptor : -1;
+    return atomic_link_nameless(descriptor, name) == 0 ? descriptor : -1;
 }
 
 /// use_name() with a hidden name in the target's folder.
@@ -111,7 +143,7 @@ static int take_name(atomic_file *file, int descriptor, mode_t mode)
     {
         // A file that already goes to a hidden name needs no other.
         bool final = atomic_is_hidden(file->target);
-        char *name = final ? strdup(file->target) : atomic_hidden_name(file->target, attempt);
+        char *name = final ? strdup(file->target) : atomic_hidden_name(file->target, attempt, -1);
         if (name == NULL)
             return -1;
         if (final)
@@ -136,7 +168,10 @@ static bat_status open_temporary(atomic_file *file, const struct stat *existing,
 {
     // Nobody else reads what replaces a file before it has that file's rights.
     mode_t mode = existing != NULL || atomic_is_hidden(file->target) ? S_IRUSR | S_IWUSR : 0666;
-    int descriptor = atomic_open_nameless(file->target, mode);
+    int descriptor = open_parked(file->target);
+    file->parked = descriptor >= 0;
+    if (descriptor < 0)
+        descriptor = atomic_open_nameless(file->target, mode);
     if (descriptor < 0)
         descriptor = take_name(file, -1, mode);
     if (descriptor < 0)
@@ -246,9 +281,12 @@ static bat_status atomic_file_commit(atomic_file *file, bat_error *error)
     int reason = flush(file->stream);
     // Files with hidden names are forced to the disk when they leave them.
     bool replaces = file->target != NULL && !atomic_is_hidden(file->target);
-    bool nameless = file->target != NULL && file->temporary == NULL;
+    bool nameless = file->target != NULL && file->temporary == NULL && !file->parked;
     if (reason == 0 && replaces)
         reason = atomic_sync(fileno(file->stream));
+    // A new file needs no hidden name, which would stay behind if the process were killed now.
+    if (reason == 0 && nameless && replaces && atomic_link_nameless(fileno(file->stream), file->target) == 0)
+        nameless = false;
     if (reason == 0 && nameless && take_name(file, fileno(file->stream), 0) < 0)
         reason = errno;
     int shut_reason = shut(file->stream);
@@ -268,7 +306,13 @@ static bat_status atomic_file_commit(atomic_file *file, bat_error *error)
 static void atomic_file_abandon(atomic_file *file)
 {
     if (file->stream != NULL)
+    {
         (void)shut(file->stream);
+        // An empty file counts as not written.
+        int emptied = file->parked ? open_parked(file->target) : -1;
+        if (emptied >= 0)
+            (void)close(emptied);
+    }
     if (file->temporary != NULL)
         (void)unlink(file->temporary);
     forget(file);
@@ -287,4 +331,27 @@ const char *atomic_name_shown(const char *path)
     const char *base = atomic_base_name(path);
     const char *dot = atomic_is_hidden(path) ? strchr(base + sizeof HIDDEN - 1, '.') : NULL;
     return dot != NULL ? dot + 1 : base;
+}
+
+size_t bat_outputs_sweep(const char *path)
+{
+    static const double UNTOUCHED = 3600; // seconds; of other machines the processes are not known
+    size_t removed = 0;
+    char *folder = atomic_folder_of(path);
+    DIR *entries = folder != NULL ? opendir(folder) : NULL;
+    const struct dirent *entry;
+    while (entries != NULL && (entry = readdir(entries)) != NULL)
+    {
+        long process;
+        unsigned descriptor;
+        struct stat about;
+        if (read_hidden(entry->d_name, &process, &descriptor) && process > 0 && kill((pid_t)process, 0) != 0 &&
+            errno == ESRCH && fstatat(dirfd(entries), entry->d_name, &about, AT_SYMLINK_NOFOLLOW) == 0 &&
+            S_ISREG(about.st_mode) && difftime(time(NULL), about.st_mtime) > UNTOUCHED)
+            removed += unlinkat(dirfd(entries), entry->d_name, 0) == 0;
+    }
+    if (entries != NULL)
+        (void)closedir(entries);
+    free(folder);
+    return removed;
 }

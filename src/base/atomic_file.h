@@ -7,10 +7,10 @@
 #include <sys/stat.h>
 
 /// A file that appears whole or not at all: until it is finished an existing file is untouched. It is written without a name
-/// in its folder, so that nothing stays behind when the process is killed, then linked to a hidden name and renamed. Where
-/// the system or the file system has no nameless files, it has the hidden name from the beginning. Before it is renamed, its
-/// content is on the disk. Links are followed. What is no regular file (a pipe, a device) is written directly. "-" and
-/// "/dev/stdout" are standard output.
+/// in its folder, so that nothing stays behind when the process is killed. When its content is on the disk, a new file gets
+/// its name; one that replaces another gets a hidden name and is renamed at once. Where the system or the file system has
+/// no nameless files, it has the hidden name from the beginning. Links are followed. What is no regular file (a pipe, a
+/// device) is written directly. "-" and "/dev/stdout" are standard output.
 ///
 ///     atomic_file file;
 ///     bat_status status = atomic_file_begin(path, &file, error);
@@ -23,6 +23,7 @@ typedef struct atomic_file
     FILE *stream;    ///< write here
     char *temporary; ///< the hidden name; null while it has none
     char *target;    ///< where it goes in the end; null when written directly
+    bool parked;     ///< it is the open file of a bat_outputs, which names it
 } atomic_file;
 
 /// Open a file for writing.
@@ -47,10 +48,13 @@ typedef struct atomic_target
 bat_status atomic_target_find(const char *path, atomic_target *target, bat_error *error);
 
 /// A hidden name in the target's folder that ends with the target's name. A file of such a name is written with no second
-/// temporary file, and only its owner can read it. Null when out of memory.
-char *atomic_hidden_name(const char *target, unsigned attempt);
+/// temporary file, and only its owner can read it. With a descriptor of a file without a name, atomic_file_begin() opens
+/// that file for it. Null when out of memory.
+char *atomic_hidden_name(const char *target, unsigned attempt, int descriptor);
 /// Open a file without a name in the target's folder; -1 where that is not possible.
 int atomic_open_nameless(const char *target, mode_t mode);
+/// Give such a file a name that no file has; 0, or -1 with errno.
+int atomic_link_nameless(int descriptor, const char *name);
 /// Whether a path has such a name.
 bool atomic_is_hidden(const char *path);
 /// The name of the file, without its folder, that a path or a hidden name stands for.

@@ -19,6 +19,7 @@ typedef struct output
     char *path;        ///< as it was given, where it is written directly
     char *target;      ///< links followed; null for what is written directly
     char *temporary;   ///< the hidden name beside the target
+    int descriptor;    ///< the open file without a name that the hidden name stands for; -1 for none
     char *backup;      ///< another name of the file that is replaced, while several are; null for none
     struct stat about; ///< of the file that is replaced; of a new one, its rights
     struct stat folder;
@@ -58,23 +59,23 @@ static bool same_target(const output *a, const output *b)
     return same_inode(&a->folder, &b->folder) && strcmp(atomic_base_name(a->target), atomic_base_name(b->target)) == 0;
 }
 
-/// Make an empty file to learn what rights a new file gets. It has a hidden name, which a signal may leave behind, only
-/// where there are no files without names.
+/// Learn what rights a new file gets: from the file without a name, or from an empty one with the hidden name, which a
+/// signal may leave behind.
 static int probe(output *file)
 {
-    int descriptor = atomic_open_nameless(file->target, 0666);
-    bool named = descriptor < 0;
-    if (named)
-        descriptor = open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    bool named = file->descriptor < 0;
+    int descriptor = named ? open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666) : file->descriptor;
     if (descriptor < 0)
         return errno;
     struct stat about;
     int reason = fstat(descriptor, &about) == 0 ? 0 : errno;
     if (!file->exists)
         file->about = about;
-    (void)close(descriptor);
     if (named)
+    {
+        (void)close(descriptor);
         (void)unlink(file->temporary);
+    }
     return reason;
 }
 
@@ -95,8 +96,11 @@ static bat_status prepare(const bat_outputs *outputs, const char *path, output *
     if (status != BAT_OK)
         return status;
     *file = (output){.index = outputs->count, .target = target.path, .about = target.existing, .exists = target.exists};
+    static const size_t MOST_OPEN = 64; // of a process's descriptors
+    file->descriptor = file->target != NULL && file->index < MOST_OPEN ? atomic_open_nameless(file->target, 0666) : -1;
     file->path = strdup(path);
-    file->temporary = file->target != NULL ? atomic_hidden_name(file->target, (unsigned)outputs->count) : NULL;
+    if (file->target != NULL)
+        file->temporary = atomic_hidden_name(file->target, (unsigned)outputs->count, file->descriptor);
     if (file->path == NULL || (file->target != NULL && file->temporary == NULL))
         return error_memory(error, strlen(path));
     if (file->target == NULL)
@@ -109,8 +113,16 @@ static bat_status prepare(const bat_outputs *outputs, const char *path, output *
     return reason == 0 ? status : atomic_access_error(error, reason);
 }
 
+static void forget_nameless(output *file)
+{
+    if (file->descriptor >= 0)
+        (void)close(file->descriptor);
+    file->descriptor = -1;
+}
+
 static void output_free(output *file)
 {
+    forget_nameless(file);
     free(file->path);
     free(file->target);
     free(file->temporary);
@@ -160,6 +172,7 @@ static output *new_companion(const output *file, const char *ending)
                           .about = file->about,
                           .folder = file->folder,
                           .companion = true,
+                          .descriptor = -1,
                           .target = with_ending(file->target, ending),
                           .temporary = with_ending(file->temporary, ending)};
     if (companion->target == NULL || companion->temporary == NULL)
@@ -203,6 +216,7 @@ bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **
     output *file = calloc(1, sizeof *file);
     if (file == NULL)
         return error_memory(error, sizeof *file);
+    file->descriptor = -1;
     bat_status status = prepare(outputs, path, file, error);
     if (status == BAT_OK && !append_all(outputs, file))
         status = error_memory(error, sizeof *file);
@@ -218,16 +232,34 @@ bat_status bat_outputs_add(bat_outputs *outputs, const char *path, const char **
     return BAT_OK;
 }
 
-/// The rights of the file that is replaced or that a new file gets, and all bytes on the disk; 0 or why it failed.
-static int finish(const output *file)
+/// The rights of the file that is replaced or that a new file gets, and all bytes on the disk; 0 or why it failed. Writers
+/// that are not the library's made a file with the hidden name.
+static int finish(output *file)
 {
-    int descriptor = open(file->temporary, O_RDWR | O_CLOEXEC);
+    struct stat about;
+    int named = open(file->temporary, O_RDWR | O_CLOEXEC), descriptor = named;
+    if (named < 0 && errno == ENOENT && file->descriptor >= 0 && fstat(file->descriptor, &about) == 0 && about.st_size > 0)
+        descriptor = file->descriptor;
     if (descriptor < 0)
         return file->companion && errno == ENOENT ? 0 : errno;
     atomic_keep_rights(descriptor, &file->about, file->exists);
     int reason = atomic_sync(descriptor);
-    (void)close(descriptor);
+    if (named >= 0)
+    {
+        (void)close(named);
+        forget_nameless(file);
+    }
     return reason;
+}
+
+/// Put a finished file in its place; -1 with errno.
+static int place(const output *file)
+{
+    if (file->descriptor >= 0 && atomic_link_nameless(file->descriptor, file->target) == 0)
+        return 0;
+    if (file->descriptor >= 0 && atomic_link_nameless(file->descriptor, file->temporary) != 0)
+        return -1;
+    return rename(file->temporary, file->target);
 }
 
 /// Give the file that is replaced a second name, by which it can be brought back. Some file systems have no such names.
@@ -236,7 +268,7 @@ static void keep_old(output *file)
     static const unsigned AFTER_TEMPORARIES = 1 << 16;
     if (!file->exists)
         return;
-    file->backup = atomic_hidden_name(file->target, AFTER_TEMPORARIES + (unsigned)file->index);
+    file->backup = atomic_hidden_name(file->target, AFTER_TEMPORARIES + (unsigned)file->index, -1);
     if (file->backup != NULL && link(file->target, file->backup) != 0)
     {
         free(file->backup);
@@ -269,7 +301,7 @@ static output *place_all(bat_outputs *outputs)
             continue;
         if (outputs->first != outputs->last)
             keep_old(file);
-        if (rename(file->temporary, file->target) == 0)
+        if (place(file) == 0)
             continue;
         if (file->companion && errno == ENOENT && (unlink(file->target) == 0 || errno == ENOENT))
             continue;
@@ -295,14 +327,12 @@ bat_status bat_outputs_commit(bat_outputs *outputs, bat_error *error)
     const output *failed = place_all(outputs);
     if (failed != NULL)
         return error_set(error, BAT_FILE_ACCESS, failed->index, 0, "cannot write: %s", strerror(errno));
-    for (output *file = outputs->first; file != NULL; file = file->next)
-    {
-        if (file->target == NULL)
-            continue;
+    for (const output *file = outputs->first; file != NULL; file = file->next)
         if (file->backup != NULL)
             (void)unlink(file->backup);
-        atomic_sync_folder(file->target);
-    }
+    for (const output *file = outputs->first; file != NULL; file = file->next)
+        if (file->target != NULL)
+            atomic_sync_folder(file->target);
     return BAT_OK;
 }
 

@@ -144,9 +144,9 @@ ln -s target.csv dangling.csv
 check "a link that leads nowhere is refused" test $? -eq 1 -a ! -e target.csv
 rm dangling.csv
 
-# Signals: while the files are written, and between the first and the last of them.
+# Signals: while the files are written, and between the first and the last of them. An open file without a name is "(deleted)".
 runs() { [ "$(readlink "/proc/$1/exe")" = "$(readlink -f "$batten")" ]; }
-staged() { [ -n "$(ls -A | grep '^\.batten')" ]; }
+staged() { [ -n "$(ls -A | grep '^\.batten')" ] || find "/proc/$process/fd" -lname "$PWD/*(deleted)" | grep -q .; }
 stopped()
 {
     signal=$1
