@@ -70,7 +70,8 @@ static bat_status refine_padded(padded_rows *coarse, cascade *task, const bat_cu
     bat_status status = extend(coarse, &task->kernel, scheme, ends, error);
     if (status != BAT_OK)
         return status;
-    if (task->kernel.measure != NULL)
+    // Without levels there are no rows around the polygon.
+    if (task->kernel.measure != NULL && task->levels > 0)
         task->kernel.measure(&task->kernel, coarse->rows, coarse->count, coarse->closed);
     return cascade_run(task, coarse->rows, fine, error);
 }

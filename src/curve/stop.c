@@ -336,13 +336,21 @@ bat_status stop_needs_more(size_t edge, size_t most, bat_error *error)
     return error_remedy(error, BAT_TOO_LARGE, "max_levels", "allows more");
 }
 
-/// The first edge that needs too many levels is at fault.
+/// The first edge that needs too many levels is at fault. The levels that edges have, or have at least, bound the work of
+/// the next round by the allowed points.
 static bat_status find_failure(const level_search *search, size_t edges, bat_error *error)
 {
+    double least = 0;
     for (size_t i = 0; i < edges; i++)
+    {
         if (search->levels[i] == FAILED)
             return stop_needs_more(i, search->most, error);
-    return BAT_OK;
+        least += ldexp(1, search->levels[i] == UNDECIDED ? search->tests[i].from : search->levels[i]);
+    }
+    if (least <= (double)search->options->max_points)
+        return BAT_OK;
+    return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has more than %zu points",
+                     search->options->max_points);
 }
 
 /// One round: all undecided edges are decided or move on.
@@ -379,25 +387,17 @@ static bat_status begin_search(level_search *search, bool keeps_points, size_t e
     const bat_curve_refine_options *options = search->options;
     const refine_source *source = search->source;
     const bat_space *space = source->space;
-    double least = 0;
     for (size_t i = 0; i < edges; i++)
     {
         const double *p = refine_source_vertex(source, i), *q = refine_source_vertex(source, i + 1);
         size_t from = 0;
         if (keeps_points && options->max_edge > 0)
             from = halvings(space->distance(space, p, q) * (1 - 1e-12), options->max_edge);
-        least += ldexp(1, (int)from);
         size_t to = from + (search->lookahead > 0 && from < search->most);
         search->tests[i] = (tested){(unsigned char)from, (unsigned char)to};
         search->levels[i] = from <= search->most ? UNDECIDED : FAILED;
     }
-    bat_status status = find_failure(search, edges, error);
-    if (status != BAT_OK)
-        return status;
-    return least <= (double)options->max_points
-               ? BAT_OK
-               : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined curve has more than %zu points",
-                           options->max_points);
+    return find_failure(search, edges, error);
 }
 
 bat_status stop_levels(const refine_source *source, const bat_curve_refine_options *options, bool keeps_points, size_t edges,

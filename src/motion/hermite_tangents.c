@@ -138,6 +138,9 @@ static bat_status estimate_at(const estimate *e, size_t index, bat_error *error)
         for (size_t i = 0; i < space->tangent_dim; i++)
             tangent[i] += weight * log[i];
     }
+    for (size_t i = 0; i < space->tangent_dim; i++)
+        if (!isfinite(tangent[i]))
+            return error_set(error, BAT_INVALID_POINT, index, 0, "the tangent at point %zu is too large for doubles", index);
     return BAT_OK;
 }
 

@@ -324,7 +324,8 @@ static bat_status take_times(const bat_hermite_curve *keys, bat_motion_spline *s
     for (size_t i = 0; i < spline->intervals; i++)
     {
         lengths[i] = spline->times[i + 1] - spline->times[i];
-        if (!(lengths[i] > 0 && isfinite(lengths[i]) && isfinite(1 / (lengths[i] * lengths[i]))))
+        double square = lengths[i] * lengths[i];
+        if (!(lengths[i] > 0 && isfinite(square) && isfinite(1 / square)))
             return error_set(error, BAT_INVALID_ARGUMENT, i + 1, 0, "the time from point %zu to the next, %.10g, is too %s",
                              i, lengths[i], lengths[i] > 1 ? "long" : "short");
     }
@@ -531,11 +532,23 @@ static void copy_key(const bat_motion_spline *spline, const place *at, double *p
         memcpy(velocity, spline->velocities + key * n, n * sizeof *velocity);
 }
 
+/// BAT_INVALID_POINT where a coordinate is not finite.
+static bat_status check_finite(const double *points, size_t count)
+{
+    int bad = 0;
+    for (size_t i = 0; i < count; i++)
+        bad |= !isfinite(points[i]);
+    return bad ? BAT_INVALID_POINT : BAT_OK;
+}
+
 static bat_status evaluate(const bat_motion_spline *spline, const place *at, double *point, double *velocity,
                            double *acceleration)
 {
     if (at->beyond != 0)
-        return extrapolate(spline, at, point, velocity, acceleration);
+    {
+        bat_status status = extrapolate(spline, at, point, velocity, acceleration);
+        return status == BAT_OK ? check_finite(point, spline->space.point_dim) : status;
+    }
     const double *record = spline->records + at->interval * spline->record_size;
     double rate = 1 / (spline->times[at->interval + 1] - spline->times[at->interval]);
     for (size_t i = 0; i < spline->factor_count; i++)
@@ -552,7 +565,7 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
     if (acceleration != NULL)
         scale_by(acceleration, spline->space.tangent_dim, rate * rate);
     copy_key(spline, at, point, velocity);
-    return BAT_OK;
+    return check_finite(point, spline->space.point_dim);
 }
 
 static bat_status leaves_space(const bat_motion_spline *spline, bat_status status, double time, size_t index,
@@ -588,7 +601,7 @@ static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval,
     }
     for (size_t j = 0; j < count; j++)
         copy_key(spline, &(place){interval, shares[j], 0}, points + j * dim, NULL);
-    return BAT_OK;
+    return check_finite(points, count * dim);
 }
 
 /// Points alone of times from `begin` on, as many as are in one interval. Returns the end, or `begin` where there is no run.

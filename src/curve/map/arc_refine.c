@@ -342,7 +342,7 @@ static bat_status refine_arcs(const arc_job *job, const bat_curve_refine_options
 {
     const bat_curve *arcs = arcs_of(job);
     size_t count = job->graph->arc_count, plain = 0;
-    bool rounded = is_rounded(job);
+    bool rounded = is_rounded(job) && how->levels > 0;
     bat_curve *given = memory_array(count, sizeof *given), *made = memory_array(count, sizeof *made);
     bat_status status = given != NULL && made != NULL ? BAT_OK : error_memory(error, count * sizeof *given);
     for (size_t a = 0; a < count && status == BAT_OK; a++)

@@ -214,7 +214,8 @@ static bat_status number_vertices(adaptive_work *work, adaptive_level *now, bool
     {
         if (!fresh[v])
             continue;
-        now->number[v] = add_vertex(work, now->limits + 3 * v, now->mesh.channels + work->channel_count * v);
+        const double *channels = now->mesh.channels != NULL ? now->mesh.channels + work->channel_count * v : NULL;
+        now->number[v] = add_vertex(work, now->limits + 3 * v, channels);
         if (now->number[v] == BAT_MESH_NONE)
             return no_memory(work, error);
     }
