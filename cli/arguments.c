@@ -107,11 +107,12 @@ static const struct
 {
     const char *field, *option;
 } OPTION_NAMES[] = {
-    {"angle_sigma", "sigma"}, {"limit_normals", "normals"},       {"max_degree", "degree"},
-    {"max_levels", "levels"}, {"max_points", "points"},           {"max_vertices", "vertices"},
-    {"min_degree", "degree"}, {"min_points", "points"},           {"min_vertices", "vertices"},
-    {"on_sphere", "on"},      {"parameters", "parameterization"}, {"read.format", "from"},
-    {"shape", "tangents"},    {"tangent_order", "tangents"},      {"write.format", "to"},
+    {"limits.points", "max-points"}, {"angle_sigma", "sigma"}, {"limit_normals", "normals"},
+    {"max_degree", "degree"},        {"max_levels", "levels"}, {"max_points", "points"},
+    {"max_vertices", "vertices"},    {"min_degree", "degree"}, {"min_points", "points"},
+    {"min_vertices", "vertices"},    {"on_sphere", "on"},      {"parameters", "parameterization"},
+    {"read.format", "from"},         {"shape", "tangents"},    {"tangent_order", "tangents"},
+    {"write.format", "to"},
 };
 
 /// The option that sets a field, as "min_quality", "rules.boundary" or "degree[0]"; null for none.

@@ -49,6 +49,9 @@ static const option_spec FILE_OPTIONS[] = {
      "join vertices of IN within the distance D; 0: none; default: 1e-7 of the diagonal for STL and triangles with vertices "
      "of their own",
      NUMBER(mesh_job, read.weld)},
+    {"max-points", "N", INPUT, 0,
+     "the most points that compression and copies in IN may make; default: 2^20, and one for each byte",
+     WHOLE(mesh_job, read.limits.points, 1, 1e12)},
     {"from", "FORMAT", INPUT, 0, "the format of IN, see `batten list formats`; default: by content and ending",
      CHOICE(mesh_job, read.format, bat_mesh_format_family)},
     {"normals", NULL, RESULT, 0,

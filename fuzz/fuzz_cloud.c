@@ -66,7 +66,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     file_text text;
     bat_error refused = {0};
-    if (file_text_copy((const char *)data, size, &text, &refused) != BAT_OK)
+    if (file_text_copy((const char *)data, size, NULL, &text, &refused) != BAT_OK)
     {
         PROMISE(refused.status == BAT_BAD_FILE); // text in UTF-16
         return 0;

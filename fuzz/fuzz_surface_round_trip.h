@@ -53,7 +53,7 @@ static inline void write_and_read(const bat_spline_surface *surface)
         {
             file_text file;
             bat_spline_surface back;
-            PROMISE(file_text_copy(text.data, text.size, &file, NULL) == BAT_OK);
+            PROMISE(file_text_copy(text.data, text.size, NULL, &file, NULL) == BAT_OK);
             PROMISE(surface_read_text(&file, &back, NULL) == BAT_OK);
             compare_surfaces(surface, &back);
             bat_spline_surface_free(&back);
@@ -70,7 +70,7 @@ static inline void surface_round_trip(const uint8_t *data, size_t size, surface_
     file_text text;
     bat_spline_surface surface = {0};
     bat_error error = {0};
-    if (file_text_copy((const char *)data, size, &text, NULL) != BAT_OK)
+    if (file_text_copy((const char *)data, size, NULL, &text, NULL) != BAT_OK)
         return;
     bat_status status = read(&text, &surface, &error);
     PROMISE(status == error.status);

@@ -86,6 +86,13 @@ typedef struct bat_progress
     void *context; ///< handed to `report`
 } bat_progress;
 
+/// What a file of a stranger may ask for. All zero: the defaults. Readers need memory in proportion to the two.
+typedef struct bat_limits
+{
+    size_t bytes;  ///< the longest input; 0: any file, and 2^32 of a stream
+    size_t points; ///< the most points that compression and instances make of it; 0: 2^20, and one for each of its bytes
+} bat_limits;
+
 /// Who may use a choice.
 typedef enum bat_choice_use
 {

@@ -40,6 +40,7 @@ typedef struct bat_cloud_read_options
     /// Four points of the file, counted from 0, for bat_cloud_set_corners(); the boundary is found where it is not known.
     /// Null: as the file says, the default.
     const size_t *corners;
+    bat_limits limits; ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
 } bat_cloud_read_options;
 
 /// The options' default values.

@@ -57,6 +57,7 @@ typedef struct bat_mesh_read_options
     /// where the file is STL, or not 3MF and every triangle has vertices of its own without values; where no triangle loses
     /// a corner.
     double weld;
+    bat_limits limits; ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
 } bat_mesh_read_options;
 
 /// The options' default values.

@@ -110,7 +110,7 @@ static bat_status read_rows(train_log *log, const file_text *text, uint64_t step
 static bat_status reopen(train_log *log, const char *path, uint64_t step, size_t *size, bat_error *error)
 {
     file_text text;
-    bat_status status = file_text_read(path, &text, error);
+    bat_status status = file_text_read(path, NULL, &text, error);
     if (status != BAT_OK)
         return error_prefix(error, status, "%s: ", path);
     double *row = calloc(log->columns, sizeof *row);

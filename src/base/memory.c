@@ -115,6 +115,10 @@ static size_t number_in_file(const char *path, const char *key, size_t unit)
 
 size_t memory_available(void)
 {
+#if defined(__wasm__)
+    // What the heap may grow to is a constant of the link.
+    return SIZE_MAX - (size_t)__builtin_wasm_memory_size(0) * (1 << 16);
+#endif
     static const int KIBIBYTE = 1024;
     size_t free = number_in_file("/proc/meminfo", "MemAvailable:", KIBIBYTE);
     size_t most = number_in_file("/sys/fs/cgroup/memory.max", "", 1);

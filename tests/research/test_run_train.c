@@ -81,8 +81,8 @@ static void assert_same_log(const char *folder, const char *other)
 {
     file_text x, y;
     char path[200];
-    check_status(file_text_read(path_in(folder, "log.csv", path), &x, NULL), BAT_OK);
-    check_status(file_text_read(path_in(other, "log.csv", path), &y, NULL), BAT_OK);
+    check_status(file_text_read(path_in(folder, "log.csv", path), NULL, &x, NULL), BAT_OK);
+    check_status(file_text_read(path_in(other, "log.csv", path), NULL, &y, NULL), BAT_OK);
     text_line p = text_line_start(&x), q = text_line_start(&y);
     size_t lines = 0;
     for (; text_line_next(&x, &p); lines++)

@@ -104,7 +104,7 @@ static inline char *must_write(const bat_spline_surface *surface, bat_surface_fo
 static inline bat_status read_string(const char *string, bat_spline_surface *surface, bat_error *error)
 {
     file_text text;
-    check_status(file_text_copy(string, strlen(string), &text, NULL), BAT_OK);
+    check_status(file_text_copy(string, strlen(string), NULL, &text, NULL), BAT_OK);
     bat_status status = surface_read_text(&text, surface, error);
     file_text_free(&text);
     return status;

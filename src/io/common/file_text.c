@@ -3,6 +3,8 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 
+#include <sys/stat.h>
+
 /// @file
 /// Input files as text in memory, and their lines.
 
@@ -16,7 +18,13 @@ static bool is_utf16(const file_text *text)
                                (byte[0] == 0xFE && byte[1] == 0xFF && byte[2] == 0 && byte[3] < 0x80));
 }
 
-static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *error)
+static bat_status too_long(size_t bytes, bat_error *error)
+{
+    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the input has more than %zu bytes", bytes);
+    return error_remedy(error, BAT_TOO_LARGE, "limits.bytes", "allows more");
+}
+
+static bat_status text_finish(text_buffer *buffer, const bat_limits *limits, file_text *text, bat_error *error)
 {
     size_t mark = sizeof BYTE_ORDER_MARK - 1;
     text_append(buffer, "", 1);
@@ -27,6 +35,7 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
         return error_memory(error, size);
     }
     *text = (file_text){.data = buffer->data, .size = buffer->size - 1};
+    text->points = limits != NULL ? limits->points : 0;
     size_t skipped = 0;
     while (text->size - skipped >= mark && memcmp(text->data + skipped, BYTE_ORDER_MARK, mark) == 0)
         skipped += mark;
@@ -39,22 +48,38 @@ static bat_status text_finish(text_buffer *buffer, file_text *text, bat_error *e
     return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 1, "the text is UTF-16; save it as UTF-8");
 }
 
-bat_status file_text_read(const char *path, file_text *text, bat_error *error)
+bat_status file_text_read(const char *path, const bat_limits *limits, file_text *text, bat_error *error)
 {
     text_buffer buffer = {0};
-    bat_status status = file_bytes_read(path, FILE_MAX_BYTES, &buffer, error);
+    struct stat about;
+    size_t most = limits != NULL ? limits->bytes : 0;
+    if (most > 0 && stat(path, &about) == 0 && S_ISREG(about.st_mode) && (uintmax_t)about.st_size > most)
+        return too_long(most, error);
+    bat_status status = file_bytes_read(path, most > 0 && most < FILE_MAX_BYTES ? most : FILE_MAX_BYTES, &buffer, error);
     if (status == BAT_OK)
-        status = text_finish(&buffer, text, error);
+        status = text_finish(&buffer, limits, text, error);
     if (status == BAT_OK)
         text->path = path;
     return status;
 }
 
-bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_error *error)
+bat_status file_text_copy(const char *bytes, size_t size, const bat_limits *limits, file_text *text, bat_error *error)
 {
     text_buffer buffer = {0};
+    if (limits != NULL && limits->bytes > 0 && size > limits->bytes)
+        return too_long(limits->bytes, error);
     text_append(&buffer, bytes, size);
-    return text_finish(&buffer, text, error);
+    return text_finish(&buffer, limits, text, error);
+}
+
+bat_status file_text_points(const file_text *text, size_t bytes, size_t points, bat_error *error)
+{
+    static const size_t ALWAYS = 1 << 20;
+    size_t most = text->points > 0 ? text->points : ALWAYS + bytes;
+    if (points <= most)
+        return BAT_OK;
+    (void)error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the file stands for more than %zu points", most);
+    return error_remedy(error, BAT_TOO_LARGE, "limits.points", "allows more");
 }
 
 void file_text_free(file_text *text)

@@ -14,16 +14,22 @@ typedef struct file_text
 {
     char *data; ///< `size` bytes without a byte order mark, then a zero byte
     size_t size;
+    size_t points;    ///< bat_limits::points
     const char *path; ///< the file, as the caller named it; null for bytes in memory
 } file_text;
 
 /// Read a file into memory; pipes are allowed, and "-" is standard input.
-/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE for a text in UTF-16, or BAT_NO_MEMORY
-bat_status file_text_read(const char *path, file_text *text, bat_error *error);
+/// @param limits null for the defaults
+/// @return BAT_OK, BAT_FILE_ACCESS, BAT_BAD_FILE for a text in UTF-16, BAT_TOO_LARGE or BAT_NO_MEMORY
+bat_status file_text_read(const char *path, const bat_limits *limits, file_text *text, bat_error *error);
 
 /// Copy bytes in memory, without the byte order mark and with a final zero byte.
-/// @return BAT_OK, BAT_BAD_FILE for a text in UTF-16, or BAT_NO_MEMORY
-bat_status file_text_copy(const char *bytes, size_t size, file_text *text, bat_error *error);
+/// @return as file_text_read()
+bat_status file_text_copy(const char *bytes, size_t size, const bat_limits *limits, file_text *text, bat_error *error);
+
+/// Check the number of points that compression and instances make of a text, and files beside it, of `bytes` bytes in all.
+/// @return BAT_OK or BAT_TOO_LARGE
+bat_status file_text_points(const file_text *text, size_t bytes, size_t points, bat_error *error);
 
 void file_text_free(file_text *text);
 

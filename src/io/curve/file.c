@@ -258,9 +258,9 @@ static bat_status read_set(const char *path, const char *bytes, size_t size, con
     else
     {
         file_text text = {0};
-        status = path == NULL           ? file_text_copy(bytes, size, &text, error)
+        status = path == NULL           ? file_text_copy(bytes, size, &options->limits, &text, error)
                  : gis_is_virtual(path) ? gis_text_read(path, &text, error)
-                                        : file_text_read(path, &text, error);
+                                        : file_text_read(path, &options->limits, &text, error);
         if (status == BAT_OK)
             status = read_format(&text, format, options, &made, error);
         file_text_free(&text);

@@ -119,7 +119,7 @@ bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
     free(spelled);
     gdal_end();
     if (status == BAT_OK)
-        status = file_text_copy(bytes.data != NULL ? bytes.data : "", bytes.size, text, error);
+        status = file_text_copy(bytes.data != NULL ? bytes.data : "", bytes.size, NULL, text, error);
     text_free(&bytes);
     return status;
 }

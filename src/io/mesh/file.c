@@ -160,7 +160,7 @@ bat_status bat_mesh_format_of_file(const char *path, bat_mesh_format *format, ba
     *format = BAT_MESH_FORMAT_AUTO;
     if (stat(path, &about) != 0 || !S_ISREG(about.st_mode))
         return BAT_OK;
-    bat_status status = file_text_read(path, &text, error);
+    bat_status status = file_text_read(path, NULL, &text, error);
     if (status != BAT_OK)
         return status == BAT_FILE_ACCESS ? BAT_OK : status;
     *format = format_of_text(&text);
@@ -284,7 +284,7 @@ bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options,
     if (status == BAT_OK)
         status = format_for_path(path, false, options->format, &format, error);
     if (status == BAT_OK)
-        status = file_text_read(path, &text, error);
+        status = file_text_read(path, &options->limits, &text, error);
     if (status != BAT_OK)
         return status;
     status = read_text(&text, format, options, mesh, error);
@@ -301,7 +301,7 @@ bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_r
     file_text text;
     bat_status status = bat_options_check(&bat_mesh_read_fields, options, error);
     if (status == BAT_OK)
-        status = file_text_copy(bytes, size, &text, error);
+        status = file_text_copy(bytes, size, &options->limits, &text, error);
     if (status != BAT_OK)
         return status;
     status = read_text(&text, BAT_MESH_FORMAT_AUTO, options, mesh, error);

@@ -25,6 +25,7 @@ typedef struct gltf_reader
     gltf_document document;
     mesh_builder builder;
     const bat_mesh_read_options *options;
+    size_t placed; ///< vertices of the primitives of all instances before
     char **materials;
     size_t material_count;
     size_t colours;    ///< numbers of a colour: 0, 3 or 4
@@ -301,6 +302,11 @@ static bat_status read_primitive(gltf_reader *reader, const gltf_instance *insta
         status = set_label(reader, instance, mesh, object, primitive.place, error);
     if (status == BAT_OK)
         status = read_values(reader, object, &primitive, error);
+    if (status == BAT_OK)
+    {
+        reader->placed += primitive.positions.count;
+        status = file_text_points(reader->document.text, reader->document.total_size, reader->placed, error);
+    }
     if (status == BAT_OK)
     {
         size_t count = primitive.positions.count;

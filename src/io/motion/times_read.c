@@ -64,7 +64,7 @@ bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, dou
     file_text text = {0};
     time_list list = {.origin = set != NULL ? bat_curve_set_time_origin(set) : 0,
                       .decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0};
-    bat_status status = file_text_read(path, &text, error);
+    bat_status status = file_text_read(path, NULL, &text, error);
     text_line line = text_line_start(&text);
     while (status == BAT_OK && text_line_next(&text, &line))
         status = add_line(&list, &line, error);

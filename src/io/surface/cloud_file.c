@@ -443,7 +443,8 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
     return status;
 }
 
-static bat_status read_file(const char *path, bat_cloud_format *format, file_text *text, bat_error *error)
+static bat_status read_file(const char *path, const bat_limits *limits, bat_cloud_format *format, file_text *text,
+                            bat_error *error)
 {
     const bat_choice *row = NULL;
     bat_status status = BAT_OK;
@@ -452,7 +453,7 @@ static bat_status read_file(const char *path, bat_cloud_format *format, file_tex
     if (row != NULL)
         *format = (bat_cloud_format)row->value;
     if (status == BAT_OK)
-        status = file_text_read(path, text, error);
+        status = file_text_read(path, limits, text, error);
     if (status == BAT_OK && *format == BAT_CLOUD_FORMAT_AUTO)
         *format = cloud_format_of_text(text);
     return status;
@@ -500,10 +501,10 @@ bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *option
     bat_cloud made = {0};
     bat_cloud_format format = options->format, boundary_format = BAT_CLOUD_FORMAT_AUTO;
     bat_error found = {.index = BAT_NO_INDEX};
-    status = read_file(path, &format, &text, error);
+    status = read_file(path, &options->limits, &format, &text, error);
     if (status == BAT_OK && options->boundary_path != NULL)
     {
-        status = read_file(options->boundary_path, &boundary_format, &boundary_text, &found);
+        status = read_file(options->boundary_path, &options->limits, &boundary_format, &boundary_text, &found);
         if (status != BAT_OK)
             status = name_boundary_file(status, &found, error);
     }

@@ -297,13 +297,12 @@ static bat_status read_compressed(const unsigned char *bytes, size_t left, const
 {
     enum
     {
-        SIZES = 8,
-        MAX_RATIO = 300 ///< a copy of 3 bytes gives at most 264
+        SIZES = 8
     };
     size_t sizes[2] = {0, 0};
     for (size_t k = 0; k < SIZES && left >= SIZES; k++)
         sizes[k / 4] |= (size_t)bytes[k] << 8 * (k % 4);
-    if (left < SIZES || sizes[0] > left - SIZES || sizes[1] != wanted || wanted / MAX_RATIO > sizes[0])
+    if (left < SIZES || sizes[0] > left - SIZES || sizes[1] != wanted)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the compressed data is not that of %zu points",
                          header->points);
     unsigned char *data = memory_array(wanted, 1);
@@ -335,6 +334,9 @@ bat_status cloud_pcd_read(const file_text *text, point_listing *listing, bat_err
     const unsigned char *bytes = (const unsigned char *)scan.at;
     if (size_multiply_overflows(header.points, header.record, &wanted))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the points are too many");
+    status = header.encoding == PCD_COMPRESSED ? file_text_points(text, text->size, header.points, error) : BAT_OK;
+    if (status != BAT_OK)
+        return status;
     if (header.encoding == PCD_COMPRESSED)
         return read_compressed(bytes, left, &header, wanted, listing, error);
     if (left < wanted)

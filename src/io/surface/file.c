@@ -151,7 +151,7 @@ bat_status surface_read_text(const file_text *text, bat_spline_surface *surface,
 bat_status bat_surface_read(const char *path, bat_spline_surface *surface, bat_error *error)
 {
     file_text text;
-    bat_status status = file_text_read(path, &text, error);
+    bat_status status = file_text_read(path, NULL, &text, error);
     if (status != BAT_OK)
         return status;
     status = surface_read_text(&text, surface, error);

@@ -124,7 +124,7 @@ static bat_status spread_rows(const row_listing *listing, const bat_cloud *cloud
 bat_status bat_cloud_parameters_read(const char *path, const bat_cloud *cloud, double **parameters, bat_error *error)
 {
     file_text text;
-    bat_status status = file_text_read(path, &text, error);
+    bat_status status = file_text_read(path, NULL, &text, error);
     if (status != BAT_OK)
         return status;
     row_listing listing = {0};
