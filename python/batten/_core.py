@@ -227,6 +227,8 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
     name = kind.cname.split()[-1]
     family, parse = family_of(name), getattr(lib, f"{name}_by_name", None)
     try:
+        if value is None and kind.kind != "pointer":
+            raise TypeError("None is no value; leave the option out for its default")
         if isinstance(value, str) and "\0" in value:
             raise ValueError("a text without null characters is needed")
         if isinstance(value, str) and parse is not None:
@@ -307,10 +309,17 @@ kept: weakref.WeakKeyDictionary[Any, list[Any]] = weakref.WeakKeyDictionary()
 _FLOAT = np.dtype(np.float64)
 
 
+def unmasked(value: Any, name: str) -> NDArray[Any]:
+    """An array without masked values, whose numbers are not meant."""
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise ValueError(f"{name}: values are masked; drop or fill them first")
+    return np.asarray(value)
+
+
 def array(value: ArrayLike, name: str, columns: int | None, dtype: Any = np.float64) -> NDArray[Any]:
     """An aligned C-contiguous array: the given one where it is that already. `columns` above 0 demand rows of that length,
     0 rows of any length, None nothing."""
-    given = np.asarray(value)
+    given = unmasked(value, name)
     if given.dtype is _FLOAT and dtype is np.float64 and given.ndim == 2 and columns == 0 and given.flags.carray and given.size:
         return given
     if given.dtype.kind not in "fiub":
@@ -326,6 +335,13 @@ def array(value: ArrayLike, name: str, columns: int | None, dtype: Any = np.floa
             raise ValueError(f"{name}: numbers from {limits.min} to {limits.max} are needed, not {given.min()} or {given.max()}")
     made = np.ascontiguousarray(given, dtype).reshape(given.shape)
     return made if made.flags.aligned else made.copy()
+
+
+def flag(value: Any, name: str) -> bool:
+    """A truth value. Texts are none: "no" would count as true."""
+    if not isinstance(value, (bool, np.bool_)) and not (isinstance(value, (int, np.integer)) and value in (0, 1)):
+        raise TypeError(f"{name}: True or False is needed, not {value!r}")
+    return bool(value)
 
 
 def pointer(values: NDArray[Any] | None, kind: str = "double[]") -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, flag, lib, options, pointer, report, shown,
                           take, written)
 from batten.spaces import Space, space_of
 
@@ -108,7 +108,7 @@ def axes_of(ax: Any, dimension: int) -> Any:
 
 def _struct(points: Floats, space: Space, closed: bool, channels: Floats | None = None, corners: Any = None) -> Any:
     width = 0 if channels is None else channels.shape[1]
-    return [space.struct, pointer(points), len(points), bool(closed), pointer(channels), width,
+    return [space.struct, pointer(points), len(points), flag(closed, "closed"), pointer(channels), width,
             pointer(corners, "unsigned char[]")]  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from batten._core import Progress, Report, array, call, ffi, lib, options, report, shown
+from batten._core import Progress, Report, array, call, ffi, flag, lib, options, report, shown
 from batten.curves import Curve, _struct
 from batten.meshes import Mesh
 from batten.spaces import Space, space_of
@@ -66,7 +66,7 @@ def measure(a: Any, b: Any = None, /, *, closed: bool | None = None, space: Spac
             if where.functions:
                 settings["threads"] = 1
             keep.append(points)
-            joined = closed if closed is not None else own is not None and own.closed
+            joined = flag(closed, "closed") if closed is not None else own is not None and own.closed
             curves.append(ffi.new("bat_curve *", _struct(points, where, joined)))
         how = options("bat_curve_measure_options", settings)
         if b is not None:

@@ -610,6 +610,8 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     >>> float(fine.closest(map(coarse.vertices)).distance.max()) < 1e-12
     True
     """
+    if not {"vertices", "faces", "ratio", "tolerance"} & set(settings):
+        raise TypeError("decimate needs one of vertices, faces, ratio and tolerance")
     fine, coarse = Mesh.of(mesh, triangles), ffi.new("bat_mesh *")
     made = ffi.new("bat_mesh_map **") if map else ffi.NULL
     how, bound = options("bat_mesh_decimate_options", settings), ffi.new("double *")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, ffi, lib, options, pointer, written
+from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, ffi, flag, lib, options, pointer, unmasked, written
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
@@ -56,6 +56,7 @@ class Motion:
     def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
                  velocities: ArrayLike | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
                  **settings: Any) -> None:
+        closed = flag(closed, "closed")
         self._arguments = (times, poses), dict(space=space, velocities=velocities, project=project, closed=closed,
                                                period=period, **settings)
         self._origin: Any = None
@@ -67,7 +68,7 @@ class Motion:
             raise ValueError(f"times: {len(keys)} numbers are needed, one for each pose, not an array of {moments.shape}")
         given = velocities
         if velocities is not None:
-            raw = np.asarray(velocities)
+            raw = unmasked(velocities, "velocities")
             unknown = np.isnan(raw) if raw.dtype.kind == "f" else np.zeros(raw.shape, bool)
             given = array(np.where(unknown, 0, raw), "velocities", self.space.tangent_dim)
             given = np.where(unknown.reshape(given.shape), np.nan, given) if unknown.any() else given
@@ -91,7 +92,7 @@ class Motion:
 
     def _seconds(self, times: Any) -> Floats:
         """Times as numbers: dates in seconds since the first one that the motion got, durations in seconds."""
-        given = np.asarray(times)
+        given = unmasked(times, "times")
         if given.dtype == object and given.size and hasattr(given.flat[0], "to_datetime64"):
             given = np.array([time.to_datetime64() for time in given.flat]).reshape(given.shape)
         if given.dtype.kind == "M":
@@ -238,7 +239,7 @@ def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:
     """Rows of points, the form that they came in, and the space that it implies."""
     if hasattr(poses, "as_quat"):
         return array(np.atleast_2d(poses.as_quat())[:, [3, 0, 1, 2]], "poses", 4), "Rotation", "rotation"
-    given = np.asarray(poses)
+    given = unmasked(poses, "poses")
     if given.ndim != 3 or given.shape[1:] not in ((3, 3), (4, 4)):
         return array(poses, "poses", 0), "points", None
     matrices, rows = array(given[:, :3, :3].reshape(-1, 9), "poses", 9), np.empty((len(given), 4))

@@ -129,6 +129,8 @@ def _named(name: str, point_dim: int) -> Space:
 def space_of(space: Space | str | None, columns: int) -> Space:
     """A space from what a caller named it by, for points of so many numbers; None: R^n."""
     if not isinstance(space, Space):
+        if space is not None and not isinstance(space, str):
+            raise TypeError(f"space: a Space or the name of one is needed, not {space!r}")
         space = _named("euclidean" if space is None else space, columns)
     if space.point_dim != columns:
         raise ValueError(f"points of {space!r} have {space.point_dim} numbers, not {columns}")

@@ -77,11 +77,11 @@ CALLS = {
     "mesh picture": lambda x: batten.Mesh(x, FACES).picture(),
     "mesh values": lambda x: batten.Mesh(POINTS, FACES).picture(x),
     "closest": lambda x: batten.Mesh(POINTS, FACES).closest(x),
-    "decimate vertices": lambda x: batten.decimate(x, FACES),
-    "decimate faces": lambda x: batten.decimate(POINTS, x),
-    "map": lambda x: batten.decimate(POINTS, FACES).map(x),
-    "map faces": lambda x: batten.decimate(POINTS, FACES).map.to_fine(x, POINTS),
-    "map weights": lambda x: batten.decimate(POINTS, FACES).map.to_coarse([0, 0, 0, 0], x),
+    "decimate vertices": lambda x: batten.decimate(x, FACES, vertices=4),
+    "decimate faces": lambda x: batten.decimate(POINTS, x, vertices=4),
+    "map": lambda x: batten.decimate(POINTS, FACES, vertices=4).map(x),
+    "map faces": lambda x: batten.decimate(POINTS, FACES, vertices=4).map.to_fine(x, POINTS),
+    "map weights": lambda x: batten.decimate(POINTS, FACES, vertices=4).map.to_coarse([0, 0, 0, 0], x),
     "measure mesh": lambda x: batten.measure((x, FACES)),
     "fit": lambda x: batten.fit_surface(x),
     "fit faces": lambda x: batten.fit_surface(POINTS, x),
@@ -146,7 +146,7 @@ def test_not_a_number_is_refused(call):
 
 OPTIONS = {
     "refine": lambda **o: batten.refine(POINTS, **o), "smooth": lambda **o: batten.smooth([box()], **o),
-    "refine_mesh": lambda **o: batten.refine_mesh(POINTS, FACES, **o), "decimate": lambda **o: batten.decimate(POINTS, FACES, **o),
+    "refine_mesh": lambda **o: batten.refine_mesh(POINTS, FACES, **o), "decimate": lambda **o: batten.decimate(POINTS, FACES, **{"vertices": 4, **o}),
     "fit_surface": lambda **o: batten.fit_surface(GRID, **o), "Motion": lambda **o: batten.Motion([0, 1, 2, 3], POINTS, **o),
     "analyze": lambda **o: batten.analyze("chaikin", **o), "measure": lambda **o: batten.measure(POINTS, POINTS + 1, **o),
     "picture": lambda **o: batten.Mesh(POINTS, FACES).picture(**o),
@@ -178,3 +178,33 @@ def test_messages_name_place_and_way_out():
         batten.Mesh(POINTS, -FACES)
     with pytest.raises(batten.BattenError, match="vertex 5"):
         batten.refine_mesh(POINTS, FACES + 5)
+
+
+MASKED = np.ma.MaskedArray(POINTS, mask=[[False] * 3] * 3 + [[True] * 3])
+
+
+@pytest.mark.parametrize(("call", "error", "text"), [
+    (lambda: batten.refine(MASKED), ValueError, "points: values are masked"),
+    (lambda: batten.refine([POINTS, MASKED]), ValueError, "values are masked"),
+    (lambda: batten.refine(POINTS, channels=MASKED), ValueError, "channels: values are masked"),
+    (lambda: batten.refine_mesh(MASKED, FACES), ValueError, "values are masked"),
+    (lambda: batten.measure(MASKED), ValueError, "values are masked"),
+    (lambda: batten.Motion(np.ma.MaskedArray([0.0, 1, 2, 3], mask=[0, 1, 0, 0]), POINTS), ValueError, "values are masked"),
+    (lambda: batten.refine(POINTS, closed="no"), TypeError, "closed: True or False is needed, not 'no'"),
+    (lambda: batten.refine([POINTS, POINTS], closed="no"), TypeError, "closed: True or False"),
+    (lambda: batten.refine(POINTS, closed=2), TypeError, "closed: True or False"),
+    (lambda: batten.measure(POINTS, closed="no"), TypeError, "closed: True or False"),
+    (lambda: batten.Motion([0, 1, 2, 3], POINTS, closed="no"), TypeError, "closed: True or False"),
+    (lambda: batten.refine(POINTS, space=5), TypeError, "space: a Space or the name of one is needed, not 5"),
+    (lambda: batten.refine(POINTS, scheme=None), TypeError, "scheme: None is no value"),
+    (lambda: batten.refine_mesh(POINTS, FACES, scheme=None), TypeError, "scheme: None is no value"),
+    (lambda: batten.decimate(POINTS, FACES), TypeError, "decimate needs one of vertices, faces, ratio and tolerance"),
+])  # fmt: skip
+def test_clear_errors(call, error, text):
+    with pytest.raises(error, match=text):
+        call()
+
+
+def test_a_mask_that_hides_nothing_is_fine():
+    assert np.array_equal(batten.refine(np.ma.MaskedArray(POINTS)), batten.refine(POINTS))
+    assert np.array_equal(batten.refine(POINTS, closed=np.True_), batten.refine(POINTS, closed=1))
