@@ -1,6 +1,7 @@
 #include "engine.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,6 +20,20 @@ const bat_progress ENGINE_PROGRESS = {report_progress, NULL};
 
 /// The failure of the last operation.
 static bat_error failure;
+
+enum
+{
+    MARK_SIZE = 64
+};
+
+/// The first element of what reports have beside JSON: random, so that no file holds it.
+static char mark[MARK_SIZE];
+
+/// Set the mark, once, before all operations.
+EMSCRIPTEN_KEEPALIVE void engine_mark(const char *text)
+{
+    (void)snprintf(mark, sizeof mark, "%s", text);
+}
 
 bat_status engine_fail(bat_error *error, bat_status status, const char *text, const char *name)
 {
@@ -39,7 +54,7 @@ json_t *engine_number(double value)
 {
     if (isfinite(value))
         return json_real(value);
-    return json_string(isnan(value) ? "NaN" : value > 0 ? "Infinity" : "-Infinity");
+    return json_pack("[s,s]", mark, isnan(value) ? "NaN" : value > 0 ? "Infinity" : "-Infinity");
 }
 
 json_t *engine_size(size_t value)
@@ -49,7 +64,7 @@ json_t *engine_size(size_t value)
 
 json_t *engine_array(const char *type, const void *data, size_t count)
 {
-    return data == NULL ? json_null() : json_pack("[s,I,I]", type, (json_int_t)(uintptr_t)data, (json_int_t)count);
+    return data == NULL ? json_null() : json_pack("[s,s,I,I]", mark, type, (json_int_t)(uintptr_t)data, (json_int_t)count);
 }
 
 json_t *engine_numbers(const double *values, size_t count)

@@ -111,10 +111,10 @@ bat_status engine_fail(bat_error *error, bat_status status, const char *text, co
 /// @name Reports
 /// @{
 
-/// A number, also one that is not finite, which JSON does not have: then the texts "Infinity", "-Infinity" and "NaN".
+/// A number, also one that is not finite, which JSON does not have: then ["MARK", "NaN"], or Infinity or -Infinity.
 json_t *engine_number(double value);
 json_t *engine_size(size_t value);
-/// [type, address, count]; null for a null pointer.
+/// ["MARK", type, address, count]; null for a null pointer.
 json_t *engine_array(const char *type, const void *data, size_t count);
 json_t *engine_numbers(const double *values, size_t count);
 void engine_set(json_t *object, const char *name, json_t *value);

@@ -20,6 +20,13 @@ export class BattenError extends Error {
 const ARRAYS = { f64: Float64Array, u32: Uint32Array, u8: Uint8Array };
 const NOT_FINITE = { Infinity, "-Infinity": -Infinity, NaN };
 
+const refused = (text) => new BattenError({ name: "invalid argument", text });
+/** A text that no file holds: it marks what reports have beside JSON. */
+const newMark = () => {
+  const random = globalThis.crypto?.getRandomValues?.(new Uint32Array(4)) ?? Array.from({ length: 4 }, () => Math.random() * 2 ** 32);
+  return `batten ${Array.from(random, (number) => Math.floor(number).toString(36)).join("-")}`;
+};
+
 /** Curves inside the module, with what their file tells beside them: properties of features, names of columns. */
 export class CurveSet {
   #release;
@@ -75,19 +82,32 @@ export async function instantiate(source) {
   const fail = () => {
     throw new BattenError(JSON.parse(takeText(exports.engine_failure())));
   };
+  const mark = newMark();
+  const marked = putText(mark);
+  exports.engine_mark(marked);
+  exports.engine_release(marked);
   const parse = (string) =>
     JSON.parse(string, (key, value) => {
-      if (typeof value === "string" && Object.hasOwn(NOT_FINITE, value)) return NOT_FINITE[value];
-      if (Array.isArray(value) && value.length === 3 && Object.hasOwn(ARRAYS, value[0])) {
-        const Type = ARRAYS[value[0]];
-        return value[2] > 0 ? new Type(memory.buffer, value[1], value[2]).slice() : new Type();
-      }
-      return value;
+      if (!Array.isArray(value) || value[0] !== mark) return value;
+      const [, type, address, count] = value;
+      if (value.length === 2) return NOT_FINITE[type];
+      const Type = ARRAYS[type];
+      return count > 0 ? new Type(memory.buffer, address, count).slice() : new Type();
     });
   const read = (handle) => parse(text(exports.engine_report(handle)));
 
-  const asDoubles = (values) => (values instanceof Float64Array ? values : Float64Array.from(values.flat(Infinity)));
-  const asIndices = (values) => (values instanceof Uint32Array ? values : Uint32Array.from(values.flat(Infinity)));
+  /** Numbers in a flat array of a type; `good` tells the numbers that it holds. */
+  const asNumbers = (values, Type, good, what) => {
+    if (values instanceof Type) return values;
+    if (!Array.isArray(values) && !(ArrayBuffer.isView(values) && !(values instanceof DataView)))
+      throw refused(`${what} must be an array or a typed array`);
+    const flat = Array.isArray(values) ? values.flatMap((row) => (ArrayBuffer.isView(row) ? Array.from(row) : [row].flat(Infinity))) : values;
+    for (const value of flat) if (typeof value !== "number" || !good(value)) throw refused(`${what} must not hold ${String(value)}`);
+    return Type.from(flat);
+  };
+  const asDoubles = (values, what = "numbers") => asNumbers(values, Float64Array, () => true, what);
+  const asIndices = (values, what = "indices") =>
+    asNumbers(values, Uint32Array, (value) => Number.isInteger(value) && value >= 0 && value < 2 ** 32, what);
 
   /** Handles of inputs, with what to release after the call. */
   function curvesOf(input, temporary) {
@@ -96,7 +116,8 @@ export async function instantiate(source) {
       return input.handle;
     }
     const list = Array.isArray(input) ? input : [input];
-    const arrays = list.map((curve) => asDoubles(curve.points));
+    if (list.some((curve) => typeof curve !== "object" || curve === null)) throw refused("a curve must be an object with points");
+    const arrays = list.map((curve) => asDoubles(curve.points, "points"));
     const first = list[0] ?? {};
     let dim = first.point_dim ?? 0;
     const probe = pointDim(first.space ?? "plane", dim || (first.points?.[0]?.length ?? 0));
@@ -108,7 +129,7 @@ export async function instantiate(source) {
     });
     const channelled = list.every((curve) => curve.channels != null);
     const cornered = list.some((curve) => curve.corners != null);
-    const channels = channelled ? list.map((curve) => asDoubles(curve.channels)) : [];
+    const channels = channelled ? list.map((curve) => asDoubles(curve.channels, "channels")) : [];
     const layout = {
       space: first.space ?? "plane",
       point_dim: dim,
@@ -161,8 +182,15 @@ export async function instantiate(source) {
 
   /** `polygons`: the operation takes a mesh of polygons. Without offsets rows of corners have three each elsewhere. */
   function meshOf(mesh, temporary, polygons = false) {
-    const array = (values, convert) => {
-      const numbers = values == null ? [] : convert(values);
+    if (typeof mesh !== "object" || mesh === null) throw refused("a mesh must be an object with positions and faces");
+    for (const name of ["channel_names", "creases", "corners", "labels"])
+      if (mesh[name] != null && !Array.isArray(mesh[name])) throw refused(`${name} must be an array`);
+    const texts = [...(mesh.channel_names ?? []), ...(mesh.labels ?? []).flatMap((label) => Object.values(label ?? {}))];
+    if (texts.some((text) => text != null && typeof text !== "string")) throw refused("channel_names and labels must hold texts");
+    for (const name of ["material_files", "material_json"])
+      if (mesh[name] != null && typeof mesh[name] !== "string") throw refused(`${name} must be a text`);
+    const array = (name, convert, values = mesh[name]) => {
+      const numbers = values == null ? [] : convert(values, name);
       return numbers.length > 0 ? [put(numbers), numbers.length] : undefined;
     };
     const { channel_names, creases, corners, labels, material_files, material_json, rules } = mesh;
@@ -171,13 +199,13 @@ export async function instantiate(source) {
     // The module takes the arrays.
     const layout = putText(
       JSON.stringify({
-        positions: array(mesh.positions, asDoubles),
-        faces: array(mesh.faces, asIndices),
-        offsets: array(offsets, asIndices),
-        texture: array(mesh.texture, asDoubles),
-        texture_faces: array(mesh.texture_faces, asIndices),
-        channels: array(mesh.channels, asDoubles),
-        face_labels: array(mesh.face_labels, asIndices),
+        positions: array("positions", asDoubles),
+        faces: array("faces", asIndices),
+        offsets: array("offsets", asIndices, offsets),
+        texture: array("texture", asDoubles),
+        texture_faces: array("texture_faces", asIndices),
+        channels: array("channels", asDoubles),
+        face_labels: array("face_labels", asIndices),
         channel_names, creases, corners, labels, material_files, material_json, rules,
       }),
     );
@@ -192,6 +220,7 @@ export async function instantiate(source) {
   function run(name, inputs, options, { data = null, keep = false } = {}) {
     const temporary = [];
     const addresses = [];
+    if (options != null && (typeof options !== "object" || Array.isArray(options))) throw refused("options must be an object");
     const { progress = null, ...settings } = options ?? {};
     const previous = onProgress;
     onProgress = progress;

@@ -332,3 +332,49 @@ test("npm pack, and ten lines that use the package", () => {
   native("curve", data("outline.csv"), "--scheme", "learned", "--levels", "4", "-o", out);
   compare(readFileSync(join(folder, "fair.csv"), "utf8"), out, 1e-5);
 });
+
+describe("untrusted input", () => {
+  const ply = (properties) =>
+    ["ply", "format ascii 1.0", "element vertex 3", "property double x", "property double y", "property double z",
+     ...properties.map((name) => `property double ${name}`), "element face 1", "property list uchar int vertex_indices", "end_header",
+     ...["0 0 0", "1 0 0", "0 1 0"].map((place) => [place, ...properties.map(() => 7)].join(" ")), "3 0 1 2", ""].join("\n");
+  test("names in a file stay texts", () => {
+    for (const names of [["f64", "0", "5000"], ["u32", "8", "99999999999"], ["NaN", "Infinity"], ["batten", "NaN"]])
+      assert.deepEqual(batten.bat_mesh_read_memory(ply(names)).channel_names, names);
+    const obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\ng NaN\nusemtl Infinity\nf 1 2 3\n";
+    const [label] = batten.bat_mesh_read_memory(obj).labels;
+    assert.deepEqual([label.group, label.material], ["NaN", "Infinity"]);
+  });
+  test("numbers that are none come out as numbers", () => {
+    const open = { positions: [0, 0, 0, 1, 0, 0, 0, 1, 0], faces: [0, 1, 2] };
+    assert.ok(Number.isNaN(batten.bat_mesh_summarize(open).volume));
+  });
+  test("arguments of other types are refused", () => {
+    const mesh = { positions: [0, 0, 0, 1, 0, 0, 0, 1, 0], faces: [0, 1, 2] };
+    const refuses = (call) => assert.throws(call, (error) => error instanceof BattenError && error.status === "invalid argument");
+    refuses(() => batten.bat_mesh_summarize({ ...mesh, faces: [0, 1.5, 2] }));
+    refuses(() => batten.bat_mesh_summarize({ ...mesh, faces: [0, -1, 2] }));
+    refuses(() => batten.bat_mesh_summarize({ ...mesh, faces: [0, "1", 2] }));
+    refuses(() => batten.bat_mesh_summarize({ ...mesh, faces: "0 1 2" }));
+    refuses(() => batten.bat_mesh_refine({ ...mesh, labels: "text", face_labels: [0] }));
+    refuses(() => batten.bat_mesh_refine({ ...mesh, labels: [{ group: 5 }], face_labels: [0] }));
+    refuses(() => batten.bat_mesh_refine(mesh, 5));
+    refuses(() => batten.bat_mesh_refine(mesh, { levels: 1.5 }));
+    refuses(() => batten.bat_mesh_refine(null));
+    refuses(() => batten.bat_curve_refine({}));
+    refuses(() => batten.bat_curve_refine(null));
+    refuses(() => batten.bat_curve_refine({ points: [0, "1"] }));
+    refuses(() => batten.bat_curve_refine({ points: [[0, 0], [1, 0], [1, 1]], channels: "text" }));
+  });
+  test("20,000 faces are refined", () => {
+    const side = 100;
+    const positions = Array.from({ length: (side + 1) ** 2 }, (_, i) => [i % (side + 1), Math.floor(i / (side + 1)), 0]);
+    const faces = [];
+    for (let j = 0; j < side; j++)
+      for (let i = 0; i < side; i++) {
+        const a = j * (side + 1) + i;
+        faces.push([a, a + 1, a + side + 2], [a, a + side + 2, a + side + 1]);
+      }
+    assert.equal(batten.bat_mesh_refine({ positions, faces }, { scheme: "loop", levels: 1 }).faces.length, 3 * 80000);
+  });
+});

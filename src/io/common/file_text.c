@@ -55,7 +55,7 @@ bat_status file_text_read(const char *path, const bat_limits *limits, file_text 
     size_t most = limits != NULL ? limits->bytes : 0;
     if (most > 0 && stat(path, &about) == 0 && S_ISREG(about.st_mode) && (uintmax_t)about.st_size > most)
         return too_long(most, error);
-    bat_status status = file_bytes_read(path, most > 0 && most < FILE_MAX_BYTES ? most : FILE_MAX_BYTES, &buffer, error);
+    bat_status status = file_bytes_read(path, most > 0 ? most : FILE_MAX_BYTES, &buffer, error);
     if (status == BAT_OK)
         status = text_finish(&buffer, limits, text, error);
     if (status == BAT_OK)
