@@ -16,6 +16,7 @@
 #   make style      check the format and run clang-tidy; `make format` formats
 #   make install    the library and the program to PREFIX, below DESTDIR
 #   make install-research  the library batten-research beside them
+#   make uninstall  remove what the last installations of this build put below DESTDIR
 #   make clean      remove what was built
 #
 # GIS=no leaves GDAL out of what is installed.
@@ -30,7 +31,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest python docs bench sanitize sanitize-clang fuzz web-packages web web-test style format install install-research clean dependencies ci-dependencies
+.PHONY: all demo test smallest python docs bench sanitize sanitize-clang fuzz web-packages web web-test style format install install-research uninstall clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -102,6 +103,15 @@ install-research: COMPONENT = --component research
 install install-research:
 	@test -x build/release/batten || $(MAKE) --no-print-directory all
 	@DESTDIR='$(DESTDIR)' cmake --install build/release --prefix '$(PREFIX)' $(COMPONENT)
+	@[ -n '$(DESTDIR)' ] || [ "$$(id -u)" -ne 0 ] || ldconfig
+
+# CMake lists what it installs. Folders of the project's own go when they are empty.
+uninstall:
+	@awk 1 build/release/install_manifest*.txt >build/installed 2>/dev/null || { echo "nothing was installed from here" >&2; exit 1; }
+	@while read -r file; do rm -f "$(DESTDIR)$$file"; done <build/installed
+	@sed -n 's|/[^/]*$$||; /batten/p' build/installed | sort -ru | while read -r folder; do \
+	    rmdir "$(DESTDIR)$$folder" 2>/dev/null || true; done
+	@rm -f build/installed build/release/install_manifest*.txt
 	@[ -n '$(DESTDIR)' ] || [ "$$(id -u)" -ne 0 ] || ldconfig
 
 clean:
