@@ -13,7 +13,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-COPIED = ["docs/**/*.md", "docs/images/**/*", "docs/tutorials/*.py", "weights/*.md", "CONTRIBUTING.md", "CHANGELOG.md", "README.md", "LICENSE",
+COPIED = ["docs/**/*.md", "docs/images/**/*", "docs/tutorials/*.py", "weights/*.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "README.md", "LICENSE",
           "examples/*.c", "examples/data/*"]  # fmt: skip
 LINK = re.compile(r"(\]\()([^)#:]+)(#[^)]*)?\)")
 
