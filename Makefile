@@ -107,7 +107,8 @@ install install-research:
 
 # CMake lists what it installs. Folders of the project's own go when they are empty.
 uninstall:
-	@awk 1 build/release/install_manifest*.txt >build/installed 2>/dev/null || { echo "nothing was installed from here" >&2; exit 1; }
+	@awk 1 build/release/install_manifest*.txt >build/installed 2>/dev/null || \
+	    { echo "nothing was installed from here" >&2; exit 1; }
 	@while read -r file; do rm -f "$(DESTDIR)$$file"; done <build/installed
 	@sed -n 's|/[^/]*$$||; /batten/p' build/installed | sort -ru | while read -r folder; do \
 	    rmdir "$(DESTDIR)$$folder" 2>/dev/null || true; done

@@ -59,7 +59,7 @@ typedef struct bat_curve_read_options
     const char *key_times;
     double translation_weight; ///< of the space "rigid", as in bat_rigid(); 0: as the space has it, 1; default 0
     int threads;               ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
-    bat_limits limits; ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
+    bat_limits limits;         ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
 } bat_curve_read_options;
 
 /// The options' default values.

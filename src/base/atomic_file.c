@@ -84,8 +84,8 @@ static bool read_hidden(const char *path, long *process, unsigned *descriptor)
     const char *base = atomic_base_name(path);
     if (!atomic_is_hidden(path))
         return false;
-    // NOLINTNEXTLINE(bugprone-unchecked-string-to-number-conversion,cert-err34-c): a name with other numbers has no such
-    // file
+    // Names with other numbers have no such file.
+    // NOLINTNEXTLINE(cert-err34-c): the text is checked to its end
     (void)sscanf(base + sizeof HIDDEN - 1, "%ld-%*x-%*x-%x.%n", process, descriptor, &end);
     return end > 0;
 }
