@@ -3,7 +3,7 @@
 
 #include "points.h"
 
-#include "batten/distributed.h"
+#include "batten/research/surface_chart.h"
 #include "batten/surface.h"
 
 /// @file

@@ -3,7 +3,7 @@
 #include "ranks.h"
 #include "rows.h"
 
-#include "batten/distributed.h"
+#include "batten/research/surface_chart.h"
 #include "batten/surface.h"
 
 #include <math.h>

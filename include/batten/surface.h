@@ -126,6 +126,8 @@ typedef struct bat_surface_gap
     bool closed; ///< the surface covers it
 } bat_surface_gap;
 
+/// Clouds with more points are parameterized and fitted in part first.
+#define BAT_SURFACE_ALL_POINTS 20000
 /// The largest number of candidates.
 #define BAT_SURFACE_MAX_CANDIDATES 6
 

@@ -2,39 +2,13 @@
 #define SURFACE_CANDIDATE_H
 
 #include "batten/cloud.h"
-#include "batten/distributed.h"
 #include "batten/surface.h"
-#include "surface/cloud/local_plane.h"
 #include "surface/cloud/part.h"
 #include "surface/trim/trimming.h"
 #include "surface/verdict.h"
 
 /// @file
-/// Charts: parameters that a part of a cloud tells for all its points.
-
-struct reconstruction;
-
-struct bat_surface_chart
-{
-    unit_frame frame;           ///< of the whole cloud
-    bat_cloud part;             ///< points whose parameters are known
-    double *of_part;            ///< part.count x 2: these parameters, on the surface
-    bat_spline_surface surface; ///< through the part
-    double *loop;               ///< loop_count x 3: the boundary of the cloud
-    double *loop_parameters;    ///< loop_count x 2
-    size_t loop_count;
-    size_t functions; ///< budget of the fit to all points
-
-    // Of the process that has found the chart.
-
-    struct reconstruction *work; ///< null in others
-    bat_surface_reconstruct_options options;
-};
-
-/// Free all but what belongs to `work`.
-void chart_free_shared(bat_surface_chart *chart);
-
-// A candidate of bat_surface_reconstruct(): one way to parameterize a cloud, and its fit.
+/// A candidate of bat_surface_reconstruct(): one way to parameterize a cloud, and its fit.
 
 /// A parameterization and its fit. All zero: empty. Release it with surface_candidate_free().
 typedef struct surface_candidate
@@ -97,5 +71,44 @@ typedef struct virtual_points
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status virtual_points_make(const bat_cloud *cloud, const double *parameters, virtual_points *guides, bat_error *error);
 void virtual_points_free(virtual_points *guides);
+
+// A reconstruction, which makes candidates and chooses one.
+
+/// Factor of the radius of the disc that finds another boundary where the surface is wrong.
+#define SURFACE_SMALL_DISC 0.7
+/// Progress share of finding the boundary and measuring the cloud.
+#define SURFACE_PREPARE_SHARE 0.1
+
+/// A reconstruction at work. Release it with reconstruction_free().
+typedef struct reconstruction
+{
+    bat_cloud *cloud;
+    const bat_surface_reconstruct_options *options;
+    double disc; ///< factor of the radius of the disc that finds the boundary
+    bool deep;   ///< charts of triangles alone, whose parameters are corrected at the end alone
+    bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
+    size_t kind_count;
+    double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
+    cloud_part part;       ///< of a large cloud; empty when all points are parameterized
+    double *part_boundary; ///< part.cloud.boundary_count x 2
+    cloud_geometry geometry;   ///< of the part, or of the cloud
+    surface_trimming trimming; ///< of a trimmed surface
+    double *planar;            ///< its parameters; null for other surfaces
+    surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
+    surface_candidate *best;   ///< one of `candidates`
+    bat_surface_result result; ///< metrics of the candidates, later the selected surface
+} reconstruction;
+
+/// Make all candidates, and choose the best.
+bat_status reconstruction_find(reconstruction *work, bat_error *error);
+/// The maximum number of functions of the fit to all points.
+size_t reconstruction_last_budget(const reconstruction *work);
+/// Whether the points lie on a one-sided surface: normals around it come back turned over, along a cut as long as its
+/// width.
+bool reconstruction_is_one_sided(const reconstruction *work);
+bat_status reconstruction_tell_one_sided(bat_error *error);
+/// Move the best candidate to the result.
+bat_status reconstruction_store(reconstruction *work, bat_error *error);
+void reconstruction_free(reconstruction *work);
 
 #endif

@@ -30,16 +30,12 @@ enum
     POINTS_PER_FUNCTION = 4 ///< minimum number of points for each function of a fit to a part
 };
 
-// Factor of the radius of the disc that finds another boundary where the surface is wrong.
-static const double SMALL_DISC = 0.7;
 // Fewest conflicts of orientation of a one-sided surface, in roots of the number of points.
 static const double ONE_SIDED_ROOTS = 0.25;
 // Expected distance of new points, in standard deviations of the noise, below which other candidates are not tried.
 static const double NOISE_REACHED = 1.05;
 // Progress share of the fits to samples, for clouds that are fitted on a sample first.
 static const double TRIAL_SHARE = 0.3;
-// Progress share of finding the boundary and measuring the cloud.
-static const double PREPARE_SHARE = 0.1;
 
 static const bat_choice PARAMETERS[] = {
     CHOICE("auto",
@@ -110,25 +106,6 @@ static bat_status surface_reconstruct_options_check(const void *opaque, bat_erro
 const bat_options_table bat_surface_reconstruct_fields = {"bat_surface_reconstruct_options",
                                                           surface_reconstruct_options_check};
 
-typedef struct reconstruction
-{
-    bat_cloud *cloud;
-    const bat_surface_reconstruct_options *options;
-    double disc; ///< factor of the radius of the disc that finds the boundary
-    bool deep;   ///< charts of triangles alone, whose parameters are corrected at the end alone
-    bat_surface_parameters kinds[BAT_SURFACE_MAX_CANDIDATES]; ///< methods of parameterization to compare
-    size_t kind_count;
-    double *boundary;      ///< boundary_count x 2 parameters; null when all parameters are given and the boundary is unknown
-    cloud_part part;       ///< of a large cloud; empty when all points are parameterized
-    double *part_boundary; ///< part.cloud.boundary_count x 2
-    cloud_geometry geometry;   ///< of the part, or of the cloud
-    surface_trimming trimming; ///< of a trimmed surface
-    double *planar;            ///< its parameters; null for other surfaces
-    surface_candidate candidates[BAT_SURFACE_MAX_CANDIDATES];
-    surface_candidate *best;   ///< one of `candidates`
-    bat_surface_result result; ///< metrics of the candidates, later the selected surface
-} reconstruction;
-
 static void list_kinds(reconstruction *work)
 {
     if (work->options->trim)
@@ -166,7 +143,7 @@ static bat_status prepare(reconstruction *work, bat_error *error)
         return status;
     if (status == BAT_OK && cloud->boundary_count == 0 && !given)
     {
-        progress_part part = {work->options->fit.progress, 0, PREPARE_SHARE};
+        progress_part part = {work->options->fit.progress, 0, SURFACE_PREPARE_SHARE};
         status = cloud_find_boundary(cloud, work->disc, progress_of_part(&part), error);
         work->result.boundary_found = true;
     }
@@ -283,7 +260,7 @@ static bat_status take_part(reconstruction *work, bat_error *error)
 /// The progress of the fits, after the preparation. It lies in `parts`.
 static bat_progress fit_progress(const reconstruction *work, double begin, double length, progress_part parts[2])
 {
-    parts[0] = (progress_part){work->options->fit.progress, PREPARE_SHARE, 1 - PREPARE_SHARE};
+    parts[0] = (progress_part){work->options->fit.progress, SURFACE_PREPARE_SHARE, 1 - SURFACE_PREPARE_SHARE};
     parts[1] = (progress_part){progress_of_part(&parts[0]), begin, length};
     return progress_of_part(&parts[1]);
 }
@@ -354,9 +331,7 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
     return status;
 }
 
-/// Whether the points lie on a one-sided surface: normals around it come back turned over, along a cut as long as its
-/// width.
-static bool is_one_sided(const reconstruction *work)
+bool reconstruction_is_one_sided(const reconstruction *work)
 {
     // Neighbours in space may be on sheets that touch; triangles tell them apart, and can be oriented.
     if (work->deep && work->cloud->triangle_count > 0)
@@ -365,7 +340,7 @@ static bool is_one_sided(const reconstruction *work)
     return (double)work->geometry.oriented.conflicts > limit;
 }
 
-static bat_status tell_one_sided(bat_error *error)
+bat_status reconstruction_tell_one_sided(bat_error *error)
 {
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                      "the points lie on a one-sided surface, such as a Moebius band, or on sheets that touch; cut it across "
@@ -377,12 +352,12 @@ static bat_status check_best(const reconstruction *work, bat_error *error)
     const bat_error *failure = &work->best->report.failure;
     if (failure->status == BAT_OK)
         return BAT_OK;
-    if (is_one_sided(work))
-        return tell_one_sided(error);
+    if (reconstruction_is_one_sided(work))
+        return reconstruction_tell_one_sided(error);
     return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
 }
 
-static size_t last_budget(const reconstruction *work)
+size_t reconstruction_last_budget(const reconstruction *work)
 {
     const bat_surface_fit_options *fit = &work->options->fit;
     // Points on lines do not tell what a surface does between them: an even sample tells its size.
@@ -396,7 +371,7 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     bat_surface_fit_options fit = work->options->fit;
     progress_part parts[2];
     fit.progress = fit_progress(work, TRIAL_SHARE, 1 - TRIAL_SHARE, parts);
-    fit.functions = last_budget(work);
+    fit.functions = reconstruction_last_budget(work);
     correct_late(work, &fit);
     bat_status status = BAT_OK;
     if (work->part.members != NULL)
@@ -449,7 +424,7 @@ bool bat_surface_below_noise(const bat_surface_fit_options *options, const bat_s
 static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool one_sided, bat_error *error)
 {
     if (one_sided)
-        return tell_one_sided(error);
+        return reconstruction_tell_one_sided(error);
     bat_error wrong = {0};
     (void)bat_surface_verdict_check(verdict, &wrong);
     (void)error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "%s%s", wrong.text,
@@ -471,7 +446,7 @@ static bat_status check_part(const reconstruction *work, bat_cloud_parameters_re
     return status;
 }
 
-static bat_status store_result(reconstruction *work, bat_error *error)
+bat_status reconstruction_store(reconstruction *work, bat_error *error)
 {
     bat_surface_result *result = &work->result;
     surface_candidate *best = work->best;
@@ -509,7 +484,7 @@ static bat_status store_result(reconstruction *work, bat_error *error)
     return BAT_OK;
 }
 
-static void reconstruction_free(reconstruction *work)
+void reconstruction_free(reconstruction *work)
 {
     cloud_geometry_free(&work->geometry);
     for (size_t i = 0; i < work->kind_count; i++)
@@ -521,10 +496,10 @@ static void reconstruction_free(reconstruction *work)
     trimming_free(&work->trimming);
 }
 
-static bat_status find_best(reconstruction *work, bat_error *error)
+bat_status reconstruction_find(reconstruction *work, bat_error *error)
 {
     double begin = clock_seconds();
-    progress_part prepare_part = {work->options->fit.progress, PREPARE_SHARE, 0};
+    progress_part prepare_part = {work->options->fit.progress, SURFACE_PREPARE_SHARE, 0};
     bat_status status = prepare(work, error);
     double prepared = clock_seconds();
     if (status == BAT_OK)
@@ -532,7 +507,7 @@ static bat_status find_best(reconstruction *work, bat_error *error)
         list_kinds(work);
         status = take_part(work, error);
     }
-    if (status == BAT_OK && !progress_goes_on(work->options->fit.progress, PREPARE_SHARE))
+    if (status == BAT_OK && !progress_goes_on(work->options->fit.progress, SURFACE_PREPARE_SHARE))
         status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
     if (status == BAT_OK)
         status = cloud_geometry_make(parameterized(work), work->options->fit.threads, progress_of_part(&prepare_part),
@@ -556,13 +531,13 @@ static bat_status reconstruct(bat_cloud *cloud, const bat_surface_reconstruct_op
                               bat_surface_result *result, bool *one_sided, bat_error *error)
 {
     reconstruction work = {.cloud = cloud, .options = options, .disc = disc, .deep = deep};
-    bat_status status = find_best(&work, error);
+    bat_status status = reconstruction_find(&work, error);
     double found = clock_seconds();
     if (status == BAT_OK && !fits_all_points(&work))
         status = fit_best(&work, error);
     if (status == BAT_OK)
-        status = store_result(&work, error);
-    *one_sided = status == BAT_OK && is_one_sided(&work);
+        status = reconstruction_store(&work, error);
+    *one_sided = status == BAT_OK && reconstruction_is_one_sided(&work);
     work.result.seconds[2] += clock_seconds() - found;
     reconstruction_free(&work);
     if (status == BAT_OK)
@@ -633,8 +608,8 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_reconstr
     bat_status status = prepare_copy(cloud, finds_boundary, way, progress_of_part(&part), &copy, &failure);
     double prepared = clock_seconds() - begin;
     if (status == BAT_OK)
-        status =
-            reconstruct(&copy, options, way == FINE_LOOP ? SMALL_DISC : 1, way != FINE_LOOP, &again, &one_sided, &failure);
+        status = reconstruct(&copy, options, way == FINE_LOOP ? SURFACE_SMALL_DISC : 1, way != FINE_LOOP, &again, &one_sided,
+                             &failure);
     *is_better = status == BAT_OK && again.verdict.fault == BAT_SURFACE_FAULT_NONE && !one_sided &&
                  !(again.verdict.cross_share >= cross);
     if (*is_better)
@@ -717,120 +692,4 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstru
             *error = failure;
     }
     return status;
-}
-
-// Reconstructions by several processes
-
-bat_status bat_surface_chart_boundary(bat_cloud *cloud, bool again, bat_progress progress, bat_error *error)
-{
-    progress_part part = {progress, 0, PREPARE_SHARE};
-    return cloud_find_boundary(cloud, again ? SMALL_DISC : 1, progress_of_part(&part), error);
-}
-
-/// Store what all processes need.
-static bat_status share_chart(const reconstruction *work, bat_surface_chart *chart, bat_error *error)
-{
-    const bat_cloud *cloud = work->cloud;
-    bat_status status = bat_cloud_copy(&work->part.cloud, &chart->part, error);
-    if (status != BAT_OK)
-        return status;
-    chart->frame = unit_frame_of(cloud->points, cloud->count);
-    chart->functions = last_budget(work);
-    chart->loop_count = cloud->boundary_count;
-    chart->of_part = work->best->corrected;
-    work->best->corrected = NULL;
-    chart->surface = work->best->surface;
-    work->best->surface = (bat_spline_surface){0};
-    bat_surface_fit_report_free(&work->best->fit);
-    chart->loop = memory_array(chart->loop_count, 3 * sizeof *chart->loop);
-    chart->loop_parameters = memory_array(chart->loop_count, 2 * sizeof *chart->loop);
-    if (chart->loop == NULL || chart->loop_parameters == NULL)
-        return error_memory(error, chart->loop_count * 5 * sizeof *chart->loop);
-    memcpy(chart->loop, cloud->points, 3 * chart->loop_count * sizeof *chart->loop);
-    memcpy(chart->loop_parameters, work->boundary, 2 * chart->loop_count * sizeof *chart->loop);
-    return BAT_OK;
-}
-
-bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
-                                  bat_surface_chart **chart, bat_error *error)
-{
-    const bat_surface_reconstruct_options defaults = bat_surface_reconstruct_defaults();
-    bat_status status = bat_options_check(&bat_surface_reconstruct_fields, options, error);
-    options = options != NULL ? options : &defaults;
-    if (status == BAT_OK && (cloud->count <= BAT_SURFACE_ALL_POINTS || cloud->triangle_count > 0 || options->published ||
-                             options->trim || options->parameters != BAT_SURFACE_PARAMETERS_AUTO))
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                           "a chart is of more than %d points without triangles, with automatic parameters",
-                           BAT_SURFACE_ALL_POINTS);
-    if (status != BAT_OK)
-        return status;
-    bat_surface_chart *made = calloc(1, sizeof *made);
-    reconstruction *work = calloc(1, sizeof *work);
-    if (made == NULL || work == NULL)
-    {
-        free(made);
-        free(work);
-        return error_memory(error, sizeof *work);
-    }
-    made->work = work;
-    made->options = *options;
-    *work = (reconstruction){.cloud = cloud, .options = &made->options, .disc = 1};
-    status = find_best(work, error);
-    if (status == BAT_OK)
-        status = share_chart(work, made, error);
-    if (status == BAT_OK)
-        *chart = made;
-    else
-        bat_surface_chart_free(made);
-    return status;
-}
-
-void bat_surface_chart_free(bat_surface_chart *chart)
-{
-    if (chart == NULL)
-        return;
-    if (chart->work != NULL)
-        reconstruction_free(chart->work);
-    free(chart->work);
-    chart_free_shared(chart);
-    free(chart);
-}
-
-bat_status bat_surface_chart_finish(bat_surface_chart *chart, bat_spline_surface *surface, bat_surface_fit_report *report,
-                                    const double *parameters, const double *distances, bat_surface_result *result,
-                                    bat_error *error)
-{
-    reconstruction *work = chart->work;
-    if (work == NULL)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "another process has found the chart");
-    size_t count = work->cloud->count;
-    surface_candidate *best = work->best;
-    double begin = clock_seconds();
-    bat_status status = surface_judge(&work->geometry, surface, parameters, distances, count, &work->options->fit,
-                                      &best->report.verdict, error);
-    if (status == BAT_OK && best->report.verdict.fault != BAT_SURFACE_FAULT_NONE && !work->options->force &&
-        is_one_sided(work))
-        status = tell_one_sided(error);
-    if (status != BAT_OK)
-        return status;
-    free(best->corrected);
-    best->corrected = memory_array(count, 2 * sizeof *best->corrected);
-    if (best->corrected == NULL)
-        return error_memory(error, count * 2 * sizeof *best->corrected);
-    memcpy(best->corrected, parameters, 2 * count * sizeof *best->corrected);
-    best->surface = *surface;
-    best->fit = *report;
-    status = store_result(work, error);
-    if (status != BAT_OK)
-    {
-        best->surface = (bat_spline_surface){0};
-        best->fit = (bat_surface_fit_report){0};
-        return status;
-    }
-    work->result.seconds[2] += clock_seconds() - begin;
-    *surface = (bat_spline_surface){0};
-    *report = (bat_surface_fit_report){0};
-    *result = work->result;
-    work->result = (bat_surface_result){0};
-    return BAT_OK;
 }

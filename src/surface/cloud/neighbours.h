@@ -87,6 +87,8 @@ void spatial_order_free(spatial_order *order);
 
 // An order of points that depends on their coordinates alone, so that results do not depend on the order of the input.
 
+/// Half the distance from the centre of the bounding box, by which points are sorted.
+double canonical_order_key(const double point[3], const double centre[3]);
 /// Sort points by their distance from the centre of their bounding box, those at the same distance by their coordinates. The
 /// order of a mirrored cloud is the same up to rounding.
 /// @param points count x 3, finite

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/distributed.h"
 #include "surface/cloud/local_plane.h"
 
 #include <math.h>
@@ -99,7 +98,7 @@ static int compare_entries(const void *a, const void *b)
     return (p->item > q->item) - (p->item < q->item);
 }
 
-double bat_surface_chart_order(const double point[3], const double centre[3])
+double canonical_order_key(const double point[3], const double centre[3])
 {
     double x = point[0] * 0.5 - centre[0] * 0.5, y = point[1] * 0.5 - centre[1] * 0.5, z = point[2] * 0.5 - centre[2] * 0.5;
     return hypot(hypot(x, y), z);
@@ -114,7 +113,7 @@ bat_status canonical_order_find(const double *points, size_t count, size_t *orde
     for (size_t i = 0; i < count; i++)
     {
         const double *at = points + 3 * i;
-        entries[i] = (sort_entry){bat_surface_chart_order(at, frame.middle), {at[0], at[1], at[2]}, i};
+        entries[i] = (sort_entry){canonical_order_key(at, frame.middle), {at[0], at[1], at[2]}, i};
     }
     qsort(entries, count, sizeof *entries, compare_entries);
     for (size_t i = 0; i < count; i++)

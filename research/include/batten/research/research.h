@@ -15,6 +15,7 @@
 #include "batten/research/mesh_train.h"
 #include "batten/research/motion_study.h"
 #include "batten/research/networks.h"
+#include "batten/research/surface_chart.h"
 #include "batten/research/surface_shapes.h"
 #include "batten/research/surface_study.h"
 #include "batten/research/surface_train.h"

@@ -1,14 +1,14 @@
-/// @file
-/// Charts; see candidate.h. reconstruct.c finds them.
-
-#include "surface/candidate.h"
+#include "batten/research/surface_chart.h"
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/distributed.h"
-#include "batten/surface.h"
+#include "base/option.h"
+#include "base/progress.h"
 #include "linalg/vector.h"
+#include "surface/candidate.h"
+#include "surface/cloud/boundary.h"
 #include "surface/cloud/local_plane.h"
+#include "surface/cloud/neighbours.h"
 #include "surface/cloud/part.h"
 #include "surface/fit/points.h"
 #include "surface/spline/hierarchical_space.h"
@@ -19,13 +19,144 @@
 
 static const size_t POINTS_AT_ONCE = 1 << 16; ///< that are located
 
-void chart_free_shared(bat_surface_chart *chart)
+struct bat_surface_chart
 {
+    unit_frame frame;           ///< of the whole cloud
+    bat_cloud part;             ///< points whose parameters are known
+    double *of_part;            ///< part.count x 2: these parameters, on the surface
+    bat_spline_surface surface; ///< through the part
+    double *loop;               ///< loop_count x 3: the boundary of the cloud
+    double *loop_parameters;    ///< loop_count x 2
+    size_t loop_count;
+    size_t functions; ///< budget of the fit to all points
+
+    // Of the process that has found the chart.
+
+    reconstruction *work; ///< null in others
+    bat_surface_reconstruct_options options;
+};
+
+bat_status bat_surface_chart_boundary(bat_cloud *cloud, bool again, bat_progress progress, bat_error *error)
+{
+    progress_part part = {progress, 0, SURFACE_PREPARE_SHARE};
+    return cloud_find_boundary(cloud, again ? SURFACE_SMALL_DISC : 1, progress_of_part(&part), error);
+}
+
+/// Store what all processes need.
+static bat_status share_chart(const reconstruction *work, bat_surface_chart *chart, bat_error *error)
+{
+    const bat_cloud *cloud = work->cloud;
+    bat_status status = bat_cloud_copy(&work->part.cloud, &chart->part, error);
+    if (status != BAT_OK)
+        return status;
+    chart->frame = unit_frame_of(cloud->points, cloud->count);
+    chart->functions = reconstruction_last_budget(work);
+    chart->loop_count = cloud->boundary_count;
+    chart->of_part = work->best->corrected;
+    work->best->corrected = NULL;
+    chart->surface = work->best->surface;
+    work->best->surface = (bat_spline_surface){0};
+    bat_surface_fit_report_free(&work->best->fit);
+    chart->loop = memory_array(chart->loop_count, 3 * sizeof *chart->loop);
+    chart->loop_parameters = memory_array(chart->loop_count, 2 * sizeof *chart->loop);
+    if (chart->loop == NULL || chart->loop_parameters == NULL)
+        return error_memory(error, chart->loop_count * 5 * sizeof *chart->loop);
+    memcpy(chart->loop, cloud->points, 3 * chart->loop_count * sizeof *chart->loop);
+    memcpy(chart->loop_parameters, work->boundary, 2 * chart->loop_count * sizeof *chart->loop);
+    return BAT_OK;
+}
+
+bat_status bat_surface_chart_find(bat_cloud *cloud, const bat_surface_reconstruct_options *options,
+                                  bat_surface_chart **chart, bat_error *error)
+{
+    const bat_surface_reconstruct_options defaults = bat_surface_reconstruct_defaults();
+    bat_status status = bat_options_check(&bat_surface_reconstruct_fields, options, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK && (cloud->count <= BAT_SURFACE_ALL_POINTS || cloud->triangle_count > 0 || options->published ||
+                             options->trim || options->parameters != BAT_SURFACE_PARAMETERS_AUTO))
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                           "a chart is of more than %d points without triangles, with automatic parameters",
+                           BAT_SURFACE_ALL_POINTS);
+    if (status != BAT_OK)
+        return status;
+    bat_surface_chart *made = calloc(1, sizeof *made);
+    reconstruction *work = calloc(1, sizeof *work);
+    if (made == NULL || work == NULL)
+    {
+        free(made);
+        free(work);
+        return error_memory(error, sizeof *work);
+    }
+    made->work = work;
+    made->options = *options;
+    *work = (reconstruction){.cloud = cloud, .options = &made->options, .disc = 1};
+    status = reconstruction_find(work, error);
+    if (status == BAT_OK)
+        status = share_chart(work, made, error);
+    if (status == BAT_OK)
+        *chart = made;
+    else
+        bat_surface_chart_free(made);
+    return status;
+}
+
+void bat_surface_chart_free(bat_surface_chart *chart)
+{
+    if (chart == NULL)
+        return;
+    if (chart->work != NULL)
+        reconstruction_free(chart->work);
+    free(chart->work);
     bat_cloud_free(&chart->part);
     free(chart->of_part);
     bat_spline_surface_free(&chart->surface);
     free(chart->loop);
     free(chart->loop_parameters);
+    free(chart);
+}
+
+bat_status bat_surface_chart_finish(bat_surface_chart *chart, bat_spline_surface *surface, bat_surface_fit_report *report,
+                                    const double *parameters, const double *distances, bat_surface_result *result,
+                                    bat_error *error)
+{
+    reconstruction *work = chart->work;
+    if (work == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "another process has found the chart");
+    size_t count = work->cloud->count;
+    surface_candidate *best = work->best;
+    double begin = clock_seconds();
+    bat_status status = surface_judge(&work->geometry, surface, parameters, distances, count, &work->options->fit,
+                                      &best->report.verdict, error);
+    if (status == BAT_OK && best->report.verdict.fault != BAT_SURFACE_FAULT_NONE && !work->options->force &&
+        reconstruction_is_one_sided(work))
+        status = reconstruction_tell_one_sided(error);
+    if (status != BAT_OK)
+        return status;
+    free(best->corrected);
+    best->corrected = memory_array(count, 2 * sizeof *best->corrected);
+    if (best->corrected == NULL)
+        return error_memory(error, count * 2 * sizeof *best->corrected);
+    memcpy(best->corrected, parameters, 2 * count * sizeof *best->corrected);
+    best->surface = *surface;
+    best->fit = *report;
+    status = reconstruction_store(work, error);
+    if (status != BAT_OK)
+    {
+        best->surface = (bat_spline_surface){0};
+        best->fit = (bat_surface_fit_report){0};
+        return status;
+    }
+    work->result.seconds[2] += clock_seconds() - begin;
+    *surface = (bat_spline_surface){0};
+    *report = (bat_surface_fit_report){0};
+    *result = work->result;
+    work->result = (bat_surface_result){0};
+    return BAT_OK;
+}
+
+double bat_surface_chart_order(const double point[3], const double centre[3])
+{
+    return canonical_order_key(point, centre);
 }
 
 size_t bat_surface_chart_loop(const bat_surface_chart *chart, const double **points, const double **parameters,

@@ -2,7 +2,7 @@
 
 #include "surface_fit_helpers.h"
 
-#include "batten/distributed.h"
+#include "batten/research/surface_chart.h"
 #include "batten/surface.h"
 
 enum
