@@ -1,7 +1,7 @@
 #include "batten/research/networks.h"
 
 #include "base/error.h"
-#include "curve/network/learned_rule.h"
+#include "curve/network/learned_network.h"
 #include "research/networks/tension_inference.h"
 #include "research/networks/weights.h"
 #include "space/builtin.h"

@@ -5,7 +5,6 @@
 #include "batten/curve_measure.h"
 #include "batten/research/curve_study.h"
 #include "curve/network/learned_network.h"
-#include "curve/network/learned_rule.h"
 #include "research/data/control_polygon.h"
 #include "research/data/rough_curve.h"
 #include "research/data/simplify.h"

@@ -7,7 +7,6 @@
 #include "refine_helpers.h"
 
 #include "curve/network/learned_network.h"
-#include "curve/network/learned_rule.h"
 #include "research/learn/parameters.h"
 #include "research/train/curve_network_tape.h"
 

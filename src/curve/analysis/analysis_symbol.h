@@ -27,13 +27,6 @@ bat_status symbol_make(const bat_mask *mask, mask_symbol *result, bat_error *err
 /// index by index, it is at most (16 + 2 n) epsilon times the coefficient of (1 + z)^n |quotient|(z).
 bool symbol_divide(const bat_mask *mask, size_t n, bat_mask *quotient, double *remainder);
 
-/// a(z) / (1 + z)^order, the mask that refines differences of that order; `order` up to the multiplicity.
-bat_mask symbol_difference(const mask_symbol *symbol, size_t order);
-
-/// The largest degree d below the multiplicity with a^(k)(1) = 2 shift (shift - 1) … (shift - k + 1) for all k <= d
-/// (Dyn, Hormann, Sabin and Shen 2008, theorem 4.3).
-size_t symbol_reproduction_degree(const mask_symbol *symbol);
-
 /// The points that determine the limit at 0 of the index parametrization: `size` of them, the first of index `first`.
 /// An index i of the next level needs the points from (i - last) / 2 to (i - first) / 2, so 1 - last … -first - 1 need only
 /// themselves.
@@ -78,9 +71,6 @@ static inline size_t smoothness_dimension(const bat_mask *mask)
 /// @param stop_below stop as soon as the radius is proven to be below this; 0 for never
 bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_options *options, double stop_below,
                              joint_radius *radius, bat_error *error);
-
-/// Whether the subdivision operator of the mask times `factor` has powers of norm at most 1, looking at the first `depth`.
-bat_status smoothness_is_bounded(const bat_mask *mask, double factor, size_t depth, bool *bounded, bat_error *error);
 
 /// Whether the integer shifts of the basic limit function of (1 + z)^n quotient(z), n >= 1, are proven to be stable: there
 /// is a constant C with max |c_j| <= C max |sum c_j phi(x - j)| for all bounded c. The same is proven for every quotient

@@ -99,8 +99,6 @@ typedef struct degree_edges
     double unit; ///< degrees that rounding may change
 } degree_edges;
 
-/// The way in degrees from one point of the sphere to another. A pole has the longitude of the other point.
-void degrees_along(const double *p, const double *q, double *from, double *along);
 /// Whether an open arc is straight in degrees.
 bool degrees_straight(const bat_curve *arc, const degree_edges *how);
 /// The point at a share of the straight line in degrees between two points.

@@ -6,7 +6,6 @@
 #include "base/threads.h"
 #include "curve/polygon.h"
 #include "curve/smooth.h"
-#include "curve/smooth_back.h"
 
 #include <math.h>
 #include <stdlib.h>

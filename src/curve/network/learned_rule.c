@@ -1,12 +1,148 @@
-#include "curve/network/learned_rule.h"
+#include "curve/network/learned_network.h"
 
+#include "base/choice.h"
 #include "batten/curve_scheme.h"
-#include "curve/network/learned_inference.h"
+#include "learn/packed.h"
 #include "learn/weights.h"
 #include "space/builtin.h"
 
+#include <assert.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+// The network of src/curve/network/learned_network.h for inference: no tape, no allocation. The weights are
+// used in the layout of their file.
+
+enum
+{
+    /// Edges that go through the network together.
+    LEARNED_ROWS = 8 * LEARN_TILE
+};
+
+/// One call's memory; aligned to 64 bytes.
+typedef struct learned_scratch
+{
+    _Alignas(64) real x[LEARNED_ROWS * LEARNED_WIDTH];
+    real inner[LEARNED_ROWS * LEARNED_WIDTH], next[LEARNED_ROWS * LEARNED_WIDTH];
+    real features[LEARNED_ROWS * LEARNED_FEATURES];
+    learned_edge edges[LEARNED_ROWS];
+} learned_scratch;
+
+static const char *const BLOCK_NAMES[KLEIN_COUNT] = {"kept", "second", "first", "both"};
+
+static void add_layer(learn_parameters *parameters, size_t layer, klein_widths in)
+{
+    char name[LEARN_NAME_SIZE];
+    for (size_t k = 0; k < KLEIN_COUNT; k++)
+    {
+        (void)snprintf(name, sizeof name, "layer.%zu.%s", layer, BLOCK_NAMES[k]);
+        (void)learn_parameters_add(parameters, in.of[k], LEARNED_CHANNELS, name);
+    }
+    (void)snprintf(name, sizeof name, "layer.%zu.bias", layer);
+    (void)learn_parameters_add(parameters, 0, LEARNED_CHANNELS, name);
+}
+
+bat_status learned_network_make(learn_parameters *parameters, bat_error *error)
+{
+    for (size_t layer = 0; layer < LEARNED_LAYERS; layer++)
+        add_layer(parameters, layer, layer == 0 ? learned_widths() : klein_equal(LEARNED_CHANNELS));
+    (void)learn_parameters_add(parameters, 1, LEARNED_CHANNELS, "output.first");
+    (void)learn_parameters_add(parameters, 1, LEARNED_CHANNELS, "output.kept");
+    bat_status status = learn_parameters_allocate(parameters, error);
+    if (status != BAT_OK)
+        learn_parameters_free(parameters);
+    assert(status != BAT_OK || parameters->count == LEARNED_PARAMETERS);
+    return status;
+}
+
+enum
+{
+    C = LEARNED_CHANNELS,
+    FIRST_LAYER = LEARNED_FEATURES * C + C, ///< numbers of a layer: its four weights and its bias
+    OTHER_LAYER = LEARNED_WIDTH * C + C,
+    OUTPUT_AT = FIRST_LAYER + (LEARNED_LAYERS - 1) * OTHER_LAYER,
+};
+
+_Static_assert(LEARNED_CHANNELS % LEARN_PANEL == 0, "a block is whole panels");
+
+/// A layer's block k: inputs x C. In these arrays a block's rows lie together, `rows` x C, and block behind block.
+static void linear(const real *weights, klein_widths in, size_t rows, const real *x, size_t stride, bool blocks, real *y)
+{
+    static const real ZEROS[C];
+    const real *bias = weights + klein_total(in) * C;
+    for (size_t k = 0; k < KLEIN_COUNT; k++)
+    {
+        learn_packed layer = learn_packed_plain(in.of[k], C, weights, k == KLEIN_KEPT ? bias : ZEROS);
+        learn_packed_linear(&layer, rows, x, stride, y + k * rows * C);
+        weights += in.of[k] * C;
+        x += blocks ? rows * C : in.of[k];
+    }
+}
+
+/// Whole tiles of rows. Returns the input of the output layer: for each block rows x C.
+static const real *forward(const real *weights, size_t rows, learned_scratch *s)
+{
+    real *x = s->x, *inner = s->inner, *next = s->next;
+    size_t size = rows * LEARNED_WIDTH;
+    linear(weights, learned_widths(), rows, s->features, LEARNED_FEATURES, false, inner);
+    learn_packed_klein_gelu(rows * C, inner, x);
+    weights += FIRST_LAYER;
+    for (size_t block = 0; block < LEARNED_BLOCKS; block++, weights += 2 * OTHER_LAYER)
+    {
+        linear(weights, klein_equal(C), rows, x, C, true, inner);
+        learn_packed_klein_gelu(rows * C, inner, next);
+        linear(weights + OTHER_LAYER, klein_equal(C), rows, next, C, true, inner);
+        for (size_t i = 0; i < size; i++)
+            x[i] += inner[i];
+    }
+    learn_packed_klein_gelu(rows * C, x, next);
+    return next;
+}
+
+static double product(const real *weights, const real *row)
+{
+    double sum = 0;
+    for (size_t c = 0; c < C; c++)
+        sum += (double)weights[c] * (double)row[c];
+    return sum;
+}
+
+/// The insertion angles of `count` edges, positive to the left. Where weights are so large that numbers overflow on the way,
+/// the angle is that of the six-point rule.
+/// @param weights  the values of learned_network_make()'s parameters, in order
+/// @param angles   angles[j + i] is that of vertex i of edge j (learned_features_of()), lengths likewise
+/// @param begin    the setting of edge 0; the parity alternates
+/// @param chosen   receives `count` angles; not limited to the admissible ones
+static void learned_inference_angles(const real *weights, size_t count, const double *angles, const double *lengths,
+                                     learned_setting begin, double *chosen, learned_scratch *scratch)
+{
+    const double parity = begin.parity;
+    for (size_t done = 0; done < count; done += LEARNED_ROWS)
+    {
+        size_t rows = count - done < LEARNED_ROWS ? count - done : LEARNED_ROWS, whole = learn_whole_tiles(rows);
+        memset(scratch->features + rows * LEARNED_FEATURES, 0, (whole - rows) * LEARNED_FEATURES * sizeof(real));
+        for (size_t r = 0; r < rows; r++)
+        {
+            double features[LEARNED_FEATURES];
+            size_t j = done + r;
+            begin.parity = j % 2 == 0 ? parity : -parity;
+            scratch->edges[r] = learned_features_of(angles + j, lengths + j, begin, features);
+            for (size_t i = 0; i < LEARNED_FEATURES; i++)
+                scratch->features[r * LEARNED_FEATURES + i] = (real)features[i];
+        }
+        const real *last = forward(weights, whole, scratch);
+        const real *kept = last + KLEIN_KEPT * whole * C, *first = last + KLEIN_FIRST * whole * C;
+        for (size_t r = 0; r < rows; r++)
+        {
+            double correction = product(weights + OUTPUT_AT, first + r * C);
+            double gate = product(weights + OUTPUT_AT + C, kept + r * C);
+            double angle = learned_angle(scratch->edges[r], correction, gate);
+            chosen[done + r] = isnan(angle) ? scratch->edges[r].base : angle;
+        }
+    }
+}
 
 const char *learned_rule_fault(const bat_curve_angle_rule *rule, const bat_space *space)
 {
@@ -20,13 +156,13 @@ static void angles_by(const real *weights, const bat_curve_angle_rule_view *view
     int curvature = 0;
     (void)space_is_surface(view->space, &curvature);
     bool even = view->first % 2 == 0;
-    learned_setting setting = {.curvature = curvature,
-                               .fairness = view->fairness,
-                               .level = (double)view->level,
-                               .parity = view->level == 0 ? 0
-                                         : even           ? 1
-                                                          : -1};
-    learned_inference_angles(weights, view->count, view->angles, view->lengths, setting, chosen, scratch);
+    learned_setting begin = {.curvature = curvature,
+                             .fairness = view->fairness,
+                             .level = (double)view->level,
+                             .parity = view->level == 0 ? 0
+                                       : even           ? 1
+                                                        : -1};
+    learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, chosen, scratch);
 }
 
 static void shipped_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
@@ -85,5 +221,55 @@ bat_curve_scheme bat_curve_scheme_learned(double fairness)
 {
     bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&SHIPPED);
     scheme.fairness = fairness;
+    return scheme;
+}
+
+struct bat_curve_model
+{
+    learn_model network;
+    bat_curve_angle_rule rule;
+    bool has_fairness;
+};
+
+static const learn_network *const NETWORKS[] = {&curve_network_learned};
+const learn_networks curve_networks = {NETWORKS, 1, &weights_learned};
+
+bat_status curve_model_read(const learn_networks *networks, const char *path, bat_curve_model **model, bat_error *error)
+{
+    learn_model *read = NULL;
+    bat_status status = learn_model_read(networks, path, sizeof **model, &read, error);
+    if (status != BAT_OK)
+        return status;
+    *model = (bat_curve_model *)read;
+    (*model)->rule = *(const bat_curve_angle_rule *)read->kind->rule;
+    (*model)->rule.parameters = read->network;
+    (*model)->has_fairness = read->kind == &curve_network_learned;
+    return BAT_OK;
+}
+
+bat_status bat_curve_model_read(const char *path, bat_curve_model **model, bat_error *error)
+{
+    return curve_model_read(&curve_networks, path, model, error);
+}
+
+static const bat_choice MODELS[] = {
+    {.name = "learned", .summary = "the curve scheme that comes with the library, 134,720 weights; weights/batten.md"},
+};
+const bat_family bat_curve_model_family = FAMILY("curve model", MODELS);
+
+bool bat_curve_model_has_fairness(const bat_curve_model *model)
+{
+    return model->has_fairness;
+}
+
+void bat_curve_model_free(bat_curve_model *model)
+{
+    learn_model_free((learn_model *)model);
+}
+
+bat_curve_scheme bat_curve_scheme_of_model(const bat_curve_model *model)
+{
+    bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&model->rule);
+    scheme.fairness = 0.25;
     return scheme;
 }

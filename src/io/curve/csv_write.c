@@ -1,6 +1,6 @@
 #include "io/common/time_text.h"
+#include "io/curve/builder.h"
 #include "io/curve/csv.h"
-#include "io/curve/rows.h"
 #include "space/degrees.h"
 
 #include <inttypes.h>

@@ -4,7 +4,6 @@
 #include "io/common/number_text.h"
 #include "io/curve/builder.h"
 #include "io/curve/formats.h"
-#include "io/curve/rows.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "io/curve/stitch_seam.h"
+#include "io/curve/stitch.h"
 
 #include "base/array_grow.h"
 #include "base/memory.h"

@@ -2,7 +2,7 @@
 #define IO_CURVE_WKT_H
 
 #include "io/common/file_text.h"
-#include "io/curve/geojson_made.h"
+#include "io/curve/geojson.h"
 
 /// @file
 /// Well-known text of geometries, to and from GeoJSON, whose reader and writer do the rest.

@@ -1,7 +1,10 @@
 #include "io/gis/gdal.h"
 
 #include "base/error.h"
+#include "base/memory.h"
+#include "curve/polygon.h"
 #include "io/gis/gis.h"
+#include "space/degrees.h"
 
 #include <dlfcn.h>
 #include <stdio.h>
@@ -122,4 +125,201 @@ bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
         status = file_text_copy(bytes.data != NULL ? bytes.data : "", bytes.size, NULL, text, error);
     text_free(&bytes);
     return status;
+}
+
+// Coordinate systems and transformations between a projected plane and the sphere, by PROJ.
+
+OGRSpatialReferenceH system_by_name(const char *name)
+{
+    OGRSpatialReferenceH system = gdal.OSRNewSpatialReference(NULL);
+    if (system != NULL && gdal.OSRSetFromUserInput(system, name) != OGRERR_NONE)
+    {
+        gdal.OSRDestroySpatialReference(system);
+        return NULL;
+    }
+    if (system != NULL)
+        gdal.OSRSetAxisMappingStrategy(system, OAMS_TRADITIONAL_GIS_ORDER);
+    return system;
+}
+
+char *system_name(OGRSpatialReferenceH system)
+{
+    const char *authority = gdal.OSRGetAuthorityName(system, NULL), *code = gdal.OSRGetAuthorityCode(system, NULL);
+    char *name = NULL, *text = NULL;
+    if (authority != NULL && code != NULL)
+    {
+        size_t size = strlen(authority) + strlen(code) + sizeof ":";
+        name = malloc(size);
+        if (name != NULL)
+            (void)snprintf(name, size, "%s:%s", authority, code);
+        return name;
+    }
+    static const char *const options[] = {"FORMAT=WKT2", NULL};
+    if (gdal.OSRExportToWktEx(system, &text, options) == OGRERR_NONE && text != NULL)
+        name = strdup(text);
+    gdal.VSIFree(text);
+    return name;
+}
+
+bool system_is_degrees(OGRSpatialReferenceH system)
+{
+    static const double DEGREE = 0.017453292519943295769, ACCURACY = 1e-12;
+    return gdal.OSRIsGeographic(system) != 0 && fabs(gdal.OSRGetAngularUnits(system, NULL) - DEGREE) < ACCURACY &&
+           gdal.OSRGetPrimeMeridian(system, NULL) == 0;
+}
+
+bool system_is_swapped(OGRSpatialReferenceH system)
+{
+    int count = 0, usual_count = 0;
+    OGRSpatialReferenceH usual = gdal.OSRClone(system);
+    gdal.OSRSetAxisMappingStrategy(usual, OAMS_TRADITIONAL_GIS_ORDER);
+    const int *axes = gdal.OSRGetDataAxisToSRSAxisMapping(system, &count);
+    const int *usual_axes = gdal.OSRGetDataAxisToSRSAxisMapping(usual, &usual_count);
+    bool swapped = count >= 2 && usual_count >= 2 && axes[0] == usual_axes[1] && axes[1] == usual_axes[0];
+    gdal.OSRDestroySpatialReference(usual);
+    return swapped;
+}
+
+/// Where a set of a system goes.
+typedef enum system_target
+{
+    TO_SPHERE, ///< longitude and latitude on the ellipsoid of its system
+    TO_PLANE,  ///< back
+    TO_WGS84
+} system_target;
+
+/// The transformation between a plane and longitude and latitude in degrees: on the ellipsoid of the plane's system where
+/// possible, because that is the same point of the Earth and comes back exactly; else WGS 84.
+static OGRCoordinateTransformationH transformation(const char *name, system_target target)
+{
+    OGRSpatialReferenceH plane = system_by_name(name);
+    bool to_sphere = target != TO_PLANE;
+    if (plane == NULL)
+        return NULL;
+    OGRSpatialReferenceH globe = target != TO_WGS84 ? gdal.OSRCloneGeogCS(plane) : NULL;
+    if (globe != NULL && !system_is_degrees(globe))
+    {
+        gdal.OSRDestroySpatialReference(globe);
+        globe = NULL;
+    }
+    if (globe == NULL)
+        globe = system_by_name("OGC:CRS84");
+    OGRCoordinateTransformationH result = NULL;
+    if (globe != NULL)
+    {
+        gdal.OSRSetAxisMappingStrategy(globe, OAMS_TRADITIONAL_GIS_ORDER);
+        result = gdal.OCTNewCoordinateTransformation(to_sphere ? plane : globe, to_sphere ? globe : plane);
+        gdal.OSRDestroySpatialReference(globe);
+    }
+    gdal.OSRDestroySpatialReference(plane);
+    return result;
+}
+
+/// Copy a curve, with room for the points of another space.
+static bool copy_curve(const bat_curve *curve, const bat_space *space, bat_curve *copy)
+{
+    const bat_curve like = {.space = space, .closed = curve->closed, .channel_count = curve->channel_count};
+    if (curve_room(&like, curve->count, curve->corners != NULL, copy, NULL) != BAT_OK)
+        return false;
+    if (copy->channels != NULL && curve->channels != NULL)
+        memcpy(copy->channels, curve->channels, curve->count * curve->channel_count * sizeof *copy->channels);
+    if (copy->corners != NULL && curve->corners != NULL)
+        memcpy(copy->corners, curve->corners, curve->count);
+    return true;
+}
+
+/// Transform the points of a curve into those of its copy.
+static bat_status transform_curve(OGRCoordinateTransformationH transform, const bat_curve *curve, bat_curve *copy,
+                                  bat_error *error)
+{
+    bool from_plane = curve->space->point_dim == 2, to_sphere = copy->space->point_dim == 3;
+    static const double DEGREES = 57.295779513082320876798154814105;
+    double *x = memory_array(curve->count, 2 * sizeof *x), *y = x + curve->count;
+    int *done = memory_array(curve->count, sizeof *done);
+    bat_status status = x != NULL && done != NULL ? BAT_OK : error_memory(error, curve->count * sizeof *x);
+    for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
+    {
+        const double *point = curve->points + i * curve->space->point_dim;
+        x[i] = from_plane ? point[0] : atan2(point[1], point[0]) * DEGREES;
+        y[i] = from_plane ? point[1] : atan2(point[2], hypot(point[0], point[1])) * DEGREES;
+    }
+    if (status == BAT_OK)
+        (void)gdal.OCTTransformEx(transform, (int)curve->count, x, y, NULL, done);
+    for (size_t i = 0; i < curve->count && status == BAT_OK; i++)
+    {
+        double *point = copy->points + i * copy->space->point_dim;
+        if (!done[i] || !isfinite(x[i]) || !isfinite(y[i]) || (to_sphere && degrees_fault(x[i], y[i]) != NULL))
+            status = error_set(error, BAT_INVALID_POINT, i, 0, "point %zu has no place in the coordinate system", i);
+        else if (to_sphere)
+            degrees_to_point(x[i], y[i], point);
+        else
+        {
+            point[0] = x[i];
+            point[1] = y[i];
+        }
+    }
+    free(x);
+    free(done);
+    return status;
+}
+
+/// Make a set of the transformed curves, which shares the attributes.
+static bat_status transform_set(const bat_curve_set *set, const char *crs, system_target target, bat_curve_set *result,
+                                bat_error *error)
+{
+    gdal_messages messages;
+    bat_status status = gdal_begin(&messages, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve_set moved = {.space = malloc(sizeof *moved.space), .curves = calloc(set->count, sizeof *moved.curves)};
+    OGRCoordinateTransformationH transform = transformation(crs, target);
+    if (moved.space == NULL || moved.curves == NULL)
+        status = error_memory(error, set->count * sizeof *moved.curves);
+    else if (transform == NULL)
+        status = gdal_fault(&messages, BAT_UNSUPPORTED, error, "the coordinate system cannot be transformed");
+    if (status == BAT_OK)
+        *moved.space = target != TO_PLANE ? bat_sphere(2) : bat_euclidean(2);
+    for (; status == BAT_OK && moved.count < set->count; moved.count++)
+        status = copy_curve(&set->curves[moved.count], moved.space, &moved.curves[moved.count])
+                     ? transform_curve(transform, &set->curves[moved.count], &moved.curves[moved.count], error)
+                     : error_memory(error, set->curves[moved.count].count * sizeof(double));
+    if (transform != NULL)
+        gdal.OCTDestroyCoordinateTransformation(transform);
+    gdal_end();
+    if (status != BAT_OK)
+    {
+        bat_curve_set_free(&moved);
+        return status;
+    }
+    moved.attributes = set->attributes;
+    attributes_share(moved.attributes);
+    *result = moved;
+    return BAT_OK;
+}
+
+bat_status gis_to_sphere(bat_curve_set *set, bat_error *error)
+{
+    if (set->space->point_dim != 2)
+        return BAT_OK;
+    if (set->attributes == NULL || set->attributes->crs == NULL)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                         "the file names no coordinate system, so its points cannot go to the sphere");
+    bat_curve_set moved;
+    bat_status status = transform_set(set, set->attributes->crs, TO_SPHERE, &moved, error);
+    if (status != BAT_OK)
+        return status;
+    bat_curve_set_free(set);
+    *set = moved;
+    set->attributes->on_sphere = true;
+    return BAT_OK;
+}
+
+bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error)
+{
+    return transform_set(set, set->attributes->crs, TO_PLANE, plane, error);
+}
+
+bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error)
+{
+    return transform_set(set, crs, TO_WGS84, globe, error);
 }

@@ -36,11 +36,6 @@ typedef void fit_terms(const void *context, size_t row, double *sums);
 bat_status fit_sum_points(const bat_group *group, size_t points, fit_terms *terms, const void *context, size_t width,
                           int threads, double *sums, bat_error *error);
 
-/// The value of this place among those of all ranks in ascending order. Values are not negative.
-/// @param place less than the number of all values
-bat_status fit_select(const bat_group *group, const double *values, size_t count, uint64_t place, double *selected,
-                      bat_error *error);
-
 /// The degrees of freedom of a parameter in parameter correction.
 typedef enum fit_freedom
 {

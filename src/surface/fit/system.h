@@ -24,7 +24,6 @@ typedef struct fit_pattern
     int *row;
 } fit_pattern;
 
-bat_status fit_pattern_make(const bat_hierarchical_space *space, int threads, fit_pattern *pattern, bat_error *error);
 void fit_pattern_free(fit_pattern *pattern);
 
 /// The contribution of a cell: a symmetric active x active matrix (only its lower triangle is read), and active x columns
