@@ -21,8 +21,7 @@ bat_status error_point(bat_error *error, bat_status status, size_t index, const 
 /// Replace the index, also where the text names it.
 void error_renumber(bat_error *error, size_t index);
 
-/// Name the field of options that leads out of a failure, and what it does; hand the status back. Does nothing for BAT_OK
-/// or a null error.
+/// Name the field of options that leads out of a failure, and what it does; hand the status back. Nothing for BAT_OK.
 bat_status error_remedy(bat_error *error, bat_status status, const char *remedy, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 

@@ -105,7 +105,6 @@ static bool skip_either(json_scanner *scan, char a, char b)
     return there;
 }
 
-/// Skip a JSON number.
 static bool skip_number(json_scanner *scan)
 {
     (void)skip_either(scan, '-', '-');

@@ -20,8 +20,7 @@ void memory_stream(double *restrict to, const double *restrict from, size_t coun
 /// Make what memory_stream() wrote visible to other threads.
 void memory_stream_end(void);
 
-/// The bytes of memory that the machine has to spare, or that the control group of the process leaves; 0 where the system
-/// does not tell.
+/// The bytes of memory that the machine, or the process's control group, has to spare; 0 where that is not known.
 size_t memory_available(void);
 
 /// Arrays that are checked and released together. All zero: none.

@@ -148,8 +148,7 @@ static char *with_ending(const char *path, const char *ending)
     return changed;
 }
 
-/// The endings of the files that make up a Shapefile with the one that ends in .shp, and of the indices that GDAL and others
-/// may have added to an old one.
+/// The endings of the files that belong to a Shapefile ending in .shp, and of indices that GDAL and others may add.
 static const char *const COMPANIONS[] = {".shx", ".dbf", ".prj", ".cpg", ".qix", ".sbn", ".sbx", ".qpj"};
 enum
 {

@@ -20,8 +20,7 @@ shared_work shared_work_make(size_t total, bat_progress progress);
 /// Whether a piece is still wanted: not when the caller has cancelled, nor when a piece before it has failed.
 bool shared_work_wants(const shared_work *work, size_t piece);
 
-/// Say that a piece is done, and how it ended; `error` is read only when it failed. Reports progress when this is the
-/// calling thread.
+/// Say that a piece is done, and how it ended: `error` is read where it failed. The calling thread reports progress.
 void shared_work_finish(shared_work *work, size_t piece, bat_status status, const bat_error *error);
 
 /// Report progress again within a long piece, so that the caller can cancel. Only the calling thread does.

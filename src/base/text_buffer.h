@@ -8,8 +8,7 @@
 /// @file
 /// A growing buffer of bytes for writers.
 
-/// A growing buffer of bytes. All zero: empty. After a failed allocation `failed` stays set and nothing more is appended, so
-/// a writer checks once at its end.
+/// A growing buffer of bytes. All zero: empty. After a failed allocation `failed` stays set, and nothing is appended.
 typedef struct text_buffer
 {
     char *data;
@@ -18,8 +17,7 @@ typedef struct text_buffer
     bool failed;
 } text_buffer;
 
-/// Reserve `size` more bytes at the end; `size` may be 0. Null when out of memory. The bytes count after a call of
-/// text_advance().
+/// Reserve `size` more bytes at the end, which text_advance() counts; `size` may be 0. Null when out of memory.
 static inline char *text_reserve(text_buffer *buffer, size_t size)
 {
     void *data = buffer->data;

@@ -20,8 +20,7 @@ enum
 /// the thread had shared work before. Any parallel region must take its number from here, by threads_for().
 int threads_of_team(int threads);
 
-/// The number of threads for `work` independent pieces: `wanted`, or as many as OpenMP gives when 0 or below, and no more
-/// than pieces.
+/// The number of threads for `work` independent pieces: `wanted`, or OpenMP's where this is 0 or below; at most `work`.
 static inline int threads_for(int wanted, size_t work)
 {
 #if defined(_OPENMP)

@@ -16,8 +16,7 @@ static const double MIN_CORNER = 20;
 
 // Edges at right angles
 
-/// How far the directions of edges at right angles may differ from each other, in degrees: of surveyed lines, and of lines
-/// that a map projection bends.
+/// How far edges at right angles may differ from them, in degrees: of surveyed lines, and of lines bent by a projection.
 static const double WIDTHS[] = {3, 10};
 /// Of the total length, the share of edges at right angles from which their right turns are corners, and from which short
 /// edges between them are cut corners.
@@ -107,8 +106,7 @@ static void find_directions(corner_search *search)
     qsort(search->directions, search->edges, sizeof *search->directions, compare_directions);
 }
 
-/// Whether `found` of `count` edges within a width are more than chance gives (Chernoff's bound, for each edge as the
-/// first).
+/// Whether `found` of `count` edges within a width are more than chance gives (Chernoff's bound, for each edge).
 static bool is_significant(size_t found, size_t count, double width)
 {
     double n = (double)count - 1, share = n > 0 ? ((double)found - 1) / n : 0, expected = width * DEGREE / RIGHT;
@@ -118,8 +116,7 @@ static bool is_significant(size_t found, size_t count, double width)
     return n * (share * log(share / expected) + others) >= log((double)count / CHANCE);
 }
 
-/// Mark the edges that are at right angles to each other. Returns their share of the length, or 0 where chance gives as
-/// many.
+/// Mark the edges at right angles to each other. Returns their share of the length; 0 where chance gives as many.
 static double find_aligned(corner_search *search, double width)
 {
     const edge_direction *sorted = search->directions;

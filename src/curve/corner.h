@@ -15,8 +15,7 @@ bool corners_stay(const bat_curve_refine_options *options);
 bool corners_wanted(const bat_curve *curve, const bat_curve_refine_options *options);
 
 /// Find the corners of a checked curve: those of its flags, of options->corner_angle and of options->find_corners. The
-/// exterior angle is that between -log(before) and log(after) at the vertex. The ends of an open curve are corners only by
-/// their flags.
+/// exterior angle is that of -log(before) and log(after). The ends of an open curve are corners only by their flags.
 ///
 /// @param flags receives curve->count flags, 1 at corners
 /// @param count receives their number

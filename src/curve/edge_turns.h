@@ -22,8 +22,7 @@
 ///
 ///     z_0 = (1 - w_0) y_0 + w_0 2 d_0 c(e / b),     z_(-1) = (1 - w_(-1) (1 - f(e / b))) y_(-1),
 ///
-/// where f(r) = 1 for r <= 1, else 2 r / (1 + r^2), and z_1, z_2 by reversal. Where the neighbours are as long as the edge,
-/// z = y.
+/// where f(r) = 1 for r <= 1, else 2 r / (1 + r^2), and z_1, z_2 by reversal. With neighbours as long as the edge, z = y.
 ///
 /// An edge beside a vertex without turn is part of a straight run, unless the curve has its inflection there. With
 ///

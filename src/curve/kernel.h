@@ -8,8 +8,7 @@
 
 /// A subdivision step as the drivers see it: which old points a new one depends on, and the function that makes new points.
 ///
-/// New point i depends on the old points from ceil((i - last) / 2) to floor((i - first) / 2), as if it had a mask on the
-/// indices first … last.
+/// New point i depends on the old points from ceil((i - last) / 2) to floor((i - first) / 2), as by a mask first … last.
 typedef struct refine_kernel refine_kernel;
 
 /// Averages of neighbours: row i of the result, `stride` numbers after the one before, is made of the rows i and i + 1 of
@@ -65,17 +64,13 @@ refine_kernel kernel_log_exp(const bat_space *space, const bat_curve_scheme *sch
 /// The four-point step at parameters of the points (BAT_CURVE_SCHEME_KIND_FOUR_POINT). A row is a point of the space and
 /// `channel_count` numbers, which the step interpolates at the parameters of the points.
 refine_kernel kernel_four_point(const bat_space *space, size_t channel_count, const bat_curve_scheme *scheme);
-/// Doubling followed by `order` rounds of averaging rows of `dim` numbers (Lane and Riesenfeld 1980), centred as
-/// bat_mask_lane_riesenfeld() is.
+/// Doubling, then `order` rounds of averaging rows of `dim` numbers, centred as bat_mask_lane_riesenfeld() is.
 refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t order, row_average *average);
-/// A power of two that brings coordinates near 1, so that no product of chords overflows; of `count` points and their
-/// dimension.
+/// A power of two that brings `count` x dimension coordinates near 1, so that no product of chords overflows.
 double kernel_scale(const double *points, size_t count, size_t dim);
-/// Whether a mask has a meaning on geodesics: a Lane-Riesenfeld mask, or one whose new points are convex means of two
-/// neighbours (corner cutting).
+/// Whether a mask has a meaning on geodesics: one of Lane and Riesenfeld, or corner cutting (means of two neighbours).
 bool kernel_has_geodesic(const bat_mask *mask);
-/// kernel_lane_riesenfeld() of points by midpoints of geodesics, or corner cutting at ratios of geodesics; the mask has
-/// kernel_has_geodesic().
+/// kernel_lane_riesenfeld() of points by midpoints of geodesics, or corner cutting; the mask has kernel_has_geodesic().
 refine_kernel kernel_geodesic(const bat_space *space, const bat_curve_scheme *scheme);
 
 #endif

@@ -3,8 +3,7 @@
 
 #include "batten/curve_scheme.h"
 
-/// Whether a mask can be worked with: 1 to BAT_MASK_MAX finite coefficients of moderate size, not all zero, a first index of
-/// moderate size.
+/// Whether a mask can be worked with: 1 to BAT_MASK_MAX finite moderate coefficients, not all zero, a moderate first index.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT with the coefficient at fault
 bat_status mask_check(const bat_mask *mask, bat_error *error);
 

@@ -139,7 +139,6 @@ static bat_status check_scheme(const pieces *all, bat_error *error)
     return all->stops ? stop_check(&all->plan.options, error) : BAT_OK;
 }
 
-/// Work on one piece.
 typedef bat_status piece_work(pieces *all, piece *part, void *context, bat_progress progress, bat_error *error);
 
 /// Work on all pieces. Threads share the pieces, or each of them.

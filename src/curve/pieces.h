@@ -22,8 +22,7 @@ static inline bool stop_wanted(const bat_curve_refine_options *options)
     return options->max_edge > 0 || options->tolerance > 0 || options->relative_tolerance > 0;
 }
 
-/// Whether a checked scheme can be stopped: the points of an edge at one level are among those of the next, and all lie on
-/// the limit curve.
+/// Whether a checked scheme can be stopped: an edge's points are among those of the next level and on the limit curve.
 /// @return BAT_OK, or BAT_UNSUPPORTED with the way out
 bat_status stop_check(const bat_curve_refine_options *options, bat_error *error);
 /// Set the tolerance that relative_tolerance means for these curves, unless there is one, and on the sphere the longest
@@ -34,8 +33,7 @@ bat_status stop_resolve(const bat_curve *curves, size_t count, bat_curve_refine_
 /// @return BAT_TOO_LARGE
 bat_status stop_needs_more(size_t edge, size_t most, bat_error *error);
 
-/// The deepest level from which points may be wanted for `edges` edges: options->max_levels and the lookahead, less where
-/// indices would overflow.
+/// The deepest level that `edges` edges may want: options->max_levels and the lookahead, less where indices overflow.
 size_t stop_deepest(const bat_curve_refine_options *options, size_t edges);
 
 /// The levels of a geodesic: the smallest k for which 2^k even pieces are short enough. SIZE_MAX where there is none.
@@ -52,8 +50,7 @@ size_t stop_levels_of_geodesic(const bat_curve_refine_options *options, double l
 /// @param edges   of the polygon
 /// @param deepest of stop_deepest(), as prepared in `source`
 /// @param levels  receives a number for each edge
-/// @return BAT_OK, BAT_TOO_LARGE with the edge that needs too many, BAT_INVALID_POINT, BAT_CANCELLED, BAT_NO_MEMORY or what
-///         the kernel returned
+/// @return BAT_OK, BAT_TOO_LARGE with the edge, BAT_INVALID_POINT, BAT_CANCELLED, BAT_NO_MEMORY or the kernel's failures
 bat_status stop_levels(const refine_source *source, const bat_curve_refine_options *options, bool keeps_points, size_t edges,
                        size_t deepest, int threads, bat_progress progress, unsigned char *levels, bat_error *error);
 

@@ -60,8 +60,7 @@ static bat_status check_space(const bat_space *space, const bat_curve_refine_opt
     return kind->suits(&options->scheme, space, error);
 }
 
-/// A mask has a vertex where its centre is whole: new point i lies at (i - centre) / 2 in units of old indices. `first` and
-/// `last` sum to twice the centre.
+/// A mask has a vertex where its centre is whole: new point i lies at (i - centre) / 2. `first` + `last` = 2 centre.
 static int doubled_centre(const refine_kernel *kernel)
 {
     return kernel->first + kernel->last;

@@ -10,8 +10,7 @@
 /// @file
 /// The table of point forms, and conversions between columns and coordinates.
 
-/// Tolerances of quaternions' lengths and, per entry, of matrices' distances from the nearest rotation. Numbers in files are
-/// rounded.
+/// Tolerances of quaternions' lengths and of matrices' distances from a rotation, per entry. Numbers in files are rounded.
 static const double LENGTH_TOLERANCE = 1e-3;
 static const double MATRIX_TOLERANCE = 1e-6;
 /// Quaternions with a squared length this near to 1 remain unchanged.
@@ -364,8 +363,7 @@ void point_form_write(const point_form *form, const double *point, double *numbe
     }
 }
 
-/// The factor of velocities in the disk: tangent vectors are transported to the centre, where the metric is 4 times the
-/// Euclidean one.
+/// The factor of velocities in the disk: at the centre the metric is 4 times the Euclidean one.
 static double disk_scale(const double *point)
 {
     return 2 / ((1 - hypot(point[0], point[1])) * (1 + hypot(point[0], point[1])));

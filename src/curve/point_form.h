@@ -66,8 +66,7 @@ const point_form *point_form_of_motion(const column_names *columns);
 /// @return the number of columns that are there
 size_t point_form_find_velocities(const point_form *form, const column_names *columns, size_t found[MAX_VELOCITIES]);
 
-/// Whether the names of columns are invalid for a space; `text` of `size` bytes receives the reason. `form` is the result of
-/// point_form_find().
+/// Whether the names of columns are invalid for a space; `text` of `size` bytes receives why. `form`: of point_form_find().
 bool point_form_fault(const char *space, const point_form *form, const column_names *columns, char *text, size_t size);
 
 /// Convert the numbers of a row to a point. Rotations up to rounding are normalized: quaternions of unit length within 1e-3,

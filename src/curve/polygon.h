@@ -30,8 +30,7 @@ static inline size_t polygon_edges(size_t count, bool closed)
 bat_status polygon_edge_point(const bat_space *space, const double *p, const double *q, size_t k, size_t parts,
                               double *point);
 
-/// The exterior angle at `p` in any space, without a sign: that between -log(before) and log(after), in [0, pi]. Lengths of
-/// any size are in range.
+/// The unsigned exterior angle at `p` in any space, in [0, pi]: between -log(before) and log(after), of any lengths.
 /// @return BAT_OK, or what the logarithms return
 bat_status polygon_exterior_angle(const bat_space *space, const double *before, const double *p, const double *after,
                                   double *angle);

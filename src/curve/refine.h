@@ -7,8 +7,7 @@
 /// @file
 /// Refinement of one piece: a closed curve, or an open one without corners.
 
-/// Refine a curve by its plan, all levels everywhere: points first, then channels, with progress by the numbers made.
-/// Nothing keeps the result simple.
+/// Refine a curve by its plan, all levels everywhere: points, then channels. Nothing keeps the result simple.
 /// @param points   room for plan->count rows
 /// @param channels the same; null: they are not computed
 bat_status refine_carry_out(const bat_curve *coarse, const refine_plan *plan, bat_progress progress, double *points,
@@ -29,8 +28,7 @@ typedef struct refine_source
     ptrdiff_t shift;         ///< see refine_source_index()
 } refine_source;
 
-/// Prepare up to `levels` levels of a polygon with the same coordinates as `coarse` has points, such as its points or its
-/// channels.
+/// Prepare up to `levels` levels of a polygon of as many rows as `coarse` has points, such as its points or its channels.
 /// @param rows   coarse->count rows of space->point_dim numbers
 /// @param kernel the scheme's, for rows of the space
 /// @return BAT_OK, BAT_NO_MEMORY, or the failure of the end rule; `source` is to be freed on success
@@ -39,8 +37,7 @@ bat_status refine_source_make(const bat_space *space, const double *rows, const 
                               size_t levels, refine_source *source, bat_error *error);
 void refine_source_free(refine_source *source);
 
-/// The index of the point that begins a coarse edge at a level. After k levels, point i of a mask with centre c lies at the
-/// parameter (i + c) / 2^k - c.
+/// The index of the point that begins a coarse edge at a level: of a mask with centre c, point i is at (i + c) / 2^k - c.
 static inline ptrdiff_t refine_source_index(const refine_source *source, size_t levels, size_t edge)
 {
     return source->shift * (((ptrdiff_t)1 << levels) - 1) + (ptrdiff_t)(edge << levels);

@@ -351,8 +351,7 @@ static bool is_stair(const smooth_piece *p, double *cell)
     return isfinite(cells[0]) && isfinite(cells[1]) && (double)single >= STAIR_SHARE * (double)edges;
 }
 
-/// Whether the run from a vertex to its neighbour on the side `side`, 1 or -1, ends with a step back: the border is farthest
-/// out there.
+/// Whether the run from a vertex to its neighbour on `side`, 1 or -1, ends with a step back: the border is farthest out.
 static bool is_summit(const smooth_piece *p, size_t i, ptrdiff_t side)
 {
     double places[4][2], product = 0;
@@ -363,8 +362,7 @@ static bool is_summit(const smooth_piece *p, size_t i, ptrdiff_t side)
     return product < 0;
 }
 
-/// Move the vertices of a stair towards the middles of their shorter edges: there the border of the pixels crosses the true
-/// one, up to half a cell.
+/// Move the vertices of a stair towards the middles of their shorter edges, where the borders cross, up to half a cell.
 static bat_status climb(smooth_piece *p, double cell, bat_error *error)
 {
     const bat_space *space = p->space;

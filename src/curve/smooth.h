@@ -16,8 +16,7 @@ bool smooth_wanted(const bat_curve_refine_options *options);
 /// @param corners curve->count flags, or null
 /// @param points receives curve->count rows
 /// @param noise  receives the estimated standard deviation of a coordinate; 0 where nothing is estimated
-/// @return BAT_OK, BAT_UNSUPPORTED (closed curves of other spaces than R^n and surfaces), BAT_CUT_LOCUS, BAT_INVALID_POINT
-///         or BAT_NO_MEMORY
+/// @return BAT_OK, BAT_UNSUPPORTED (other spaces' closed curves), BAT_CUT_LOCUS, BAT_INVALID_POINT or BAT_NO_MEMORY
 bat_status smooth_points(const bat_curve *curve, double scale, const unsigned char *corners, double *points, double *noise,
                          bat_error *error);
 

@@ -20,8 +20,7 @@ enum
 
 /// Powers of 10 between which the weight is sought, with the mean step as the unit of the parameter.
 static const double FIRST_POWER = -6, LAST_POWER = 14;
-/// There is noise where the deviance without it is greater by this: 95 per cent of the distribution of a parameter at its
-/// bound (Self and Liang 1987).
+/// There is noise where the deviance without it is greater by this: 95 % at a parameter's bound (Self and Liang 1987).
 static const double SIGNIFICANT = 2.71;
 /// Studentized residuals beyond this are outliers: of normal noise in the plane, one in 460. At most this share of the
 /// points is taken as outliers. They are judged by a spline with this share of the weight, which follows bends.
@@ -239,8 +238,7 @@ static void bend_back(const smooth_fit *f, size_t point, double weight, double *
     }
 }
 
-/// Generalized cross-validation (Craven and Wahba 1979): the logarithm of the squared residuals over the square of the sum
-/// of their variances.
+/// Generalized cross-validation (Craven and Wahba 1979): log of squared residuals over the squared sum of variances.
 static double cross_validation(smooth_fit *f, double weight)
 {
     double squares = 0, freedom = 0, move[BAT_SPACE_MAX_DIM];
@@ -260,8 +258,7 @@ static double cross_validation(smooth_fit *f, double weight)
 /// A number to minimize over the weights.
 typedef double criterion(smooth_fit *f, double weight);
 
-/// Find the weight between two powers of 10 with the least value of a criterion: the best whole step, then golden sections.
-/// Returns the value.
+/// Find the weight of least value of a criterion between two powers of 10: whole steps, then golden sections.
 static double minimize(smooth_fit *f, criterion *value_of, double first, double last)
 {
     static const double GOLDEN = 0.6180339887498949;

@@ -26,16 +26,14 @@ typedef struct smooth_fit
     double *buffer;         ///< 2 x count
 } smooth_fit;
 
-/// Allocate for `count` points; `slacks`, `variances` and `steps` are 1, but the ends of open polylines are fixed, and
-/// `residuals` are 0.
+/// Allocate for `count` points: `slacks`, `variances` and `steps` are 1, but of open ends fixed, and `residuals` 0.
 /// @param count at least 3, or 5 when closed
 /// @param fit   release it with smooth_fit_free(), also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status smooth_fit_make(size_t count, size_t dim, bool closed, smooth_fit *fit, bat_error *error);
 void smooth_fit_free(smooth_fit *fit);
 
-/// Choose the parameters, the variances, the slacks of outliers, and the weight by the measurements. The weight becomes 0
-/// where there is no noise.
+/// Choose parameters, variances, slacks of outliers, and the weight, which becomes 0 where there is no noise.
 void smooth_fit_choose(smooth_fit *fit);
 
 /// Compute the accelerations for the weight, and each point's move towards the spline.

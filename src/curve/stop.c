@@ -211,8 +211,7 @@ typedef struct run_list
     size_t open[STOP_MOST_LEVELS + STOP_LOOKAHEAD + 1]; ///< its index and one; 0 for none
 } run_list;
 
-/// Add an edge to the last run of its level, or begin another. Edges in between are computed in vain, which costs less than
-/// the support of another run.
+/// Add an edge to the last run of its level, or begin another. Edges between cost less than another run's support.
 static void run_list_add(run_list *list, const refine_kernel *kernel, size_t edge, size_t level, bool joins)
 {
     size_t support = (size_t)(kernel->last - kernel->first);

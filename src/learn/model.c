@@ -23,7 +23,6 @@ static bool find_array(const char *array, learn_source *source)
     return false;
 }
 
-/// Whether a recipe begins with these words.
 static bool begins_with(const char *recipe, const char *words)
 {
     size_t length = strlen(words);

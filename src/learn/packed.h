@@ -10,8 +10,7 @@
 /// rows stay in the cache from layer to layer. A row's result depends on the row alone, and calls may come from several
 /// threads.
 ///
-/// Matrices have whole *panels* of columns and whole *tiles* of rows. The caller pads the input with zeros; the padding of
-/// the output has no meaning.
+/// Matrices have whole *panels* of columns and *tiles* of rows. The caller pads the input with zeros; padding is void.
 
 enum
 {

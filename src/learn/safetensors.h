@@ -67,8 +67,7 @@ size_t safetensors_element_size(safetensors_type type);
 
 /// Take the content of a file apart. Strict: the header must be an object with each name once, every array must have a known
 /// type and a place that fits its shape, and the places must cover the data without gap or overlap.
-/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED (more dimensions than SAFETENSORS_MAX_RANK) or BAT_NO_MEMORY; `content` is
-///         untouched on failure
+/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED (too many dimensions) or BAT_NO_MEMORY; `content` is untouched on failure
 bat_status safetensors_parse(const void *bytes, size_t size, safetensors *content, bat_error *error);
 /// Read a file.
 /// @return BAT_FILE_ACCESS, or what safetensors_parse() returns; BAT_UNSUPPORTED in a build without files
@@ -89,8 +88,7 @@ bat_status safetensors_integers(const safetensors *content, const char *name, si
                                 bat_error *error);
 
 /// Append a file with this content to a buffer. The data begin at a multiple of 8 bytes.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT (a name twice or not UTF-8, a count that is not the shape's product) or
-/// BAT_NO_MEMORY
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (a name twice or not UTF-8, a count unlike the shape's product) or BAT_NO_MEMORY
 bat_status safetensors_encode(const safetensors *content, text_buffer *bytes, bat_error *error);
 /// Write a file, whole or not at all.
 /// @return BAT_FILE_ACCESS, or what safetensors_encode() returns

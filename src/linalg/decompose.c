@@ -567,8 +567,7 @@ bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_e
 
 static const int MAX_SWEEPS = 60;
 
-/// Rotate two columns of two matrices so that those of `a` become orthogonal; false where they are, or where one of them is
-/// shorter than `rounding`.
+/// Rotate two columns of two matrices so that those of `a` become orthogonal; false where they are, or one is too short.
 static bool rotate_pair(size_t n, double rounding, double complex *a, double complex *v, size_t p, size_t q)
 {
     double p_square = 0, q_square = 0;

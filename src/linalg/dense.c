@@ -9,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// The backward error of an eigenvalue computation is a small multiple of n times rounding; this is that multiple, on the
-/// safe side.
+/// The backward error of eigenvalues is a small multiple of n times rounding: this multiple, on the safe side.
 #define BACKWARD_ERROR 4.0
 
 void dense_multiply(size_t n, const double *a, const double *b, double *product)

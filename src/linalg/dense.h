@@ -64,8 +64,7 @@ bat_status decompose_singular(size_t n, double *a, double *values, double *adjoi
 /// @param b `rows` numbers; receives x as its first `columns` numbers
 bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error);
 
-/// P a = L U by elimination with row exchanges, in place: row k was exchanged with row pivots[k]. False for a singular
-/// matrix.
+/// P a = L U by elimination in place: row k was exchanged with row pivots[k]. False for a singular matrix.
 bool decompose_factor(size_t n, double *a, size_t *pivots);
 /// Solve a x = b by the factors of decompose_factor().
 /// @param b n x columns; receives x

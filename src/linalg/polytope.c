@@ -55,7 +55,6 @@ static void polytope_free(polytope *p)
 }
 
 /// The hull of +-radius e_j, with room for `capacity` vertices in all.
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status polytope_make(size_t dimension, size_t capacity, double radius, polytope *result, bat_error *error)
 {
     const size_t n = dimension;

@@ -31,7 +31,6 @@ static inline double vector_square(size_t n, const double *v)
 
 // Vectors of three numbers.
 
-/// a . b
 static inline double vector3_dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -45,7 +44,6 @@ static inline void vector3_cross(const double a[3], const double b[3], double pr
     product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/// difference = a - b
 static inline void vector3_subtract(const double a[3], const double b[3], double difference[3])
 {
     for (int c = 0; c < 3; c++)

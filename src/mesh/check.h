@@ -16,8 +16,7 @@ bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error);
 /// Cut the polygons of a mesh, which have three or more existing vertices each, into triangles in place: quads along the
 /// better diagonal, convex polygons as a fan from corner 0, any other by ear clipping.
 /// @param offsets receives the offsets of the polygons, which the mesh no longer has; release them with free()
-/// @return BAT_OK, BAT_NO_MEMORY or BAT_TOO_LARGE (too many triangles, or a large concave polygon); the mesh stays as it is
-///         on failure
+/// @return BAT_OK, BAT_NO_MEMORY or BAT_TOO_LARGE (too many triangles, a large concave polygon); the mesh stays on failure
 bat_status mesh_cut_polygons(bat_mesh *mesh, uint32_t **offsets, bat_error *error);
 
 #endif

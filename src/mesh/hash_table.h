@@ -18,8 +18,7 @@ typedef struct key_map
     size_t count;
 } key_map;
 
-/// The address of a key's value; a new key gets the value UINT32_MAX. Null when out of memory. The address is valid until
-/// the next call.
+/// The address of a key's value, valid until the next call; UINT32_MAX is a new key's value. Null when out of memory.
 uint32_t *key_map_at(key_map *map, uint64_t key);
 /// The value of a key, or UINT32_MAX for an unknown key.
 uint32_t key_map_find(const key_map *map, uint64_t key);
@@ -33,8 +32,7 @@ static inline uint64_t key_of_pair(uint32_t a, uint32_t b)
 
 // Search for equal and near points.
 
-/// A hash table of point indices. It finds points by their coordinates or by the cell of a cubic grid. All zero except for
-/// `points` and `cell`: empty.
+/// A hash table of point indices, by coordinates or by the cell of a cubic grid. All zero but `points`, `cell`: empty.
 typedef struct point_table
 {
     const double *points; ///< rows of 3 finite coordinates; the array may move while points are added

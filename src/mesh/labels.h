@@ -31,8 +31,7 @@ bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error);
 /// Move the values of those channels to 0 … 1 whose values on another mesh are all there, as those of colours.
 void channels_bound(const bat_mesh *from, bat_mesh *to);
 /// Give a mesh the names of another one's channels, and room for their values at `vertices` vertices.
-/// @param to receives channels, channel_names and channel_count, which it must not have yet; bat_mesh_free() releases what
-///           was made, also on failure
+/// @param to receives channels, which it must not have yet; bat_mesh_free() releases what was made, also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error);
 

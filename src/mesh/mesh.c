@@ -287,8 +287,7 @@ static const bat_choice NORMALS[] = {
 };
 const bat_family bat_mesh_normals_family = FAMILY("kind of normals", NORMALS);
 
-// Vertex normals as weighted sums of face normals: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets"
-// (1998).
+// Vertex normals: Thürmer and Wüthrich, "Computing vertex normals from polygonal facets" (1998).
 
 /// A power of two by which no product of coordinates overflows.
 static double scale_of(const bat_mesh *mesh)

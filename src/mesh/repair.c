@@ -109,8 +109,7 @@ static void drop_degenerate(repair_work *work)
     }
 }
 
-/// Drop each face that equals its predecessor in the sorted order. The sort is stable, so the predecessor comes earlier in
-/// the mesh.
+/// Drop each face that equals its predecessor in the sorted order, which is stable: that one comes earlier in the mesh.
 static void drop_repeated(repair_work *work, const uint32_t *order, uint32_t *repeated)
 {
     memset(repeated, 0, work->face_count * sizeof *repeated);

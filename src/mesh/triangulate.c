@@ -160,8 +160,7 @@ static bool is_ear(const ear_ring *ring, uint32_t b)
     return true;
 }
 
-/// Clip ears until a triangle remains. An outline without an ear crosses itself or is degenerate; any corner is clipped
-/// then.
+/// Clip ears until a triangle remains. Where an outline has no ear, as it crosses itself, any corner is clipped.
 static void cut_ears(const ear_ring *ring, uint32_t *out)
 {
     uint32_t count = (uint32_t)ring->polygon->count;

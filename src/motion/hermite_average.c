@@ -23,8 +23,7 @@ static size_t widest(const bat_space *space)
     return space->point_dim > space->tangent_dim ? space->point_dim : space->tangent_dim;
 }
 
-/// The length of a tangent vector at p, which leads to q. Where its square may have lost digits, the distance of p and q is
-/// more accurate.
+/// The length of a tangent vector at p, which leads to q. Where its square loses digits, their distance is more accurate.
 static double length_of_log(const bat_space *space, const double *p, const double *q, const double *log)
 {
     const double minimum = 1e-280, maximum = 1e280;
@@ -41,8 +40,7 @@ static double length_of_sum(const bat_space *space, const double *p, const doubl
     return sqrt(fmax(space->inner(space, p, sum, sum), 0));
 }
 
-/// Sine and cosine of half the angle between two unit vectors at a point, by the lengths of difference and sum, which is
-/// accurate for small angles, too.
+/// Sine and cosine of half the angle between two unit vectors, by the lengths of difference and sum, accurately.
 static void half_angle(const bat_space *space, const double *point, const double *u, const double *v, double *sine,
                        double *cosine)
 {

@@ -14,8 +14,7 @@
 
 enum
 {
-    /// The number of values computed at a time before the rows are separated: enough for many threads, and small compared
-    /// with the result.
+    /// The number of values computed at a time before rows are separated: enough for many threads, small for memory.
     SLAB_NUMBERS = 1 << 21
 };
 

@@ -14,8 +14,7 @@ static const double DIFFERENCE_STEP = 1.0 / 256;
 /// The last sample of a rate may be this share of a step late.
 static const double RATE_TOLERANCE = 1e-9;
 
-/// One interval between two points, with the inner control vectors of the cubic: the velocities times a third of its
-/// duration.
+/// One interval between two points, with the cubic's inner control vectors: velocities times a third of its duration.
 typedef struct interval
 {
     const bat_space *space;
@@ -193,7 +192,6 @@ bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *time
     return status;
 }
 
-/// The number of samples at a rate.
 static bat_status count_samples(const bat_hermite_curve *curve, double rate, size_t *count, bat_error *error)
 {
     double duration = time_of(curve, interval_count(curve)) - time_of(curve, 0), steps = duration * rate;

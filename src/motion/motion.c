@@ -165,8 +165,7 @@ static bat_status take_velocities(const bat_curve *curve, const point_form *form
     return BAT_OK;
 }
 
-/// Neighbours must have one shortest geodesic, and be distinct where their distance is the parameter. The message names both
-/// lines.
+/// Neighbours must have one shortest geodesic, and be distinct where distance is the parameter. Names both lines.
 static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const bat_hermite_curve *keys, bool distinct,
                                    bat_error *error)
 {
@@ -400,7 +399,6 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
     return tell_line(set, curve, status, &fault, error);
 }
 
-/// The spline of one curve.
 static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
                               const bat_hermite_curve *keys, bat_motion_spline **spline, bat_error *error)
 {
@@ -592,8 +590,7 @@ static void speed_up(bat_hermite_curve *smooth)
     }
 }
 
-/// The evenly spaced times of a result by a mask: at the vertices of the finest level, or in the middle of its edges and at
-/// the ends of an open curve.
+/// The even times of a result by a mask: at the finest vertices, or in the middle of edges and at the ends of open curves.
 static void space_times(const bat_hermite_curve *keys, const bat_hermite_refine_options *scheme, bat_hermite_curve *smooth)
 {
     double step = ldexp(keys->times[1] - keys->times[0], -(int)scheme->levels);
@@ -626,7 +623,6 @@ static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_
     }
 }
 
-/// The number of samples of a motion.
 static bat_status count_samples(const bat_motion_spline *spline, const bat_hermite_curve *keys,
                                 const bat_motion_curves_options *options, size_t *count, bat_error *error)
 {
@@ -670,7 +666,6 @@ static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve 
     smooth->closing_time = keys->closed ? end - smooth->times[smooth->count - 1] : 0;
 }
 
-/// Sample the spline of a curve.
 static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermite_curve *keys,
                                 const bat_motion_curves_options *options, bat_hermite_curve *smooth, bat_error *error)
 {

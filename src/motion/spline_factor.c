@@ -67,8 +67,7 @@ static const double INVERSE_FACTORIALS[] = {1 / 1.0,
                                             1 / 2432902008176640000.0,
                                             1 / 51090942171709440000.0};
 
-/// The sum over k of factor_k (-x)^k / (2 k + first)!, factor_k being k + 1 where `differentiated`, else 1. `first` is at
-/// most 5.
+/// The sum over k of factor_k (-x)^k / (2 k + first)!, factor_k = k + 1 where `differentiated`, else 1; `first` <= 5.
 static inline double series(double x, int first, bool differentiated)
 {
     double sum = 0;

@@ -11,8 +11,7 @@
 
 // Penalized splines of noisy keys for one weight of the penalty: its system, its solution, and the influence of each key.
 
-/// Noisy keys of one factor. Vectors are in a frame that is parallel along the keys. Of R^n one component is fitted at a
-/// time, of rotations all together.
+/// Noisy keys of one factor, in a frame that is parallel along the keys: of R^n by components, of rotations together.
 typedef struct smoother
 {
     memory_pool pool; ///< holds the arrays
@@ -115,8 +114,7 @@ static void difference(const smoother *s, size_t j, double q[3])
     q[1] = -q[0] - q[2];
 }
 
-/// Factor R + weight Q^T W^-1 Q, with R weighted by the activity, as L D L^T: bands have D, and L one and two below the
-/// diagonal.
+/// Factor R + weight Q^T W^-1 Q, R weighted by the activity, as L D L^T: the bands of D, and one and two below it of L.
 static void factor_system(smoother *s, double weight)
 {
     for (size_t j = 1; j + 1 < s->count; j++)
@@ -228,8 +226,7 @@ static bat_status smoother_fit(smoother *s, double weight, double accuracy, bat_
     return status;
 }
 
-/// The middle bands of the inverse of L D L^T, from the last row up (Hutchinson and de Hoog, Smoothing noisy data with
-/// spline functions, 1985).
+/// The middle bands of the inverse of L D L^T, from the last row up (Hutchinson and de Hoog, 1985).
 static void invert_bands(smoother *s)
 {
     size_t last = s->count - 2;
@@ -314,8 +311,7 @@ enum
     DIM = BAT_SPACE_MAX_DIM
 };
 
-/// An interval is a jolt if it is this many times shorter than both neighbours, and its speed so many times theirs or so
-/// many times less.
+/// An interval is a jolt if it is this many times shorter than both neighbours, and as many times faster or slower.
 static const double SHORTER = 4, RATIO = 4;
 
 static size_t interval_beside(const spline_system *system, size_t interval, int side)
@@ -480,8 +476,7 @@ static void set_activity(noise_search *search, double power)
         search->s.activity[i] = power > 0 ? pow(search->energy[i], power) : 1;
 }
 
-/// The mean square of the acceleration around each interval, relative to the mean over all and at least QUIET. False where
-/// it tells nothing.
+/// The mean square acceleration around each interval, relative to that over all, at least QUIET. False: it tells nothing.
 static bool measure_energy(noise_search *search)
 {
     const smoother *s = &search->s;

@@ -33,8 +33,7 @@ static const double MIN_SHARE = 1.0 / 128;
 static const double SLOW = 0.3;
 static const double FAST = 0.85;
 
-/// From which ratio to the intervals beside it on an interval is a gap; from which on its neighbours tell less of its
-/// motion, and nothing.
+/// Ratios to the intervals beside it from which on an interval is a gap; neighbours tell less of its motion; nothing.
 static const double LONGER = 4, DOUBTFUL = 8, UNKNOWN = 15;
 
 typedef enum end_row
@@ -273,8 +272,7 @@ static end_row row_of_end(const spline_system *system, bat_motion_ends ends, boo
     return alone ? ROW_PARABOLA : ROW_NOT_A_KNOT;
 }
 
-/// The flat system's rows: {lower, diagonal, upper}. Corners of a closed motion are left out: the corrections fall as well
-/// without them.
+/// The flat system's rows: {lower, diagonal, upper}. Corrections fall as well without the corners of closed motions.
 static void fill_rows(spline_system *system, bat_motion_ends ends)
 {
     const double *h = system->lengths;
@@ -602,15 +600,13 @@ static double gap_of(const spline_system *system, size_t i)
     return n > 2 ? system->lengths[i] / beside : 1;
 }
 
-/// Whether an interval ends or begins at a key that rests, or is a gap: velocities from short steps are not to lead far away
-/// over a long one.
+/// Whether an interval begins or ends at rest, or is a gap: velocities from short steps must not lead far over a long one.
 static bool meets_rest(const spline_system *system, size_t i)
 {
     return gap_of(system, i) > LONGER || system->fixed[i] == KEY_RESTS || system->fixed[key_after(system, i)] == KEY_RESTS;
 }
 
-/// Let the velocities at both ends of a gap go over to its mean velocity, the more the longer it is: nothing tells what the
-/// motion does between.
+/// Let the velocities at both ends of a gap go over to its mean velocity, the more the longer it is.
 static bat_status calm_gaps(spline_system *system)
 {
     double pushed[DIM];

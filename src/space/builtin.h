@@ -16,8 +16,7 @@ bool space_is_rigid(const bat_space *space);
 bool space_is_positive_definite(const bat_space *space);
 bool space_is_product(const bat_space *space); ///< its parameters are bat_product_factors
 
-/// Whether a space is one of ours of constant curvature with orthonormal coordinates of tangent vectors: a sphere, the disk
-/// or a hyperbolic space.
+/// Whether a space is of constant curvature with orthonormal tangents: a sphere, the disk or a hyperbolic space.
 /// @param curvature receives 1 or -1 where it is
 bool space_is_curved(const bat_space *space, double *curvature);
 
@@ -28,8 +27,7 @@ bool space_is_surface(const bat_space *space, int *curvature);
 /// What a space lacks that every space has, in a few words ("function log"); null for nothing.
 const char *space_lack(const bat_space *space);
 
-/// Whether a space has all functions that are not optional, dimensions within bounds and an injectivity radius. Null is no
-/// space.
+/// Whether a space has all required functions, dimensions within bounds and an injectivity radius. Null is no space.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names what is missing
 bat_status space_check_complete(const bat_space *space, bat_error *error);
 
@@ -49,8 +47,7 @@ double space_inner(const bat_space *space, const double *p, const double *u, con
 /// The identity matrix as a point of bat_positive_definite().
 void positive_definite_identity(const bat_space *space, double *point);
 
-/// A tangent vector at a tensor, a point with this logarithm at the identity, as the derivative of the logarithm, or the
-/// reverse.
+/// A tangent vector at a tensor with this logarithm at the identity as the logarithm's derivative, or the reverse.
 bat_status positive_definite_convert(const bat_space *space, const double *log, const double *point, const double *vector,
                                      bool to_log, double *result);
 

@@ -13,8 +13,7 @@ enum
     DEGREE_MAX_DECIMALS = 12
 };
 
-/// Longitude and latitude as integers, in units of 10^-decimals degrees, as a file contains them. Comparison and output need
-/// no rounding.
+/// Longitude and latitude as integers, in units of 10^-decimals degrees as a file has them: nothing is rounded.
 typedef struct degree_units
 {
     int64_t longitude; ///< -180 … 180 degrees

@@ -1,7 +1,6 @@
 #include "space/builtin.h"
 
-// Points are complex numbers z = x + i y. Tangent vectors at p are given in the frame that z -> (z + p) / (1 + conj(p) z)
-// brings from the origin.
+// Points are z = x + i y. Tangents at p are in the frame that z -> (z + p) / (1 + conj(p) z) brings from the origin.
 
 static const double TWO_PI = 6.283185307179586476925286766559;
 /// Random points lie in the disk of this hyperbolic radius.

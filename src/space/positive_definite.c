@@ -10,8 +10,7 @@ enum
     AREA = SIDE * SIDE
 };
 
-// Symmetric matrices by their upper triangle, and what the metric of tensors does with a Cholesky factor. Whole matrices are
-// square of side n, row-major.
+// Symmetric matrices by their upper triangle, and the metric by a Cholesky factor. Whole ones are n x n, row-major.
 
 /// Functions that are worth having once for each constant n.
 #define FOR_EVERY_SIDE static inline __attribute__((always_inline))
@@ -157,8 +156,7 @@ FOR_EVERY_SIDE void triangle_congruence(size_t n, const double *l, const double 
         }
 }
 
-// Power series of 3 x 3 matrices with small eigenvalues, and the polar factor, without eigenvectors. Matrices are 9 numbers,
-// row-major.
+// Power series of 3 x 3 matrices with small eigenvalues, and the polar factor, without eigenvectors; 9 numbers by rows.
 
 /// The largest Frobenius norm of a matrix that small_tensor_expm1() and small_tensor_log1p() take.
 #define SMALL_TENSOR_NORM 0.5

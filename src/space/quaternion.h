@@ -68,8 +68,7 @@ static inline quaternion_step quaternion_step_between(const double *p, const dou
 // The series below are summed in pairs, not by Horner's rule: logarithms wait for exponentials and exponentials for
 // logarithms, so what counts is how soon a sum is there.
 
-/// atan2(s, c) / s from s^2 and c > 0: half an angle over its sine. The same for s and c times a common factor, but for the
-/// division by it.
+/// atan2(s, c) / s from s^2 and c > 0, half an angle over its sine; a common factor of s and c divides it.
 static inline double quaternion_angle_over_sine(double squared_sine, double cosine)
 {
     double inverse = 1 / cosine;
@@ -103,8 +102,7 @@ static inline void quaternion_cosine_and_ratio(double squared_angle, double *cos
     *sine_ratio = (1 - x * (1.0 / 6)) + x2 * odd;
 }
 
-/// q = p (cos|v|/2, sin|v|/2 v/|v|) for v = (x, y, z), then back to unit length so that rounding does not add up over many
-/// steps.
+/// q = p (cos|v|/2, sin|v|/2 v/|v|) for v = (x, y, z), brought to unit length, so that rounding does not add up.
 static inline void quaternion_turn(const double *p, double x, double y, double z, double *q)
 {
     double cosine, ratio;

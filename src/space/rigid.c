@@ -5,8 +5,7 @@
 
 #include <math.h>
 
-// Points are a translation and a quaternion, tangent vectors a velocity in the fixed frame and a rotation vector in the
-// body's.
+// Points are a translation and a quaternion, tangents a velocity in the fixed frame and a rotation vector in the body's.
 
 static const int TRANSLATION = 3;
 

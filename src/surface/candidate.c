@@ -103,8 +103,7 @@ static bool has_faults(const bat_cloud_parameters_report *report)
     return report->folded + report->outside + report->coincident > 0;
 }
 
-/// Reject parameters with more than a quarter of the interior points folded. Their repair would replace most of the method's
-/// parameters by averages.
+/// Reject parameters with more than a quarter of the interior folded: repair would replace most of them by averages.
 static bat_status check_folds(const bat_cloud *cloud, const bat_cloud_parameters_report *folds, bat_error *error)
 {
     size_t interior = cloud->count - cloud->boundary_count;
@@ -172,8 +171,7 @@ static bat_status farthest_sample(const double *positions, size_t count, const n
     return status;
 }
 
-/// One-sided Hausdorff distance from the surface to the points: the maximum over corners and centres of cells of the
-/// distance to the nearest point.
+/// One-sided Hausdorff distance: the most that corners and centres of cells are away from the nearest point.
 static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const double *points, size_t count,
                                       double *distance, bat_error *error)
 {

@@ -103,8 +103,7 @@ typedef struct reconstruction
 bat_status reconstruction_find(reconstruction *work, bat_error *error);
 /// The maximum number of functions of the fit to all points.
 size_t reconstruction_last_budget(const reconstruction *work);
-/// Whether the points lie on a one-sided surface: normals around it come back turned over, along a cut as long as its
-/// width.
+/// Whether the points lie on a one-sided surface: normals come back turned over, along a cut as long as its width.
 bool reconstruction_is_one_sided(const reconstruction *work);
 bat_status reconstruction_tell_one_sided(bat_error *error);
 /// Move the best candidate to the result.

@@ -432,7 +432,6 @@ static bat_status refuse(const bat_surface_verdict *verdict, bool trimmed, bool 
     return error_remedy(error, BAT_NO_CONVERGENCE, "force", "writes it nevertheless");
 }
 
-/// Count folds of the parameters of the part.
 static bat_status check_part(const reconstruction *work, bat_cloud_parameters_report *folds, bat_error *error)
 {
     size_t count = work->part.cloud.count;

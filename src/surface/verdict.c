@@ -27,13 +27,11 @@ enum
     MAX_SAMPLES = 400000,
     BLOCK_POINTS = 65536, ///< measured between two questions whether to go on
     SPACING_POINTS = 12,
-    /// With fewer points than so many neighbourhoods have together, tangent planes say too little: only distances are
-    /// judged.
+    /// With fewer points than so many neighbourhoods together, tangent planes say too little: distances alone are judged.
     MIN_PLANE_POINTS = 4 * SPACING_POINTS
 };
 
-// Limits outside of which a surface is wrong. They were chosen on generated shapes and on half of the crops of meshes of
-// docs/results/surfaces.md.
+// Limits outside of which a surface is wrong, chosen on generated shapes and half of the crops (docs/results/surfaces.md).
 static const double MAX_CROSS = 0.05;          ///< share of area across the tangent planes
 static const double MAX_FAR = 0.03;            ///< share of area far from the points
 static const double MAX_AREA[2] = {0.85, 1.3}; ///< ratio of the areas
@@ -47,8 +45,7 @@ static const double FARTHEST_TRIMMED = 4;      ///< the same of a trimmed surfac
 // Distances in spacings and standard deviations of the noise that are not far.
 static const double FAR_SPACINGS = 3;
 static const double FAR_NOISE = 4;
-/// Of deep shapes: the largest noise, in spacings, and distance of 99 % of the surface from the triangles, as a share of the
-/// size.
+/// Of deep shapes: the largest noise, in spacings, and distance of 99 % of the surface from triangles, in their size.
 static const double DEEP_NOISE = 0.2;
 static const double DEEP_STRAY = 0.03;
 static const double CROSS_COSINE = 0.5;
@@ -494,8 +491,7 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
 }
 
-/// Leave out samples beyond the trimming curves, or else beyond the bounding box of the parameters, where nothing is known
-/// of the surface.
+/// Leave out samples beyond the trimming curves, or else the parameters' bounding box, where nothing is known.
 static bat_status clip_samples(const bat_spline_trim *trim, const double *parameters, size_t count, surface_samples *samples,
                                bat_error *error)
 {

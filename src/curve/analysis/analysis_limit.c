@@ -23,8 +23,7 @@ void limit_matrix(const bat_mask *mask, double *matrix)
     }
 }
 
-/// Rounding of the weights, in units of epsilon, their count and the largest: limit points are well determined, tangents
-/// less.
+/// Rounding of the weights, in units of epsilon, their count and the largest: limit points, and tangents.
 #define POINT_ROUNDING 4.0
 #define TANGENT_ROUNDING 64.0
 
@@ -251,8 +250,7 @@ void bat_basis_free(bat_basis *basis)
     *basis = (bat_basis){0};
 }
 
-/// Singular values up to this share of the matrix norm count as zero when the eigenvectors of a multiple eigenvalue are
-/// counted.
+/// Singular values up to this share of the matrix norm count as zero where eigenvectors of a multiple eigenvalue count.
 #define NULL_TOLERANCE 1e-10
 
 /// An eigenvalue as computed: one disc that holds it, and the number of the group of discs that hang together.

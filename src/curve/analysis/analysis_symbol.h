@@ -66,8 +66,7 @@ static inline size_t smoothness_dimension(const bat_mask *mask)
     return mask->count > 1 ? mask->count - 1 : 1;
 }
 
-/// Bounds of the joint spectral radius of a mask's matrices, which is the growth rate of its subdivision operator in the
-/// maximum norm.
+/// Bounds of the joint spectral radius of a mask's matrices, the growth rate of its subdivision operator.
 /// @param stop_below stop as soon as the radius is proven to be below this; 0 for never
 bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_options *options, double stop_below,
                              joint_radius *radius, bat_error *error);

@@ -178,7 +178,6 @@ static size_t known_arc(const graph_job *job, const curve_run *run)
     return BAT_NO_INDEX;
 }
 
-/// Add a run as a new arc.
 static size_t add_arc(graph_job *job, const curve_run *run)
 {
     arc_graph *graph = job->graph;

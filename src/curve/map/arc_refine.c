@@ -297,8 +297,7 @@ static size_t number_places(const bat_curve *arc, const double *flat, size_t *nu
     return count;
 }
 
-/// Refine an arc of the globe by a level as if it had each place once. New points between points of one place lie between
-/// them.
+/// Refine an arc of the globe by a level as if it had each place once. Equal points have equal points between them.
 static bat_status refine_repeating(const arc_job *job, size_t a, const bat_curve_refine_options *how, bat_curve *fine,
                                    bat_error *error)
 {

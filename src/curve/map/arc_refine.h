@@ -226,8 +226,7 @@ bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_opti
                              const degree_edges *straight, bat_curve_map_refine_report *report, refined_arcs *fine,
                              bat_error *error);
 
-/// Choose an anchor for each connected part: the first point of its first arc. On the globe it stands for the points one
-/// turn away as well.
+/// Choose an anchor for each connected part: the first point of its first arc, on the globe with those one turn away.
 /// @param charts  of the arcs
 /// @param anchors all zero before; release it with anchor_grid_free()
 /// @return BAT_OK or BAT_NO_MEMORY

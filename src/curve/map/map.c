@@ -106,7 +106,6 @@ static bool has_straight_edges(const map_job *job)
     return job->straight.edges != BAT_CURVE_MAP_EDGES_GEODESIC && corners_stay(&job->refine);
 }
 
-/// Find the corners of a curve.
 static bat_status find_corners(map_job *job, size_t curve, bat_error *error)
 {
     const bat_curve *given = &job->curves[curve];
@@ -448,7 +447,6 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     return status == BAT_OK && job->chains.joints > 0 ? cut_chains(job, error) : status;
 }
 
-/// Whether a set is refined as a map.
 static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options *options)
 {
     map_chart chart;

@@ -21,8 +21,7 @@ bat_status metric_tree_build(const bat_space *space, const double *points, size_
                              bat_error *error);
 void metric_tree_free(metric_tree *tree);
 
-/// The point nearest to a valid point, with its distance (not squared); of several one, always the same. Item BAT_NO_INDEX
-/// when the tree is empty.
+/// The point nearest to a valid point, with its distance; of several one, always the same. Item BAT_NO_INDEX: no points.
 nearest_hit metric_tree_find(const metric_tree *tree, const double *point);
 
 #endif

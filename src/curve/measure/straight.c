@@ -7,8 +7,7 @@
 /// So many vertices may be missing: a map joins and drops a few points, other schemes move all.
 static const int MAX_MISSED = 16;
 
-/// By how much the way over a point may be longer than a straight edge, relative to it. A point in the middle is then within
-/// 1/1400 of the edge's length.
+/// By how much the way over a point may exceed a straight edge: a middle point is within 1/1400 of its length then.
 static const double MAX_EXCESS = 1e-6;
 
 size_t bat_curve_straight_edges(const bat_curve *coarse, const bat_curve *fine)

@@ -28,8 +28,7 @@ bat_status anchor_grid_make(const double *points, const size_t *components, size
                             bat_error *error);
 void anchor_grid_free(anchor_grid *grid);
 
-/// Whether an anchor of another part than `component` lies inside a polygon, by the parity of edges to its right. The test
-/// is exact.
+/// Whether an anchor of another part than `component` lies inside a polygon, by the exact parity of edges to its right.
 /// @param polygon count x 2; the last point joins the first
 bool anchor_grid_inside(const anchor_grid *grid, const double *polygon, size_t count, size_t component);
 
@@ -84,8 +83,7 @@ typedef struct draw_rules
 /// Whether the refined curve contains the points of the coarse one at the places of `starts` (null as above).
 bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_t *starts);
 
-/// Draw the new points of refined curves back towards the edges that they were made for, until no two refined edges meet
-/// that count.
+/// Draw new points of refined curves back towards the edges that they were made for, until no two edges meet that count.
 ///
 /// A new point over an edge of the polygon at share s becomes the point at share lambda of the geodesic from the edge's
 /// point at s to the refined point. Each edge of the polygon has one lambda, 1 at first. As long as refined edges meet, the

@@ -30,8 +30,7 @@ enum
     ALL_QUADRANTS = 15,
 };
 
-/// The classes on the sphere: bit k for an edge that may not turn left about axis k, bit 3 + k for one that may not turn
-/// right.
+/// The classes on the sphere: bit k for an edge that may not turn left about axis k, bit 3 + k likewise for right.
 enum
 {
     NOT_LEFT = 1,

@@ -29,8 +29,7 @@ typedef enum surface_kind
 #define PREDICATE_RANGE_SPHERE 300
 #define PREDICATE_RANGE_DISK 200
 
-/// 1 when a, b, c turn left, -1 when they turn right, 0 when one geodesic contains them. On the sphere left is seen from
-/// outside.
+/// 1 when a, b, c turn left, -1 right, 0 when one geodesic contains them. On the sphere left is seen from outside.
 int predicate_orientation(surface_kind kind, const double *a, const double *b, const double *c);
 
 /// Whether the edges ab and cd have a point in common, ends included. Both edges have a length.

@@ -10,8 +10,7 @@
 
 enum
 {
-    /// The largest number of terms added to a sum: 6 products of two coordinates and a weight of 5 terms in the disk, with
-    /// 18 terms each.
+    /// The most terms added to a sum: 6 products of two coordinates and a weight of 5 terms in the disk, with 18 terms each.
     MAX_TERMS = 6 * 18 + 1
 };
 
@@ -54,7 +53,6 @@ static void add_term(expansion *sum, double term)
     sum->count = kept;
 }
 
-/// Add a * b * c.
 static void add_product(expansion *sum, double a, double b, double c)
 {
     double low, high = two_product(a, b, &low), error;

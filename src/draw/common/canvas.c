@@ -66,8 +66,7 @@ enum
     NUMBER_SIZE = 24
 };
 
-/// The text before the numbers of surfaces in cairo's versions; a quotation mark ends them. Encoded images do not contain
-/// it.
+/// The text before the numbers of surfaces in cairo's versions; a quotation mark ends them. Images do not contain it.
 static const char *const MARKS[] = {"<g id=\"surface", "\"image", "\"#image", "\"source-", "\"#source-"};
 
 typedef struct numbered_name
@@ -103,8 +102,7 @@ static size_t place_of(const char *data, numbered_name name, const numbered_name
     return i;
 }
 
-/// Renumber the surfaces in an SVG file from 1 in their order. Cairo numbers all surfaces of a process and writes these
-/// numbers as names.
+/// Renumber the surfaces in an SVG file from 1 in their order: cairo writes numbers that count all of a process.
 /// @return false when out of memory; the file is unchanged then
 static bool svg_renumber(text_buffer *file)
 {

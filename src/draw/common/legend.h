@@ -16,8 +16,7 @@ double colour_encode(double linear);
 double colour_decode(double encoded);
 
 double colour_bar_height(void);
-/// Draw the scale from `low` to `high`, centred in the box (x, y, width, height): a bar with round numbers below it and the
-/// label beside it.
+/// Draw the scale from `low` to `high`, centred in the box (x, y, width, height): a bar, round numbers below it, the label.
 void colour_bar_draw(cairo_t *cairo, double low, double high, const char *label, const double box[4]);
 
 // The legend of lines and marks below a picture.

@@ -55,8 +55,7 @@ typedef struct pixel_box
 /// The pixels that cover a box (x, y, width, height), aligned with the page's pixels where it has any.
 pixel_box pixel_box_align(cairo_t *cairo, double per_point, const double box[4]);
 
-/// Computes pixels of four bytes, cairo's ARGB32 (premultiplied, in native byte order), with rows `stride` bytes apart. They
-/// are transparent on entry.
+/// Computes pixels of four bytes, cairo's ARGB32, with rows `stride` bytes apart. They are transparent on entry.
 typedef bat_status pixel_painter(const void *context, unsigned char *pixels, size_t stride, bat_error *error);
 
 /// Paint an image and draw it on the page.

@@ -31,8 +31,7 @@ static const draw_colour COLOUR_TRUTH = {0.68, 0.69, 0.71};
 static const draw_colour COLOUR_GRID = {0.865, 0.88, 0.90};
 static const draw_colour COLOUR_STRONG_GRID = {0.68, 0.715, 0.755};
 
-/// Of maps: the ground beneath polygons and that of maps without, the graticule, the borders of results and of given
-/// polygons.
+/// Of maps: the ground beneath polygons, and without, the graticule, the borders of results and of given polygons.
 static const draw_colour COLOUR_SEA = {0.925, 0.952, 0.972};
 static const draw_colour COLOUR_EMPTY = {0.982, 0.986, 0.991};
 static const draw_colour COLOUR_GRATICULE = {0.80, 0.835, 0.87};

@@ -43,8 +43,7 @@ void tick_scale_text(tick_scale scale, char *text);
 /// The ticks of a logarithmic axis: powers of ten, and their multiples where there are few powers; 0 < low < high.
 tick_list ticks_logarithmic(double low, double high, double wanted);
 
-/// The label of a tick, without the exponent of powers: "10" or "2×10". It has an en dash for a minus sign, which every font
-/// has, and no negative zero.
+/// The label of a tick, without the exponent of powers: "10" or "2×10", with an en dash for a minus, no negative zero.
 void tick_label(const tick_list *ticks, size_t index, char *label);
 double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index);
 /// Draw a label with y in the middle of its height and x at the fraction `align` of its width.

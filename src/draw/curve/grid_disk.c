@@ -68,8 +68,7 @@ static void make_tiling(tiling *made)
     }
 }
 
-/// Append the arc inside the disk to the path. From its centre (x, y) / t, its ends are at angles of tangent t on both sides
-/// of the direction to the origin.
+/// Append the arc inside the disk to the path. Seen from its centre (x, y) / t, its ends are at angles of tangent t.
 static void add_arc(cairo_t *cairo, const draw_view *view, geodesic g)
 {
     double facing = atan2(g.y, -g.x); // towards the origin, on the page, where y points down

@@ -83,8 +83,7 @@ static void degree_label(double degrees, const char *positive, const char *negat
     grid_angle_label(seconds * round(degrees), seconds, positive, negative, label, size);
 }
 
-/// Label the parallels where they meet the outline, at v = sin(latitude) / cos(latitude of the centre). Labels remain within
-/// the globe's square.
+/// Label the parallels where they meet the outline, at v = sin(latitude) / cos(latitude of the centre).
 static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
 {
     text_use(cairo, TEXT_TICK, false);

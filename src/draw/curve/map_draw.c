@@ -69,8 +69,7 @@ static void measure_path(cairo_t *cairo, double *area, double *perimeter)
     *area += fabs(sum);
 }
 
-/// How much thinner the borders of small polygons are, so that their fills are seen. Squares of side s have 4 / s of
-/// perimeter for their area.
+/// How much thinner the borders of small polygons are, so that their fills are seen: squares have 4 / s of perimeter.
 static double border_share(double area, double perimeter)
 {
     static const double SHARE = 0.08, LEAST = 0.2; // of the side of a polygon, and of the usual width

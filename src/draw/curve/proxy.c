@@ -20,7 +20,6 @@
 #define AXIS_SHARE 0.07
 
 /// Allocate one more curve.
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status add_curve(proxy *made, size_t count, bool closed, bat_curve_picture_layer layer, line_style line,
                             bat_error *error)
 {

@@ -55,8 +55,7 @@ path_sink coverage_sink(coverage_map *map);
 /// Append the marked cells to cairo's current path, each run in a row as one line, for strokes with round caps.
 void coverage_free(coverage_map *map);
 
-// Curvature combs: at each vertex a segment whose length is proportional to the curvature, away from the centre of
-// curvature.
+// Curvature combs: at each vertex a segment, proportional to the curvature, away from the centre of curvature.
 
 /// The most vertices of a comb.
 #define COMB_MAX_POINTS 8192
@@ -78,15 +77,13 @@ typedef struct comb
 bat_status comb_make(const bat_curve *curve, comb *segments, bat_error *error);
 void comb_free(comb *segments);
 
-/// The scale at which the 95th percentile of the segments has the length `usual` and none is longer than `longest`. INFINITY
-/// when all curvatures vanish.
+/// The scale at which the 95th percentile of segments is `usual` long and none above `longest`. INFINITY: no curvature.
 bat_status comb_natural_scale(const comb *segments, double usual, double longest, double *scale, bat_error *error);
 
 /// The end of a segment: the point reached from vertex `index` along `scale` times its vector.
 void comb_tip(const comb *segments, size_t index, double scale, double *tip);
 
-/// Draw the segments of a comb and the line through their ends. The ends of an open curve, with unknown curvature, have
-/// neither.
+/// Draw the segments of a comb and the line through their ends. Ends of an open curve have neither.
 bat_status comb_lines_draw(cairo_t *cairo, const draw_view *view, const comb *segments, double scale, draw_colour colour,
                            bat_error *error);
 
@@ -292,8 +289,7 @@ void grid_scale_bar(cairo_t *cairo, double x, double y, double width, double ext
 /// The height that a scale bar takes.
 #define GRID_SCALE_HEIGHT 15.0
 
-/// Draw the background of the disk and, with `lines`, the geodesics of the tiling by right-angled pentagons, four at each
-/// vertex.
+/// Draw the background of the disk and, with `lines`, the tiling by right-angled pentagons, four at each vertex.
 void grid_disk(cairo_t *cairo, const draw_view *view, bool lines);
 void grid_disk_circle(cairo_t *cairo, const draw_view *view);
 

@@ -41,8 +41,7 @@ static double cross(double ax, double ay, double bx, double by)
     return ax * by - ay * bx;
 }
 
-/// Intersect the wedge with the directions from the anchor that pass within `margin` of the point at (dx, dy), at the
-/// distance `distance`.
+/// Intersect the wedge with the directions from the anchor that pass within `margin` of (dx, dy), which is `distance` away.
 static void narrow_wedge(path_simplifier *simplifier, double dx, double dy, double distance, double margin)
 {
     double sine = margin / distance;
@@ -64,8 +63,7 @@ static void narrow_wedge(path_simplifier *simplifier, double dx, double dy, doub
     simplifier->wedge = true;
 }
 
-/// The total error is half the tolerance across the line, 0.3 beyond its end, and 0.15 twice for skipped points: sqrt(0.5^2
-/// + 0.3^2) + 0.3 < 1.
+/// The total error is half the tolerance across the line, 0.3 beyond its end, 0.15 twice for skipped points: below 1.
 void simplifier_consider(path_simplifier *simplifier, double x, double y)
 {
     double margin = 0.5 * simplifier->tolerance;

@@ -29,8 +29,7 @@ static void trace_arc(const draw_view *view, const double *centre, const double 
     simplifier_line(path, view_x(view, q[0]), view_y(view, q[1]));
 }
 
-/// Draw the geodesic from p to q, without p: the arc orthogonal to the unit circle. Its centre c solves 2 <c, p> = 1 + |p|^2
-/// and 2 <c, q> = 1 + |q|^2.
+/// Draw the geodesic from p to q, without p: an arc whose centre c solves 2 <c, p> = 1 + |p|^2 and 2 <c, q> = 1 + |q|^2.
 static void trace_geodesic(const draw_view *view, const double *p, const double *q, path_simplifier *path)
 {
     double chord = hypot(q[0] - p[0], q[1] - p[1]);

@@ -31,8 +31,7 @@ static bool globe_visible(const globe_tracer *tracer, const double *point)
     return tracer->sign * point[2] >= 0.0;
 }
 
-/// Draw an arc that is short enough to be drawn as its chord. The outline is crossed where the chord's great circle crosses
-/// it.
+/// Draw an arc as its chord, which is short enough. It crosses the outline where the chord's great circle does.
 static void globe_step(globe_tracer *tracer, const double *point)
 {
     const draw_view *view = tracer->view;
@@ -219,8 +218,7 @@ static bool map_straight(const map_tracer *tracer, const double *middle, const d
     return bend * tracer->view->scale <= tracer->view->tolerance;
 }
 
-/// Draw the shortest arc to `target`. It is bisected until its parts are straight in the view or, near a pole of the map,
-/// until `depth` is 0.
+/// Draw the shortest arc to `target`, bisected until its parts are straight in the view or, near a pole, `depth` is 0.
 static void map_arc(map_tracer *tracer, const double *target, int depth)
 {
     if (depth == 0)
@@ -334,8 +332,7 @@ static void add_curve(globe_moments *moments, const bat_curve *curve)
     add_direction(moments, last, 1e-9);
 }
 
-/// The direction 25 degrees above the plane that fits the moments best, from its northern side, towards the larger part of
-/// the curve.
+/// The direction 25 degrees above the plane that fits the moments best, from the north, towards most of the curve.
 static void oblique_direction(globe_moments *moments, double *direction)
 {
     const double elevation = 25.0 * 3.14159265358979323846 / 180.0;

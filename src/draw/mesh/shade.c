@@ -99,7 +99,6 @@ static float smooth_at(const occlusion_picture *picture, const float *rough, siz
 
 /// Compute the ambient light at each pixel, 0 to 1: the unoccluded fraction of the hemisphere above the tangent plane.
 /// @param light receives columns x rows values
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status ambient_occlusion(const occlusion_picture *picture, int threads, float *light, bat_error *error)
 {
     tap_list taps;
@@ -216,8 +215,7 @@ static draw_colour base_colour(const shading *s, const visible_point *visible)
     return colour_scale_at((value - task->value_low) / (task->value_high - task->value_low));
 }
 
-/// The light at a point: a key light from above the viewer's left shoulder, a soft light from the right, and ambient light
-/// times `open`.
+/// The light at a point: a key light from above the viewer's left shoulder, a soft one from the right, ambient x `open`.
 static double illuminate(const double normal[3], double open)
 {
     double key = fmax((-0.467 * normal[0] + 0.571 * normal[1] + 0.675 * normal[2] + 0.12) / 1.12, 0);
@@ -366,7 +364,6 @@ static bat_status find_occlusion(shading *s, bat_error *error)
     return status;
 }
 
-/// Draw the boundaries, if there are any.
 static bat_status draw_boundaries(shading *s, bat_error *error)
 {
     const bat_mesh *mesh = s->task->mesh;

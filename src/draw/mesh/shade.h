@@ -66,8 +66,7 @@ static inline void mesh_place_point(const mesh_placing *placing, const double *p
 
 #define RASTER_NO_FACE UINT32_MAX
 
-/// Samples have the spacing 1. Sample (0, 0) is at the top left with its centre at (.5, .5); y points downwards and z to the
-/// eye.
+/// Samples have the spacing 1. Sample (0, 0) is at the top left, with its centre at (.5, .5); y downwards, z to the eye.
 typedef struct mesh_raster
 {
     size_t columns, rows;

@@ -7,8 +7,7 @@
 
 #define DEGREE 0.017453292519943295
 
-/// The automatic view is rotated by BESIDE from the direction of the broadest side. It is elevated above the horizon, more
-/// for flat meshes.
+/// The automatic view is rotated by BESIDE from the broadest side, and elevated above the horizon, more for flat meshes.
 #define BESIDE (35 * DEGREE)
 #define ABOVE (18 * DEGREE)
 #define FAR_ABOVE (42 * DEGREE)

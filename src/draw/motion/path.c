@@ -102,8 +102,7 @@ static void find_box(const film *shown, path_view *view)
     }
 }
 
-/// The axis that is upwards, and the two that make a right-handed floor with it. A path that is flat across y is one of a
-/// camera, whose y is downwards.
+/// The upward axis, and two of a right-handed floor with it. A path flat across y is a camera's, whose y is downwards.
 static void choose_up(const film *shown, path_view *view, double *sign)
 {
     double extent[3];

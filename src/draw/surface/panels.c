@@ -25,8 +25,7 @@
 #define BEHIND_FADE 0.065
 #define STEEPEST 1.5
 #define BEHIND_STRENGTH 0.3
-/// A dot is hidden when the surface is nearer to the eye by more than this fraction of the frame plus the dot's own
-/// distance.
+/// A dot is hidden when the surface is nearer to the eye by more than this share of the frame plus the dot's distance.
 #define HIDDEN_SHARE 0.02
 #define BOUNDARY_LINE 0.34
 

@@ -24,8 +24,7 @@
 #define MAX_LINES ((size_t)241)
 #define MAX_LATTICE 0x1p24
 
-/// A patch is nearly closed when the area facing the eye exceeds the area facing away by less than this fraction of the
-/// whole.
+/// A patch is nearly closed when its areas facing the eye and away differ by less than this fraction of the whole.
 #define OPEN_SHARE 0.2
 
 /// The lines of a grid in one direction: parameters from 0 to 1.

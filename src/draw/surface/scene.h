@@ -60,7 +60,6 @@ void surface_patch_cut(bat_mesh *mesh, const double low[3], const double high[3]
 /// Orient the triangles so that their front faces `eye`; of a patch that is nearly closed, the outer side is the front.
 void surface_patch_turn(bat_mesh *mesh, const double eye[3]);
 
-/// The points of a patch.
 typedef struct patch_points
 {
     const double *points; ///< count x 3

@@ -15,8 +15,7 @@
 #define OPEN_SHARE 0.35
 /// A patch bulges when its centroid is farther from its boundary's centroid than this fraction of its size.
 #define BULGE_SHARE 0.01
-/// A patch is deep when that distance exceeds this fraction of its size; it leans when the lateral offset exceeds the second
-/// fraction.
+/// A patch is deep where that distance exceeds this fraction of its size, and leans where the offset exceeds the second.
 #define DEEP_SHARE 1.5
 #define LEAN_SHARE 0.15
 

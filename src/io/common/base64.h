@@ -9,8 +9,7 @@
 /// Append bytes in base64, with padding.
 void base64_append(text_buffer *text, const void *bytes, size_t size);
 
-/// Append the bytes of base64 text, whose padding may be missing. False for other characters or a wrong length. Out of
-/// memory: `bytes->failed` is set.
+/// Append the bytes of base64 text, padded or not. False for other text. Out of memory: `bytes->failed` is set.
 bool base64_decode(text_buffer *bytes, const char *text, size_t size);
 
 #endif

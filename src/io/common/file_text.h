@@ -149,8 +149,7 @@ static inline bool scan_word(word_scan *scan, const char *word)
     return true;
 }
 
-/// BAT_BAD_FILE for the next word of the line, which should be a number. The message names its error, or `what` when it is
-/// missing.
+/// BAT_BAD_FILE for the next word of the line, which should be a number. The message names its error, or `what` is missing.
 bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, bat_error *error);
 
 /// BAT_BAD_FILE for the next word of the line. `fault` follows the word, as in "is not the index of a vertex".

@@ -27,8 +27,7 @@ void text_append_number(text_buffer *text, double value, char after);
 void text_append_numbers(text_buffer *text, const char *before, const double *numbers, size_t count);
 /// Append a whole number, then `after`.
 void text_append_count(text_buffer *text, size_t count, const char *after);
-/// Append a text of at most 511 characters without floating-point numbers, because printf() would use the locale's decimal
-/// separator.
+/// Append a text of at most 511 characters, without floating-point numbers: printf() depends on the locale.
 void text_append_format(text_buffer *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /// 10^decimals for 0 <= decimals <= 18.

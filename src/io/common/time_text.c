@@ -40,8 +40,7 @@ static bool read_mark(const char **at, const char *end, char mark)
     return true;
 }
 
-/// Days since 1970-01-01 (Richards 2013, "Calendars", in the Explanatory Supplement to the Astronomical Almanac: years begin
-/// in March).
+/// Days since 1970-01-01 (Richards 2013, "Calendars", in the Explanatory Supplement: years begin in March).
 static int64_t days_of_date(int year, int month, int day)
 {
     int64_t shifted = month <= 2 ? year - 1 : year, era = shifted / 400, of_era = shifted % 400;

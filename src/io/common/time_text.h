@@ -31,8 +31,7 @@ bool iso_time_read(const char *begin, const char *end, iso_time *time);
 /// to the decimals of the form where these are more. Returns the end.
 char *iso_time_write(char *out, const iso_time *form, int64_t nanoseconds);
 
-// Times since 1970 with all of their digits: a double has room for nanoseconds of some months alone, so whole seconds are
-// kept apart, as an origin.
+// Times since 1970 with all digits: a double has nanoseconds of some months, so whole seconds are kept as an origin.
 
 enum
 {
@@ -40,8 +39,7 @@ enum
     EXACT_TIME_SIZE = 32
 };
 
-/// Read a time without exponent as whole nanoseconds; further decimals must be zeros. False for other texts, and outside of
-/// the range of int64_t.
+/// Read a time without exponent as whole nanoseconds; further decimals must be zeros. False for others, and beyond int64_t.
 /// @param decimals those of seconds that the unit has: 0 for seconds, 3, 6 or 9 for milliseconds to nanoseconds
 bool exact_time_read(const char *begin, const char *end, int decimals, int64_t *nanoseconds);
 

@@ -60,8 +60,7 @@ static bool on_meridian(const degree_grid *grid, degree_units shown)
     return shown.longitude == grid->half_turn || shown.longitude == -grid->half_turn;
 }
 
-/// Assign the longitude of a vertex at a pole, or the sign of the longitude of a vertex on the antimeridian, from its
-/// neighbour.
+/// Take the longitude of a vertex at a pole, or its sign on the antimeridian, from a neighbour.
 static void assign_longitude(const degree_grid *grid, degree_units *shown, degree_units neighbour)
 {
     if (on_pole(grid, *shown))

@@ -43,15 +43,13 @@ const char *builder_admit(curve_builder *builder);
 /// Name the option that leads out of an error about a point that builder_admit() has not taken. Returns the status.
 bat_status builder_refuse(const curve_builder *builder, bat_status status, bat_error *error);
 
-/// Store whether the last point of builder_next() is a corner; for all points of a file or for none. False when out of
-/// memory.
+/// Store whether the last point of builder_next() is a corner; for all points of a file or none. False: out of memory.
 bool builder_corner(curve_builder *builder, bool corner);
 
 /// Store the line of the last point. False when out of memory.
 bool builder_line(curve_builder *builder, size_t line);
 
-/// Choose the signs of the current curve's quaternions, if any, so that each is nearest to its predecessor: q and -q are the
-/// same rotation.
+/// Choose the signs of the current curve's quaternions, so that each is nearest to its predecessor.
 void builder_continue_signs(curve_builder *builder);
 
 /// Whether the last point of the current curve equals the first, with its channels, but up to the sign of a quaternion.

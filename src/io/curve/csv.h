@@ -112,8 +112,7 @@ bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *
 /// Use the columns of a form as coordinates, and all other numbers as channels. False when out of memory.
 bool csv_columns_use_form(csv_columns *columns, const point_form *form);
 
-/// Find times and velocities among the columns after the first `coordinates`. `form` may be null; there are no velocities
-/// then.
+/// Find times and velocities among the columns after the first `coordinates`. `form` may be null: no velocities then.
 void csv_columns_channels(const csv_columns *columns, size_t coordinates, const point_form *form, motion_channels *channels);
 
 // Names of CSV columns in the spellings that people use.
@@ -212,8 +211,7 @@ typedef struct cell_builder
     size_t columns, row_count, curve_count;
 } cell_builder;
 
-/// Append the next cell of a row; a row has `columns` of them. A cell equal to the one above shares its text. False when out
-/// of memory.
+/// Append the next of the `columns` cells of a row. A cell equal to the one above shares its text. False: out of memory.
 bool cells_add(cell_builder *cells, csv_field cell);
 void cells_drop_row(cell_builder *cells);
 /// End a curve, whose rows begin where the last one ended. False when out of memory.

@@ -631,8 +631,7 @@ static bool reader_begin(csv_reader *reader, bat_curve_format format)
     return reader->attributes != NULL && (!reader->tum || csv_name_tum_columns(reader));
 }
 
-/// Read the file, and again where a column turns out to hold other things than it began with. Kinds change in one direction
-/// only, so that this ends.
+/// Read the file, and again where a column holds other things than it began with. Kinds change one way, so that this ends.
 static bat_status read_text(csv_reader *reader, bat_curve_format format, bat_error *error)
 {
     bat_status status = BAT_OK;

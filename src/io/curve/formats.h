@@ -11,8 +11,7 @@
 /// Readers and writers of curve formats. Options are complete and valid, and name the format. Sets have curves, and curves
 /// have points.
 
-/// Choose the format to write: that of the options, else that of the path, which may be null, else that of the input, whose
-/// attributes may be null.
+/// Choose the format to write: that of the options, else of the path, else of the input; the last two may be null.
 bat_status curve_format_choose(const char *path, const bat_curve_attributes *attributes,
                                const bat_curve_write_options *options, bat_curve_format *format, bat_error *error);
 
@@ -21,8 +20,7 @@ typedef bat_status curve_reader(const file_text *text, const bat_curve_read_opti
 typedef bat_status curve_writer(const bat_curve_set *set, const bat_curve_write_options *options, text_sink *sink,
                                 bat_error *error);
 
-/// The reader reads the trajectory format of the TUM RGB-D benchmark, too: "timestamp tx ty tz qx qy qz qw", in the space
-/// `rigid`.
+/// The reader reads TUM trajectories, too: "timestamp tx ty tz qx qy qz qw", in the space `rigid`.
 curve_reader csv_read;
 curve_writer csv_write;
 

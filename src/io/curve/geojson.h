@@ -32,8 +32,7 @@ typedef enum geometry_kind
 extern const char *const GEOMETRY_NAMES[GEOMETRY_KINDS];
 geometry_kind geojson_kind(const json_t *geometry);
 
-/// A GeoJSON geometry that became curves. In the stored tree its "coordinates" are its index among the geometries of its
-/// feature.
+/// A geometry that became curves. In the tree its "coordinates" are its index among the feature's geometries.
 typedef struct geojson_geometry
 {
     size_t curve;         ///< its first curve, within the feature
@@ -144,8 +143,7 @@ geojson_reader geojson_reader_start(const bat_space *space, const bat_curve_read
 /// on failure, with the error of the reader.
 json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end, size_t first_line);
 
-/// Read a feature, or a geometry in place of one, from the last tree of geojson_parse(). The reader's document takes the
-/// tree, also on failure.
+/// Read a feature, or a bare geometry, from the last tree of geojson_parse(), which the document takes, also on failure.
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY
 bat_status geojson_read_feature(geojson_reader *reader, json_t *tree, bool bare_geometry);
 

@@ -247,8 +247,7 @@ static const char *crs_name_of(const json_t *root, bool *unnamed)
     return named ? name : NULL;
 }
 
-/// Choose the space by the options, else by the coordinate reference system of the root; null for a sequence, which has
-/// none.
+/// Choose the space by the options, else by the reference system of the root; null for a sequence, which has none.
 static bat_status choose_space(geojson_reader *reader, const json_t *root, const bat_curve_read_options *options)
 {
     if (geojson_has_type(root, "Topology"))

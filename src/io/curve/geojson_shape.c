@@ -267,8 +267,7 @@ static bool same_units(degree_units a, degree_units b)
     return a.longitude == b.longitude && a.latitude == b.latitude;
 }
 
-/// Write a curve as an array of positions; a closed one repeats the first. Positions that only the rounding makes equal to
-/// the one before are left out.
+/// Write a curve as an array of positions; a closed one repeats the first. Those that rounding makes equal are left out.
 static void write_curve(const geojson_shape *shape, const geojson_style *style, const globe_curve *curve, text_buffer *text)
 {
     bool merges = style->globe && shape->value_count == 0 && !style->located;

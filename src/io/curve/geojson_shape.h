@@ -132,8 +132,7 @@ static inline bool geojson_turns_at_pole(const geojson_style *style, degree_unit
            before.longitude != after.longitude;
 }
 
-/// The curves of one geometry, prepared for output. All zero: empty. A shape is reused for many geometries and keeps its
-/// memory.
+/// The curves of one geometry, prepared for output. All zero: empty. A shape is reused, and keeps its memory.
 typedef struct geojson_shape
 {
     const char *type; ///< the type of the geometry in the file
@@ -155,8 +154,7 @@ typedef struct geojson_shape
     globe_polygons parts; ///< of polygons
 } geojson_shape;
 
-/// Prepare lines. `type` is their type before the cut, "LineString" or "MultiLineString". `first` is the index of the first
-/// curve, for messages.
+/// Prepare lines. `type` was "LineString" or "MultiLineString" before the cut; `first` is the first curve's index.
 /// @return BAT_OK, BAT_INVALID_POINT, BAT_UNSUPPORTED (too few points, or no extent at the decimals) or BAT_NO_MEMORY
 bat_status geojson_shape_lines(geojson_shape *shape, const geojson_style *style, const char *type, const bat_curve *curves,
                                size_t count, size_t first, bat_error *error);

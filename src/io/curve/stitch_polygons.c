@@ -50,8 +50,7 @@ typedef struct stitch_edges
 
 static const double QUARTER_TURN = 90.0, HALF_TURN = 180.0, TURN = 360.0;
 
-/// Twice the signed area of a ring in the plane of longitude and latitude. False when an edge crosses the border of the map,
-/// except along a pole.
+/// Twice the signed area of a ring in longitude and latitude. False where an edge crosses the map's border, but for poles.
 static bool planar_area(const stitch_edges *edges, const stitch_ring *ring, double *area)
 {
     const double *degrees = ring->degrees;
@@ -154,7 +153,6 @@ static const double *ring_degrees(const stitch_ring *ring, size_t k)
     return ring->degrees + 2 * ring_point(ring, k);
 }
 
-/// Find the edges on the seam and their nodes.
 static bool find_nodes(stitch_edges *edges, seam_nodes *nodes)
 {
     size_t capacity = 0;
@@ -358,8 +356,7 @@ static double turn_off_poles(const stitch_seam *seam, const double *degrees, siz
     return turn;
 }
 
-/// Move the points that follow one at a pole, by `step` points each, onto the seam: as long as they are on one meridian near
-/// it.
+/// Move the points after one at a pole, by `step` points each, onto the seam: those on one meridian near it.
 static void snap_meridian(const stitch_seam *seam, const stitch_ring *ring, size_t pole, size_t step, double *snapped)
 {
     const double *degrees = ring->degrees;

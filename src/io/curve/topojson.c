@@ -200,7 +200,6 @@ static bat_status append_feature(topology_reader *reader, const json_t *geometry
     return status;
 }
 
-/// Choose the object of the options, or the only one.
 static bat_status choose_object(const topology_reader *reader, const bat_curve_read_options *options, const char **name,
                                 json_t **chosen)
 {

@@ -155,8 +155,7 @@ static void survey(OGRGeometryH geometry, number_survey *found)
         survey(gdal.OGR_G_GetGeometryRef(geometry, i), found);
 }
 
-/// Remove altitudes and measures that are not defined, and the altitudes of KML where all are 0: there that may mean that
-/// there are none.
+/// Remove altitudes and measures that are not defined, and those of KML that are all 0, which may mean none.
 static void remove_undefined(layer_reader *reader, OGRGeometryH geometry)
 {
     number_survey found = {.altitudes = true, .measures = true, .flat = true};

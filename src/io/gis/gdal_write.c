@@ -182,8 +182,7 @@ static bool add_kind(json_t *kinds, const char *name, const json_t *value)
 
 static const char ID[] = "id";
 
-/// Collect the names of properties and the kinds of their values. The id of a feature is a property too, unless there is one
-/// of that name.
+/// Collect names and kinds of properties. A feature's id is one too, unless there is one of that name.
 static json_t *collect_kinds(const geojson_document *document)
 {
     json_t *kinds = json_object(), *ids = json_object();

@@ -43,15 +43,13 @@ bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *
 
 /// Move a set from the plane of its coordinate system to the sphere of longitude and latitude. Nothing is done to a set of
 /// the sphere. The set is unchanged on failure.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT (the set has no coordinate system), BAT_UNSUPPORTED, BAT_INVALID_POINT or
-/// BAT_NO_MEMORY
+/// @return BAT_OK, BAT_INVALID_ARGUMENT (no coordinate system), BAT_UNSUPPORTED, BAT_INVALID_POINT or BAT_NO_MEMORY
 bat_status gis_to_sphere(bat_curve_set *set, bat_error *error);
 
 /// The reverse of gis_to_sphere(), into a new set that shares the attributes.
 bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error);
 
-/// Move a set of a coordinate system, in its plane or its degrees, to longitude and latitude of WGS 84, as
-/// gis_to_plane() does.
+/// Move a set of a coordinate system, in its plane or its degrees, to WGS 84, as gis_to_plane() does.
 bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error);
 
 #endif

@@ -191,8 +191,7 @@ static bool number_names(writer_3mf *writer)
     return room;
 }
 
-/// Find the object of each vertex, or make one object of all where two share a vertex. Vertices without a face belong to the
-/// first object.
+/// Find the object of each vertex: all are one object where two share a vertex, and lone vertices are of the first.
 static bat_status part_vertices(writer_3mf *writer, const bat_mesh_write_options *options, bat_error *error)
 {
     const bat_mesh *mesh = writer->mesh;

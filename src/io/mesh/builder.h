@@ -28,8 +28,7 @@ typedef struct mesh_builder
 
 void mesh_builder_free(mesh_builder *builder);
 
-/// Add a vertex, a texture coordinate or, for the last vertex, a row of channels. The caller sets the values. Null when out
-/// of memory.
+/// Add a vertex, a texture coordinate or the last vertex's row of channels, to be set. Null when out of memory.
 double *mesh_builder_vertex(mesh_builder *builder);
 double *mesh_builder_texture(mesh_builder *builder);
 double *mesh_builder_channels(mesh_builder *builder);

@@ -16,8 +16,7 @@
 /// @file
 /// Reading and writing of meshes in any format, from files and from memory.
 
-/// A format: its reader, its writer, and whether a text begins as it does. OBJ has no mark at its begin: whatever has no
-/// other's is taken for it.
+/// A format: its reader, its writer, and whether a text begins as it does. What has no mark is OBJ.
 typedef struct mesh_format
 {
     bat_choice choice;

@@ -63,12 +63,10 @@ typedef struct label_table
     key_map numbers; ///< by hashes of labels
 } label_table;
 
-/// A copy of a name in UTF-8, up to its first zero byte. Other bytes are taken for Latin-1, and control characters become
-/// '_'. Null when out of memory.
+/// A copy of a name in UTF-8 (other bytes: Latin-1; control characters: '_'), up to a zero byte. Null: out of memory.
 char *label_name_copy(label_name name);
 
-/// The number of the label with these names, in the form of label_name_copy(). It is added if it is new. BAT_MESH_NONE when
-/// out of memory.
+/// The number of the label with these names, copied by label_name_copy(); a new one is added. BAT_MESH_NONE: out of memory.
 uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_NAMES]);
 void label_table_free(label_table *table);
 

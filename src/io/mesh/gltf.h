@@ -59,8 +59,7 @@ typedef struct gltf_document
 } gltf_document;
 
 /// Parse a file and check its version and the extensions that it requires. `text` must outlive the document.
-/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED (another version, an extension, compression), BAT_NO_MEMORY; close the
-///         document also on failure
+/// @return BAT_OK, BAT_BAD_FILE, BAT_UNSUPPORTED or BAT_NO_MEMORY; close the document also on failure
 bat_status gltf_open(const file_text *text, gltf_document *document, bat_error *error);
 void gltf_close(gltf_document *document);
 
@@ -131,8 +130,7 @@ typedef struct gltf_instance
 bat_status gltf_instances_find(const gltf_document *document, gltf_instance **instances, size_t *count,
                                bat_mesh_notes *notes, bat_error *error);
 
-/// The materials' names, all different, and their definitions as JSON text (null for none). Images in buffers become data
-/// URIs.
+/// The materials' names, all different, and their definitions as JSON text (or null). Images become data URIs.
 /// @param names receives `count` texts
 /// @return as gltf_view_find(); the results are untouched on failure
 bat_status gltf_materials_read(gltf_document *document, char ***names, size_t *count, char **json, bat_mesh_notes *notes,

@@ -569,7 +569,6 @@ static bat_status sparse_find(gltf_document *document, const json_t *list, const
     return status == BAT_OK ? find_elements(&view, offset, count, size, owner->place, bytes, stride, error) : status;
 }
 
-/// Insert the values of a sparse accessor.
 static bat_status insert_sparse(gltf_document *document, const accessor *owner, double *numbers, bat_error *error)
 {
     const json_t *sparse = json_object_get(owner->object, "sparse");

@@ -484,7 +484,6 @@ static bool add_views(const gltf_writer *writer)
     return true;
 }
 
-/// Collect the extensions that a JSON value has.
 static bool collect_extensions(const json_t *value, json_t *used)
 {
     const char *key;
@@ -535,7 +534,6 @@ static bat_status add_definitions(const gltf_writer *writer, bat_error *error)
     return room ? BAT_OK : no_memory(writer, error);
 }
 
-/// Find or add the material of a name.
 static bool find_material(const gltf_writer *writer, const char *name, json_t **number)
 {
     json_t *materials = json_object_get(writer->root, "materials"), *material, *made = text_json(name);

@@ -48,8 +48,7 @@ static bool same_label(const bat_mesh_label *a, const bat_mesh_label *b)
     return true;
 }
 
-/// The place of a label's number in the map, UINT32_MAX for a new label. Labels of equal hashes follow one another. Null
-/// when out of memory.
+/// The place of a label's number in the map, UINT32_MAX for a new one. Equal hashes follow each other. Null: no memory.
 static uint32_t *place_of(label_table *table, const bat_mesh_label *label)
 {
     for (uint64_t key = hash_label(label);; key++)

@@ -13,8 +13,7 @@
 /// @file
 /// Wavefront OBJ: vertices, texture coordinates, faces and colours, with the crease and corner tags of OpenSubdiv.
 
-// Reading and writing of names in OBJ. A name is the rest of its line, without blanks at both ends; a comment begins with a
-// '#' after a blank.
+// Names in OBJ: the rest of the line, without blanks at both ends; a '#' after a blank begins a comment.
 
 enum
 {
@@ -43,7 +42,6 @@ static void obj_labels_free(obj_labels *labels)
     *labels = (obj_labels){0};
 }
 
-/// The rest of the line.
 static label_name rest_of_line(word_scan *scan)
 {
     scan_skip_blanks(scan);
@@ -115,7 +113,6 @@ static bool obj_labels_apply(obj_labels *labels, mesh_builder *builder)
 }
 
 /// Give the builder the files of materials, and note what is left out.
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status obj_labels_finish(obj_labels *labels, mesh_builder *builder, bat_mesh_notes *notes, bat_error *error)
 {
     bat_status status = BAT_OK;

@@ -111,8 +111,7 @@ bat_status pose_fail(bat_error *error, size_t line, const char *text);
 bool pose_read_numbers(const file_text *source, const text_line *line, size_t count, double *numbers, char *separator);
 void pose_write_tum(pose_translation *work, const char *time, const double *place, const double *quaternion);
 
-/// The nearest rotation of the 3x4 matrix of a row, and the largest distance of an entry from it. Infinite where there is
-/// none.
+/// The nearest rotation of a row's 3x4 matrix, and the largest distance of an entry from it; infinite without one.
 double pose_matrix_deviation(const double *row, double *quaternion);
 bat_status pose_translate_kitti(pose_translation *work, bat_error *error);
 
@@ -131,8 +130,7 @@ typedef struct pose_header
 
 /// Find the header of a table. A line that begins with '#' is one where it has separators and names of poses.
 bool pose_find_header(pose_translation *work, text_line *head, pose_header *names, csv_field *time);
-/// Whether a table needs to be translated. Poses whose names the CSV reader knows do not, unless their times are none in
-/// seconds.
+/// Whether a table needs translation: not one that the CSV reader knows, unless its times are none in seconds.
 bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time);
 bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error);
 

@@ -39,8 +39,7 @@ typedef struct surface_box
     size_t line;
 } surface_box;
 
-/// The number of cells of a level in one direction. It fits into 64 bits for all levels below BAT_HIERARCHICAL_MAX_LEVELS
-/// and up to 2^32 spans.
+/// The number of cells of a level in one direction: 64 bits hold all below BAT_HIERARCHICAL_MAX_LEVELS of 2^32 spans.
 static inline uint64_t surface_level_cells(const bat_hierarchical_options *options, uint64_t level, int direction)
 {
     return (uint64_t)options->spans[direction] << level;

@@ -37,8 +37,7 @@ bat_status surface_tessellate(const bat_spline_surface *surface, size_t samples,
                               bat_error *error);
 void tessellation_free(surface_tessellation *tessellation);
 
-// The geometry and topology of a STEP file: patches, and the vertices, edges and loops of the rectangles that they are in
-// the square.
+// The geometry and topology of a STEP file: patches, and vertices, edges and loops of their rectangles in the square.
 
 // A hierarchical surface as one tensor-product surface, with its trimming curves in space, for CAD files.
 
@@ -103,8 +102,7 @@ typedef struct surface_shell
     shell_use *uses; ///< counter-clockwise from the lower left corner
 } surface_shell;
 
-/// Compute the topology of rectangles that tile a square: vertices, edges between neighbouring vertices, and the loop of
-/// edges around each face.
+/// Compute the topology of rectangles that tile a square: vertices, edges between neighbours, the loop of each face.
 /// @return BAT_OK; BAT_TOO_LARGE beyond 2^29 faces; BAT_NO_MEMORY
 bat_status shell_make(const shell_face *faces, size_t count, surface_shell *shell, bat_error *error);
 void shell_free(surface_shell *shell);

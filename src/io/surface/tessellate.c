@@ -112,8 +112,7 @@ static bool sample_cell(lattice *grid, const bat_spline_box *cell, surface_tesse
 /// Called for each piece of a quad's border between neighbouring vertices.
 typedef void border_piece(void *context, uint32_t from, uint32_t to);
 
-/// Visit a straight piece of a border, divided at all vertices on it. A finer neighbour has a vertex in the middle of each
-/// piece that it divides.
+/// Visit a straight piece of a border, divided at all vertices on it: a finer neighbour has one in the middle.
 static void walk_piece(const lattice *grid, uint32_t from, uint32_t to, border_piece *visit, void *context)
 {
     assert(grid->places != NULL);
@@ -426,8 +425,7 @@ static bat_status divide_edges(cut_points *cut, bool *divided, bat_error *error)
     return status;
 }
 
-/// The places of vertices of the grid that are inside, but not in the circle over an edge. `places` receives the points of
-/// the curves, then those.
+/// The places of grid vertices inside, but not in the circle over an edge: `places` has the curves' points before them.
 static bat_status gather_places(const surface_tessellation *grid, const trim_region *region, const cut_points *cut,
                                 double (*places)[2], size_t *count, bat_error *error)
 {

@@ -65,8 +65,7 @@ bat_status closest_build(const bat_mesh *mesh, double largest, closest_tree *tre
 void closest_free(closest_tree *tree);
 
 /// The distance between a point and the mesh.
-/// @param place a place near the answer, such as that of the previous query, or 0; receives the place of the closest
-/// triangle
+/// @param place a place near the answer, as of the previous query, or 0; receives that of the closest triangle
 double closest_find(const closest_tree *tree, const double point[3], uint32_t *place);
 /// The distance between a point and the triangle at a place.
 double closest_to_place(const closest_tree *tree, const double point[3], uint32_t place);

@@ -16,8 +16,7 @@
 /// Distances between two meshes: the mean, root mean square and Hausdorff distance in each direction (Cignoni, Rocchini and
 /// Scopigno, "Metro: measuring error on simplified surfaces", 1998).
 ///
-/// Means are integrals over the faces by a rule that is exact for quadratic functions; compare_refine.c encloses the
-/// Hausdorff distance.
+/// Means are integrals over faces, exact for quadratic functions; compare_refine.c encloses the Hausdorff distance.
 
 // Branch and bound for the one-sided Hausdorff distance max_p d(p, mesh).
 //

@@ -241,8 +241,7 @@ static void sum_up_topology(const topology *made, bat_mesh_summary *summary)
     summary->genus = has_genus ? (int64_t)summary->components - summary->euler / 2 : -1;
 }
 
-/// A mesh whose coordinates are scaled by a power of two and shifted to the centre of its box, so that products do not
-/// overflow.
+/// A mesh scaled by a power of two and shifted to the centre of its box, so that products do not overflow.
 typedef struct scaled_mesh
 {
     const bat_mesh *mesh;

@@ -218,8 +218,7 @@ bat_status mesh_learned_step(const mesh_learned *network, size_t level, const me
                              size_t old, double fairness, int threads, mesh_learned_run *run, double *fine, size_t *failures,
                              bat_error *error);
 
-// The learned scheme as a bat_mesh_rule: levels by the network, boundaries by the four-point rule, creases and corners by
-// Loop's rules.
+// The learned scheme: levels by the network, boundaries by the four-point rule, creases and corners by Loop's rules.
 
 /// The network as a row of learn/model.h, and its table.
 extern const learn_network mesh_network_learned;

@@ -81,8 +81,7 @@ static void measure_face(mesh_shape *shape, uint32_t f)
         shape->height[f] = fmin(shape->height[f], height_over(shape, h));
 }
 
-/// Whether both faces of an inner edge are in a plane: the lower one's vertex is on the plane of the other. Faces lower than
-/// the tolerance have no direction.
+/// Whether an inner edge's faces are in a plane: the lower one's vertex is on the other's. Very low faces have no direction.
 static bool is_coplanar(const mesh_shape *shape, uint32_t half_edge)
 {
     uint32_t twin = shape->level->links->twin[half_edge], f = half_edge / 3, g = twin / 3;

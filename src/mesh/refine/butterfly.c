@@ -29,8 +29,7 @@ double butterfly_weight(unsigned valence, unsigned j)
     return (0.25 + cos(angle) + 0.5 * cos(2 * angle)) / valence;
 }
 
-/// The weight of neighbour j of an irregular boundary vertex, for the new vertex on the edge to neighbour i. Neighbours 0
-/// and `faces` lie on the boundary.
+/// The weight of neighbour j of an irregular boundary vertex for the new vertex on the edge to neighbour i.
 static double boundary_weight(unsigned faces, unsigned i, unsigned j)
 {
     double angle = PI / faces;
@@ -65,8 +64,7 @@ static inline void add_row(double *restrict to, double weight, const double *row
         to[i] += weight * row[i];
 }
 
-/// Add the vertex opposite the edge of a half-edge in the other face. At a boundary a missing opposite vertex is replaced by
-/// i + j - k.
+/// Add the vertex opposite a half-edge in the other face; at a boundary i + j - k replaces it.
 static inline void add_beyond(const mesh_rows *rows, uint32_t half_edge, double weight, double *restrict to, size_t dim)
 {
     const uint32_t *faces = rows->level->faces;

@@ -210,8 +210,7 @@ static inline void parent_row(const mesh_rows *rows, uint32_t vertex, size_t dim
         to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (p[i] + q[i]);
 }
 
-/// The new vertices in a face of the parent: those of its child quads and of the edges between them. Its own vertex, which
-/// is smooth.
+/// The new vertices in a face of the parent: of its child quads, of the edges between them, and its own, which is smooth.
 static inline void inner_rows(const mesh_rows *rows, uint32_t face, uint32_t begin, uint32_t count, size_t dim)
 {
     const mesh_level *level = rows->level, *parent = level->parent;
@@ -467,7 +466,6 @@ static void normal_of_two(const normal_job *job, uint32_t half_edge, double norm
     vector3_cross(edges, faces, normal);
 }
 
-/// The normal of a smooth vertex.
 static void smooth_normal(const normal_job *job, uint32_t vertex, double normal[3])
 {
     const mesh_level *level = job->level;

@@ -161,8 +161,7 @@ static inline bool mesh_at_boundary(const bat_mesh_connectivity *links, uint32_t
 /// Write the 4 x face_count child faces of `faces`.
 void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, uint32_t *fine);
 
-/// Compute the connectivity of the split mesh, equal to that of bat_mesh_connect(). `first` is left out where `links` has
-/// none.
+/// Compute the split mesh's connectivity, equal to that of bat_mesh_connect(), with `first` where `links` has it.
 /// @return BAT_OK or BAT_NO_MEMORY; `fine` is untouched on failure
 bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine, bat_error *error);
 
@@ -177,8 +176,7 @@ static inline uint32_t split_far(uint32_t half_edge)
     return half_edge / 3 * 12 + bat_mesh_next(half_edge) % 3 * 3 + 2;
 }
 
-// Faces of any number of corners split into quads, one for each corner. The next level's connectivity follows by arithmetic
-// alone.
+// Faces of any number of corners split into quads, one for each corner. The next connectivity follows by arithmetic.
 //
 // Corner h becomes quad h: that corner, the vertex on the edge from it, the vertex of the face, and the vertex on the edge
 // towards it. New vertices of edges follow the old vertices, those of faces follow these. So half-edge h is split into 4 h

@@ -34,8 +34,7 @@ vertex_mask loop_smooth_mask(unsigned valence)
     return (vertex_mask){.own = 1 - valence * ring, .ring = ring};
 }
 
-/// The vertex at the end of a half-edge. With `in_parent` the half-edge is one of the parent's, and the vertex is the one on
-/// its edge.
+/// The vertex at the end of a half-edge; with `in_parent` that on the edge of one of the parent's half-edges.
 static inline uint32_t neighbour_at(const mesh_level *level, uint32_t half_edge, bool in_parent)
 {
     if (in_parent)
@@ -245,8 +244,7 @@ void loop_rule(const mesh_rows *rows, int threads)
     sharpness_visit(level, sharp_vertex_row, rows);
 }
 
-// Limit positions and normals of Loop's scheme (Loop, 1987; Halstead, Kass and DeRose, "Efficient, fair interpolation using
-// Catmull-Clark surfaces", 1993).
+// Limit positions and normals (Loop, 1987; Halstead, Kass and DeRose, "Efficient, fair interpolation", 1993).
 //
 // A limit position is l^T (v, v_1, …, v_n), where l is the left eigenvector of the local subdivision matrix for the
 // eigenvalue 1. For a smooth vertex l has the weights 1 - n w and w with w = 1 / (n + 3 / (8 b)). Creases are cubic

@@ -214,8 +214,7 @@ static double bytes_of_end(const mesh_plan *plan, const bat_mesh *coarse, level_
     return polygons ? bytes + sizeof(uint32_t) * faces : bytes;
 }
 
-/// The most bytes that a refinement by `levels` levels of known sizes holds at once: two levels, what remains of a third
-/// one, and sharpness.
+/// The most bytes that a refinement by `levels` known levels holds at once: two levels, the rest of a third, sharpness.
 static double bytes_of_levels(const mesh_plan *plan, const bat_mesh *coarse, const level_size *sizes, size_t levels)
 {
     bool sharp = coarse->crease_count > 0 || plan->options.crease_angle > 0;

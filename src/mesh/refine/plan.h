@@ -22,8 +22,7 @@ typedef struct mesh_plan
 /// @return BAT_OK, BAT_UNSUPPORTED
 bat_status mesh_plan_make(const bat_mesh *coarse, const bat_mesh_refine_options *options, mesh_plan *plan, bat_error *error);
 
-/// Check that 32-bit indices can number the finest mesh, and that memory holds it. `texture_links` is all zero for a mesh
-/// without texture.
+/// Check that 32-bit indices can number the finest mesh, and memory holds it. All zero `texture_links`: no texture.
 /// @return BAT_OK or BAT_TOO_LARGE
 bat_status mesh_plan_check_size(const mesh_plan *plan, const bat_mesh *coarse, const mesh_sides *sides,
                                 const bat_mesh_connectivity *links, const bat_mesh_connectivity *texture_links,
@@ -74,8 +73,7 @@ typedef struct texture_rows
     bool first_level;       ///< `dependent` is not set yet
 } texture_rows;
 
-/// Compute the texture coordinates of the next level: those there are, then one for each of the texture's edges and, with
-/// `quads`, for each face.
+/// Compute the next level's texture coordinates: those there are, one for each edge and, with `quads`, each face.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status texture_rule(const texture_rows *rows, bat_error *error);
 

@@ -605,8 +605,7 @@ static void give_normals(refinement *work)
     work->normals = NULL;
 }
 
-/// Give the faces of the last level the labels of the coarse faces that they come from. The children of a face, or of a
-/// corner, follow each other.
+/// Give the last level's faces the labels of the coarse faces whose children they are, which follow each other.
 static bat_status carry_labels(refinement *work, const mesh_sides *coarse_sides, bat_error *error)
 {
     const bat_mesh *coarse = work->coarse;
@@ -817,8 +816,7 @@ static bat_status refine_checked(const bat_mesh *coarse, const bat_mesh_refine_o
     return status;
 }
 
-/// Set the scheme that BAT_MESH_SCHEME_AUTO stands for. Adaptive refinement needs a limit surface, with the sharp edges that
-/// the learned scheme finds.
+/// Set the scheme of BAT_MESH_SCHEME_AUTO. Adaptive refinement needs a limit surface, with sharp edges as learned finds.
 static bat_status choose_scheme(const bat_mesh *mesh, bat_mesh_refine_options *how, bat_error *error)
 {
     how->scheme = how->rule != NULL ? BAT_MESH_SCHEME_LEARNED : bat_mesh_scheme_for(mesh);

@@ -49,8 +49,7 @@ void catmull_clark_limit(const mesh_rows *rows, int threads);
 // the old edges, so that they join the new vertices on both sides. Boundary edges remain on even levels; on odd levels they
 // are trisected together with their faces.
 //
-// Half-edge h becomes face h, which begins at the same vertex. New vertices are numbered by face. A face with a trisected
-// edge has two, in boundary order.
+// Half-edge h becomes face h, from the same vertex. New vertices are numbered by face; a trisected edge gives two.
 
 /// Make the next level's vertices, faces and channels.
 /// @param cut whether boundary edges are trisected; only after a level without it; then each face has at most one such edge

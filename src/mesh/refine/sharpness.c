@@ -177,7 +177,6 @@ static inline uint32_t candidate_at(const mesh_level *level, uint32_t i)
     return level->sharp != NULL ? level->sharp->half_edges[i] : i;
 }
 
-/// Whether a half-edge owns a sharp edge.
 static inline bool owns_sharp(const mesh_level *level, uint32_t half_edge)
 {
     return mesh_owns(level->links->twin, half_edge) && level->edge_sharpness[level->links->edge[half_edge]] > 0;

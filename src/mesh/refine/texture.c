@@ -336,8 +336,7 @@ static void edge_values(const texture_rows *rows)
     }
 }
 
-/// Whether the rule of a vertex without seams differs from the scheme's: it is then a vertex with seams for
-/// divided_vertex().
+/// Whether the rule of a vertex without seams differs from the scheme's, so that divided_vertex() must compute it.
 static bool is_divided(const texture_rows *rows, const value_ring *ring)
 {
     if (ring->seams > 0 || !ring->boundary)

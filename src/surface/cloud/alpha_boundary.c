@@ -128,8 +128,7 @@ static void add_free_arc(alpha_boundary_point *found, double begin, double end, 
     found->arcs[found->arc_count++] = (alpha_boundary_arc){begin - turn, end - turn, from, to};
 }
 
-/// Compute the free arcs between sorted blocked intervals. A point without neighbours within reach has no arcs: it is not on
-/// any boundary.
+/// Compute the free arcs between sorted blocked intervals. A point without neighbours is not on any boundary.
 static void find_free_arcs(const alpha_boundary_blocked *blocked, size_t count, alpha_boundary_point *found)
 {
     found->arc_count = 0;
@@ -198,7 +197,6 @@ static bat_status recall_plane(alpha_boundary_search *search, uint32_t point, al
 /// Compute the local geometry at a point.
 /// @param reference vector whose side the normal is oriented to; null for any
 /// @param scale     factor of the radius
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint32_t point, const double *reference,
                                             double scale, alpha_boundary_point *found, bat_error *error)
 {
@@ -214,7 +212,6 @@ static bat_status alpha_boundary_point_find(alpha_boundary_search *search, uint3
 
 /// Quick test by few neighbours whether a point is in the interior: they are coplanar and surround the point.
 /// @param scale factor of the radius
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status alpha_boundary_point_is_inside(alpha_boundary_search *search, uint32_t point, double scale, bool *inside,
                                                  bat_error *error)
 {

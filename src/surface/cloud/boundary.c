@@ -142,8 +142,7 @@ static bat_status find_loop_by(const alpha_boundary_cloud *cloud, double scale, 
     return status;
 }
 
-/// Find the loop with planes of at least some points, and discs of several radii. The failure of the first is reported.
-/// Release `loop` also on failure.
+/// Find the loop with planes of at least some points, and discs of several radii. The first failure is reported.
 static bat_status find_loop_with(const double *points, const neighbour_tree *tree, size_t plane_points, loop_search *search,
                                  alpha_boundary_cycle *loop, bat_error *error)
 {
@@ -435,8 +434,7 @@ static bat_status find_any_loop(const double *points, size_t count, loop_search 
     return status;
 }
 
-/// The loop, from its lowest index towards the lower of the two neighbours, followed by all other points. order[i] receives
-/// the point at the new index i.
+/// The loop, from its lowest index towards the lower neighbour, then all others: order[i] is the point at new index i.
 static void order_points(const alpha_boundary_cycle *loop, size_t count, bool *in_loop, size_t *order)
 {
     size_t first = 0, size = loop->count, made = 0;

@@ -125,8 +125,7 @@ bat_status diagnose_line(const double *points, size_t count, bat_error *error);
 bat_status diagnose_sheets(const double *points, const neighbour_tree *tree, double noise, double spacing, double unit,
                            bat_error *error);
 
-/// Whether the cloud has several pieces: components of the graph of near neighbours. Points that belong to no piece are
-/// outliers.
+/// Whether the cloud has several pieces: components of the graph of near neighbours, without outliers.
 /// @param kept  count; receives which points belong to the one piece
 /// @param left  receives the number of the others
 bat_status diagnose_pieces(const double *points, const neighbour_tree *tree, bool *kept, size_t *left, bat_error *error);
@@ -152,8 +151,7 @@ typedef struct advancing_front_options
 /// Triangulate a cloud.
 /// @param cloud   made in canonical order (neighbours.h); its boundary and its triangles are not used
 /// @param disc    receives a cloud with the same points, a boundary, and triangles
-/// @return BAT_OK; BAT_NO_CONVERGENCE where the points have no such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` is
-///         untouched on failure
+/// @return BAT_OK; BAT_NO_CONVERGENCE without such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` stays on failure
 bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,
                                        bat_cloud *disc, bat_error *error);
 

@@ -79,8 +79,7 @@ static const double WINDOW_SHARES[WINDOWS] = {1.0 / 40, 3.0 / 80, 1.0 / 20};
 /// Minimum share of a side in the loop.
 #define MIN_SIDE (1.0 / 40)
 static const double EVENNESS = 4.0;
-/// From this sharpness on, the turning angle is extrapolated to chords of length 0, up to a right angle: the sides at a
-/// corner may be curved.
+/// From this sharpness on, the turning angle is extrapolated to chords of length 0, up to a right angle: sides may curve.
 static const double CURVED_SHARPNESS = 0.3;
 /// Turning angles below this multiple of a circle's count as smooth; those above MAX_TURN count as MAX_TURN.
 static const double SMOOTH_TURN = 2.0;
@@ -136,8 +135,7 @@ static void flatten(double vector[3], const double normal[3])
         vector[k] -= out * normal[k];
 }
 
-/// The turning angle of the loop at a point, between chords of a given length: in space, and in the tangent plane, positive
-/// towards the patch.
+/// The loop's turning angle at a point, between chords of a length: in space, and in the tangent plane, positive inwards.
 static void turns_at(const corner_search *search, size_t at, double chord, const local_plane *plane, double *in_space,
                      double *in_plane)
 {

@@ -15,8 +15,7 @@ typedef struct planar_triangles
 
 void planar_triangles_free(planar_triangles *triangles);
 
-/// Triangulate points. Of points at the same place one is a corner. No triangles where the points are fewer than three or
-/// collinear.
+/// Triangulate points. Of points at the same place one is a corner. Fewer than three, or collinear: no triangles.
 /// @return BAT_OK or BAT_NO_MEMORY; `triangles` is empty on failure
 bat_status planar_delaunay(const double (*planar)[2], size_t count, planar_triangles *triangles, bat_error *error);
 

@@ -45,8 +45,7 @@ enum
     SHEET_MIN_POINTS = 64,
     SHEET_MAX_POINTS = 1024
 };
-// Two normal distributions whose means are four standard deviations apart have a kurtosis of 1.72, a uniform distribution
-// has 1.8 and a normal one 3.
+// Kurtosis of two normal distributions, means four standard deviations apart: 1.72; uniform: 1.8; normal: 3.
 static const double MAX_KURTOSIS = 1.72;
 // Noise below this share of the spacing is not tested: farther sheets are separate pieces.
 static const double SHEET_MIN_NOISE = 0.1;

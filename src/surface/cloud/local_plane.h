@@ -66,8 +66,7 @@ enum
     LOCAL_QUADRATIC_TERMS = 6 ///< of a quadratic polynomial of two variables
 };
 
-/// Heights z = t_0 + t_1 x + t_2 y + t_3 x^2 + t_4 x y + t_5 y^2 above a plane, with x and y relative to its centre and in
-/// units of `scale`.
+/// Heights z = t_0 + t_1 x + t_2 y + t_3 x^2 + t_4 x y + t_5 y^2, x and y relative to the centre, in units of `scale`.
 typedef struct local_quadratic
 {
     local_plane plane;
@@ -94,7 +93,6 @@ bat_status noise_estimate(const double *points, const neighbour_tree *tree, doub
 
 // Consistently oriented tangent planes of a cloud.
 
-/// The planes.
 typedef struct oriented_planes
 {
     local_plane *planes; ///< count: right-handed, with consistent normals about which the boundary runs counter-clockwise

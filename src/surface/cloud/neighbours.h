@@ -17,8 +17,7 @@ typedef struct neighbour
     uint32_t item;  ///< index of the point
 } neighbour;
 
-/// Neighbours by ascending distance; ties by index. All zero: empty. It grows as needed and is reused between queries; every
-/// thread needs its own.
+/// Neighbours by distance, then index. All zero: empty. Reused between queries; every thread needs its own.
 typedef struct neighbour_list
 {
     neighbour *entries;
@@ -59,8 +58,7 @@ bat_status neighbours_within(const neighbour_tree *tree, const double place[3], 
 bat_status neighbours_nearest(const neighbour_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
                               bat_error *error);
 
-// Renumbering of a cloud in the leaf order of a k-d tree, so that close interior points have close indices. The boundary
-// keeps its order.
+// Renumbering of a cloud in a k-d tree's leaf order: close interior points have close indices; the boundary stays.
 
 /// The index of a point of the cloud in the input.
 static inline size_t cloud_input_index(const bat_cloud *cloud, size_t point)
@@ -96,8 +94,7 @@ double canonical_order_key(const double point[3], const double centre[3]);
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status canonical_order_find(const double *points, size_t count, size_t *order, bat_error *error);
 
-/// Sort the points of a cloud that are not on its boundary loop. A loop without corners begins at the point that is first
-/// in the canonical order.
+/// Sort a cloud's points but for its boundary loop; one without corners begins at the first in the canonical order.
 /// @return BAT_OK or BAT_NO_MEMORY; the cloud is untouched on failure
 bat_status canonical_order_apply(bat_cloud *cloud, bat_error *error);
 

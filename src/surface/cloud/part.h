@@ -16,8 +16,7 @@ typedef struct cloud_part
     bool is_even;    ///< it is an even sample of scan lines
 } cloud_part;
 
-/// Take a part of a cloud whose boundary loop and corners are known. The loop is thinned at the rate of the other points;
-/// corners stay.
+/// Take a part of a cloud with known boundary and corners, which stay; the loop is thinned like the other points.
 /// @param wanted number of points, about
 /// @param part   stays empty for a cloud of no more points that is as dense in all directions
 /// @return BAT_OK or BAT_NO_MEMORY

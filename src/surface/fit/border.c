@@ -21,11 +21,9 @@ enum
     CORNERS = 4
 };
 
-// Weights of samples of curves along the edge, and of those of rough loops and before the first correction, relative to a
-// point.
+// Weights of edge samples, of those of rough loops, and of those before the first correction, relative to a point.
 static const double SAMPLE_WEIGHT = 1;
 static const double ROUGH_WEIGHT = 0.25;
-// Weight of a guide.
 static const double GUIDE_WEIGHT = 0.1;
 // Mean distance of the edge of randomly scattered points from the curve, in units of the loop's roughness.
 static const double OFFSET = 1.35;

@@ -257,8 +257,7 @@ static foot_limits limits_of(const fit_points *points, size_t row)
     return limits;
 }
 
-/// Whether a point is so near the surface that its foot is that of the same place: at most `reach` times the shorter side of
-/// the cell in space.
+/// Whether a point is so near that its foot is of the same place: at most `reach` times the cell's shorter side.
 static bool is_near(const fit_nets *nets, const foot_point *foot, double reach)
 {
     uint32_t level = nets->space->cells[foot->cell].level;

@@ -27,8 +27,7 @@ typedef struct gather_context
     size_t *first;  ///< cells + 1: offsets of the cells in `sent`
 } gather_context;
 
-/// A pseudo-random sign that depends only on the point and the probe: one bit of the finalizer of splitmix64 (Steele, Lea
-/// and Flood, 2014).
+/// A pseudo-random sign of point and probe: one bit of the finalizer of splitmix64 (Steele, Lea and Flood, 2014).
 static double random_sign(uint32_t number, size_t probe)
 {
     uint64_t z = ((uint64_t)probe << 32 | number) * UINT64_C(0x9e3779b97f4a7c15) + UINT64_C(0x9e3779b97f4a7c15);

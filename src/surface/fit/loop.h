@@ -55,8 +55,7 @@ bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_f
                            bat_error *error);
 void fit_border_free(fit_border *border);
 
-/// As fit_points_make() for the points and the samples, whose numbers follow those of the points. The data of a part have
-/// the samples.
+/// As fit_points_make() for points and samples, which have the numbers after them. The data of a part have samples.
 bat_status fit_border_points(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
                              const uint32_t *numbers, bool centred, fit_points *points, bat_error *error);
 

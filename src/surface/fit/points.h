@@ -193,8 +193,7 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
 /// Parameter correction: the parameter of the nearest foot of each point, eq. (6), by a safeguarded Newton method that never
 /// increases a distance. Boundary parameters stay on their side and go at most half way to its corners.
 /// @param moved receives the number of changed parameters; may be null
-/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point that is not finite or whose parameter is not
-///         in the square; BAT_NO_MEMORY
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point or parameter out of range; BAT_NO_MEMORY
 bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error);
 
 #endif

@@ -366,8 +366,7 @@ static void integrate_side(const plate_context *plate, const hierarchical_cell *
                     integrals->of[order][i * side + j] +=
                         rule->weight[n] * values[order * side + i] * values[order * side + j];
     }
-    // Derivatives refer to the local coordinate of the cell; each derivative with respect to the parameter contributes a
-    // factor `spans`.
+    // Derivatives refer to the cell's local coordinate; each derivative by the parameter is a factor `spans`.
     for (int order = 0; order < 3; order++, scale *= spans * spans)
         for (size_t k = 0; k < side * side; k++)
             integrals->of[order][k] *= scale;

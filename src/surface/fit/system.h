@@ -15,8 +15,7 @@
 //
 // Entry (i, j) belongs to the pattern when functions i and j both do not vanish on some cell.
 
-/// The lower triangle of a symmetric matrix in compressed columns: diagonal first, rows ascending. Release it with
-/// fit_pattern_free().
+/// A symmetric matrix's lower triangle in compressed columns, diagonal first. Release it with fit_pattern_free().
 typedef struct fit_pattern
 {
     size_t functions;
@@ -26,8 +25,7 @@ typedef struct fit_pattern
 
 void fit_pattern_free(fit_pattern *pattern);
 
-/// The contribution of a cell: a symmetric active x active matrix (only its lower triangle is read), and active x columns
-/// right-hand sides.
+/// A cell's contribution: an active x active matrix, whose lower triangle is read, and active x columns right sides.
 typedef struct fit_cell_work
 {
     /// Compute the contribution of a cell to `matrix` and `right` (null without columns).
@@ -72,8 +70,7 @@ typedef struct fit_system
     int threads;
 } fit_system;
 
-/// Compute the pattern and the thin-plate matrix of a space, which must outlive the system. Of the processes of a group, the
-/// first alone has them.
+/// Compute pattern and thin-plate matrix of a space, which must outlive the system; of a group, on the first process.
 /// @param group    null for one process
 /// @param levelled whether the integral over a cell of level l counts 16^-l: the energy of a function then does not grow
 ///                 with its level

@@ -50,8 +50,7 @@ static void chord_positions(const double *point, const double *const neighbours[
     }
 }
 
-/// Deviation of point i from the cubic through its neighbours, divided by sqrt(1 + sum g_k^2); negative where neighbours
-/// coincide.
+/// Deviation of point i from the cubic of its neighbours over sqrt(1 + sum g_k^2); negative where these coincide.
 static double prediction_error(const bat_cloud *cloud, size_t i)
 {
     size_t count = cloud->boundary_count;

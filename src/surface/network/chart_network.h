@@ -52,7 +52,6 @@ enum
     PATCH_FEATURES = 3 * (PATCH_TERMS - 1)                 ///< number of features of a patch
 };
 
-/// A patch.
 typedef struct polynomial_patch
 {
     double terms[PATCH_TERMS][3]; ///< coefficients c_ab

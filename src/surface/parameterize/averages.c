@@ -173,8 +173,7 @@ static double stretch_at(const bat_cloud *cloud, const sparse_rows *rows, size_t
     return sqrt(squares / 2);
 }
 
-/// Stretch at all interior points. Where the parameters of a neighbourhood coincide, as in deep shapes, the largest stretch
-/// of the others is used.
+/// Stretch at all interior points; the largest of the others where the parameters of a neighbourhood coincide.
 /// @return the total stretch
 static double measure_interior(const bat_cloud *cloud, const sparse_rows *rows, const double *parameters, double *stretch)
 {

@@ -469,8 +469,7 @@ static double bounded_power(const double s[2])
     return low;
 }
 
-/// Replace triangles by ones between those in space and their parameters, with derivatives U diag(s)^t V^T of bounded
-/// density.
+/// Replace triangles by ones between those in space and in parameters, derivatives U diag(s)^t V^T, of bounded density.
 /// @param rest triangle_count, in space
 /// @return whether some are others than in space
 static bool bring_near(dirichlet_map *map, const dirichlet_triangle *rest)

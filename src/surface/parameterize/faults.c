@@ -173,7 +173,6 @@ static void find_by_triangles(const bat_cloud *cloud, const double *parameters, 
 /// @param parameters count x 2, in spatial order
 /// @param folded     receives count; false on the boundary
 /// @param stretches  receives the ratio of the singular values of the map for each interior point; may be null
-/// @return BAT_OK or BAT_NO_MEMORY
 static bat_status fold_finder_find(const fold_finder *finder, const double *parameters, bool *folded, double *stretches,
                                    bat_error *error)
 {
@@ -260,8 +259,7 @@ static int compare_rounded(const void *a, const void *b)
     return (first->point > second->point) - (first->point < second->point);
 }
 
-/// Find interior points whose parameters coincide with those of another point, which may be a boundary point. Parameters
-/// that are not finite are ignored.
+/// Find interior points with the parameters of another point, of the boundary too. Ignores those that are not finite.
 static bat_status find_coincident(const bat_cloud *cloud, const double *parameters, bool *coincident, size_t *found,
                                   bat_error *error)
 {

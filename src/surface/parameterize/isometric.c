@@ -211,8 +211,7 @@ static void cut_triangle(const chord_split *split, const uint32_t corners[3], ba
     }
 }
 
-/// Gather a mesh. An edge between two points of one side of the square would be flat there with all that it cuts off, so
-/// that such edges get middles.
+/// Gather a mesh. Edges between points of one side of the square get middles: they would be flat with what they cut off.
 static bat_status gather_mesh(const bat_cloud *cloud, const double *parameters, bool *used, isometric_problem *problem,
                               bat_error *error)
 {

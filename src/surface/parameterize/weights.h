@@ -86,8 +86,7 @@ bat_status weights_of_triangles(const bat_cloud *cloud, sparse_rows *rows, bat_e
 /// The first interior point that is not connected to the boundary by a chain of weights; BAT_NO_INDEX for none.
 bat_status weights_find_unjoined(const bat_cloud *cloud, const sparse_rows *rows, size_t *point, bat_error *error);
 
-/// Connect all points to the boundary. Points without a chain of weights to it are linked to their nearest connected
-/// neighbours, the closest first.
+/// Connect all points to the boundary: those without a chain of weights to their nearest connected neighbours.
 bat_status weights_join(const bat_cloud *cloud, sparse_rows *rows, bat_error *error);
 
 /// The longest side of the bounding box of the points.
@@ -113,8 +112,7 @@ typedef struct average_solver
 bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_solver solver,
                           double *parameters, bat_error *error);
 
-// Stretch minimization: Yoshizawa, Belyaev and Seidel, "A fast and simple stretch-minimizing mesh parameterization" (2004),
-// for clouds.
+// Stretch minimization for clouds: Yoshizawa, Belyaev and Seidel, "Fast and simple stretch-minimizing" (2004).
 //
 // With s_k the stretch at point k, weights are updated by  w_ik <- w_ik / s_k  (rows rescaled to sum 1). The parameters are
 // then solved for again. This is repeated while the total stretch decreases. The stretch at a point is the root mean square

@@ -15,8 +15,7 @@ enum
     LINKS = 3 ///< links of an unconnected point
 };
 
-/// Points of a component are linked together if their squared distance to the connected points is at most this multiple of
-/// the smallest one.
+/// Points of a component are linked if their squared distance is at most this multiple of the smallest one.
 static const double LINK_REACH = 4;
 
 /// Mark the connected points, by breadth-first search from the boundary along reversed weights.

@@ -27,8 +27,7 @@ enum
     DEGREE = 3
 };
 
-/// Largest distance of the true edge from a loop, in units of its roughness: points of grids with jitter leave less area
-/// free than random ones.
+/// Largest distance of the true edge from a loop, in its roughness: jittered grids leave less area free than random points.
 static const double MAX_OFFSET = 1.75;
 /// Loops with less roughness, in spacings, pass through points of the edge.
 static const double ROUGH = 0.08;
@@ -298,8 +297,7 @@ typedef struct control_rule
     const double *fixed; ///< null for none
 } control_rule;
 
-/// Ends are fixed. In a closed piece, ends and derivatives there agree: unknowns 0 and 1 are the end and the step to the
-/// next control point.
+/// Ends are fixed. In a closed piece, unknowns 0 and 1 are the common end and the step to the next control point.
 static control_rule rule_of(const fair_piece *piece, size_t functions, size_t index)
 {
     control_rule rule = {{SIZE_MAX, SIZE_MAX}, {1, 0}, NULL};
@@ -713,7 +711,6 @@ enum
     WAYS
 };
 
-/// Fit all loops.
 static bat_status fit_loops(const outline_loops *loops, const double sides[2], const double *parameters,
                             const double *spacing, double noise, int way, bat_spline_trim *trim, bat_error *error)
 {

@@ -358,8 +358,7 @@ static bat_status unroll(unrolling *work, bat_error *error)
     return status;
 }
 
-/// The place of a point: the mean of where the nearest nodes' rotations take it, with the inverse squared distances as
-/// weights.
+/// The place of a point: the mean of where the nearest nodes' rotations take it, by inverse squared distances.
 static void follow(const unrolling *work, const neighbour_list *near, const double *point, double place[2])
 {
     double sum = 0;

@@ -42,8 +42,7 @@ static const double LEVEL_GROWTH = 0.1;
 static const double PIECE_KEPT = 0.95;
 /// A gap that is closed is listed when it has this share of the area of an empty one.
 static const double LISTED_SHARE = 0.6;
-/// The spacing is the root of twice the mean area of triangles with circumcircles up to these radii, in the spacings of the
-/// last pass: gaps do not count.
+/// The spacing is the root of twice the mean area of triangles with circumcircles up to these radii, in spacings.
 static const double SPACING_RADII[] = {1.6, 1.5, 1.4};
 /// Points are at random places when this share of the area is in triangles with a larger circumcircle: of random ones .14.
 static const double RANDOM_SHARE = 0.08;
@@ -250,8 +249,7 @@ typedef struct outline_part
     bool joins;    ///< it touches two gaps
 } outline_part;
 
-/// Visit the component of a triangle among those inside with larger circumcircles. Its triangles are at the beginning of the
-/// stack afterwards.
+/// Visit a triangle's component among those inside with larger circumcircles; it comes to the beginning of the stack.
 static outline_part flood(outline_work *work, uint32_t start, double radius)
 {
     outline_part part = {0};
@@ -346,7 +344,6 @@ static bat_status add_gap(outline_loops *loops, const bat_surface_gap *gap, bat_
     return BAT_OK;
 }
 
-/// Name the gaps.
 static void name_gaps(outline_work *work)
 {
     for (size_t t = 0; t < work->triangles.count; t++)
@@ -628,7 +625,6 @@ static bat_status store_loops(const trace *made, double fill, outline_loops *loo
     return BAT_OK;
 }
 
-/// List the holes.
 static bat_status list_holes(const outline_work *work, outline_loops *loops, bat_error *error)
 {
     bat_status status = BAT_OK;

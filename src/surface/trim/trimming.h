@@ -39,10 +39,8 @@ size_t trim_region_next(const trim_region *region, size_t corner);
 /// Whether a parameter is in the region, by the parity of crossings; true for an empty region.
 bool trim_region_contains(const trim_region *region, double u, double v);
 
-// Trimmed surfaces: the chart of a cloud, its outline and holes, and the trimming curves of a fit over the chart's
-// rectangle.
+// Trimmed surfaces: the chart of a cloud, its outline and holes, and the trimming curves over the chart's rectangle.
 
-/// A chart.
 typedef struct planar_chart
 {
     double (*places)[2]; ///< [count of the cloud], in units of the scaled cloud, from 0 to `sides`
