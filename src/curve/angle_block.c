@@ -1,6 +1,5 @@
 #include "curve/angle_block.h"
 
-#include "base/lanes.h"
 #include "curve/kernel.h"
 #include "space/builtin.h"
 

@@ -2,8 +2,6 @@
 #include "curve/edge_turns.h"
 #include "curve/kernel.h"
 
-#include "base/lanes.h"
-
 #include <string.h>
 
 /// Adaptive tension (Ugail and Howard, section 7.1): slope and clip range of the tension.

@@ -1,5 +1,4 @@
 #include "curve/kernel.h"
-#include "curve/mask.h"
 
 #include "base/lanes.h"
 #include "space/builtin.h"

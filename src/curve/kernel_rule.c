@@ -1,8 +1,6 @@
 #include "curve/angle_block.h"
 #include "curve/kernel.h"
 
-#include "base/lanes.h"
-
 #include <string.h>
 
 enum

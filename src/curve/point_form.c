@@ -1,7 +1,5 @@
 #include "curve/point_form.h"
 
-#include "batten/space.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -6,7 +6,6 @@
 #include "base/progress.h"
 #include "curve/parametric.h"
 #include "curve/polygon.h"
-#include "curve/scheme_kind.h"
 #include "space/builtin.h"
 
 #include <math.h>

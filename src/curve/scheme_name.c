@@ -3,7 +3,6 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
-#include "batten/curve_scheme.h"
 #include "curve/mask.h"
 #include "curve/plan.h"
 #include "curve/scheme_kind.h"

@@ -1,7 +1,6 @@
 #include "curve/smooth.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "curve/corner.h"
 #include "curve/polygon.h"
 #include "curve/smooth_fit.h"

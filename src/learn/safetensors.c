@@ -4,7 +4,6 @@
 #include "batten/config.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 size_t safetensors_element_size(safetensors_type type)
 {

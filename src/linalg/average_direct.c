@@ -2,7 +2,6 @@
 #include "linalg/sparse.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -1,7 +1,6 @@
 #include "linalg/multifrontal.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <amd.h>
 #include <stdlib.h>

@@ -1,7 +1,6 @@
 #include "linalg/joint_radius.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/dense.h"
 
 #include <float.h>

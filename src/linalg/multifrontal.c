@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/lanes.h"
-#include "base/memory.h"
 #include "linalg/blas_single.h"
 
 #include <cblas.h>

@@ -1,7 +1,6 @@
 #include "search/nearest.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdbool.h>

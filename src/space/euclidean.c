@@ -1,6 +1,5 @@
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 static double distance(const bat_space *space, const double *p, const double *q)

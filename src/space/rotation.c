@@ -4,8 +4,6 @@
 #include "linalg/symmetric.h"
 #include "space/quaternion.h"
 
-#include <math.h>
-
 /// How far the squared length of a stored quaternion may be from 1.
 static const double SQUARED_LENGTH_TOLERANCE = 2e-9;
 

@@ -1,6 +1,5 @@
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 const char *space_not_finite(const bat_space *space, const double *point)

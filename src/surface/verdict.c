@@ -11,7 +11,6 @@
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
 #include "linalg/vector.h"
-#include "surface/cloud/local_plane.h"
 #include "surface/parameterize/weights.h"
 #include "surface/trim/trimming.h"
 

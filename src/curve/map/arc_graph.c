@@ -1,11 +1,9 @@
 #include "curve/map/arc_refine.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "curve/polygon.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 enum
 {

@@ -1,18 +1,15 @@
 #include "curve/map/arc_refine.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/pieces.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
-#include "curve/topology/draw_back.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// The state of a refinement.
 typedef struct arc_job

@@ -1,7 +1,6 @@
 #include "curve/map/arc_refine.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/polygon.h"
@@ -9,7 +8,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct smooth_job
 {

@@ -1,7 +1,6 @@
 #include "curve/map/arc_refine.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 #include "curve/polygon.h"
 #include "curve/refine.h"
@@ -12,7 +11,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 bool chart_of_space(const bat_space *space, int decimals, map_chart *chart)
 {

@@ -2,13 +2,11 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "curve/polygon.h"
 #include "space/degrees.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// A point where lines end. End 2 i is the first point of curve i, end 2 i + 1 the last.
 typedef struct line_joint

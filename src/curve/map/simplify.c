@@ -1,12 +1,10 @@
 #include "curve/map/arc_refine.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "curve/polygon.h"
 
 #include <limits.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Simplification of the arcs of a map by Douglas and Peucker's algorithm. Where simplified arcs would meet, pass over a

@@ -2,14 +2,12 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "curve/polygon.h"
 #include "curve/topology/edge_tree.h"
 #include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum
 {

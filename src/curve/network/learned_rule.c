@@ -1,7 +1,6 @@
 #include "curve/network/learned_network.h"
 
 #include "base/choice.h"
-#include "batten/curve_scheme.h"
 #include "learn/packed.h"
 #include "learn/weights.h"
 #include "space/builtin.h"

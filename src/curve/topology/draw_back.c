@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "curve/polygon.h"
-#include "curve/topology/edge_tree.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
 #include "base/threads.h"
 #include "batten/curve_measure.h"
 #include "curve/polygon.h"
-#include "curve/topology/edge_tree.h"
 
 static bool stop_at_first(void *context, edge_place first, edge_place second)
 {

@@ -2,7 +2,6 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "batten/curve_picture.h"
 #include "draw/common/style.h"
 
 #include <cairo-pdf.h>

@@ -1,6 +1,5 @@
 #include "draw/common/legend.h"
 
-#include "draw/common/style.h"
 #include "draw/common/ticks.h"
 
 #include <math.h>

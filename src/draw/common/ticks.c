@@ -1,7 +1,5 @@
 #include "draw/common/ticks.h"
 
-#include "draw/common/style.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,5 @@
 #include "draw/curve/scene.h"
 
-#include <math.h>
-
 static const double TURN = 6.28318530717958647693;
 
 /// @file

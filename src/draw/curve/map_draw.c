@@ -1,6 +1,5 @@
 #include "draw/curve/scene.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

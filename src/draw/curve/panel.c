@@ -1,9 +1,5 @@
 #include "draw/curve/scene.h"
 
-#include "draw/common/style.h"
-
-#include <math.h>
-
 /// @file
 /// Drawing of one panel: background, lines of all layers, combs, circles at control points, labels.
 

@@ -4,9 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "draw/common/style.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /// @file

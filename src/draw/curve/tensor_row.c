@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "linalg/dense.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

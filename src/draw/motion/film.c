@@ -2,8 +2,6 @@
 #include "motion/spline_system.h"
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "batten/curve_picture.h"
 #include "curve/curve_attributes.h"
 #include "draw/curve/view.h"
 #include "space/builtin.h"

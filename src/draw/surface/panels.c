@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "draw/common/legend.h"
 #include "draw/common/sheet.h"
-#include "draw/mesh/shade.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 
 #include <math.h>
 #include <stdlib.h>

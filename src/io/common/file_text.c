@@ -1,6 +1,5 @@
 #include "io/common/file_text.h"
 
-#include "base/error.h"
 #include "base/file_bytes.h"
 
 #include <sys/stat.h>

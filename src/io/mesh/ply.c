@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/json_scan.h"
-#include "io/common/file_text.h"
 #include "io/common/json.h"
 
 #include <math.h>

@@ -1,5 +1,4 @@
 #include "io/mesh/builder.h"
-#include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
 
 /// @file

@@ -1,7 +1,6 @@
 #include "io/motion/pose_translation.h"
 
 #include "io/common/number_text.h"
-#include "io/common/time_text.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,9 +1,7 @@
 #include "io/surface/step.h"
 #include "surface/spline/hierarchical_space.h"
-#include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "io/common/number_text.h"
 #include "surface/trim/trimming.h"
 

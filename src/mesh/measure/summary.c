@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/memory.h"
-#include "batten/mesh.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/measure/closest.h"

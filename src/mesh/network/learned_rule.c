@@ -2,10 +2,8 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/mesh_refine.h"
 #include "learn/weights.h"
 #include "mesh/measure/closest.h"
-#include "mesh/network/flap.h"
 #include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
 

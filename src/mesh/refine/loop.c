@@ -1,9 +1,6 @@
 #include "mesh/refine/scheme.h"
 
-#include "batten/mesh_refine.h"
 #include "linalg/vector.h"
-#include "mesh/refine/level.h"
-#include "mesh/refine/sharpness.h"
 
 #include <math.h>
 

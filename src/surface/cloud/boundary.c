@@ -9,10 +9,7 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "base/threads.h"
-#include "batten/cloud.h"
 #include "linalg/vector.h"
-#include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 #include "surface/cloud/part.h"
 
 #include <math.h>

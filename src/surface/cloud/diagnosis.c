@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "surface/cloud/local_plane.h"
 
 #include <math.h>
 #include <stdlib.h>

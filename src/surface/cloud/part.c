@@ -6,8 +6,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

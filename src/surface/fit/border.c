@@ -2,7 +2,6 @@
 /// Border curves of a fit; see loop.h.
 
 #include "surface/fit/loop.h"
-#include "surface/fit/system.h"
 
 #include "base/error.h"
 #include "base/memory.h"

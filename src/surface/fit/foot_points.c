@@ -8,7 +8,6 @@
 #include "surface/fit/points.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 
 #include <float.h>

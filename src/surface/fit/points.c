@@ -5,12 +5,9 @@
 #include "surface/fit/points.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "base/threads.h"
-#include "batten/surface_fit.h"
 #include "surface/fit/loop.h"
-#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/cloud_parameterize.h"
 #include "learn/blas.h"
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"

@@ -5,12 +5,8 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
-#include "batten/cloud_parameterize.h"
-#include "linalg/sparse.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

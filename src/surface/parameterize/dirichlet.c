@@ -15,7 +15,6 @@
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
 

@@ -4,7 +4,6 @@
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
 

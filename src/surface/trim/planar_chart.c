@@ -10,7 +10,6 @@
 #include "surface/trim/trimming.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/multifrontal.h"
 #include "linalg/vector.h"
 

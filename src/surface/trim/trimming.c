@@ -8,7 +8,6 @@
 #include "surface/trim/trimming.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/boundary.h"
