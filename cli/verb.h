@@ -3,7 +3,7 @@
 
 #include "report.h"
 
-#include "batten/distributed.h"
+#include "batten/research/distributed.h"
 #include "batten/surface.h"
 
 /// @file

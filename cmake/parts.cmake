@@ -132,7 +132,7 @@ else()
   list(FILTER BATTEN_SOURCES EXCLUDE REGEX "/src/(surface|io/surface|draw/surface)/")
   # Sparse systems come from parameterizations and fits alone.
   list(FILTER BATTEN_SOURCES EXCLUDE REGEX "/src/linalg/(average_|sparse_|multifrontal|front_tree)")
-  list(FILTER BATTEN_HEADERS EXCLUDE REGEX "/(cloud|spline|surface|distributed)(_[a-z_]*)?\\.h$")
+  list(FILTER BATTEN_HEADERS EXCLUDE REGEX "/(cloud|spline|surface)(_[a-z_]*)?\\.h$")
 endif()
 if(BATTEN_HAS_BLAS)
   list(FILTER BATTEN_SOURCES EXCLUDE REGEX "/src/linalg/[a-z]+_own\\.c$")

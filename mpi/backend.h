@@ -1,7 +1,7 @@
 #ifndef MPI_BACKEND_H
 #define MPI_BACKEND_H
 
-#include "batten/distributed.h"
+#include "batten/research/distributed.h"
 #include "batten/surface_fit.h"
 
 /// @file

@@ -3,8 +3,7 @@
 
 /// @file
 /// Everything that the library batten offers, but for parts that were left out when it was built (see batten/config.h). The
-/// library batten-research has headers of its own below batten/research. Programs of several processes include
-/// batten/distributed.h as well.
+/// library batten-research has headers of its own below batten/research.
 
 #include "batten/config.h"
 

@@ -9,7 +9,7 @@ BAT_C_BEGIN
 /// Spline surfaces through scattered points with parameters: penalized least squares, and adaptive refinement. Source:
 /// Giannelli, Imperatore, Mantzaflaris and Scholz, "BIDGCN" (2023), section 5, after Kiss et al. (2014).
 
-/// Border curves of a fit by several processes; see batten/distributed.h.
+/// Border curves of a fit by several processes; see batten/research/distributed.h.
 typedef struct bat_surface_border bat_surface_border;
 
 /// Points and their parameters.

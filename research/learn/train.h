@@ -3,7 +3,7 @@
 
 #include "research/learn/optimizer.h"
 #include "research/learn/tape.h"
-#include "surface/group.h"
+#include "research/surface/group.h"
 
 /// @file
 /// The training loop: the pieces of a step in parallel, one update per step, validation, checkpoints.

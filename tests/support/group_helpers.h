@@ -7,7 +7,7 @@
 #include "check.h"
 
 #include "batten/base.h"
-#include "batten/distributed.h"
+#include "batten/research/distributed.h"
 
 #include <signal.h>
 #include <sys/mman.h>

@@ -130,7 +130,7 @@ static bat_status size_of(const fit_points *points, double *size, bat_error *err
     *size = 0;
     for (size_t k = 0; k < points->count * points->dimension; k++)
         *size = fmax(*size, fabs(points->position[k]));
-    return group_largest(points->group, size, 1, error);
+    return team_largest(points->team, size, 1, error);
 }
 
 static void loop_free_fit(fit_loop *loop)
@@ -174,7 +174,7 @@ static bat_status hold_out(fit_loop *loop, bat_error *error)
         return error_memory(error, points->count * 2 * sizeof *loop->best.parameter);
     for (size_t row = 0; row < points->count; row++)
         count += can_be_held_out(points, row);
-    bat_status status = group_sum_before(points->group, count, &passed, error);
+    bat_status status = team_sum_before(points->team, count, &passed, error);
     count = 0;
     for (size_t row = 0; row < points->count; row++)
     {
@@ -185,7 +185,7 @@ static bat_status hold_out(fit_loop *loop, bat_error *error)
             points->weight[row] = 0;
     }
     if (status == BAT_OK)
-        status = group_sum_counts(points->group, &count, 1, error);
+        status = team_sum_counts(points->team, &count, 1, error);
     loop->held_count = (size_t)count;
     return status;
 }
@@ -224,7 +224,7 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
     fit_points *points = &loop->points;
     double sums[4];
     bat_status status =
-        fit_sum_points(points->group, points->count, held_terms, loop, 4, loop->options->threads, sums, error);
+        fit_sum_points(points->team, points->count, held_terms, loop, 4, loop->options->threads, sums, error);
     loop->held_largest = 0;
     for (size_t row = 0; row < points->count; row++)
     {
@@ -234,7 +234,7 @@ static bat_status measure_held_out(fit_loop *loop, bat_error *error)
             points->weight[row] = 0;
     }
     if (status == BAT_OK)
-        status = group_largest(points->group, &loop->held_largest, 1, error);
+        status = team_largest(points->team, &loop->held_largest, 1, error);
     loop->held_rms = sums[1] > 0 ? sqrt(sums[0] / sums[1]) : NAN;
     loop->left = sums[3] > 0 ? 1 - loop->trace / sums[3] : NAN;
     loop->expected = expected_distance(loop, sums);
@@ -251,17 +251,12 @@ static bat_status keep_parameters(fit_loop *loop, bat_error *error)
     return BAT_OK;
 }
 
-/// @param group   null for one process
-/// @param backend null for none
+/// @param team    null for one process
 /// @param numbers of a part; null where all points are here
-static bat_status loop_make(const bat_group *group, const bat_surface_fit_backend *backend, const bat_surface_fit_data *data,
-                            const uint32_t *numbers, const bat_surface_fit_options *options, fit_loop *loop,
-                            bat_error *error)
+static bat_status loop_make(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
+                            const bat_surface_fit_options *options, fit_loop *loop, bat_error *error)
 {
-    *loop = (fit_loop){.options = options,
-                       .group = group,
-                       .backend = backend != NULL ? *backend : (bat_surface_fit_backend){0},
-                       .begin = clock_seconds()};
+    *loop = (fit_loop){.options = options, .team = team, .begin = clock_seconds()};
     loop->rounds = memory_array((size_t)options->iterations + 1, sizeof *loop->rounds);
     if (loop->rounds == NULL)
         return error_memory(error, ((size_t)options->iterations + 1) * sizeof *loop->rounds);
@@ -274,7 +269,7 @@ static bat_status loop_make(const bat_group *group, const bat_surface_fit_backen
         *data->curves = (fit_border){0};
     }
     if (status == BAT_OK)
-        status = fit_border_points(&loop->border, group, data, numbers, options->space.truncated, &loop->points, error);
+        status = fit_border_points(&loop->border, team, data, numbers, options->space.truncated, &loop->points, error);
     if (status == BAT_OK && options->tensor)
         status = keep_parameters(loop, error);
     size_t fewest = options->tensor ? POINTS_IN_TENSOR : options->tolerance > 0 ? POINTS_IN_TOLERANCE : POINTS_PER_FUNCTION;
@@ -309,7 +304,7 @@ static bat_status loop_check(fit_loop *loop, bat_error *error)
 {
     bat_status status =
         loop_report(loop, 0) ? BAT_OK : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
-    return group_agree_with_first(loop->group, status, error);
+    return team_agree_with_first(loop->team, status, error);
 }
 
 /// Maximum number of weights to evaluate in this round.
@@ -339,9 +334,9 @@ static double residual_spread(const fit_loop *loop)
 static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
 {
     const bat_surface_fit_options *options = loop->options;
-    const bat_group *group = loop->group;
-    const bat_surface_fit_backend *backend = &loop->backend;
-    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN, shares = backend->factor != NULL;
+    const fit_team *team = loop->team;
+    const fit_team_solver *solver = team != NULL ? &team->solver : &(fit_team_solver){0};
+    bool given = options->smoothing == BAT_SURFACE_SMOOTHING_GIVEN, shares = solver->factor != NULL;
     fit_weight_search wanted = {.smoothing = search ? options->smoothing : BAT_SURFACE_SMOOTHING_GIVEN,
                                 .noise = options->noise * sqrt(residual_spread(loop) * (double)noisy_coordinates(loop)),
                                 .spread = residual_spread(loop),
@@ -350,24 +345,24 @@ static bat_status solve_control(fit_loop *loop, bool search, bat_error *error)
                                 .progress = {loop_report, loop}};
     bat_status status = BAT_OK;
     double trace = NAN;
-    if (group_is_first(group))
+    if (team_is_first(team))
         status = fit_weight_find(&loop->system, loop->solver, &wanted, &loop->lambda, &trace, loop->control, error);
-    if (shares && group_is_first(group))
+    if (shares && team_is_first(team))
     {
-        bat_status released = backend->release(backend->context, status == BAT_OK ? error : NULL);
+        bat_status released = solver->release(solver->context, status == BAT_OK ? error : NULL);
         status = status == BAT_OK ? released : status;
     }
     else if (shares)
-        status = backend->attend(backend->context, error);
-    status = group_agree_with_first(group, status, error);
+        status = solver->attend(solver->context, error);
+    status = team_agree_with_first(team, status, error);
     if (status == BAT_OK)
-        status = group_broadcast(group, 0, &loop->lambda, sizeof loop->lambda, error);
+        status = team_broadcast(team, &loop->lambda, sizeof loop->lambda, error);
     if (status == BAT_OK && search)
-        status = group_broadcast(group, 0, &trace, sizeof trace, error);
+        status = team_broadcast(team, &trace, sizeof trace, error);
     if (search)
         loop->trace = trace;
-    return status == BAT_OK ? group_broadcast(group, 0, loop->control,
-                                              loop->system.functions * loop->points.dimension * sizeof *loop->control, error)
+    return status == BAT_OK ? team_broadcast(team, loop->control,
+                                             loop->system.functions * loop->points.dimension * sizeof *loop->control, error)
                             : status;
 }
 
@@ -454,11 +449,11 @@ static bat_status begin_round(fit_loop *loop, bat_error *error)
 {
     size_t functions = bat_hierarchical_space_functions(loop->space);
     loop_free_fit(loop);
-    bat_status status = fit_system_make(loop->space, loop->group, loop->points.dimension,
+    bat_status status = fit_system_make(loop->space, loop->team, loop->points.dimension,
                                         loop->options->smoothing != BAT_SURFACE_SMOOTHING_GIVEN, loop->options->threads,
                                         &loop->system, error);
     if (status == BAT_OK)
-        status = fit_solver_make_for(loop->group, &loop->backend, &loop->system.pattern, &loop->solver, error);
+        status = fit_solver_make_for(loop->team, &loop->system.pattern, &loop->solver, error);
     if (status != BAT_OK)
         return status;
     fit_points_locate(&loop->points, loop->space, loop->options->threads);
@@ -523,14 +518,14 @@ static bat_status find_worst(const fit_points *points, worst_point *worst, bat_e
             *worst = (worst_point){points->distance[row], points->before + row, points->number[row]};
     size_t *sizes;
     char *all;
-    bat_status status = group_gather(points->group, worst, sizeof *worst, &sizes, &all, error);
+    bat_status status = team_gather(points->team, worst, sizeof *worst, &sizes, &all, error);
     const worst_point *found = (const worst_point *)(void *)all;
-    for (size_t rank = 0; status == BAT_OK && found != NULL && rank < group_count(points->group); rank++)
+    for (size_t rank = 0; status == BAT_OK && found != NULL && rank < team_count(points->team); rank++)
         if (found[rank].distance > worst->distance)
             *worst = found[rank];
     free(sizes);
     free(all);
-    return status == BAT_OK ? group_broadcast(points->group, 0, worst, sizeof *worst, error) : status;
+    return status == BAT_OK ? team_broadcast(points->team, worst, sizeof *worst, error) : status;
 }
 
 static bat_status measure_round(const fit_loop *loop, bat_surface_fit_round *round, bat_error *error)
@@ -539,7 +534,7 @@ static bat_status measure_round(const fit_loop *loop, bat_surface_fit_round *rou
     worst_point worst = {0};
     double sums[2];
     bat_status status =
-        fit_sum_points(points->group, points->count, distance_terms, loop, 2, loop->options->threads, sums, error);
+        fit_sum_points(points->team, points->count, distance_terms, loop, 2, loop->options->threads, sums, error);
     if (status == BAT_OK)
         status = find_worst(points, &worst, error);
     *round = (bat_surface_fit_round){.functions = loop->system.functions,
@@ -630,7 +625,7 @@ static bat_status has_fallen(const fit_loop *loop, bool *fallen, bat_error *erro
     const fit_points *points = &loop->points;
     double sums[2];
     bat_status status =
-        fit_sum_points(points->group, points->count, fall_terms, loop, 2, loop->options->threads, sums, error);
+        fit_sum_points(points->team, points->count, fall_terms, loop, 2, loop->options->threads, sums, error);
     *fallen = status == BAT_OK && sums[0] > FALL_ERRORS * sqrt(sums[1] - sums[0] * sums[0] / (double)points->total);
     return status;
 }
@@ -710,7 +705,8 @@ static bat_status fit_all_points(fit_loop *loop, bat_error *error)
 
 static bat_status run_rounds(fit_loop *loop, bat_error *error)
 {
-    bat_status loaded = fit_state_load(loop, error);
+    const fit_team *team = loop->team;
+    bat_status loaded = team != NULL && team->load != NULL ? team->load(team, loop, error) : BAT_OK;
     if (loaded != BAT_OK)
         return loaded;
     for (bool refined = true; refined;)
@@ -725,8 +721,8 @@ static bat_status run_rounds(fit_loop *loop, bat_error *error)
         if (status != BAT_OK || loop->stalled || has_reached(loop, round) || loop->count > (size_t)loop->options->iterations)
             return status;
         status = refine_marked(loop, &refined, error);
-        if (status == BAT_OK && refined)
-            status = fit_state_save(loop, error);
+        if (status == BAT_OK && refined && team != NULL && team->save != NULL)
+            status = team->save(team, loop, error);
         if (status != BAT_OK)
             return status;
     }
@@ -758,7 +754,7 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
         if (loop->points.is_part || loop->points.number[row] < loop->points.own)
             distances[loop->points.is_part ? row : loop->points.number[row]] = loop->points.distance[row];
     uint64_t changed = fit_points_return(&loop->points, data);
-    bat_status status = group_sum_counts(loop->group, &changed, 1, error);
+    bat_status status = team_sum_counts(loop->team, &changed, 1, error);
     if (status != BAT_OK)
     {
         free(distances);
@@ -787,21 +783,18 @@ static bat_status store_result(fit_loop *loop, bat_surface_fit_data *data, bat_s
     return BAT_OK;
 }
 
-/// @param group   null for one process
-/// @param backend null for none
-/// @param numbers of a part; null where all points are here
-static bat_status fit_all(const bat_group *group, const bat_surface_fit_backend *backend, bat_surface_fit_data *data,
-                          const uint32_t *numbers, const bat_surface_fit_options *options, bat_spline_surface *surface,
-                          bat_surface_fit_report *report, bat_error *error)
+bat_status fit_all(const fit_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
+                   const bat_surface_fit_options *options, bat_spline_surface *surface, bat_surface_fit_report *report,
+                   bat_error *error)
 {
     fit_loop loop = {0};
     const bat_surface_fit_options defaults = bat_surface_fit_defaults();
     options = options != NULL ? options : &defaults;
     bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
     if (status == BAT_OK)
-        status = fit_points_check(group, data, numbers, error);
+        status = fit_points_check(team, data, numbers, error);
     if (status == BAT_OK)
-        status = loop_make(group, backend, data, numbers, options, &loop, error);
+        status = loop_make(team, data, numbers, options, &loop, error);
     if (status == BAT_OK)
         status = run(&loop, error);
     if (status == BAT_OK)
@@ -813,13 +806,5 @@ static bat_status fit_all(const bat_group *group, const bat_surface_fit_backend 
 bat_status bat_surface_fit(bat_surface_fit_data *data, const bat_surface_fit_options *options, bat_spline_surface *surface,
                            bat_surface_fit_report *report, bat_error *error)
 {
-    return fit_all(NULL, NULL, data, NULL, options, surface, report, error);
-}
-
-bat_status bat_surface_fit_together(const bat_group *group, const bat_surface_fit_backend *backend,
-                                    bat_surface_fit_data *data, const uint32_t *numbers,
-                                    const bat_surface_fit_options *options, bat_spline_surface *surface,
-                                    bat_surface_fit_report *report, bat_error *error)
-{
-    return fit_all(group, backend, data, numbers, options, surface, report, error);
+    return fit_all(NULL, data, NULL, options, surface, report, error);
 }

@@ -209,7 +209,7 @@ static double *append(double *to, const double *rows, size_t count, size_t width
     return to + count * width;
 }
 
-bat_status fit_border_points(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
+bat_status fit_border_points(const fit_border *border, const fit_team *team, const bat_surface_fit_data *data,
                              const uint32_t *numbers, bool centred, fit_points *points, bat_error *error)
 {
     size_t samples = border->samples, guides = numbers == NULL ? data->guide_count : 0, dimension = data->dimension;
@@ -235,7 +235,7 @@ bat_status fit_border_points(const fit_border *border, const bat_group *group, c
     if (samples > 0)
         joined.boundary_count = 0;
     if (status == BAT_OK)
-        status = fit_points_make(group, &joined, numbers, centred, points, error);
+        status = fit_points_make(team, &joined, numbers, centred, points, error);
     memory_pool_free(&pool);
     size_t own = numbers == NULL ? data->count : points->total - samples;
     if (status == BAT_OK && samples + guides > 0)
@@ -421,8 +421,7 @@ static double weight_of_sample(const fit_border *border, size_t sample)
     return SAMPLE_WEIGHT;
 }
 
-/// Move the rows of samples to their targets, and set their weights.
-static void move_samples(const fit_border *border, fit_points *points)
+void fit_border_move(const fit_border *border, fit_points *points)
 {
     size_t dimension = border->dimension;
     for (size_t row = 0; row < points->count; row++)
@@ -453,88 +452,10 @@ bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_point
         update_corners(&update);
     border->moved = border->moved || status == BAT_OK;
     if (status == BAT_OK)
-        move_samples(border, points);
+        fit_border_move(border, points);
     for (size_t row = 0; row < points->count && status == BAT_OK; row++)
         if (points->number[row] >= points->own && points->number[row] < points->guides)
             points->distance[row] = update.distances[points->number[row] - points->own];
     memory_pool_free(&update.pool);
     return status;
-}
-
-/// The feet, the targets, the offsets of the sides, and whether there was an update.
-static size_t state_numbers(const fit_border *border)
-{
-    return border->samples > 0 ? border->samples * (2 + border->dimension) + FIT_BORDER_SIDES + 1 : 0;
-}
-
-size_t fit_border_state_size(const fit_border *border)
-{
-    return state_numbers(border) * sizeof(double);
-}
-
-void fit_border_save(const fit_border *border, char *bytes)
-{
-    double moved = border->moved ? 1 : 0;
-    size_t feet = 2 * border->samples * sizeof moved, targets = border->samples * border->dimension * sizeof moved;
-    if (border->samples == 0)
-        return;
-    memcpy(bytes, &moved, sizeof moved);
-    bytes += sizeof moved;
-    for (int s = 0; s < FIT_BORDER_SIDES; s++, bytes += sizeof moved)
-        memcpy(bytes, &border->sides[s].offset, sizeof moved);
-    memcpy(bytes, border->foot, feet);
-    memcpy(bytes + feet, border->target, targets);
-}
-
-void fit_border_load(fit_border *border, const char *bytes, fit_points *points)
-{
-    double moved;
-    size_t feet = 2 * border->samples * sizeof moved, targets = border->samples * border->dimension * sizeof moved;
-    if (border->samples == 0)
-        return;
-    memcpy(&moved, bytes, sizeof moved);
-    bytes += sizeof moved;
-    for (int s = 0; s < FIT_BORDER_SIDES; s++, bytes += sizeof moved)
-        memcpy(&border->sides[s].offset, bytes, sizeof moved);
-    memcpy(border->foot, bytes, feet);
-    memcpy(border->target, bytes + feet, targets);
-    border->moved = moved > 0;
-    if (border->moved)
-        move_samples(border, points);
-}
-
-bat_status bat_surface_border_make(const bat_surface_fit_data *data, const bat_surface_fit_options *options,
-                                   bat_surface_border **border, bat_error *error)
-{
-    const bat_surface_fit_options defaults = bat_surface_fit_defaults();
-    bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
-    bat_surface_fit_data loop = *data;
-    loop.count = data->boundary_count;
-    if (status == BAT_OK)
-        status = fit_points_check(NULL, &loop, NULL, error);
-    if (status != BAT_OK)
-        return status;
-    fit_border *made = calloc(1, sizeof *made);
-    if (made == NULL)
-        return error_memory(error, sizeof *made);
-    status = fit_border_make(data, options != NULL ? options : &defaults, made, error);
-    if (status == BAT_OK)
-        *border = made;
-    else
-        free(made);
-    return status;
-}
-
-void bat_surface_border_free(bat_surface_border *border)
-{
-    if (border != NULL)
-        fit_border_free(border);
-    free(border);
-}
-
-size_t bat_surface_border_samples(const bat_surface_border *border, const double **points, const double **parameters)
-{
-    *points = border->points;
-    *parameters = border->at;
-    return border->samples;
 }

@@ -324,13 +324,13 @@ typedef struct wrong_feet
 /// Keep the worst points of all processes.
 static bat_status merge_wrong_feet(const fit_points *points, wrong_feet *wrong, bat_error *error)
 {
-    const bat_group *group = points->group;
+    const fit_team *team = points->team;
     size_t *sizes, bytes = 0;
     char *all;
-    bat_status status = group_gather(group, wrong->outlying, wrong->count * sizeof(far_point), &sizes, &all, error);
-    if (status == BAT_OK && group_is_first(group))
+    bat_status status = team_gather(team, wrong->outlying, wrong->count * sizeof(far_point), &sizes, &all, error);
+    if (status == BAT_OK && team_is_first(team))
     {
-        for (size_t rank = 0; rank < group_count(group); rank++)
+        for (size_t rank = 0; rank < team_count(team); rank++)
             bytes += sizes[rank];
         far_point *found = (far_point *)(void *)all;
         wrong->count = bytes / sizeof *found;
@@ -341,8 +341,8 @@ static bat_status merge_wrong_feet(const fit_points *points, wrong_feet *wrong, 
     free(sizes);
     free(all);
     if (status == BAT_OK)
-        status = group_broadcast(group, 0, &wrong->count, sizeof wrong->count, error);
-    return status == BAT_OK ? group_broadcast(group, 0, wrong->outlying, wrong->count * sizeof(far_point), error) : status;
+        status = team_broadcast(team, &wrong->count, sizeof wrong->count, error);
+    return status == BAT_OK ? team_broadcast(team, wrong->outlying, wrong->count * sizeof(far_point), error) : status;
 }
 
 /// Whether a row of all points is here; `row` becomes its place.
@@ -368,7 +368,7 @@ static bat_status share_wrong_feet(const fit_points *points, wrong_feet *wrong, 
         memcpy(own + k * wrong->width, points->position + row * points->dimension, points->dimension * sizeof *own);
         memcpy(own + k * wrong->width + points->dimension, points->parameter + 2 * row, 2 * sizeof *own);
     }
-    bat_status status = fit_sum_rows(points->group, own, 1, numbers, wrong->points, error);
+    bat_status status = fit_sum_rows(points->team, own, 1, numbers, wrong->points, error);
     free(own);
     return status;
 }
@@ -405,13 +405,13 @@ static near_point nearest_with_foot(const fit_points *points, const double *posi
 static bat_status find_starts(const fit_points *points, wrong_feet *wrong, double mean, int threads, bat_error *error)
 {
     near_point nearest[MAX_WRONG_FEET];
-    size_t *sizes, ranks = group_count(points->group);
+    size_t *sizes, ranks = team_count(points->team);
     char *all;
     double operations = (double)wrong->count * (double)points->count * 2 * (double)points->dimension;
 #pragma omp parallel for schedule(dynamic) num_threads(threads_worth(threads, wrong->count, operations))
     for (size_t k = 0; k < wrong->count; k++)
         nearest[k] = nearest_with_foot(points, wrong->points + k * wrong->width, wrong->outlying[k].row, mean);
-    bat_status status = group_gather(points->group, nearest, wrong->count * sizeof *nearest, &sizes, &all, error);
+    bat_status status = team_gather(points->team, nearest, wrong->count * sizeof *nearest, &sizes, &all, error);
     const near_point *found = (const near_point *)(void *)all;
     for (size_t k = 0; status == BAT_OK && found != NULL && k < wrong->count; k++)
     {
@@ -424,9 +424,8 @@ static bat_status find_starts(const fit_points *points, wrong_feet *wrong, doubl
     }
     free(sizes);
     free(all);
-    return status == BAT_OK
-               ? group_broadcast(points->group, 0, wrong->starts, 2 * wrong->count * sizeof *wrong->starts, error)
-               : status;
+    return status == BAT_OK ? team_broadcast(points->team, wrong->starts, 2 * wrong->count * sizeof *wrong->starts, error)
+                            : status;
 }
 
 /// Search from the new starts for the feet of the points that are here.
@@ -464,8 +463,8 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
 {
     double mean;
     uint64_t count = 0;
-    bool together = group_count(points->group) > 1;
-    bat_status status = fit_sum_points(points->group, points->count, distance_terms, points, 1, threads, &mean, error);
+    bool together = team_count(points->team) > 1;
+    bat_status status = fit_sum_points(points->team, points->count, distance_terms, points, 1, threads, &mean, error);
     if (status != BAT_OK)
         return status;
     mean /= (double)points->total;
@@ -487,7 +486,7 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
     if (status == BAT_OK)
         status = restart_feet(nets, points, &wrong, correction, &count, error);
     if (status == BAT_OK)
-        status = group_sum_counts(points->group, &count, 1, error);
+        status = team_sum_counts(points->team, &count, 1, error);
     *moved = (size_t)count;
     memory_pool_free(&wrong.pool);
     return status;
@@ -515,7 +514,7 @@ static bat_status count_feet(const fit_nets *nets, fit_points *points, foot_coun
     }
     *total = count;
     bat_status status = ok ? BAT_OK : error_memory(error, scratch_size * sizeof(double));
-    return status == BAT_OK ? group_sum_counts(points->group, total, 1, error) : status;
+    return status == BAT_OK ? team_sum_counts(points->team, total, 1, error) : status;
 }
 
 static size_t count_near(const fit_nets *nets, fit_points *points, size_t row, const void *context, double *scratch)

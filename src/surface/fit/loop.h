@@ -56,7 +56,7 @@ bat_status fit_border_make(const bat_surface_fit_data *data, const bat_surface_f
 void fit_border_free(fit_border *border);
 
 /// As fit_points_make() for points and samples, which have the numbers after them. The data of a part have samples.
-bat_status fit_border_points(const fit_border *border, const bat_group *group, const bat_surface_fit_data *data,
+bat_status fit_border_points(const fit_border *border, const fit_team *team, const bat_surface_fit_data *data,
                              const uint32_t *numbers, bool centred, fit_points *points, bat_error *error);
 
 /// Whether a boundary point takes part in the fit of the surface: in rough loops, which run inside the edge. Those that lie
@@ -69,11 +69,8 @@ static inline bool fit_border_takes(const fit_border *border, size_t point)
 /// Move the targets of the samples. Requires parameters that were corrected on this surface. Every process moves all.
 bat_status fit_border_update(fit_border *border, const fit_nets *nets, fit_points *points, bat_error *error);
 
-/// Bytes of what updates have changed.
-size_t fit_border_state_size(const fit_border *border);
-void fit_border_save(const fit_border *border, char *bytes);
-/// Take up what fit_border_save() has written, in the points too.
-void fit_border_load(fit_border *border, const char *bytes, fit_points *points);
+/// Move the samples to their targets in the points.
+void fit_border_move(const fit_border *border, fit_points *points);
 
 /// The round with the least expected distance of new points.
 typedef struct fit_best
@@ -92,8 +89,7 @@ typedef struct fit_best
 typedef struct fit_loop
 {
     const bat_surface_fit_options *options;
-    const bat_group *group; ///< null for one process
-    bat_surface_fit_backend backend;
+    const fit_team *team; ///< null for one process
     fit_points points;
     fit_border border; ///< empty without
     bat_hierarchical_space *space;
@@ -133,6 +129,26 @@ typedef struct fit_marking
     int neighbours;   ///< number of rings of cells refined around a marked cell
 } fit_marking;
 
+/// What the points of a cell tell.
+typedef struct cell_points
+{
+    double sum;     ///< sum of weighted squared distances
+    double largest; ///< largest distance
+    double count;
+    double low[2], high[2]; ///< bounding box of the parameters
+} cell_points;
+
+#define CELL_NO_POINTS ((cell_points){.low = {1, 1}})
+
+void cell_points_add(cell_points *to, const cell_points *more);
+/// Statistics of the points at places begin to end - 1.
+cell_points cell_points_of_places(const fit_points *points, size_t begin, size_t end);
+/// Statistics of the points of a cell that are here, from those of blocks.
+cell_points cell_points_of(const fit_points *points, size_t cell);
+/// The score of a cell, 0 for cells not to refine: all points within the tolerance, too few points, or last level. Without a
+/// tolerance the score is multiplied by (n - 1) / n for n points, because few points determine the error less reliably.
+double cell_score(const bat_hierarchical_space *space, const cell_points *gathered, size_t cell, const fit_marking *marking);
+
 /// Refine the marked cells, and rings of active cells of the same level around them. Cells are ranked by the weighted sum of
 /// squared distances of their points. If the budget does not allow all marked cells, only the highest-ranked ones are
 /// refined.
@@ -152,14 +168,11 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error);
 
-// The state of an adaptive fit between two rounds, which the caller keeps (`save` and `load` of bat_surface_fit_backend).
-
-/// Keep the state. Nothing is done without `save`.
-/// @return BAT_OK, BAT_NO_MEMORY, or the failures of `save`
-bat_status fit_state_save(const fit_loop *loop, bat_error *error);
-
-/// Take up the state of an earlier call, where there is one.
-/// @return BAT_OK; BAT_BAD_FILE where it is not one of this fit; BAT_NO_MEMORY; the failures of `load`
-bat_status fit_state_load(fit_loop *loop, bat_error *error);
+/// bat_surface_fit() and bat_surface_fit_together().
+/// @param team    null for one process
+/// @param numbers of a part; null where all points are here
+bat_status fit_all(const fit_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
+                   const bat_surface_fit_options *options, bat_spline_surface *surface, bat_surface_fit_report *report,
+                   bat_error *error);
 
 #endif

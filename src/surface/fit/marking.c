@@ -45,17 +45,7 @@ static int compare_ranked(const void *a, const void *b)
     return (x->cell > y->cell) - (x->cell < y->cell);
 }
 
-typedef struct cell_points
-{
-    double sum;     ///< sum of weighted squared distances
-    double largest; ///< largest distance
-    double count;
-    double low[2], high[2]; ///< bounding box of the parameters
-} cell_points;
-
-static const cell_points NO_POINTS = {.low = {1, 1}};
-
-static void add_points(cell_points *to, const cell_points *more)
+void cell_points_add(cell_points *to, const cell_points *more)
 {
     to->sum += more->sum;
     to->largest = fmax(to->largest, more->largest);
@@ -67,10 +57,9 @@ static void add_points(cell_points *to, const cell_points *more)
     }
 }
 
-/// Statistics of the points at places begin to end - 1.
-static cell_points gather_places(const fit_points *points, size_t begin, size_t end)
+cell_points cell_points_of_places(const fit_points *points, size_t begin, size_t end)
 {
-    cell_points gathered = NO_POINTS;
+    cell_points gathered = CELL_NO_POINTS;
     for (size_t place = begin; place < end; place++)
     {
         size_t row = points->order[place];
@@ -89,15 +78,14 @@ static cell_points gather_places(const fit_points *points, size_t begin, size_t 
     return gathered;
 }
 
-/// Statistics of the points of a cell that are here, from those of blocks.
-static cell_points gather_points(const fit_points *points, size_t cell)
+cell_points cell_points_of(const fit_points *points, size_t cell)
 {
-    cell_points gathered = NO_POINTS;
+    cell_points gathered = CELL_NO_POINTS;
     for (size_t begin = points->first[cell], end = points->first[cell + 1]; begin < end;)
     {
         size_t next = fit_points_block_end(points, begin, end);
-        cell_points block = gather_places(points, begin, next);
-        add_points(&gathered, &block);
+        cell_points block = cell_points_of_places(points, begin, next);
+        cell_points_add(&gathered, &block);
         begin = next;
     }
     return gathered;
@@ -114,10 +102,7 @@ static bool are_separable(const bat_hierarchical_space *space, const cell_points
     return false;
 }
 
-/// The score of a cell, 0 for cells not to refine: all points within the tolerance, too few points, or last level. Without a
-/// tolerance the score is multiplied by (n - 1) / n for n points, because few points determine the error less reliably.
-static double score_of(const bat_hierarchical_space *space, const cell_points *gathered, size_t cell,
-                       const fit_marking *marking)
+double cell_score(const bat_hierarchical_space *space, const cell_points *gathered, size_t cell, const fit_marking *marking)
 {
     double tolerance = marking->tolerance;
     uint32_t level = bat_hierarchical_space_cell(space, cell).level;
@@ -129,82 +114,15 @@ static double score_of(const bat_hierarchical_space *space, const cell_points *g
     return are_separable(space, gathered, level) ? gathered->sum * (gathered->count - 1) / gathered->count : 0;
 }
 
-/// Statistics of a cell that a process sends: of all its points, or of one block.
-typedef struct sent_points
-{
-    cell_points points;
-    size_t cell;
-} sent_points;
-
-/// Scores of all cells on the first process, from the statistics of all.
-static bat_status receive_scores(const bat_hierarchical_space *space, const bat_group *group, const size_t *sizes,
-                                 const char *all, const fit_marking *marking, double *scores, size_t cells, bat_error *error)
-{
-    cell_points *sums = memory_array(cells, sizeof *sums);
-    size_t bytes = 0;
-    if (sums == NULL)
-        return error_memory(error, cells * sizeof *sums);
-    for (size_t c = 0; c < cells; c++)
-        sums[c] = NO_POINTS;
-    for (size_t rank = 0; rank < group_count(group); rank++)
-        bytes += sizes[rank];
-    for (size_t at = 0; at < bytes; at += sizeof(sent_points))
-    {
-        sent_points sent;
-        memcpy(&sent, all + at, sizeof sent);
-        add_points(&sums[sent.cell], &sent.points);
-    }
-    for (size_t c = 0; c < cells; c++)
-        scores[c] = score_of(space, &sums[c], c, marking);
-    free(sums);
-    return BAT_OK;
-}
-
-static bat_status score_together(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
-                                 double *scores, bat_error *error)
-{
-    const bat_group *group = points->group;
-    size_t count = 0, *sizes = NULL, room = 1;
-    for (size_t c = 0; c < points->cells; c++)
-        for (size_t begin = points->first[c], end = points->first[c + 1]; begin < end; room++)
-            begin = fit_points_block_end(points, begin, end);
-    sent_points *sent = memory_array(room, sizeof *sent);
-    if (sent == NULL)
-        return error_memory(error, room * sizeof *sent);
-    for (size_t c = 0; c < points->cells; c++)
-    {
-        size_t begin = points->first[c], end = points->first[c + 1];
-        if (begin < end && end - begin == fit_points_of_cell(points, c))
-        {
-            sent[count++] = (sent_points){gather_points(points, c), c};
-            begin = end;
-        }
-        while (begin < end)
-        {
-            size_t next = fit_points_block_end(points, begin, end);
-            sent[count++] = (sent_points){gather_places(points, begin, next), c};
-            begin = next;
-        }
-    }
-    char *all;
-    bat_status status = group_gather(group, sent, count * sizeof *sent, &sizes, &all, error);
-    free(sent);
-    if (status == BAT_OK && group_is_first(group))
-        status = receive_scores(space, group, sizes, all, marking, scores, points->cells, error);
-    free(sizes);
-    free(all);
-    return status == BAT_OK ? group_broadcast(group, 0, scores, points->cells * sizeof *scores, error) : status;
-}
-
 static bat_status score_cells(const bat_hierarchical_space *space, const fit_points *points, const fit_marking *marking,
                               double *scores, bat_error *error)
 {
     if (points->spread != NULL)
-        return score_together(space, points, marking, scores, error);
+        return points->team->score_cells(space, points, marking, scores, error);
     for (size_t c = 0; c < points->cells; c++)
     {
-        cell_points gathered = gather_points(points, c);
-        scores[c] = score_of(space, &gathered, c, marking);
+        cell_points gathered = cell_points_of(points, c);
+        scores[c] = cell_score(space, &gathered, c, marking);
     }
     return BAT_OK;
 }

@@ -13,18 +13,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-bat_status fit_sum_rows(const bat_group *group, const double *rows, size_t count, size_t width, double *sums,
-                        bat_error *error)
+bat_status team_gather(const fit_team *team, const void *bytes, size_t size, size_t **sizes, char **all, bat_error *error)
+{
+    if (team != NULL)
+        return team->gather(team->group, bytes, size, sizes, all, error);
+    *sizes = memory_array(1, sizeof **sizes);
+    *all = memory_array(size, 1);
+    if (*sizes == NULL || *all == NULL)
+        return error_memory(error, size);
+    **sizes = size;
+    memcpy(*all, bytes, size);
+    return BAT_OK;
+}
+
+bat_status fit_sum_rows(const fit_team *team, const double *rows, size_t count, size_t width, double *sums, bat_error *error)
 {
     size_t *sizes = NULL, all_rows = count;
     char *all = NULL;
     bat_status status = BAT_OK;
     memset(sums, 0, width * sizeof *sums);
-    if (group_count(group) > 1)
+    if (team_count(team) > 1)
     {
         all_rows = 0;
-        status = group_gather(group, rows, count * width * sizeof *rows, &sizes, &all, error);
-        for (size_t rank = 0; status == BAT_OK && all != NULL && rank < group_count(group); rank++)
+        status = team_gather(team, rows, count * width * sizeof *rows, &sizes, &all, error);
+        for (size_t rank = 0; status == BAT_OK && all != NULL && rank < team_count(team); rank++)
             all_rows += sizes[rank] / (width * sizeof *rows);
         rows = (const double *)(const void *)all;
     }
@@ -33,10 +45,10 @@ bat_status fit_sum_rows(const bat_group *group, const double *rows, size_t count
             sums[k] += rows[row * width + k];
     free(sizes);
     free(all);
-    return status == BAT_OK ? group_broadcast(group, 0, sums, width * sizeof *sums, error) : status;
+    return status == BAT_OK ? team_broadcast(team, sums, width * sizeof *sums, error) : status;
 }
 
-bat_status fit_sum_points(const bat_group *group, size_t points, fit_terms *terms, const void *context, size_t width,
+bat_status fit_sum_points(const fit_team *team, size_t points, fit_terms *terms, const void *context, size_t width,
                           int threads, double *sums, bat_error *error)
 {
     size_t blocks = fit_blocks(points);
@@ -47,19 +59,19 @@ bat_status fit_sum_points(const bat_group *group, size_t points, fit_terms *term
     for (size_t block = 0; block < blocks; block++)
     {
         double own[FIT_TERMS] = {0};
-        size_t begin = block * BAT_SURFACE_FIT_BLOCK, end = begin + BAT_SURFACE_FIT_BLOCK;
+        size_t begin = block * FIT_BLOCK, end = begin + FIT_BLOCK;
         for (size_t row = begin; row < end && row < points; row++)
             terms(context, row, own);
         memcpy(rows + block * width, own, width * sizeof *own);
     }
-    bat_status status = fit_sum_rows(group, rows, blocks, width, sums, error);
+    bat_status status = fit_sum_rows(team, rows, blocks, width, sums, error);
     free(rows);
     return status;
 }
 
 /// The value of this place among those of all ranks in ascending order. Values are not negative.
 /// @param place less than the number of all values
-static bat_status fit_select(const bat_group *group, const double *values, size_t count, uint64_t place, double *selected,
+static bat_status fit_select(const fit_team *team, const double *values, size_t count, uint64_t place, double *selected,
                              bat_error *error)
 {
     enum
@@ -82,7 +94,7 @@ static bat_status fit_select(const bat_group *group, const double *values, size_
             if (shift == 64 - DIGIT || bits >> (shift + DIGIT) == known)
                 counts[bits >> shift & (SIZE - 1)]++;
         }
-        status = group_sum_counts(group, counts, SIZE, error);
+        status = team_sum_counts(team, counts, SIZE, error);
         uint64_t digit = 0;
         while (digit < SIZE - 1 && place >= counts[digit])
             place -= counts[digit++];
@@ -123,7 +135,7 @@ static double biweight(double distance, double scale)
 bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers, bat_error *error)
 {
     double sorted[NEIGHBOURS], middle;
-    bat_status status = fit_select(points->group, points->distance, points->count, points->total / 2, &middle, error);
+    bat_status status = fit_select(points->team, points->distance, points->count, points->total / 2, &middle, error);
     if (status != BAT_OK)
         return status;
     double global = fmax(NORMAL_SCALE * middle, MIN_SCALE * size);
@@ -141,12 +153,12 @@ bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers,
             found += points->weight[row] == 0;
         }
     }
-    status = group_sum_counts(points->group, &found, 1, error);
+    status = team_sum_counts(points->team, &found, 1, error);
     *outliers = (size_t)found;
     return status;
 }
 
-_Static_assert(BAT_SURFACE_FIT_BLOCK % NEIGHBOURS == 0, "neighbours are of one block");
+_Static_assert(FIT_BLOCK % NEIGHBOURS == 0, "neighbours are of one block");
 
 // The points of a fit in Morton order (Morton, 1966), by a radix sort of interleaved parameter bits, and sorted by cell.
 
@@ -217,7 +229,7 @@ static uint64_t spread_bits(double parameter)
     return spread;
 }
 
-uint32_t bat_surface_fit_order(const double parameter[2])
+uint32_t fit_points_place(const double parameter[2])
 {
     return (uint32_t)(spread_bits(parameter[0]) | spread_bits(parameter[1]) << 1);
 }
@@ -254,7 +266,7 @@ static bat_status set_numbers(const bat_surface_fit_data *data, uint32_t *number
     for (size_t i = 0; i < data->count; i++)
     {
         const double *at = data->parameters + 2 * i;
-        keys[i] = (uint64_t)bat_surface_fit_order(at) << 32 | i;
+        keys[i] = (uint64_t)fit_points_place(at) << 32 | i;
     }
     sort_keys(keys, keys + data->count, data->count);
     // An odd number of passes leaves the result in the second half.
@@ -273,7 +285,7 @@ static bat_status subtract_centre(fit_points *points, bat_error *error)
         return error_memory(error, blocks * dimension * sizeof *rows);
     for (size_t row = 0; row < points->count; row++)
     {
-        size_t block = row / BAT_SURFACE_FIT_BLOCK, before = row % BAT_SURFACE_FIT_BLOCK;
+        size_t block = row / FIT_BLOCK, before = row % FIT_BLOCK;
         for (size_t k = 0; k < dimension; k++)
         {
             double *mean = &rows[block * dimension + k];
@@ -282,12 +294,12 @@ static bat_status subtract_centre(fit_points *points, bat_error *error)
     }
     for (size_t block = 0; block < blocks; block++)
     {
-        size_t left = points->count - block * BAT_SURFACE_FIT_BLOCK;
-        double share = (double)(left < BAT_SURFACE_FIT_BLOCK ? left : BAT_SURFACE_FIT_BLOCK) / (double)points->total;
+        size_t left = points->count - block * FIT_BLOCK;
+        double share = (double)(left < FIT_BLOCK ? left : FIT_BLOCK) / (double)points->total;
         for (size_t k = 0; k < dimension; k++)
             rows[block * dimension + k] *= share;
     }
-    bat_status status = fit_sum_rows(points->group, rows, blocks, dimension, points->centre, error);
+    bat_status status = fit_sum_rows(points->team, rows, blocks, dimension, points->centre, error);
     for (size_t k = 0; status == BAT_OK && k < points->count * dimension; k++)
         points->position[k] -= points->centre[k % dimension];
     free(rows);
@@ -310,12 +322,12 @@ static bat_status allocate(fit_points *points, bat_error *error)
     return memory_pool_check(pool, error);
 }
 
-bat_status fit_points_make(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers, bool centred,
+bat_status fit_points_make(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers, bool centred,
                            fit_points *points, bat_error *error)
 {
     uint64_t total = data->count, before = 0;
     size_t own = numbers != NULL ? SIZE_MAX : data->count;
-    *points = (fit_points){.group = group,
+    *points = (fit_points){.team = team,
                            .is_part = numbers != NULL,
                            .own = own,
                            .guides = own,
@@ -323,9 +335,9 @@ bat_status fit_points_make(const bat_group *group, const bat_surface_fit_data *d
                            .dimension = data->dimension};
     bat_status status = allocate(points, error);
     if (status == BAT_OK)
-        status = group_sum_counts(group, &total, 1, error);
+        status = team_sum_counts(team, &total, 1, error);
     if (status == BAT_OK)
-        status = group_sum_before(group, data->count, &before, error);
+        status = team_sum_before(team, data->count, &before, error);
     if (status == BAT_OK && numbers == NULL)
         status = set_numbers(data, points->number, error);
     if (status != BAT_OK)
@@ -347,29 +359,29 @@ bat_status fit_points_make(const bat_group *group, const bat_surface_fit_data *d
 }
 
 /// Check that the points of a part follow the curve, and those before it are whole blocks.
-static bat_status check_part(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
+static bat_status check_part(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
                              bat_error *error)
 {
     uint64_t before = 0;
-    bat_status status = group_sum_before(group, data->count, &before, error);
-    if (status == BAT_OK && data->count > 0 && before % BAT_SURFACE_FIT_BLOCK != 0)
+    bat_status status = team_sum_before(team, data->count, &before, error);
+    if (status == BAT_OK && data->count > 0 && before % FIT_BLOCK != 0)
         status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the points before rank %zu are not whole blocks",
-                           group_rank(group));
+                           team_rank(team));
     for (size_t i = 1; i < data->count && status == BAT_OK; i++)
     {
-        uint32_t place = bat_surface_fit_order(data->parameters + 2 * i);
-        uint32_t last = bat_surface_fit_order(data->parameters + 2 * i - 2);
+        uint32_t place = fit_points_place(data->parameters + 2 * i);
+        uint32_t last = fit_points_place(data->parameters + 2 * i - 2);
         if (place < last || (place == last && numbers[i] <= numbers[i - 1]))
             status = error_set(error, BAT_INVALID_ARGUMENT, i, 0, "point %zu of this process is not in order", i);
     }
     return status;
 }
 
-bat_status fit_points_check(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status fit_points_check(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
                             bat_error *error)
 {
     uint64_t total = data->count;
-    bat_status status = group_sum_counts(group, &total, 1, error);
+    bat_status status = team_sum_counts(team, &total, 1, error);
     if (status == BAT_OK)
         status = check_counts(data, (size_t)total, error);
     if (status == BAT_OK && total < 1)
@@ -378,8 +390,8 @@ bat_status fit_points_check(const bat_group *group, const bat_surface_fit_data *
         status = check_point(data, i, numbers != NULL ? numbers[i] : i, error);
     if (numbers != NULL)
     {
-        status = bat_group_agree(group, status, error);
-        return status == BAT_OK ? bat_group_agree(group, check_part(group, data, numbers, error), error) : status;
+        status = team_agree(team, status, error);
+        return status == BAT_OK ? team_agree(team, check_part(team, data, numbers, error), error) : status;
     }
     for (size_t i = 0; i < 2 * data->guide_count && status == BAT_OK; i++)
         if (!(data->guide_parameters[i] >= 0 && data->guide_parameters[i] <= 1))
@@ -425,7 +437,7 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
         first[c + 1] += first[c];
     for (size_t row = 0; row < points->count; row++)
         points->order[first[points->cell[row] + 1]++] = (uint32_t)row;
-    if (group_count(points->group) == 1)
+    if (team_count(points->team) == 1)
         return BAT_OK;
     free(points->spread);
     points->spread = memory_array(cells, sizeof *points->spread);
@@ -433,7 +445,7 @@ bat_status fit_points_sort(fit_points *points, const bat_hierarchical_space *spa
         return error_memory(error, cells * sizeof *points->spread);
     for (size_t c = 0; c < cells; c++)
         points->spread[c] = first[c + 1] - first[c];
-    return group_sum_counts(points->group, points->spread, cells, error);
+    return team_sum_counts(points->team, points->spread, cells, error);
 }
 
 void fit_points_restore(const fit_points *points, size_t functions, double *control)
@@ -456,129 +468,4 @@ size_t fit_points_return(const fit_points *points, bat_surface_fit_data *data)
         memcpy(at, now, 2 * sizeof *at);
     }
     return moved;
-}
-
-// States of adaptive fits; see loop.h.
-
-/// What begins the bytes of a state; rounds and boxes follow.
-typedef struct state_head
-{
-    uint64_t rounds, boxes, best_boxes, best_round, outliers;
-    double lambda, best_expected, best_left, best_held_rms, best_held_largest, best_lambda, seconds;
-    uint64_t full, corrects, has_best;
-} state_head;
-
-static size_t state_columns(const fit_loop *loop, bat_surface_fit_column columns[4])
-{
-    columns[0] = (bat_surface_fit_column){loop->points.parameter, 2};
-    columns[1] = (bat_surface_fit_column){loop->points.weight, 1};
-    columns[2] = (bat_surface_fit_column){loop->best.parameter, 2};
-    columns[3] = (bat_surface_fit_column){loop->best.distance, 1};
-    return loop->held != NULL ? 4 : 2;
-}
-
-bat_status fit_state_save(const fit_loop *loop, bat_error *error)
-{
-    const bat_surface_fit_backend *backend = &loop->backend;
-    bat_surface_fit_column columns[4];
-    bat_spline_box *boxes = NULL, *best_boxes = NULL;
-    size_t count = 0, best_count = 0;
-    if (backend->save == NULL)
-        return BAT_OK;
-    bat_status status = hierarchical_space_regions(loop->space, &boxes, &count, error);
-    if (status == BAT_OK && loop->best.space != NULL)
-        status = hierarchical_space_regions(loop->best.space, &best_boxes, &best_count, error);
-    size_t rounds = loop->count * sizeof *loop->rounds, size = sizeof(state_head) + rounds;
-    size += (count + best_count) * sizeof *boxes + fit_border_state_size(&loop->border);
-    char *bytes = status == BAT_OK ? memory_array(size, 1) : NULL;
-    if (status == BAT_OK && bytes == NULL)
-        status = error_memory(error, size);
-    if (status == BAT_OK)
-    {
-        state_head head = {.rounds = loop->count,
-                           .boxes = count,
-                           .best_boxes = best_count,
-                           .best_round = loop->best.round,
-                           .outliers = loop->outliers,
-                           .lambda = loop->lambda,
-                           .best_expected = loop->best.expected,
-                           .best_left = loop->best.left,
-                           .best_held_rms = loop->best.held_rms,
-                           .best_held_largest = loop->best.held_largest,
-                           .best_lambda = loop->best.lambda,
-                           .seconds = clock_seconds() - loop->begin,
-                           .full = loop->full,
-                           .corrects = loop->corrects,
-                           .has_best = loop->best.space != NULL};
-        memcpy(bytes, &head, sizeof head);
-        memcpy(bytes + sizeof head, loop->rounds, rounds);
-        if (count > 0)
-            memcpy(bytes + sizeof head + rounds, boxes, count * sizeof *boxes);
-        if (best_count > 0)
-            memcpy(bytes + sizeof head + rounds + count * sizeof *boxes, best_boxes, best_count * sizeof *boxes);
-        fit_border_save(&loop->border, bytes + size - fit_border_state_size(&loop->border));
-        status = backend->save(backend->context, bytes, size, columns, state_columns(loop, columns), error);
-    }
-    free(bytes);
-    free(boxes);
-    free(best_boxes);
-    return status;
-}
-
-static bat_status read_state(fit_loop *loop, const char *bytes, size_t size, bat_error *error)
-{
-    state_head head = {0};
-    if (size >= sizeof head)
-        memcpy(&head, bytes, sizeof head);
-    size_t rounds = head.rounds * sizeof *loop->rounds, boxes = (head.boxes + head.best_boxes) * sizeof(bat_spline_box);
-    if (head.rounds > (size_t)loop->options->iterations || (head.has_best != 0 && loop->held == NULL) ||
-        size != sizeof head + rounds + boxes + fit_border_state_size(&loop->border))
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the state is not one of this fit");
-    bat_spline_box *copy = memory_array(boxes, 1);
-    if (copy == NULL)
-        return error_memory(error, boxes);
-    memcpy(loop->rounds, bytes + sizeof head, rounds);
-    memcpy(copy, bytes + sizeof head + rounds, boxes);
-    bat_hierarchical_space *space = NULL;
-    bat_status status = hierarchical_space_of_regions(&loop->options->space, copy, head.boxes, &space, error);
-    if (status == BAT_OK && head.has_best != 0)
-        status = hierarchical_space_of_regions(&loop->options->space, copy + head.boxes, head.best_boxes, &loop->best.space,
-                                               error);
-    free(copy);
-    if (status != BAT_OK)
-    {
-        bat_hierarchical_space_free(space);
-        return status;
-    }
-    bat_hierarchical_space_free(loop->space);
-    loop->space = space;
-    loop->count = head.rounds;
-    loop->outliers = head.outliers;
-    loop->lambda = head.lambda;
-    loop->full = head.full != 0;
-    loop->corrects = head.corrects != 0;
-    loop->best.round = head.best_round;
-    loop->best.expected = head.best_expected;
-    loop->best.left = head.best_left;
-    loop->best.held_rms = head.best_held_rms;
-    loop->best.held_largest = head.best_held_largest;
-    loop->best.lambda = head.best_lambda;
-    loop->begin = clock_seconds() - head.seconds;
-    fit_border_load(&loop->border, bytes + sizeof head + rounds + boxes, &loop->points);
-    return BAT_OK;
-}
-
-bat_status fit_state_load(fit_loop *loop, bat_error *error)
-{
-    const bat_surface_fit_backend *backend = &loop->backend;
-    bat_surface_fit_column columns[4];
-    void *bytes = NULL;
-    size_t size = 0;
-    if (backend->load == NULL)
-        return BAT_OK;
-    bat_status status = backend->load(backend->context, &bytes, &size, columns, state_columns(loop, columns), error);
-    if (status == BAT_OK && bytes != NULL)
-        status = read_state(loop, bytes, size, error);
-    free(bytes);
-    return status;
 }

@@ -3,7 +3,7 @@
 
 #include "base/memory.h"
 #include "batten/surface_fit.h"
-#include "surface/group.h"
+#include "surface/fit/team.h"
 #include "surface/spline/hierarchical_space.h"
 
 /// @file
@@ -16,13 +16,18 @@
 /// The sum of rows of numbers, first those of rank 0, one row after another.
 /// @param rows count x width: one for each block of points
 /// @param sums receives `width`
-bat_status fit_sum_rows(const bat_group *group, const double *rows, size_t count, size_t width, double *sums,
+bat_status fit_sum_rows(const fit_team *team, const double *rows, size_t count, size_t width, double *sums,
                         bat_error *error);
+
+enum
+{
+    FIT_BLOCK = 768 ///< points of one block, along the curve of fit_points_place()
+};
 
 /// The number of blocks that hold so many points.
 static inline size_t fit_blocks(size_t points)
 {
-    return (points + BAT_SURFACE_FIT_BLOCK - 1) / BAT_SURFACE_FIT_BLOCK;
+    return (points + FIT_BLOCK - 1) / FIT_BLOCK;
 }
 
 /// The sums over points of a few terms: block by block, then over the blocks of all ranks.
@@ -33,7 +38,7 @@ enum
     FIT_TERMS = 8
 };
 typedef void fit_terms(const void *context, size_t row, double *sums);
-bat_status fit_sum_points(const bat_group *group, size_t points, fit_terms *terms, const void *context, size_t width,
+bat_status fit_sum_points(const fit_team *team, size_t points, fit_terms *terms, const void *context, size_t width,
                           int threads, double *sums, bat_error *error);
 
 /// The degrees of freedom of a parameter in parameter correction.
@@ -48,11 +53,11 @@ typedef enum fit_freedom
 /// Points in Morton order; row r is the caller's point number[r]. Release it with fit_points_free().
 typedef struct fit_points
 {
-    memory_pool pool;       ///< the arrays of `count` or `dimension`
-    const bat_group *group; ///< the processes that have all points; null: all are here
-    bool is_part;           ///< whether rows are in the caller's order, those of samples too
-    size_t total;           ///< number of points of all processes
-    size_t before;          ///< of them in lower ranks
+    memory_pool pool;     ///< the arrays of `count` or `dimension`
+    const fit_team *team; ///< the processes that have all points; null: all are here
+    bool is_part;         ///< whether rows are in the caller's order, those of samples too
+    size_t total;         ///< number of points of all processes
+    size_t before;        ///< of them in lower ranks
     size_t count, dimension;
     size_t own;        ///< the caller's points; rows of larger numbers are samples of the border (loop.h), then guides
     size_t guides;     ///< the number of the first guide
@@ -72,18 +77,21 @@ typedef struct fit_points
 
 /// Check counts, coordinates, parameters, and that boundary parameters lie on the boundary of the square. Of a part of the
 /// points, which may be none, also that they follow the curve.
-/// @param group   null for one process
+/// @param team    null for one process
 /// @param numbers of a part; null where all points are here
-bat_status fit_points_check(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers,
+bat_status fit_points_check(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers,
                             bat_error *error);
 
 /// Copy the points in Morton order, in which a part already is.
-/// @param group   null for one process
+/// @param team    null for one process
 /// @param numbers of a part, [count]; null where all points are here
 /// @param centred whether to subtract the mean position, which is exact for a basis that is a partition of unity
-bat_status fit_points_make(const bat_group *group, const bat_surface_fit_data *data, const uint32_t *numbers, bool centred,
+bat_status fit_points_make(const fit_team *team, const bat_surface_fit_data *data, const uint32_t *numbers, bool centred,
                            fit_points *points, bat_error *error);
 void fit_points_free(fit_points *points);
+
+/// The place of a parameter in [0, 1]^2 on the Morton curve: the bits of u and v in turn (Morton, 1966).
+uint32_t fit_points_place(const double parameter[2]);
 
 /// Find the cells of all points.
 void fit_points_locate(fit_points *points, const bat_hierarchical_space *space, int threads);
@@ -100,8 +108,8 @@ static inline size_t fit_points_of_cell(const fit_points *points, size_t cell)
 /// The places of a cell's rows in `order` that are of one block begin with `begin`; the place after them.
 static inline size_t fit_points_block_end(const fit_points *points, size_t begin, size_t end)
 {
-    size_t block = points->order[begin] / BAT_SURFACE_FIT_BLOCK;
-    while (begin < end && points->order[begin] / BAT_SURFACE_FIT_BLOCK == block)
+    size_t block = points->order[begin] / FIT_BLOCK;
+    while (begin < end && points->order[begin] / FIT_BLOCK == block)
         begin++;
     return begin;
 }

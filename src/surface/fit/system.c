@@ -410,7 +410,7 @@ static bat_status fit_thin_plate(const fit_pattern *pattern, const bat_hierarchi
     return fit_pattern_sum(pattern, space, &work, threads, error);
 }
 
-bat_status fit_system_make(const bat_hierarchical_space *space, const bat_group *group, size_t dimension, bool levelled,
+bat_status fit_system_make(const bat_hierarchical_space *space, const fit_team *team, size_t dimension, bool levelled,
                            int threads, fit_system *system, bat_error *error)
 {
     *system = (fit_system){.space = space,
@@ -418,7 +418,7 @@ bat_status fit_system_make(const bat_hierarchical_space *space, const bat_group 
                            .dimension = dimension,
                            .columns = dimension + FIT_PROBES,
                            .threads = threads};
-    if (!group_is_first(group))
+    if (!team_is_first(team))
         return BAT_OK;
     bat_status status = fit_pattern_make(space, threads, &system->pattern, error);
     if (status != BAT_OK)
@@ -466,9 +466,9 @@ void fit_system_multiply(const fit_system *system, const double *values, size_t 
 struct fit_solver
 {
     size_t functions;
-    multifrontal *fronts;                   ///< null with a backend
-    const bat_surface_fit_backend *backend; ///< whose solver this is; null for the library's
-    const fit_pattern *pattern;             ///< of a backend's solver
+    multifrontal *fronts;          ///< null with a team's solver
+    const fit_team_solver *shared; ///< a team's solver; null for the library's
+    const fit_pattern *pattern;    ///< of a team's solver
 };
 
 bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error)
@@ -486,17 +486,16 @@ bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_
     return status;
 }
 
-bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
-                               fit_solver **solver, bat_error *error)
+bat_status fit_solver_make_for(const fit_team *team, const fit_pattern *pattern, fit_solver **solver, bat_error *error)
 {
-    if (!group_is_first(group))
+    if (!team_is_first(team))
         return BAT_OK;
-    if (backend->factor == NULL)
+    if (team == NULL || team->solver.factor == NULL)
         return fit_solver_make(pattern, solver, error);
     fit_solver *made = calloc(1, sizeof *made);
     if (made == NULL)
         return error_memory(error, sizeof *made);
-    *made = (fit_solver){.functions = pattern->functions, .backend = backend, .pattern = pattern};
+    *made = (fit_solver){.functions = pattern->functions, .shared = &team->solver, .pattern = pattern};
     *solver = made;
     return BAT_OK;
 }
@@ -513,10 +512,10 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
 {
     const fit_pattern *pattern = solver->pattern;
     bool regular = false;
-    if (solver->backend != NULL)
+    if (solver->shared != NULL)
     {
-        bat_status status = solver->backend->factor(solver->backend->context, solver->functions, pattern->first,
-                                                    pattern->row, values, &regular, error);
+        bat_status status = solver->shared->factor(solver->shared->context, solver->functions, pattern->first, pattern->row,
+                                                   values, &regular, error);
         *pivot = regular ? 1 : 0;
         return status;
     }
@@ -525,16 +524,16 @@ bat_status fit_solver_factor(fit_solver *solver, const double *values, double *p
 
 bat_status fit_solver_solve(fit_solver *solver, size_t columns, const double *right, double *solution, bat_error *error)
 {
-    const bat_surface_fit_backend *backend = solver->backend;
+    const fit_team_solver *shared = solver->shared;
     size_t bytes = solver->functions * columns * sizeof *solution;
-    if (backend != NULL)
+    if (shared != NULL)
     {
         double *copy = right == solution ? memory_array(1, bytes) : NULL;
         if (right == solution && copy == NULL)
             return error_memory(error, bytes);
         if (copy != NULL)
             memcpy(copy, right, bytes);
-        bat_status status = backend->solve(backend->context, columns, copy != NULL ? copy : right, solution, error);
+        bat_status status = shared->solve(shared->context, columns, copy != NULL ? copy : right, solution, error);
         free(copy);
         return status;
     }

@@ -70,16 +70,52 @@ typedef struct fit_system
     int threads;
 } fit_system;
 
-/// Compute pattern and thin-plate matrix of a space, which must outlive the system; of a group, on the first process.
-/// @param group    null for one process
+/// Compute pattern and thin-plate matrix of a space, which must outlive the system; of a team, on the first process.
+/// @param team     null for one process
 /// @param levelled whether the integral over a cell of level l counts 16^-l: the energy of a function then does not grow
 ///                 with its level
-bat_status fit_system_make(const bat_hierarchical_space *space, const bat_group *group, size_t dimension, bool levelled,
+bat_status fit_system_make(const bat_hierarchical_space *space, const fit_team *team, size_t dimension, bool levelled,
                            int threads, fit_system *system, bat_error *error);
 void fit_system_free(fit_system *system);
 
 /// Assemble G, b and the sums. Requires fit_points_sort(). The result is the same for any number of threads and processes.
 bat_status fit_system_gather(fit_system *system, const fit_points *points, bat_error *error);
+
+// Sums over the points of cells (gather.c), which a team of processes shares.
+
+/// What the sums are made of.
+typedef struct gather_context
+{
+    const fit_system *system;
+    const fit_points *points;
+    size_t columns; ///< right-hand sides
+    double *sent;   ///< contributions for the first process; null without others
+    size_t *first;  ///< cells + 1: offsets of the cells in `sent`
+} gather_context;
+
+/// How the sums of a cell are made: in its active functions, or in the local ones of its level.
+typedef struct cell_sums
+{
+    const hierarchical_cell *cell;
+    size_t index;
+    bool active;
+    size_t side; ///< number of these functions
+} cell_sums;
+
+cell_sums gather_sums_of(const gather_context *gather, size_t index);
+/// Numbers of a side x side matrix and of its right-hand sides.
+size_t gather_numbers_of(const gather_context *gather, size_t side);
+/// The largest number of functions in sums of cells.
+size_t gather_max_side(const gather_context *gather);
+/// Size of the workspace of gather_fill_block() and gather_finish_cell().
+size_t gather_scratch_of(const gather_context *gather);
+/// Sum over points of a cell that are of one block: places begin to end - 1 of their order.
+void gather_fill_block(const gather_context *gather, const cell_sums *sums, size_t begin, size_t end, double *scratch,
+                       double *numbers);
+/// The contribution of a cell, in its active functions, from its sums.
+void gather_finish_cell(const gather_context *gather, const cell_sums *sums, double *numbers, double *scratch,
+                        double *matrix, double *right);
+void gather_fill_cell(const void *context, size_t index, double *scratch, double *matrix, double *right);
 
 /// product = S x for a symmetric matrix S with the pattern of the system.
 /// @param x functions x columns; `product` has the same shape
@@ -91,10 +127,9 @@ typedef struct fit_solver fit_solver;
 
 /// Order and analyse a pattern, which must outlive the solver.
 bat_status fit_solver_make(const fit_pattern *pattern, fit_solver **solver, bat_error *error);
-/// The same by the solver of a backend, where it has one; the backend must outlive it. Of the processes of a group, the
-/// first alone has a solver; the others attend.
-bat_status fit_solver_make_for(const bat_group *group, const bat_surface_fit_backend *backend, const fit_pattern *pattern,
-                               fit_solver **solver, bat_error *error);
+/// The same by the solver of a team, where it has one; the team must outlive it. The first process alone has a solver; the
+/// others attend.
+bat_status fit_solver_make_for(const fit_team *team, const fit_pattern *pattern, fit_solver **solver, bat_error *error);
 /// Does nothing to null.
 void fit_solver_free(fit_solver *solver);
 

@@ -1,7 +1,7 @@
 #ifndef BATTEN_RESEARCH_SURFACE_CHART_H
 #define BATTEN_RESEARCH_SURFACE_CHART_H
 
-#include "batten/distributed.h"
+#include "batten/research/distributed.h"
 
 BAT_C_BEGIN
 

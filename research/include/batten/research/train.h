@@ -2,7 +2,7 @@
 #define BATTEN_RESEARCH_TRAIN_H
 
 #include "batten/base.h"
-#include "batten/distributed.h"
+#include "batten/research/distributed.h"
 
 BAT_C_BEGIN
 

@@ -1,4 +1,4 @@
-#include "surface/group.h"
+#include "research/surface/group.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,12 +1,12 @@
-#ifndef BATTEN_DISTRIBUTED_H
-#define BATTEN_DISTRIBUTED_H
+#ifndef BATTEN_RESEARCH_DISTRIBUTED_H
+#define BATTEN_RESEARCH_DISTRIBUTED_H
 
 #include "batten/surface.h"
 
 BAT_C_BEGIN
 
 /// @file
-/// Fits that several processes make together, as the program batten-mpi does. batten.h does not include this header.
+/// Fits that several processes make together, as the program batten-mpi does.
 
 /// The processes that make one call together, and how they exchange messages. All of them make the same calls in the same
 /// order, and must be of the same build, on machines of the same kind. The program batten-mpi has such a group over MPI. A

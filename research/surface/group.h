@@ -1,7 +1,7 @@
-#ifndef SURFACE_GROUP_H
-#define SURFACE_GROUP_H
+#ifndef RESEARCH_SURFACE_GROUP_H
+#define RESEARCH_SURFACE_GROUP_H
 
-#include "batten/distributed.h"
+#include "batten/research/distributed.h"
 
 /// @file
 /// Work that the processes of a group share. A null group is a process alone: then nothing is exchanged.
