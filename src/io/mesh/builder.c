@@ -170,6 +170,11 @@ bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark)
     return ARRAY_ADD(builder->mesh.corners, builder->mark_capacity, builder->mesh.corner_count, mark);
 }
 
+bat_status mesh_builder_no_memory(const mesh_builder *builder, bat_error *error)
+{
+    return error_memory(error, builder->position_capacity * sizeof(double));
+}
+
 /// Check that every face has three corners or may have more, and that its indices are valid.
 static bat_status check_faces(const bat_mesh *mesh, bool polygons, bat_error *error)
 {

@@ -56,6 +56,9 @@ bool mesh_builder_mark(mesh_builder *builder, bat_mesh_corner mark);
 /// Set the label of the faces that follow. Faces without one have no names. False when out of memory.
 bool mesh_builder_label(mesh_builder *builder, const label_name names[MESH_LABEL_NAMES]);
 
+/// BAT_NO_MEMORY, by the size of the vertices.
+bat_status mesh_builder_no_memory(const mesh_builder *builder, bat_error *error);
+
 /// Check the faces, triangulate polygons unless options->polygons keeps them, and return the mesh. If only some faces have
 /// texture coordinates, the others get (0, 0). The builder is empty afterwards, also on failure.
 ///

@@ -64,11 +64,6 @@ static void reader_free(gltf_reader *reader)
     gltf_close(&reader->document);
 }
 
-static bat_status no_memory(const gltf_reader *reader, bat_error *error)
-{
-    return error_memory(error, reader->builder.position_capacity * sizeof(double));
-}
-
 // Primitives
 
 /// Read the accessor that a member names, if there is one.
@@ -142,7 +137,7 @@ static bat_status find_vertex(gltf_reader *reader, gltf_primitive *primitive, si
     *vertex = primitive->vertices[local] = mesh_builder_merge(builder, image);
     double *channels = reader->colours > 0 && builder->mesh.vertex_count > before ? mesh_builder_channels(builder) : NULL;
     if (*vertex == BAT_MESH_NONE || (channels == NULL && reader->colours > 0 && *vertex == before))
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     if (channels != NULL)
         memcpy(channels, colour, reader->colours * sizeof *channels);
     else if (reader->colours > 0)
@@ -162,7 +157,7 @@ static bat_status find_texture(gltf_reader *reader, gltf_primitive *primitive, s
     const double *given = primitive->texture.numbers + 2 * local;
     *texture = mesh_builder_merge_texture(&reader->builder, vertex, given[0], 1 - given[1]);
     if (*texture == BAT_MESH_NONE)
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     primitive->textures[local] = *texture;
     return BAT_OK;
 }
@@ -189,8 +184,8 @@ static bat_status add_triangle(gltf_reader *reader, gltf_primitive *primitive, c
     }
     for (int c = 0; c < 3; c++)
         if (!mesh_builder_corner(&reader->builder, vertices[c], textures[c]))
-            return no_memory(reader, error);
-    return mesh_builder_end_face(&reader->builder, 3) ? BAT_OK : no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
+    return mesh_builder_end_face(&reader->builder, 3) ? BAT_OK : mesh_builder_no_memory(&reader->builder, error);
 }
 
 static bat_status add_triangles(gltf_reader *reader, gltf_primitive *primitive, size_t mode, bat_error *error)
@@ -241,8 +236,9 @@ static bat_status set_label(gltf_reader *reader, const gltf_instance *instance, 
     bool named = false;
     for (int k = 0; k < MESH_LABEL_NAMES; k++)
         named = named || names[k].begin != NULL;
-    return (!named && !reader->builder.labelled) || mesh_builder_label(&reader->builder, names) ? BAT_OK
-                                                                                                : no_memory(reader, error);
+    return (!named && !reader->builder.labelled) || mesh_builder_label(&reader->builder, names)
+               ? BAT_OK
+               : mesh_builder_no_memory(&reader->builder, error);
 }
 
 /// Count what a primitive has beside the first texture coordinates and colours.
@@ -314,7 +310,7 @@ static bat_status read_primitive(gltf_reader *reader, const gltf_instance *insta
         primitive.vertices = memory_array(count, sizeof *primitive.vertices);
         primitive.textures = memory_array(count, sizeof *primitive.textures);
         if (primitive.vertices == NULL || primitive.textures == NULL)
-            status = no_memory(reader, error);
+            status = mesh_builder_no_memory(&reader->builder, error);
         else
         {
             memset(primitive.vertices, 0xff, count * sizeof *primitive.vertices);
@@ -362,7 +358,7 @@ static bat_status plan_colours(gltf_reader *reader, const gltf_instance *instanc
     }
     return reader->colours == 0 || mesh_builder_name_channels(&reader->builder, mesh_colour_names, reader->colours)
                ? BAT_OK
-               : no_memory(reader, error);
+               : mesh_builder_no_memory(&reader->builder, error);
 }
 
 static bat_status read_instance(gltf_reader *reader, const gltf_instance *instance, bat_error *error)
@@ -413,7 +409,9 @@ static bat_status read_files(gltf_reader *reader, bat_error *error)
     label_name files = name_of(json_object_get(reader->document.root, "extras"), "material_files");
     if (files.begin != NULL)
         reader->builder.mesh.material_files = label_name_copy(files);
-    return files.begin == NULL || reader->builder.mesh.material_files != NULL ? BAT_OK : no_memory(reader, error);
+    return files.begin == NULL || reader->builder.mesh.material_files != NULL
+               ? BAT_OK
+               : mesh_builder_no_memory(&reader->builder, error);
 }
 
 static bat_status read_scene(gltf_reader *reader, bat_error *error)

@@ -198,11 +198,6 @@ typedef struct obj_reader
     size_t colours; ///< the number of colour values of every vertex
 } obj_reader;
 
-static bat_status no_memory(const obj_reader *reader, bat_error *error)
-{
-    return error_memory(error, reader->builder.position_capacity * sizeof(double));
-}
-
 /// BAT_BAD_FILE at the current line, for the vertex or face of this index.
 static bat_status fault(const obj_reader *reader, size_t index, const char *text, bat_error *error)
 {
@@ -244,19 +239,19 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
     {
         reader->colours = colours;
         if (!mesh_builder_name_channels(builder, mesh_colour_names, colours))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     }
     if (colours != reader->colours)
         return fault(reader, index, "the vertex has another number of colour values than those before it", error);
     double *position = mesh_builder_vertex(builder);
     if (position == NULL)
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     memcpy(position, numbers, 3 * sizeof *position);
     if (colours == 0)
         return BAT_OK;
     double *channels = mesh_builder_channels(builder);
     if (channels == NULL)
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     memcpy(channels, numbers + 3, colours * sizeof *channels);
     return BAT_OK;
 }
@@ -271,7 +266,7 @@ static bat_status read_texture(obj_reader *reader, bat_error *error)
         return status;
     double *texture = mesh_builder_texture(&reader->builder);
     if (texture == NULL)
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     texture[0] = numbers[0];
     texture[1] = numbers[1];
     return BAT_OK;
@@ -326,7 +321,7 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
     size_t size = 0, index = builder->mesh.face_count;
     bool textured = false;
     if (!obj_labels_apply(&reader->labels, builder))
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     for (; !scan_line_done(&reader->scan); size++)
     {
         uint32_t vertex, texture;
@@ -340,13 +335,13 @@ static bat_status read_face(obj_reader *reader, bat_error *error)
         }
         textured = texture != BAT_MESH_NONE;
         if (!mesh_builder_corner(builder, vertex, texture))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     }
     if (size < 3)
         return fault(reader, index, "a face needs at least 3 corners", error);
     if (size >= BAT_MESH_NONE)
         return error_set(error, BAT_TOO_LARGE, index, reader->scan.line, "the face has too many corners");
-    return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : no_memory(reader, error);
+    return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : mesh_builder_no_memory(&reader->builder, error);
 }
 
 /// Read the counts of a tag, `integers/floats/strings`. False when they are invalid.
@@ -392,7 +387,7 @@ static bat_status read_marks(obj_reader *reader, bool crease, const uint64_t cou
         bool added = crease ? mesh_builder_crease(builder, (bat_mesh_crease){vertices[0], vertices[1], sharpness})
                             : mesh_builder_mark(builder, (bat_mesh_corner){vertices[0], sharpness});
         if (!added)
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     }
     reader->scan = values;
     return status;

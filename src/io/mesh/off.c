@@ -23,11 +23,6 @@ typedef struct off_reader
     size_t vertices, faces;                ///< from the header
 } off_reader;
 
-static bat_status no_memory(const off_reader *reader, bat_error *error)
-{
-    return error_memory(error, reader->builder.position_capacity * sizeof(double));
-}
-
 static bool skip_letters(word_scan *scan, const char *letters)
 {
     size_t size = strlen(letters);
@@ -89,7 +84,7 @@ static bat_status read_header(off_reader *reader, bat_error *error)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan->line,
                          "the file is too short for %zu vertices and %zu faces", reader->vertices, reader->faces);
     if (status == BAT_OK && !mesh_builder_reserve(&reader->builder, reader->vertices, reader->faces))
-        status = no_memory(reader, error);
+        status = mesh_builder_no_memory(&reader->builder, error);
     return status;
 }
 
@@ -103,7 +98,7 @@ static bat_status take_vertex(off_reader *reader, const double *numbers, size_t 
     {
         reader->colours = count == before_colour + texture + 3 ? 3 : 4;
         if (!mesh_builder_name_channels(builder, mesh_colour_names, reader->colours))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     }
     size_t expected = before_colour + reader->colours + texture;
     if (count != expected)
@@ -113,7 +108,7 @@ static bat_status take_vertex(off_reader *reader, const double *numbers, size_t 
     double *colour = reader->coloured ? mesh_builder_channels(builder) : NULL;
     double *place = reader->textured ? mesh_builder_texture(builder) : NULL;
     if (position == NULL || (reader->coloured && colour == NULL) || (reader->textured && place == NULL))
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     memcpy(position, numbers, COORDINATES * sizeof *numbers);
     if (reader->coloured)
         memcpy(colour, numbers + before_colour, reader->colours * sizeof *numbers);
@@ -176,12 +171,12 @@ static bat_status read_face(off_reader *reader, bat_error *error)
         if (!scan_count(scan, reader->vertices, &vertex))
             return scan_word_fault(scan, index, "is not the number, from 0, of a vertex", error);
         if (!mesh_builder_corner(builder, (uint32_t)vertex, reader->textured ? (uint32_t)vertex : BAT_MESH_NONE))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     }
     bat_status status = skip_colour(reader, error);
     if (status != BAT_OK)
         return status;
-    return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : no_memory(reader, error);
+    return mesh_builder_end_face(builder, (uint32_t)size) ? BAT_OK : mesh_builder_no_memory(&reader->builder, error);
 }
 
 /// Scale colours from 0 … 255 to 0 … 1 if any value is greater than 1.

@@ -49,11 +49,6 @@ static void reader_free(ply_reader *reader)
     free(reader->face);
 }
 
-static bat_status no_memory(const ply_reader *reader, bat_error *error)
-{
-    return error_memory(error, reader->builder.position_capacity * sizeof(double));
-}
-
 static size_t line_of(const ply_reader *reader)
 {
     return reader->source.encoding == PLY_TEXT ? reader->source.scan.line : 0;
@@ -195,7 +190,7 @@ static bat_status place_channels(ply_reader *reader, const ply_element *vertex, 
     for (size_t i = 0; i < count; i++)
         free(names[i]);
     free(names);
-    return made ? BAT_OK : no_memory(reader, error);
+    return made ? BAT_OK : mesh_builder_no_memory(&reader->builder, error);
 }
 
 static bat_status place_columns(ply_reader *reader, const ply_element *vertex, bool texture_by_corner, bat_error *error)
@@ -204,7 +199,7 @@ static bat_status place_columns(ply_reader *reader, const ply_element *vertex, b
     reader->places = memory_array(vertex->property_count, sizeof *reader->places);
     reader->row = memory_array(CHANNEL_COLUMN + vertex->property_count, sizeof *reader->row);
     if (reader->places == NULL || reader->row == NULL)
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     for (size_t i = 0; i < vertex->property_count; i++)
         reader->places[i] = (ply_place){NO_COLUMN, 1.0};
     for (size_t k = 0; k < 3; k++)
@@ -261,7 +256,7 @@ static bat_status store_vertex(ply_reader *reader, bat_error *error)
     double *texture = reader->textured ? mesh_builder_texture(builder) : NULL;
     double *channels = builder->mesh.channel_count > 0 ? mesh_builder_channels(builder) : NULL;
     if (position == NULL || (reader->textured && texture == NULL) || (builder->mesh.channel_count > 0 && channels == NULL))
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     memcpy(position, reader->row, 3 * sizeof *position);
     if (texture != NULL)
         memcpy(texture, reader->row + TEXTURE_COLUMN, 2 * sizeof *texture);
@@ -311,7 +306,7 @@ static bat_status read_corners(ply_reader *reader, const ply_element *element, s
             return error_set(error, BAT_BAD_FILE, row, line_of(reader), "face %zu names vertex %.0f, but there are %zu", row,
                              vertex, reader->vertices);
         if (!ARRAY_GROW(reader->face, reader->face_capacity, i + 1))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
         reader->face[i] = (uint32_t)vertex;
     }
     return BAT_OK;
@@ -340,7 +335,7 @@ static bat_status read_texture(ply_reader *reader, const ply_element *element, s
         if (length > 0)
             number = mesh_builder_merge_texture(&reader->builder, reader->face[i], texture[0], texture[1]);
         if ((length > 0 && number == BAT_MESH_NONE) || !mesh_builder_corner(&reader->builder, reader->face[i], number))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     }
     reader->source.scan = after;
     return BAT_OK;
@@ -351,7 +346,7 @@ static bat_status add_corners(ply_reader *reader, size_t size, bat_error *error)
 {
     for (size_t i = 0; i < size; i++)
         if (!mesh_builder_corner(&reader->builder, reader->face[i], reader->textured ? reader->face[i] : BAT_MESH_NONE))
-            return no_memory(reader, error);
+            return mesh_builder_no_memory(&reader->builder, error);
     return BAT_OK;
 }
 
@@ -395,7 +390,7 @@ static bat_status read_face(ply_reader *reader, const ply_element *element, size
     else
         status = add_corners(reader, size, error);
     if (status == BAT_OK && !mesh_builder_end_face(&reader->builder, (uint32_t)size))
-        status = no_memory(reader, error);
+        status = mesh_builder_no_memory(&reader->builder, error);
     return status;
 }
 
@@ -431,7 +426,7 @@ static bat_status read_element(ply_reader *reader, const ply_element *element, b
     bool vertex = ply_name_is(element->name, "vertex"), face = ply_name_is(element->name, "face");
     if ((vertex && !mesh_builder_reserve(&reader->builder, element->count, 0)) ||
         (face && !mesh_builder_reserve(&reader->builder, 0, element->count)))
-        return no_memory(reader, error);
+        return mesh_builder_no_memory(&reader->builder, error);
     if (vertex)
         return read_vertices(reader, element, error);
     return face ? read_faces(reader, element, error) : skip_element(reader, element, error);

@@ -18,11 +18,6 @@ enum
     TRIANGLE_SIZE = 50 ///< a normal, three vertices, two bytes of attributes
 };
 
-static bat_status no_memory(const mesh_builder *builder, bat_error *error)
-{
-    return error_memory(error, builder->position_capacity * sizeof(double));
-}
-
 /// Add a corner. Corners with equal coordinates become one vertex.
 static bool add_corner(mesh_builder *builder, const double point[3])
 {
@@ -85,9 +80,9 @@ static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes,
                 return error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index);
         }
         if (!add_corner(builder, point))
-            return no_memory(builder, error);
+            return mesh_builder_no_memory(builder, error);
     }
-    return mesh_builder_end_face(builder, 3) ? BAT_OK : no_memory(builder, error);
+    return mesh_builder_end_face(builder, 3) ? BAT_OK : mesh_builder_no_memory(builder, error);
 }
 
 static bat_status read_binary(mesh_builder *builder, const file_text *text, bat_error *error)
@@ -102,7 +97,7 @@ static bat_status read_binary(mesh_builder *builder, const file_text *text, bat_
                          data / TRIANGLE_SIZE, data % TRIANGLE_SIZE > 0 ? " and a part" : "");
     // A closed mesh has about half as many vertices as faces.
     if (!mesh_builder_reserve(builder, count / 2, count) || !point_table_reserve(&builder->points, count / 2))
-        return no_memory(builder, error);
+        return mesh_builder_no_memory(builder, error);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
         status = read_binary_triangle(builder, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, error);
@@ -136,7 +131,7 @@ static bat_status read_text_vertex(mesh_builder *builder, word_scan *scan, bat_e
             return scan_number_fault(scan, index, three, error);
     if (!scan_line_done(scan))
         return error_set(error, BAT_BAD_FILE, index, scan->line, "%s", three);
-    return add_corner(builder, point) ? BAT_OK : no_memory(builder, error);
+    return add_corner(builder, point) ? BAT_OK : mesh_builder_no_memory(builder, error);
 }
 
 /// Read a facet after its first word. Its normal follows from its corners and is skipped.
@@ -152,7 +147,7 @@ static bat_status read_text_facet(mesh_builder *builder, word_scan *scan, bat_er
     if (status == BAT_OK)
         status = expect(scan, index, "endfacet", NULL, error);
     if (status == BAT_OK && !mesh_builder_end_face(builder, 3))
-        status = no_memory(builder, error);
+        status = mesh_builder_no_memory(builder, error);
     return status;
 }
 
