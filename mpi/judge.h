@@ -3,7 +3,7 @@
 
 #include "points.h"
 
-#include "batten/surface.h"
+#include "batten/research/surface_chart.h"
 
 /// @file
 /// The verdict on a distributed surface. Rank 0 judges by all points, or by an even part of many: every k-th along the

@@ -80,15 +80,6 @@ typedef struct bat_surface_verdict
     double place[3];    ///< where the fault is worst
 } bat_surface_verdict;
 
-/// Judge a surface by points: distances both ways, areas, normals.
-/// @param cloud      the points; no two alike
-/// @param parameters count x 2: theirs
-/// @param distances  count: theirs from the surface
-/// @param options    null for the defaults; their tolerance counts
-/// @return BAT_OK; the failures of bat_cloud_check(); BAT_NO_MEMORY
-BAT_API bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud *cloud, const double *parameters,
-                                     const double *distances, const bat_surface_fit_options *options,
-                                     bat_surface_verdict *verdict, bat_error *error);
 /// BAT_OK for a surface that is right; else BAT_NO_CONVERGENCE with a text of what is wrong and where.
 BAT_API bat_status bat_surface_verdict_check(const bat_surface_verdict *verdict, bat_error *error);
 /// Whether noise keeps the share of points from the tolerance of a fit.

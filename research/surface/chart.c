@@ -390,3 +390,21 @@ bat_status bat_surface_loop_outermost(const double *frames, size_t loop, const d
     free(places);
     return status;
 }
+
+bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud *cloud, const double *parameters,
+                             const double *distances, const bat_surface_fit_options *options, bat_surface_verdict *verdict,
+                             bat_error *error)
+{
+    const bat_surface_fit_options defaults = bat_surface_fit_defaults();
+    cloud_geometry geometry = {0};
+    bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK)
+        status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK)
+        status = cloud_geometry_make(cloud, options->threads, options->progress, &geometry, error);
+    if (status == BAT_OK)
+        status = surface_judge(&geometry, surface, parameters, distances, cloud->count, options, verdict, error);
+    cloud_geometry_free(&geometry);
+    return status;
+}

@@ -405,11 +405,6 @@ static double noise_reach(const cloud_geometry *geometry)
     return FAR_NOISE * (geometry->is_deep ? fmin(geometry->noise, DEEP_NOISE * geometry->middle_spacing) : geometry->noise);
 }
 
-static double far_of(const cloud_geometry *geometry, double spacing)
-{
-    return FAR_SPACINGS * spacing + noise_reach(geometry);
-}
-
 /// Sum the areas; `verdict` is still in units of the scaled cloud, `area` in those of the given one.
 /// @param farthest distance of the surface from the points that passes, in spacings
 /// @param strays   receives whether a place is farther
@@ -425,7 +420,7 @@ static void sum_samples(const cloud_geometry *geometry, const surface_samples *s
         front += samples->cosines[s] >= CROSS_COSINE ? area : 0;
         back += samples->cosines[s] <= -CROSS_COSINE ? area : 0;
         double spacing = geometry->spacing[samples->nearest[s]];
-        far += distance > far_of(geometry, spacing) ? area : 0;
+        far += distance > FAR_SPACINGS * spacing + noise_reach(geometry) ? area : 0;
         // A negation is true for what is not a number.
         *strays =
             *strays ||
@@ -589,22 +584,4 @@ bat_status bat_surface_verdict_check(const bat_surface_verdict *verdict, bat_err
         return BAT_OK;
     surface_verdict_text(verdict, text, sizeof text);
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the surface is wrong: %s", text);
-}
-
-bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud *cloud, const double *parameters,
-                             const double *distances, const bat_surface_fit_options *options, bat_surface_verdict *verdict,
-                             bat_error *error)
-{
-    const bat_surface_fit_options defaults = bat_surface_fit_defaults();
-    cloud_geometry geometry = {0};
-    bat_status status = bat_options_check(&bat_surface_fit_fields, options, error);
-    options = options != NULL ? options : &defaults;
-    if (status == BAT_OK)
-        status = bat_cloud_check(cloud, error);
-    if (status == BAT_OK)
-        status = cloud_geometry_make(cloud, options->threads, options->progress, &geometry, error);
-    if (status == BAT_OK)
-        status = surface_judge(&geometry, surface, parameters, distances, cloud->count, options, verdict, error);
-    cloud_geometry_free(&geometry);
-    return status;
 }

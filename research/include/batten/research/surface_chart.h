@@ -79,6 +79,16 @@ BAT_API bat_status bat_surface_chart_finish(bat_surface_chart *chart, bat_spline
                                             bat_surface_fit_report *report, const double *parameters,
                                             const double *distances, bat_surface_result *result, bat_error *error);
 
+/// Judge a surface by points: distances both ways, areas, normals.
+/// @param cloud      the points; no two alike
+/// @param parameters count x 2: theirs
+/// @param distances  count: theirs from the surface
+/// @param options    null for the defaults; their tolerance counts
+/// @return BAT_OK; the failures of bat_cloud_check(); BAT_NO_MEMORY
+BAT_API bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud *cloud, const double *parameters,
+                                     const double *distances, const bat_surface_fit_options *options,
+                                     bat_surface_verdict *verdict, bat_error *error);
+
 BAT_C_END
 
 #endif
