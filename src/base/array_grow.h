@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Make room in a malloc() array for `needed` elements of `size` bytes, at least doubling it when it must move. False when
-/// out of memory, the array then being as it was.
+/// Make room in a malloc() array for `needed` elements of `size` bytes, doubling it where it moves. False: it is as it was.
 static inline bool array_grow(void **array, size_t *capacity, size_t needed, size_t size)
 {
     enum

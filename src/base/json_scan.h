@@ -33,8 +33,7 @@ bool json_scan_is(const json_scanner *scan, const char *text);
 /// Skip a value: up to its closing bracket, or up to the comma or bracket after a plain value.
 bool json_scan_value(json_scanner *scan);
 
-/// Advance to the next element of an array, after its opening bracket and `index` elements. False, behind the closing
-/// bracket, at the end of the array.
+/// Advance to the next element of an array, behind its bracket and `index` elements. False behind the closing bracket.
 bool json_scan_element(json_scanner *scan, size_t index);
 
 /// Skip an array if it is valid JSON and holds only numbers and arrays, nested at most `depth` deep.

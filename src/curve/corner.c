@@ -18,8 +18,7 @@ static const double MIN_CORNER = 20;
 
 /// How far edges at right angles may differ from them, in degrees: of surveyed lines, and of lines bent by a projection.
 static const double WIDTHS[] = {3, 10};
-/// Of the total length, the share of edges at right angles from which their right turns are corners, and from which short
-/// edges between them are cut corners.
+/// Shares of the length at right angles from which right turns are corners, and short edges between are cut corners.
 static const double MIN_SHARE = 0.4, SQUARE_SHARE = 0.7;
 /// With which probability edges of random directions may be taken for edges at right angles.
 static const double CHANCE = 0.01;

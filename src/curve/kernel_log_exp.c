@@ -98,8 +98,7 @@ static bat_status run_smoothing(const refine_kernel *kernel, const double *point
     return BAT_OK;
 }
 
-/// One block of edges on the sphere, coordinate by coordinate: the points that the stencils touch, the base points, the
-/// sums of weighted logarithms, and the new points.
+/// One block of edges on the sphere, by coordinates: the stencils' points, base points, sums of logarithms, new points.
 typedef struct sphere_block
 {
     double point_x[BLOCK + BAT_MASK_MAX], point_y[BLOCK + BAT_MASK_MAX], point_z[BLOCK + BAT_MASK_MAX];

@@ -7,8 +7,7 @@
 /// @return BAT_OK or BAT_INVALID_ARGUMENT with the coefficient at fault
 bat_status mask_check(const bat_mask *mask, bat_error *error);
 
-/// Whether a mask stands beside its index 0, at most its own length away: with any other the refined curve is somewhere else
-/// along the points than the points are.
+/// Whether a mask is at most its own length away from index 0: with others the curve is elsewhere along the points.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT with the range of the first index
 bat_status mask_check_place(const bat_mask *mask, bat_error *error);
 

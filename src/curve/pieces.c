@@ -536,11 +536,6 @@ static bat_status pieces_run(pieces *all, const bat_curve *coarse, double *point
     return BAT_OK;
 }
 
-static bat_progress progress_of(const bat_curve_refine_options *options)
-{
-    return options != NULL ? options->progress : (bat_progress){0};
-}
-
 bat_status pieces_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count, bat_error *error)
 {
     pieces all;
@@ -570,7 +565,7 @@ bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options
     pieces all;
     bat_curve result = {0};
     size_t *rows = NULL;
-    progress_part part = {progress_of(options), 0, SEARCH_SHARE};
+    progress_part part = {options != NULL ? options->progress : (bat_progress){0}, 0, SEARCH_SHARE};
     bat_status status = pieces_make(coarse, options, progress_of_part(&part), &all, error);
     if (status == BAT_OK)
         status = refined_rows(coarse, all.rows, corners_wanted(coarse, &all.plan.options), room, &result, error);

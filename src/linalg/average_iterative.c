@@ -416,8 +416,7 @@ enum
     VECTORS = 7
 };
 
-/// A residual of so many units of rounding, in proportion to the largest constant, is small enough for a thousand unknowns;
-/// for more, the root of their number times as many.
+/// A residual of so many units of rounding of the largest constant is small enough, times the root of thousands of unknowns.
 static const double ENOUGH = 16 * DBL_EPSILON;
 static const double FEW = 1000;
 /// Where the residual no longer falls, so many times as much will do.

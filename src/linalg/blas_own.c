@@ -4,8 +4,7 @@
 #include <math.h>
 #include <stddef.h>
 
-// A matrix that is multiplied from the left is read by rows, so that the inner loop runs over contiguous numbers and the
-// compiler makes vector instructions of it.
+// A matrix from the left is read by rows, so that the inner loop runs over contiguous numbers in vector instructions.
 
 static size_t row_step(CBLAS_TRANSPOSE trans, int stride)
 {

@@ -28,8 +28,7 @@ static inline double *matrix_set_at(const matrix_set *set, size_t index)
     return set->entries + index * set->dimension * set->dimension;
 }
 
-/// Scale coordinates by powers of two, the same for all matrices, so that rows and columns have similar sums (Osborne 1960).
-/// Exact; changes no spectral radius.
+/// Scale coordinates by powers of two, the same for all matrices, for similar sums of rows and columns (Osborne 1960).
 void matrix_set_balance(matrix_set *set);
 
 /// A product by the indices of its factors, leftmost first.

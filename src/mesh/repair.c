@@ -206,8 +206,7 @@ enum
     TURNED
 };
 
-/// Visit all faces connected to `first` and decide which to turn over so that all have its orientation. Appends the faces to
-/// `queue` and returns its new length.
+/// Decide which of the faces connected to `first` to turn over. Appends them to `queue` and returns its new length.
 static size_t propagate_turns(const repair_work *work, uint32_t first, unsigned char *turn, uint32_t *queue, size_t begin)
 {
     size_t end = begin;

@@ -249,8 +249,7 @@ static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_curv
     return BAT_OK;
 }
 
-/// Convert velocities to the tangents that the scheme refines, or estimate tangents where there are none. Data for
-/// BAT_HERMITE_KIND_TRANSPORT have times here.
+/// Convert velocities to the tangents of the scheme, or estimate these. BAT_HERMITE_KIND_TRANSPORT has times here.
 static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_method method,
                                 const bat_motion_curves_options *options, bat_error *error)
 {

@@ -583,8 +583,7 @@ static double median_sigma(noise_search *search)
     return search->sorted[search->s.count / 2] / sqrt(part * part * part);
 }
 
-/// Fit all components, each for itself but those of rotations, which have one weight of the penalty. `*sigma` receives the
-/// noise of a key, where it is unknown.
+/// Fit all components, those of rotations with one weight of the penalty. `*sigma` receives an unknown noise.
 static bat_status fit_all(noise_search *search, double *sigma, bat_error *error)
 {
     smoother *s = &search->s;

@@ -155,8 +155,7 @@ bat_status spline_tensor_prepare(spline_system *system, bat_motion_ends ends, ba
                                  const double *begin_velocity, const double *end_velocity, double *records,
                                  size_t record_size, bat_error *error);
 
-/// Move noisy keys of one factor, FACTOR_FLAT or FACTOR_ROTATION, onto the penalized spline with the least expected error;
-/// see bat_motion_spline_options. Ends are natural.
+/// Move noisy keys of one factor, FACTOR_FLAT or FACTOR_ROTATION, onto the spline of least expected error, natural at ends.
 ///
 /// @param lengths of the count - 1 intervals in time
 /// @param points  count x point_dim; replaced

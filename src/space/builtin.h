@@ -5,8 +5,7 @@
 
 #include <math.h>
 
-/// Whether a space is one that the library made, so that code written for it in closed form applies. A user's space is not,
-/// even where it has some of our functions.
+/// Whether a space is the library's, so that closed forms apply; not a user's, even with some of our functions.
 bool space_is_euclidean(const bat_space *space);
 bool space_is_plane(const bat_space *space);
 bool space_is_sphere(const bat_space *space); ///< S^2
@@ -51,8 +50,7 @@ void positive_definite_identity(const bat_space *space, double *point);
 bat_status positive_definite_convert(const bat_space *space, const double *log, const double *point, const double *vector,
                                      bool to_log, double *result);
 
-// The functions of the rotation group, for the spaces that contain it as well: none reads `space`. Tangent vectors are
-// rotation vectors in the body's frame.
+// The functions of the rotation group, which do not read `space`. Tangents are rotation vectors in the body's frame.
 
 const char *rotation_fault(const bat_space *space, const double *point);
 bat_status rotation_project(const bat_space *space, const double *coordinates, double *point);

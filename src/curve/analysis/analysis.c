@@ -44,8 +44,7 @@ static void multiply_by_factor(bat_mask *mask)
     ++mask->count;
 }
 
-/// The first `count` coefficients of the power series a(z) / (1 + z)^n, from the low end (step 1) or, for the reversed
-/// polynomial, from the high end (step -1) of the mask.
+/// The first `count` coefficients of the series a(z) / (1 + z)^n, from the mask's low end (step 1) or high end (step -1).
 static void divide_series(const double *start, ptrdiff_t step, size_t n, size_t count, double *series)
 {
     for (size_t k = 0; k < count; k++)

@@ -308,8 +308,7 @@ static void group_discs(disc *discs, size_t count)
     }
 }
 
-/// One eigenvalue for a group: its exact member if there is just one, else the mean, which rounding moves little even where
-/// the members scatter because the matrix is defective.
+/// One eigenvalue for a group: its only exact member, else the mean, which rounding moves little in defective matrices.
 static bat_analysis_eigenvalue eigenvalue_of_group(const disc *discs, size_t count, size_t group)
 {
     bat_analysis_eigenvalue value = {0};

@@ -45,8 +45,7 @@ void limit_matrix(const bat_mask *mask, double *matrix);
 /// factor (1 + z)^n brings are taken as exact; the others are those of the quotient's local matrix.
 bat_status limit_eigenvalues(const mask_symbol *symbol, bat_analysis *analysis, bat_error *error);
 
-/// The stencil of the limit at 0 of the index parametrization; weight -k is the basic limit function at the integer k. The
-/// scheme must converge.
+/// The stencil of the limit at 0: weight -k is the basic limit function at the integer k. The scheme must converge.
 bat_status limit_point(const mask_symbol *symbol, bat_mask_stencil *stencil, bat_error *error);
 /// The stencil of the derivative there; count 0 unless 1/2 is a simple eigenvalue and only 1 is larger.
 bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_mask_stencil *stencil,

@@ -75,15 +75,9 @@ static bool may_meet(void *context, edge_place first, edge_place second)
 
 // Steps
 
-/// The arcs of the graph are not refined yet.
-static bool is_first_step(const arc_job *job)
-{
-    return job->fine->arcs == NULL;
-}
-
 static const bat_curve *arcs_of(const arc_job *job)
 {
-    return is_first_step(job) ? job->graph->arcs : job->fine->arcs;
+    return job->fine->arcs == NULL ? job->graph->arcs : job->fine->arcs;
 }
 
 /// Refine one arc with stops, where edges have levels of their own.

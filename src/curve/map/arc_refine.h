@@ -260,8 +260,7 @@ bat_status arcs_keep_area(const arc_graph *graph, const bat_curve *curves, size_
 
 // Smoothing of the arcs of a map, each once, with its nodes fixed.
 
-/// Smooth the arcs of a graph. Arcs that then cross others which they did not cross, or that have passed over another part
-/// of the map, are drawn back until none does.
+/// Smooth the arcs of a graph. Those that then cross others, or have passed over another part, are drawn back.
 /// @param options with `smooth`
 /// @param chart   where arcs must not meet; null: nothing is tested
 /// @param report  receives what smoothing did

@@ -249,12 +249,6 @@ static bat_status edge_tree(const bat_curve *curve, nearest_tree *tree, bat_erro
     return status;
 }
 
-/// Whether the nearest point by chord is the nearest by geodesic.
-static bool chord_decides(const bat_space *space)
-{
-    return space_is_euclidean(space) || space_is_sphere(space);
-}
-
 static bat_status finder_make(const bat_curve *curve, const bat_curve_measure_options *options, finder *made,
                               bat_error *error)
 {
@@ -262,7 +256,7 @@ static bat_status finder_make(const bat_curve *curve, const bat_curve_measure_op
     *made = (finder){.curve = curve, .geodesic = options->geodesic};
     if (options->to_segments)
         return edge_tree(curve, &made->tree, error);
-    if (!options->geodesic || chord_decides(space))
+    if (!options->geodesic || space_is_euclidean(space) || space_is_sphere(space))
         return nearest_build(NEAREST_POINTS, curve->points, NULL, curve->count, space->point_dim, &made->tree, error);
     if (space_is_disk(space))
         return disk_tree(curve, &made->tree, error);

@@ -106,12 +106,6 @@ static double correlation(const moments *a, const moments *b, double products)
     return covariance / sqrt((variance_of(a) + FAINT) * (variance_of(b) + FAINT));
 }
 
-/// The ratio of a length to the edge's own, within bounds whose products are finite.
-static double bounded_ratio(double length, double own)
-{
-    return fmin(fmax(length / own, 1e-100), 1e100);
-}
-
 /// The statistics of LEARNED_STATISTICS. Logarithms are those of ratios to the edge's own length.
 static void find_statistics(const double *angles, const double *lengths, double *statistics)
 {
@@ -120,7 +114,7 @@ static void find_statistics(const double *angles, const double *lengths, double 
     double ratios[2 * W + 1], logs[2 * W + 1], same = 0, straight = 0, alike = 0, with_span = 0;
     for (int i = -W; i <= W; i++)
     {
-        ratios[i + W] = bounded_ratio(lengths[i], lengths[0]);
+        ratios[i + W] = fmin(fmax(lengths[i] / lengths[0], 1e-100), 1e100); // their products are finite
         logs[i + W] = log(ratios[i + W]);
         moments_add(&sizes, logs[i + W]);
         alike += i > -W ? logs[i + W] * logs[i + W - 1] : 0;

@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The network of src/curve/network/learned_network.h for inference: no tape, no allocation. The weights are
-// used in the layout of their file.
+// The network of learned_network.h for inference: no tape, no allocation. Weights are in the layout of their file.
 
 enum
 {

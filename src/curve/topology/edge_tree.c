@@ -19,8 +19,7 @@
 /// Arithmetic operations that building and searching take for a leaf, roughly.
 #define LEAF_WORK 2000.0
 
-/// The classes of directions in the plane and in Klein's model: quadrants, half open, so that two that follow each other
-/// make a half-plane without opposite directions.
+/// The classes of directions in the plane and in Klein's model: half open quadrants; two neighbours make a half-plane.
 enum
 {
     EAST = 1,  ///< dx > 0, dy >= 0

@@ -118,8 +118,7 @@ static int exact_orientation(surface_kind kind, const double *const rows[3])
     return expansion_sign(&sum);
 }
 
-/// Shewchuk's orient2d filter: the error of the determinant of differences is at most (3 + 16 e) e times the sum of the
-/// absolute values of its two products.
+/// Shewchuk's orient2d filter: the error is at most (3 + 16 e) e times the sum of both products' absolute values.
 static int orientation_plane(const double *a, const double *b, const double *c)
 {
     double left = (a[0] - c[0]) * (b[1] - c[1]), right = (a[1] - c[1]) * (b[0] - c[0]);

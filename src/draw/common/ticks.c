@@ -43,12 +43,6 @@ tick_list ticks_linear(double low, double high, double wanted)
     return ticks;
 }
 
-/// The smallest power of ten that is not less than a positive number.
-static double power_above(double value)
-{
-    return pow(10.0, ceil(log10(value) - 1e-9));
-}
-
 /// Whether numbers of this size are short without an exponent.
 static bool plain(double size)
 {
@@ -63,7 +57,7 @@ tick_scale ticks_scale(double low, double high)
     double agreement = plain(largest) ? 1e5 : 1e2;
     if (largest > agreement * range)
     {
-        double unit = power_above(range);
+        double unit = pow(10.0, ceil(log10(range) - 1e-9));
         scale.offset = unit * round((low + 0.5 * range) / unit);
         largest = fmax(fabs(low - scale.offset), fabs(high - scale.offset));
     }

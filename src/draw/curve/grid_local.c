@@ -102,11 +102,6 @@ typedef struct window_range
     size_t label_count;
 } window_range;
 
-static bool in_window(const scene_frame *frame, double u, double v)
-{
-    return u >= frame->map.low[0] && u <= frame->map.high[0] && v >= frame->map.low[1] && v <= frame->map.high[1];
-}
-
 static bool pole_in_window(const scene_frame *frame, double side)
 {
     draw_view view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3};
@@ -114,12 +109,7 @@ static bool pole_in_window(const scene_frame *frame, double side)
     double v;
     view_set_globe(&view, frame->map.longitude, frame->map.latitude);
     view_project(&view, (double[3]){0.0, 0.0, side}, &u, &v);
-    return in_window(frame, u, v);
-}
-
-static bool is_polar(const scene_frame *frame)
-{
-    return pole_in_window(frame, 1.0) || pole_in_window(frame, -1.0);
+    return u >= frame->map.low[0] && u <= frame->map.high[0] && v >= frame->map.low[1] && v <= frame->map.high[1];
 }
 
 static void include_border(window_range *range, const draw_view *view, const scene_frame *frame, double u, double v)
@@ -381,7 +371,7 @@ insets grid_local_room(const scene_frame *frame, bool labels)
     window_range range = range_of(&view, frame);
     char label[48];
     grid_angle_label(range.north, range.lat_step, "N", "S", label, sizeof label);
-    bool polar = is_polar(frame);
+    bool polar = pole_in_window(frame, 1.0) || pole_in_window(frame, -1.0);
     size_t letters = 0;
     for (const char *c = label; *c != '\0'; c++)
         letters += ((unsigned char)*c & 0xc0u) != 0x80u ? 1 : 0;

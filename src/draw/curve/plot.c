@@ -280,8 +280,7 @@ static void clip_share(double from, double step, double low, double high, double
     *leave = fmin(*leave, fmax(a, b));
 }
 
-/// Append the visible part of a segment to the path (Liang and Barsky, "A new concept and method for line clipping", 1984).
-/// `joined` is true when the path has reached p.
+/// Append the visible part of a segment to the path (Liang and Barsky, 1984). `joined`: the path has reached p.
 /// @return whether the path has reached q
 static bool add_segment(path_simplifier *path, const plot_axis *x, const plot_axis *y, const double p[2], const double q[2],
                         bool joined)

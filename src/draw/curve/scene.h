@@ -114,8 +114,7 @@ typedef struct map_network
 /// The number of fills.
 #define MAP_COLOURS 6
 
-/// Find equal edges of the layers and colour the features: neighbours, which share an edge, differ while there are colours.
-/// Release the network with map_network_free().
+/// Find equal edges of the layers and colour the features differently from neighbours. Release with map_network_free().
 /// @return BAT_OK or BAT_NO_MEMORY; without polygons `network` is all zero
 bat_status map_network_make(const bat_curve_picture_panel *panel, map_network *network, bat_error *error);
 void map_network_free(map_network *network);
@@ -283,8 +282,8 @@ double grid_step(double range);
 void grid_angle_label(double seconds, double step, const char *positive, const char *negative, char *label, size_t size);
 /// The length of a scale bar, 1, 2 or 5 times a power of ten, up to a quarter of `width`.
 double grid_scale_length(double width);
-/// Draw a scale bar with its left end at (x, y), for a drawing that is `width` points and `extent` units wide. `unit` "m"
-/// counts kilometres and centimetres, too.
+/// Draw a scale bar with its left end at (x, y), of a drawing `width` points and `extent` units wide. "m" has km and cm,
+/// too.
 void grid_scale_bar(cairo_t *cairo, double x, double y, double width, double extent, const char *unit);
 /// The height that a scale bar takes.
 #define GRID_SCALE_HEIGHT 15.0

@@ -71,16 +71,10 @@ static void globe_arc(globe_tracer *tracer, const double *target, double step)
     globe_step(tracer, target);
 }
 
-/// The largest angle of an arc of this radius that deviates by at most `tolerance` from its chord.
-static double flat_angle(double radius, double tolerance)
-{
-    return fmin(0.1, sqrt(8.0 * tolerance / radius));
-}
-
 void view_trace_globe(const draw_view *view, const double *points, size_t count, bool closed, view_side side,
                       path_simplifier *path)
 {
-    double step = flat_angle(view->scale, view->tolerance);
+    double step = fmin(0.1, sqrt(8.0 * view->tolerance / view->scale));
     globe_tracer tracer = {.view = view, .path = path, .sign = side == VIEW_FRONT ? 1.0 : -1.0};
     view_rotate(view, points, tracer.point);
     tracer.visible = globe_visible(&tracer, tracer.point);

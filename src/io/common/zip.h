@@ -21,8 +21,7 @@ typedef struct zip_part
 /// Whether a file begins as an archive does.
 bool zip_resembles(const file_text *text);
 
-/// Find a part by its name, whose letters may be of either case, as in OPC packages (ISO/IEC 29500-2). All entries of the
-/// directory are checked against the file.
+/// Find a part by its name, in letters of either case (OPC, ISO/IEC 29500-2). All entries are checked against the file.
 /// @param part its `name` is null where there is none
 /// @return BAT_OK; BAT_BAD_FILE, also where two parts have the name; or BAT_UNSUPPORTED
 bat_status zip_find(const file_text *text, const char *name, zip_part *part, bat_error *error);

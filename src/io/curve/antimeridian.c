@@ -193,11 +193,6 @@ static bool crosses(const degree_grid *grid, const globe_curve *curve, size_t in
     return llabs(here.longitude - next.longitude) > grid->half_turn;
 }
 
-static size_t edge_count(const globe_curve *curve)
-{
-    return curve->closed ? curve->count : curve->count - 1;
-}
-
 bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
 {
     bool special = false;
@@ -215,7 +210,7 @@ bool globe_curve_show(const degree_grid *grid, globe_curve *curve)
     if (special && curve->closed && curve->role != GLOBE_LINE)
         assign_border_sides(grid, curve);
     curve->cut_count = 0;
-    for (size_t i = 0; i < edge_count(curve); i++)
+    for (size_t i = 0; i < (curve->closed ? curve->count : curve->count - 1); i++)
         curve->cut_count += crosses(grid, curve, i);
     return true;
 }

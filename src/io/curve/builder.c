@@ -130,8 +130,7 @@ bool builder_note_repeats(const curve_builder *builder, bat_curve_attributes *at
                            builder->repeats == 1 ? "" : "s", builder->first_repeat);
 }
 
-/// Take `count` values out of the builder's array: a copy of a small array, or a large array itself, to avoid a second copy
-/// in memory. Null when out of memory.
+/// Take `count` values out of the builder's array: a copy of a small one, or a large one itself. Null when out of memory.
 static double *take_doubles(double **values, size_t *capacity, size_t count)
 {
     static const int MANY = 1 << 16;

@@ -87,8 +87,7 @@ typedef struct csv_choice
     size_t times;  ///< a column of times that would have been a coordinate by its place, or BAT_NO_INDEX
 } csv_choice;
 
-/// Choose the columns of coordinates by their names, else by their places among the columns of numbers. Forms of rotations,
-/// poses and tensors are not considered.
+/// Choose the columns of coordinates by names, else by places among the columns of numbers, without regard to forms.
 /// @param space  a name, or null for the space that the columns imply
 /// @param motion a single column beside that of the times is a coordinate
 void csv_columns_choose(const csv_columns *columns, const char *space, bool motion, csv_choice *choice);
@@ -166,8 +165,7 @@ named_coordinates names_find_coordinates(const column_names *names);
 
 // Rows of CSV text: separators, quotes and numbers.
 
-/// The separator that a row shows: a comma, semicolon or tab outside quotes, or a blank for runs of blanks. Semicolons and
-/// tabs come before commas that can be decimal ones.
+/// The separator that a row shows: comma, semicolon or tab outside quotes, or runs of blanks; a comma comes last.
 char csv_find_separator(const text_line *line);
 
 /// Split a row into up to BAT_SPACE_MAX_DIM fields without blanks around them. Quotes stay; separators between them do not

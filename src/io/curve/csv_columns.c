@@ -419,11 +419,6 @@ static spellings const THIRDS = SPELLINGS("z", "zcoord", "zcoordinate", "coordz"
                                           "altitude", "ele", "elev", "elevation", "height", "h", "h\xC3\xB6he", "hoehe");
 static spellings const FOURTHS = SPELLINGS("w");
 
-static bool is_angle(name_unit unit)
-{
-    return unit == NAME_UNIT_DEGREES || unit == NAME_UNIT_RADIANS;
-}
-
 /// Whether two columns exist with units of one kind.
 static bool find_pair(const column_names *names, spellings first, spellings second, named_coordinates *found,
                       name_unit *unit)
@@ -481,7 +476,7 @@ named_coordinates names_find_coordinates(const column_names *names)
     {
         if (!find_pair(names, PLANES[i].first, PLANES[i].second, &found, &unit))
             continue;
-        if (is_angle(unit))
+        if (unit == NAME_UNIT_DEGREES || unit == NAME_UNIT_RADIANS)
             return as_geographic(names, found, unit);
         size_t third = find_spelled(names, THIRDS, &parts), fourth = find_spelled(names, FOURTHS, &parts);
         found.count = 2;

@@ -353,8 +353,7 @@ static bat_status read_comment(csv_reader *reader, const text_line *line, bat_er
     return BAT_OK;
 }
 
-/// Times increase strictly along a curve. Those of a closed one may fall again at its end, where refinement puts points
-/// between the last time and the first.
+/// Times increase strictly along a curve. Those of a closed one may fall at its end, where refinement puts points.
 static bat_status check_times(const csv_reader *reader, bool closed, bat_error *error)
 {
     const curve_builder *builder = &reader->builder;

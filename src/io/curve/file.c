@@ -340,12 +340,6 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
     return *format == BAT_CURVE_FORMAT_AUTO ? choice_unnamed_output(&bat_curve_format_family, error) : BAT_OK;
 }
 
-/// Whether curves were taken from a plane to the sphere for the time between reading and writing.
-static bool goes_back(const bat_curve_set *set)
-{
-    return set->attributes != NULL && set->attributes->on_sphere && set->space->point_dim == 3;
-}
-
 /// What of a file another format cannot hold, in words; null for nothing. GeoJSON has no measures without altitudes.
 static const char *lost_of(const bat_curve_set *set, bat_curve_format format)
 {
@@ -367,7 +361,7 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
                             text_buffer *memory, bat_error *error)
 {
     bat_curve_write_options chosen = options != NULL ? *options : bat_curve_write_defaults();
-    if (goes_back(set))
+    if (set->attributes != NULL && set->attributes->on_sphere && set->space->point_dim == 3)
     {
         bat_curve_set plane;
         bat_status moved = gis_to_plane(set, &plane, error);

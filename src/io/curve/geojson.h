@@ -139,8 +139,7 @@ typedef struct geojson_reader
 /// Make a reader for a file that is not a collection.
 geojson_reader geojson_reader_start(const bat_space *space, const bat_curve_read_options *options, bat_error *error);
 
-/// Parse JSON that begins on line `first_line` and extract its coordinates. The text must remain until they are read. Null
-/// on failure, with the error of the reader.
+/// Parse JSON from line `first_line` on, which must remain until its coordinates are read. Null on failure.
 json_t *geojson_parse(geojson_reader *reader, const char *begin, const char *end, size_t first_line);
 
 /// Read a feature, or a bare geometry, from the last tree of geojson_parse(), which the document takes, also on failure.

@@ -337,12 +337,6 @@ static bat_status refine_streamed(file_job *job, const char *input, const char *
     return status;
 }
 
-/// Whether a format is GeoJSON or a sequence of it.
-static bool is_geojson(bat_curve_format format)
-{
-    return attributes_are_geojson(&(bat_curve_attributes){.format = format});
-}
-
 /// Whether a file can go through memory part by part. Sets the format of the output.
 static bool can_stream(const char *input, const char *output, const bat_curve_refine_file_options *options,
                        bat_curve_format *format)
@@ -356,7 +350,7 @@ static bool can_stream(const char *input, const char *output, const bat_curve_re
     bool plain = !gis_is_virtual(input) && !gis_is_virtual(output) && options->read.layer == NULL &&
                  !options->read.on_sphere && options->write.crs == NULL;
     return sequence && plain && curve_format_choose(output, &attributes, &options->write, format, NULL) == BAT_OK &&
-           is_geojson(*format);
+           attributes_are_geojson(&(bat_curve_attributes){.format = *format});
 }
 
 static bat_status refine_whole(file_job *job, const char *input, const char *output)

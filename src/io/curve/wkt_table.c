@@ -39,11 +39,6 @@ static table_scan table_start(const file_text *text)
     return (table_scan){.at = text->data, .end = text->data + text->size, .separator = separator == ' ' ? ',' : separator};
 }
 
-static bool ends_row(const table_scan *scan)
-{
-    return scan->at == scan->end || *scan->at == '\n' || *scan->at == '\r';
-}
-
 /// Advance behind a field.
 static table_field next_field(table_scan *scan)
 {
@@ -57,7 +52,7 @@ static table_field next_field(table_scan *scan)
             scan->at += *scan->at == '"' ? 2 : 1;
         field.end = scan->at;
     }
-    while (!ends_row(scan) && *scan->at != scan->separator)
+    while (!(scan->at == scan->end || *scan->at == '\n' || *scan->at == '\r') && *scan->at != scan->separator)
         scan->at++;
     if (field.quoted)
         return field;

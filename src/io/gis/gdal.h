@@ -86,8 +86,7 @@ typedef struct geojson_layer
 
 // Coordinate systems.
 
-/// The system of a name, in the order of longitude before latitude and east before north: "EPSG:25833", a URN, or WKT. Null,
-/// with a message of GDAL, for none.
+/// The system of a name ("EPSG:25833", a URN, WKT), longitude and east first. Null, with a message of GDAL, for none.
 OGRSpatialReferenceH system_by_name(const char *name);
 
 /// The name of a system: its code, as in "EPSG:25833", else WKT. Null when out of memory.

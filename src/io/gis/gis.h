@@ -41,8 +41,7 @@ bat_status gis_text_read(const char *path, file_text *text, bat_error *error);
 /// Write a text, compressed, to a path that ends in ".gz".
 bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *error);
 
-/// Move a set from the plane of its coordinate system to the sphere of longitude and latitude. Nothing is done to a set of
-/// the sphere. The set is unchanged on failure.
+/// Move a set from its system's plane to longitude and latitude, unless it is there. The set is unchanged on failure.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT (no coordinate system), BAT_UNSUPPORTED, BAT_INVALID_POINT or BAT_NO_MEMORY
 bat_status gis_to_sphere(bat_curve_set *set, bat_error *error);
 

@@ -76,11 +76,6 @@ static bat_status check_names(const bat_mesh *mesh, const ply_plan *plan, bat_er
     return BAT_OK;
 }
 
-static const char *index_type(const bat_mesh *mesh)
-{
-    return mesh->vertex_count > INT32_MAX ? "uint" : "int";
-}
-
 static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_sink *sink, bat_error *error)
 {
     text_buffer text = {0};
@@ -102,7 +97,7 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     }
     text_append_string(&text, "element face ");
     text_append_count(&text, mesh->face_count, plan->long_lists ? "\nproperty list uint " : "\nproperty list uchar ");
-    text_append_string(&text, index_type(mesh));
+    text_append_string(&text, mesh->vertex_count > INT32_MAX ? "uint" : "int");
     text_append_string(&text, " vertex_indices\n");
     if (plan->texture_by_corner)
         text_append_string(&text, plan->long_lists ? "property list uint double texcoord\n"

@@ -265,8 +265,7 @@ static bat_status repeats(const cloud_source *source, size_t first, size_t secon
                      line_of_point(source, first));
 }
 
-/// Append the points of a file to a cloud with enough memory. Duplicates are counted or refused; duplicates of points in an
-/// earlier file are always left out.
+/// Append the points of a file to a cloud with enough memory. Duplicates are counted or refused, of earlier files left out.
 static bat_status append_distinct(const cloud_source *source, size_t first_place, bool strict, point_table *table,
                                   bat_cloud *cloud, bat_error *error)
 {

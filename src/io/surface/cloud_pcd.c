@@ -187,11 +187,6 @@ static void keep_point(point_listing *listing)
         listing->count--;
 }
 
-static bat_status infinite(size_t point, size_t line, bat_error *error)
-{
-    return error_set(error, BAT_INVALID_POINT, point, line, "point %zu is not finite", point);
-}
-
 static bat_status read_text(word_scan *scan, const pcd_header *header, point_listing *listing, bat_error *error)
 {
     for (size_t i = 0; i < header->points; i++, (void)scan_next_line(scan))
@@ -249,14 +244,13 @@ static bat_status decode_points(const unsigned char *bytes, const pcd_header *he
         }
         for (int d = 0; d < 3; d++)
             if (isinf(point[d]))
-                return infinite(i, 0, error);
+                return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu is not finite", i);
         keep_point(listing);
     }
     return BAT_OK;
 }
 
-/// Decompress LZF: runs of literal bytes, and copies of earlier output (Lehmann, LibLZF, 2000). False for data that is no
-/// such text of exactly `size` bytes.
+/// Decompress LZF (Lehmann, LibLZF, 2000): literal bytes and copies of earlier output. False unless `size` bytes come out.
 static bool decompress(const unsigned char *in, size_t in_size, unsigned char *out, size_t size)
 {
     size_t at = 0, made = 0;

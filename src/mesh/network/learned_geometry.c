@@ -39,12 +39,6 @@ static inline double ratio(double a, double b)
     return b > 0 ? a / b : 0;
 }
 
-/// (a - b) / (a + b) of lengths: between -1 and 1.
-static inline double contrast(double a, double b)
-{
-    return ratio(a - b, a + b);
-}
-
 static inline double soft_sign(double height, double length)
 {
     double floor = SIGN_FLOOR * length;
@@ -452,7 +446,7 @@ void learned_vertex_inputs(const learned_geometry *g, size_t old, size_t v, real
         4 * soft_sign(rise, size) * per * second,
         ratio(fabs(bends), all_bends),
         v < old,
-        contrast(size, share * sizes),
+        ratio(size - share * sizes, size + share * sizes),
     };
     for (size_t f = 0; f < LEARNED_VERTEX_FEATURES; f++)
         row[f] = (real)features[f];

@@ -104,8 +104,7 @@ typedef struct pass
     learned_geometry geometry;
     size_t old;         ///< vertices of the level before
     const real *before; ///< states of the level before, or null
-    /// Vertices and, but for the last level, edges, x W: the first states, which the second replace. In the last level they
-    /// replace those of the level before.
+    /// Vertices and edges x W: the first states, which the second replace; in the last level those of the level before.
     real *state;
     real *product; ///< vertices x W: of the first states for the ring, then of the second states as opposite vertices
     real *end;     ///< vertices x W: products of the second states as ends; in the last level these replace the states
@@ -289,11 +288,6 @@ static void gather_messages(const pass *p, size_t begin, size_t end, block *b)
     gather_into(p, begin, end, p->message + begin * W, b);
 }
 
-static bool is_finite(const double point[3])
-{
-    return isfinite(point[0] + point[1] + point[2]);
-}
-
 /// The sum of candidates times coefficients, which come before bounds.
 static inline void sum_move(size_t count, const double candidate[][3], const learned_bound *bound, const real *coefficient,
                             double move[3])
@@ -313,7 +307,7 @@ static void apply_moves(size_t rows, double reach, block *b, double *points)
 {
     learned_move_factors(rows, reach, (const double(*)[3])b->move, b->size, b->factor);
     for (size_t r = 0; r < rows; r++)
-        if (is_finite(b->move[r]))
+        if (isfinite(b->move[r][0] + b->move[r][1] + b->move[r][2]))
             for (int c = 0; c < 3; c++)
                 points[3 * r + (size_t)c] += b->factor[r] * b->move[r][c];
         else

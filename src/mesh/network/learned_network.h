@@ -75,8 +75,7 @@ static inline double learned_reach(double fairness)
     return 0.25 / (1 - 0.75 * fairness);
 }
 
-/// The factors of moves that bound them: (1 + r^4)^(-1/4), where r is a move's length over `reach` times its size. Moves of
-/// half that length lose a hundredth.
+/// The factors of moves that bound them: (1 + r^4)^(-1/4), where r is a move's length over `reach` times its size.
 /// @param size the mean length of the edges around each
 void learned_move_factors(size_t count, double reach, const double (*move)[3], const double *size, double *factor);
 /// The mean of a geometry's sizes at both ends of an edge.

@@ -300,12 +300,6 @@ static bat_status refine_rows(const refinement *work, mesh_rule *rule, const dou
     return BAT_OK;
 }
 
-/// Whether a scheme refines the texture by a smooth rule.
-static bool is_smooth_texture(const refinement *work, const mesh_scheme *scheme)
-{
-    return scheme->creases && work->plan->rules.linear != BAT_MESH_LINEAR_ALL;
-}
-
 /// Split the texture faces. Seams are boundaries.
 static bat_status split_texture(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
                                 bat_error *error)
@@ -321,7 +315,7 @@ static bat_status split_texture(const refinement *work, const mesh_scheme *schem
     if (next->mesh.texture == NULL || next->mesh.texture_faces == NULL)
         return error_memory(error, corners * sizeof *next->mesh.texture_faces);
     mesh_level mesh = level_of(work), level = {.faces = now->mesh.texture_faces, .sides = now->sides, .links = links};
-    if (is_smooth_texture(work, scheme))
+    if (scheme->creases && work->plan->rules.linear != BAT_MESH_LINEAR_ALL)
     {
         texture_rows rows = {.level = &mesh,
                              .seams = links,
@@ -386,8 +380,7 @@ static bat_status split_level(const refinement *work, const mesh_scheme *scheme,
     return status;
 }
 
-/// One level of a scheme that splits faces. On a learned level learn_positions() computes the positions later, and
-/// channels are interpolated linearly.
+/// One level of a scheme that splits faces. Learned positions come later; channels are interpolated linearly.
 static bat_status split_step(const refinement *work, const mesh_scheme *scheme, bool last, refined_level *next,
                              bat_error *error)
 {

@@ -297,17 +297,6 @@ bat_status sharpness_chaikin(const mesh_level *level, double **children, bat_err
     return BAT_OK;
 }
 
-/// The halves of a half-edge on the next level: the one that begins where it begins, and the one that ends where it ends.
-static uint32_t near_half(uint32_t half_edge, bool quads)
-{
-    return quads ? 4 * half_edge : split_near(half_edge);
-}
-
-static uint32_t far_half(const mesh_level *level, uint32_t half_edge, bool quads)
-{
-    return quads ? 4 * sides_next(&level->sides, half_edge) + 3 : split_far(half_edge);
-}
-
 /// Runs on one thread: few edges are sharp.
 bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity *fine, double **result, bat_error *error)
 {
@@ -322,8 +311,9 @@ bat_status sharpness_split(const mesh_level *level, const bat_mesh_connectivity 
         uint32_t h = candidate_at(level, i);
         if (owns_sharp(level, h))
         {
-            (*result)[fine->edge[near_half(h, quads)]] = sharpness_of_half(level, h, true);
-            (*result)[fine->edge[far_half(level, h, quads)]] = sharpness_of_half(level, h, false);
+            (*result)[fine->edge[quads ? 4 * h : split_near(h)]] = sharpness_of_half(level, h, true);
+            (*result)[fine->edge[quads ? 4 * sides_next(&level->sides, h) + 3 : split_far(h)]] =
+                sharpness_of_half(level, h, false);
         }
     }
     drop_if_zero(fine->edge_count, result);

@@ -105,8 +105,7 @@ typedef vertex_mask smooth_mask(unsigned valence);
 /// The mask of a vertex that has a face, by its sharp edges.
 vertex_mask mask_around(const mesh_level *level, uint32_t vertex, unsigned valence, smooth_mask *smooth);
 
-/// Call a function for all vertices that are sharp or have a sharp edge; without mesh_level::sharp for some repeatedly. Runs
-/// on one thread: few edges are sharp.
+/// Call a function for all vertices that are sharp or have a sharp edge, some repeatedly without mesh_level::sharp.
 void sharpness_visit(const mesh_level *level, void (*visit)(const void *context, uint32_t vertex), const void *context);
 
 // Limit normals: cross products of two tangents. The tangents are left eigenvectors of the local subdivision matrix for its

@@ -259,17 +259,6 @@ typedef struct alpha_boundary_trace
     size_t path_count, path_capacity;
 } alpha_boundary_trace;
 
-static bool path_add(alpha_boundary_trace *trace, uint32_t point)
-{
-    return ARRAY_ADD(trace->path, trace->path_capacity, trace->path_count, point);
-}
-
-/// The angle between two directions, 0 to pi.
-static double angle_apart(double a, double b)
-{
-    return fabs(remainder(a - b, 2 * PI));
-}
-
 /// The arc along which the disc continues when it arrives from another point; null if there is none.
 static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, uint32_t before, uint32_t point,
                                           const alpha_boundary_point *here)
@@ -286,7 +275,7 @@ static const alpha_boundary_arc *arc_from(const alpha_boundary_search *search, u
             return arc;
         double past = remainder(arrival - arc->begin, 2 * PI);
         bool inside = (past < 0 ? past + 2 * PI : past) <= arc->end - arc->begin;
-        double angle_error = inside ? 0 : angle_apart(arc->begin, arrival);
+        double angle_error = inside ? 0 : fabs(remainder(arc->begin - arrival, 2 * PI));
         if (angle_error < minimum)
         {
             minimum = angle_error;
@@ -332,7 +321,7 @@ static bat_status trace_from(alpha_boundary_trace *trace, uint32_t start, const 
     while (point != BAT_MESH_NONE)
     {
         uint32_t *step = key_map_at(&trace->steps, (uint64_t)before << 32 | point);
-        if (step == NULL || !path_add(trace, before))
+        if (step == NULL || !ARRAY_ADD(trace->path, trace->path_capacity, trace->path_count, before))
             return error_memory(error, trace->path_capacity * sizeof *trace->path);
         if (*step != UINT32_MAX)
         {

@@ -17,8 +17,7 @@
 #include <string.h>
 
 static const int MIN_BOUNDARY = 4;
-/// A polygon is a boundary, rather than a gap, if its extent exceeds MIN_EXTENT mean edge lengths. It is also one if it has
-/// at least LARGE_SHARE of all points.
+/// A polygon is a boundary if its extent exceeds MIN_EXTENT mean edge lengths, or it has LARGE_SHARE of all points.
 static const double MIN_EXTENT = 2.5;
 static const double LARGE_SHARE = 1.0 / 3;
 /// A second polygon of at least this share of the longest one's length is another boundary; a shorter one is a gap.

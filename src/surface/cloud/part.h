@@ -33,8 +33,7 @@ void cloud_part_free(cloud_part *part);
 bat_status cloud_part_spread(const unit_frame *frame, const bat_cloud *part, const double *of_part, const double *points,
                              size_t count, double *parameters, bat_error *error);
 
-// Even samples of clouds that are much denser in one direction than across it, such as scan lines. Neighbourhoods of such
-// clouds are lines; those of even samples are discs.
+// Even samples of clouds that are much denser in one direction, such as scan lines, whose neighbourhoods are lines.
 
 /// The least distance of points at which a cloud is as dense in all directions.
 /// @param radius receives 0 for a cloud that already is, and infinity where none is found: the points lie along a curve

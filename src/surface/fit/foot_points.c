@@ -238,8 +238,7 @@ static bool store_foot(fit_points *points, size_t row, const foot_point *found)
     return moved;
 }
 
-/// The admissible box of a parameter. A free one may move in the square, a fixed one may not move. One that slides may move
-/// half way to the corners of its side.
+/// The box of a parameter: the square, or one place, or half way to the corners of its side for one that slides.
 static foot_limits limits_of(const fit_points *points, size_t row)
 {
     const double *at = points->parameter + 2 * row;

@@ -346,8 +346,7 @@ static bat_status problem_make(const bat_cloud *cloud, const double *parameters,
     return status == BAT_OK ? dirichlet_prepare(map, error) : status;
 }
 
-/// Move the boundary points that are no corners of triangles: between the nearest ones along the loop that are, in
-/// proportion to their former parameters.
+/// Move boundary points that are no corners of triangles between the nearest that are, in their former proportion.
 static void move_boundary(const bat_cloud *cloud, const bool *used, const double *before, double *after)
 {
     size_t count = cloud->boundary_count;
@@ -393,12 +392,6 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
     return others > 0 ? averages_solve(cloud, rows, used, solver, parameters, error) : BAT_OK;
 }
 
-/// Whether points crowd so that rounding spoils their triangles.
-static bool is_crowded(const isometric_problem *problem)
-{
-    return problem->map.triangle_count == 0 || !(energy_of(problem) < MAX_START);
-}
-
 bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                               bat_error *error)
 {
@@ -419,7 +412,7 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
     }
     if (status == BAT_OK && !of_mesh)
         status = problem_make(cloud, parameters, false, solver, used, &problem, error);
-    if (status == BAT_OK && !of_mesh && is_crowded(&problem))
+    if (status == BAT_OK && !of_mesh && (problem.map.triangle_count == 0 || !(energy_of(&problem) < MAX_START)))
     {
         problem_free(&problem);
         status = stretch_minimize(cloud, rows, solver, parameters, error);

@@ -138,8 +138,7 @@ bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_s
 bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
                               bat_error *error);
 
-// The star of a point in the plane: its neighbours in a Delaunay triangulation, and convex weights of these neighbours that
-// reproduce the point. The point is the origin.
+// The star of the origin in the plane: its Delaunay neighbours, and convex weights of these that reproduce it.
 
 enum
 {
@@ -162,8 +161,7 @@ size_t star_find(const double (*planar)[2], size_t count, double (*inverse)[2], 
 /// @param weights receives positive weights with sum 1
 void star_shape_preserving(const double (*ring)[2], size_t count, double *weights);
 
-/// Map a ring in space to the plane by the geodesic polar map. It preserves the lengths of spokes, and scales the angles
-/// between them to sum to a full turn.
+/// Map a ring in space to the plane by the geodesic polar map: spokes keep their lengths, angles sum to a full turn.
 /// @param spokes vectors from the centre to the ring
 /// @return false if a scaled angle reaches half a turn
 bool star_unfold(const double (*spokes)[3], size_t count, double (*ring)[2]);
