@@ -394,10 +394,7 @@ static size_t altitude_channel(const bat_curve_set *set)
     return set->count == 0 || attributes_are_geojson(attributes) || set->curves[0].channel_count <= 1 ? 0 : BAT_NO_INDEX;
 }
 
-enum
-{
-    CRS_NAME_SIZE = 128 ///< names are shorter; a system without a name has longer text
-};
+#define CRS_NAME_SIZE 128 ///< names are shorter; a system without a name has longer text
 
 static void write_crs(const char *short_name, text_buffer *text)
 {
