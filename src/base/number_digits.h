@@ -4,11 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum
-{
-    /// Room for the text of number_digits().
-    NUMBER_DIGITS_SIZE = 32
-};
+/// Room for the text of number_digits().
+#define NUMBER_DIGITS_SIZE 32
 
 /// A number for messages, with the fewest of 15, 16 or 17 significant digits that identify the double. Returns `text`.
 static inline const char *number_digits(double value, char text[NUMBER_DIGITS_SIZE])

@@ -5,10 +5,7 @@
 
 #include <stdio.h>
 
-enum
-{
-    RANGE_SIZE = 80
-};
+#define RANGE_SIZE 80
 
 static double value_of(const void *options, const option_field *field)
 {

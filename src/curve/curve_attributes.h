@@ -25,11 +25,8 @@ static inline size_t motion_channels_count(const motion_channels *channels)
     return count + (channels->deviation > 0 ? channels->velocity_count : 0);
 }
 
-enum
-{
-    /// Of a date with the time of day, ISO 8601.
-    ATTRIBUTES_TIME_SIZE = 49
-};
+/// Of a date with the time of day, ISO 8601.
+#define ATTRIBUTES_TIME_SIZE 49
 
 /// What else a format keeps of a file.
 typedef struct file_remainder

@@ -4,11 +4,8 @@
 
 #include <string.h>
 
-enum
-{
-    /// Numbers made at a time for each parity: two blocks and what they read stay in the first-level cache.
-    BLOCK = 512
-};
+/// Numbers made at a time for each parity: two blocks and what they read stay in the first-level cache.
+#define BLOCK 512
 
 /// block = sum of shifted rows; the common short sums are written out so that a block is written once.
 static inline void sum_rows(const mask_taps *t, size_t dim, const double *restrict points, size_t count,

@@ -5,11 +5,8 @@
 
 #include <string.h>
 
-enum
-{
-    /// Edges refined at a time on the sphere.
-    BLOCK = 128
-};
+/// Edges refined at a time on the sphere.
+#define BLOCK 128
 
 /// Squared length of a tangent vector up to which the polynomials of lanes.h hold.
 static const double SQUARED_PI = 9.8696044010893586188;

@@ -7,10 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum
-{
-    CUBIC_DEGREE = 3
-};
+#define CUBIC_DEGREE 3
 
 bat_status row_space_make(const bat_space *points, size_t channel_count, row_space *rows, bat_error *error)
 {

@@ -9,11 +9,8 @@
 /// so the result is made in chunks that never leave the cache: levels in between are nowhere stored, a chunk is written
 /// once, and chunks are independent of each other (and of the number of threads).
 
-enum
-{
-    /// More levels than this overflow size_t from any number of points.
-    CASCADE_MOST_LEVELS = 60
-};
+/// More levels than this overflow size_t from any number of points.
+#define CASCADE_MOST_LEVELS 60
 
 /// Indices begin … end - 1 of the points of one level. They may be negative.
 typedef struct index_range

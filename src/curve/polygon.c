@@ -8,10 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum
-{
-    CUBIC_DEGREE = 3
-};
+#define CUBIC_DEGREE 3
 
 /// The point reflection of q in the centre. A point at the cut locus is its own image: the two geodesics of length pi to
 /// it from the centre of a symmetric space are exchanged.

@@ -17,10 +17,7 @@
 // other than R^n, de Casteljau's algorithm takes points of geodesics (Park and Ravani 1995). Two such curves with the same
 // velocity at their common point are C1; in R^n those of degree 5 with the same acceleration are C2.
 
-enum
-{
-    SPLINE_MAX_DEGREE = 5
-};
+#define SPLINE_MAX_DEGREE 5
 
 typedef struct spline spline;
 
@@ -267,12 +264,9 @@ static bat_status spline_make(const spline_form *form, const bat_curve *coarse, 
 
 // The Catmull-Rom, the cubic and the quintic spline: the derivatives at the points.
 
-enum
-{
-    /// A closed curve is continued by this many points on either side to solve for the velocities. The equations are
-    /// diagonally dominant by a factor of 2, so what lies beyond changes a velocity by less than 2^-64 of itself.
-    WRAP = 64
-};
+/// A closed curve is continued by this many points on either side to solve for the velocities. The equations are
+/// diagonally dominant by a factor of 2, so what lies beyond changes a velocity by less than 2^-64 of itself.
+#define WRAP 64
 
 /// The share of the increment before point i in the sum of both.
 static double share_before(const spline *s, ptrdiff_t i)
@@ -547,10 +541,7 @@ bat_status spline_cubic(const bat_curve *coarse, const refine_plan *plan, double
 // derivatives of the polynomial through five neighbouring points (Fornberg 1988). In R^n it is C2 and reproduces
 // polynomials of degree 4 at their parameters.
 
-enum
-{
-    WINDOW = 5 ///< points of a polynomial, where there are so many
-};
+#define WINDOW 5 ///< points of a polynomial, where there are so many
 
 /// The velocity and the acceleration at point i of the polynomial through the points `first` … first + width - 1, point i
 /// among them, in the tangent space of point i. With t_k for the parameter of point k less that of point i, and

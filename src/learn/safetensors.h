@@ -110,10 +110,7 @@ static const struct
 static const char SAFETENSORS_NOTES[] = "__metadata__";
 
 /// Bytes of the header's length.
-enum
-{
-    SAFETENSORS_LENGTH_BYTES = 8
-};
+#define SAFETENSORS_LENGTH_BYTES 8
 
 /// Copy elements between the file's byte order, which is little-endian, and the machine's.
 static inline void safetensors_copy(void *to, const void *from, size_t count, size_t size)

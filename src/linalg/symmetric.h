@@ -10,11 +10,8 @@
 /// Eigenvalues of small symmetric matrices by Jacobi's cyclic method: whole square matrices of side n, row-major. Inline, so
 /// that a constant n is unrolled.
 
-enum
-{
-    /// Jacobi's method ends after six sweeps or so; its last ones converge quadratically.
-    SYMMETRIC_MAX_SWEEPS = 40
-};
+/// Jacobi's method ends after six sweeps or so; its last ones converge quadratically.
+#define SYMMETRIC_MAX_SWEEPS 40
 
 /// When an entry off the diagonal counts as zero.
 typedef enum symmetric_accuracy

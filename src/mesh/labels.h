@@ -18,10 +18,7 @@ void mesh_labels_forget(bat_mesh *mesh);
 bat_status mesh_labels_carry(const bat_mesh *from, const uint32_t *sources, size_t each, bat_mesh *to, bat_error *error);
 
 /// The number of names in a label, and the name of this number, from 0 on: object, group, material, smoothing.
-enum
-{
-    MESH_LABEL_NAMES = 4
-};
+#define MESH_LABEL_NAMES 4
 char **mesh_label_name(bat_mesh_label *label, int index);
 const char *mesh_label_text(const bat_mesh_label *label, int index);
 

@@ -15,10 +15,7 @@
 /// The polygon is projected along Newell's normal n = sum_i p_i x p_(i+1), twice its area as a vector.
 
 /// The most corners of a concave polygon. Ear clipping takes time in proportion to their square.
-enum
-{
-    MAX_EARS = 10000
-};
+#define MAX_EARS 10000
 
 /// A polygon, translated and scaled so that no product overflows.
 typedef struct outline

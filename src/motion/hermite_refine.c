@@ -12,11 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    /// The number of values computed at a time before rows are separated: enough for many threads, small for memory.
-    SLAB_NUMBERS = 1 << 21
-};
+/// The number of values computed at a time before rows are separated: enough for many threads, small for memory.
+#define SLAB_NUMBERS (1 << 21)
 
 // Linear schemes by parallel transport
 

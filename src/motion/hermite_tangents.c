@@ -9,10 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    HIGHEST_ORDER = 4
-};
+#define HIGHEST_ORDER 4
 
 /// The data that the estimates at all points share.
 typedef struct estimate

@@ -38,10 +38,7 @@ typedef struct smoother
 /// with vectors in a frame that is parallel along the keys: in it all components have one pentadiagonal system of numbers.
 /// docs/algorithms/motion-splines.md derives it.
 
-enum
-{
-    MAX_STEPS = 60
-};
+#define MAX_STEPS 60
 
 /// The sum of the weighted squares of the residuals of the components that are fitted, of which none counts more than `cut`.
 static double smoother_squares(const smoother *s, double cut)
@@ -306,10 +303,7 @@ static bat_status smoother_begin(smoother *s, const spline_factor *f, size_t cou
 // Keys so near in time that their step says nothing of the velocity: an accelerated spline through them would leave the
 // data on both sides, since a small error of a point is a large one of the velocity.
 
-enum
-{
-    DIM = BAT_SPACE_MAX_DIM
-};
+#define DIM BAT_SPACE_MAX_DIM
 
 /// An interval is a jolt if it is this many times shorter than both neighbours, and as many times faster or slower.
 static const double SHORTER = 4, RATIO = 4;

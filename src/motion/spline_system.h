@@ -72,11 +72,8 @@ bat_status spline_acceleration(const spline_factor *f, const double *middle, con
 bat_status spline_factor_at(const spline_factor *f, const double *record, double share, double *point, double *velocity,
                             double *acceleration);
 
-enum
-{
-    /// The most shares of spline_factor_run().
-    SPLINE_RUN = 64
-};
+/// The most shares of spline_factor_run().
+#define SPLINE_RUN 64
 
 /// Points of one interval at `count` shares, `stride` numbers apart.
 bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,

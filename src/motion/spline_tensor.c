@@ -11,10 +11,7 @@
 /// @file
 /// Motions of tensors: a spline of logarithms, and velocities by the derivative of the matrix exponential.
 
-enum
-{
-    DIM = BAT_SPACE_MAX_DIM
-};
+#define DIM BAT_SPACE_MAX_DIM
 
 /// The logarithms of all keys at the identity, and the velocities that are given.
 static bat_status take_logarithms(const spline_system *system, const double *identity, double *logs, spline_system *flat,

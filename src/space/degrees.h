@@ -8,10 +8,7 @@
 /// Longitudes and latitudes in degrees, as files write them, and unit vectors.
 
 /// The most decimals of a degree. With more, rounding could give more than 180 degrees.
-enum
-{
-    DEGREE_MAX_DECIMALS = 12
-};
+#define DEGREE_MAX_DECIMALS 12
 
 /// Longitude and latitude as integers, in units of 10^-decimals degrees as a file has them: nothing is rounded.
 typedef struct degree_units

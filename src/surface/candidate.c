@@ -135,10 +135,7 @@ bat_status surface_candidate_make(const bat_cloud *cloud, const double *boundary
     return record_failure(status, &failure, candidate, error);
 }
 
-enum
-{
-    CELL_SAMPLES = 5 ///< of a cell
-};
+#define CELL_SAMPLES 5 ///< of a cell
 
 /// Parameters of the corners and the centre of all cells.
 static void sample_cells(const bat_hierarchical_space *space, size_t cells, double *parameters)

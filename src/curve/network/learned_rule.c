@@ -13,11 +13,8 @@
 
 // The network of learned_network.h for inference: no tape, no allocation. Weights are in the layout of their file.
 
-enum
-{
-    /// Edges that go through the network together.
-    LEARNED_ROWS = 8 * LEARN_TILE
-};
+/// Edges that go through the network together.
+#define LEARNED_ROWS (8 * LEARN_TILE)
 
 /// One call's memory; aligned to 64 bytes.
 typedef struct learned_scratch

@@ -10,10 +10,7 @@
 /// @file
 /// What the features of an edge and their gradient, research/train/learned_features_back.c, have in common.
 
-enum
-{
-    LEARNED_MIDDLE = 3 ///< on either side: the turns whose variance is taken
-};
+#define LEARNED_MIDDLE 3 ///< on either side: the turns whose variance is taken
 /// Root mean square turn from which on an edge's surroundings count as coarse, in one of the features.
 static const double LEARNED_FINE = 0.05;
 /// Brings exterior angles to the size of the other features.

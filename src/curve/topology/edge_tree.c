@@ -666,10 +666,7 @@ static inline bool is_clear(const edge_search *search, const node_pair *part)
            make_chain(tree, a, b, part->first + 1 == part->second);
 }
 
-enum
-{
-    MAX_CHILDREN = 4
-};
+#define MAX_CHILDREN 4
 
 /// The parts of the level below, in the order of the search.
 static inline size_t divide(const edge_tree *tree, const node_pair *part, node_pair *children)

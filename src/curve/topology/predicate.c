@@ -8,11 +8,8 @@
 /// More than what underflow can add to a determinant.
 #define UNDERFLOW_SLACK 1e-300
 
-enum
-{
-    /// The most terms added to a sum: 6 products of two coordinates and a weight of 5 terms in the disk, with 18 terms each.
-    MAX_TERMS = 6 * 18 + 1
-};
+/// The most terms added to a sum: 6 products of two coordinates and a weight of 5 terms in the disk, with 18 terms each.
+#define MAX_TERMS (6 * 18 + 1)
 
 /// A sum without rounding: terms that do not overlap, the smallest first. The last one has the sign of the sum.
 typedef struct expansion

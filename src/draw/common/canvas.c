@@ -60,10 +60,7 @@ bat_status pixel_image_draw(cairo_t *cairo, const pixel_box *place, pixel_painte
 
 // Files of pictures by cairo. SVG surfaces are renumbered, so that equal drawings give equal files.
 
-enum
-{
-    NUMBER_SIZE = 24
-};
+#define NUMBER_SIZE 24
 
 /// The text before the numbers of surfaces in cairo's versions; a quotation mark ends them. Images do not contain it.
 static const char *const MARKS[] = {"<g id=\"surface", "\"image", "\"#image", "\"source-", "\"#source-"};

@@ -86,10 +86,7 @@ void grid_scale_bar(cairo_t *cairo, double x, double y, double width, double ext
     text_draw_middle(cairo, label, x + page + 5.0, y, 0.0);
 }
 
-enum
-{
-    MAX_LABELS = 256
-};
+#define MAX_LABELS 256
 
 /// The angles that a window covers, in seconds of arc. Longitudes are relative to that of the centre.
 typedef struct window_range
@@ -168,10 +165,7 @@ static window_range range_of(const draw_view *view, const scene_frame *frame)
     return range;
 }
 
-enum
-{
-    LINE_STEPS = 180
-};
+#define LINE_STEPS 180
 
 /// The points of a line of the graticule within the range; `at` is in seconds, for meridians absolute.
 static void line_points(const window_range *range, const scene_frame *frame, double at, bool parallel, double *points)

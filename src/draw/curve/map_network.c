@@ -193,10 +193,7 @@ static void choose_window(map_choice *choice, const bat_curve *const *curves, si
     finish_window(choice, &seen);
 }
 
-enum
-{
-    SECTORS = 180 ///< wider than the steps of visit_edges() where these are not near a pole
-};
+#define SECTORS 180 ///< wider than the steps of visit_edges() where these are not near a pole
 
 static void include_sector(void *context, const double *point)
 {

@@ -11,10 +11,7 @@
 /// @file
 /// The content of pictures of fitted surfaces, their panels, and the drawing of patches and dots.
 
-enum
-{
-    SURFACE_CAPTION_SIZE = 128
-};
+#define SURFACE_CAPTION_SIZE 128
 
 /// The panels of a row, from left to right.
 typedef enum surface_panel_kind

@@ -8,10 +8,7 @@
 /// Numbers as decimal text, with a decimal point in every locale.
 
 /// The most characters of a number, without a terminating zero.
-enum
-{
-    NUMBER_TEXT_SIZE = 32
-};
+#define NUMBER_TEXT_SIZE 32
 
 /// Write a finite number with the fewest of 15, 16 or 17 significant digits that identify the double. Returns the end.
 char *number_write(char *out, double value);
@@ -44,10 +41,7 @@ const char *number_scan(const char *begin, const char *end, double *value);
 bool number_resembles(const char *begin, const char *end);
 
 /// The text from `begin` to `end` for an error message: truncated, with unprintable bytes replaced. Returns `excerpt`.
-enum
-{
-    EXCERPT_SIZE = 32
-};
+#define EXCERPT_SIZE 32
 const char *text_excerpt(char excerpt[EXCERPT_SIZE], const char *begin, const char *end);
 
 #endif

@@ -17,11 +17,8 @@ typedef struct iso_time
     char zone[8];     ///< as written: "", "Z", "+02:00", …
 } iso_time;
 
-enum
-{
-    /// The most characters of a written time.
-    ISO_TIME_SIZE = 48
-};
+/// The most characters of a written time.
+#define ISO_TIME_SIZE 48
 
 /// Read YYYY-MM-DD, a T or a blank, hh:mm or hh:mm:ss with up to 9 decimals, and an optional Z, +hh:mm, +hhmm or +hh. The
 /// years are 1678 to 2261. False for any other text, dates without times included.

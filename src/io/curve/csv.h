@@ -37,12 +37,9 @@ typedef struct csv_cells
     char *text;            ///< cells with a zero after each
 } csv_cells;
 
-enum
-{
-    /// Channels at the end of a row that tell a point's place between the rows of the file, where there are cells: the row k
-    /// of an open curve and 0, or cos and sin of 2 pi k / n for a closed one of n rows.
-    CSV_PLACE_CHANNELS = 2
-};
+/// Channels at the end of a row that tell a point's place between the rows of the file, where there are cells: the row k
+/// of an open curve and 0, or cos and sin of 2 pi k / n for a closed one of n rows.
+#define CSV_PLACE_CHANNELS 2
 
 /// The columns of a CSV file that had a header, or other columns than numbers.
 typedef struct csv_columns

@@ -216,10 +216,7 @@ void csv_attributes_describe(bat_curve_attributes *attributes, const bat_space *
     csv_columns_channels(columns, coordinates, columns->degrees ? NULL : form, &attributes->channels);
 }
 
-enum
-{
-    MADE_NAME_SIZE = 16
-};
+#define MADE_NAME_SIZE 16
 
 bool csv_columns_of_motion(const bat_curve_attributes *attributes, csv_columns *columns)
 {

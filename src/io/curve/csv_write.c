@@ -362,11 +362,8 @@ typedef struct pose_layout
     int64_t origin;        ///< of the times
 } pose_layout;
 
-enum
-{
-    /// Of a row of matrices.
-    MAX_POSE_NUMBERS = 12
-};
+/// Of a row of matrices.
+#define MAX_POSE_NUMBERS 12
 
 /// The numbers of a pose after its time. Returns their count.
 static size_t pose_numbers(const pose_layout *layout, const double *point, double *numbers)

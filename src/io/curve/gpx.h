@@ -11,11 +11,8 @@
 /// tracks and routes, so that all of it comes back. Values of points are columns, as those of CSV: new points get values
 /// between.
 
-enum
-{
-    /// More values than these are kept at the given points alone.
-    GPX_MAX_COLUMNS = 64
-};
+/// More values than these are kept at the given points alone.
+#define GPX_MAX_COLUMNS 64
 
 /// A part of a text.
 typedef struct text_range

@@ -24,10 +24,7 @@ typedef enum gpx_role
     ROLE_OTHER
 } gpx_role;
 
-enum
-{
-    MAX_DEPTH = 64
-};
+#define MAX_DEPTH 64
 
 typedef struct open_element
 {

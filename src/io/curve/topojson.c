@@ -310,10 +310,7 @@ bat_status topojson_read(const file_text *text, const bat_curve_read_options *op
 
 // Writer of TopoJSON. Lines and rings are cut where they part, and equal pieces are one arc. Rings keep their first points.
 
-enum
-{
-    MAX_NUMBERS = 4 ///< of a position
-};
+#define MAX_NUMBERS 4 ///< of a position
 
 /// A position as a point of a space: those with the same numbers are one vertex.
 typedef struct topology_point

@@ -26,10 +26,7 @@ mesh_recognizer mesh_ply_resembles, mesh_off_resembles, mesh_stl_resembles, mesh
     mesh_3mf_resembles;
 
 /// The names of colour channels, whose values are 0 to 1. Formats with integer colours scale them.
-enum
-{
-    MESH_COLOURS = 4 ///< the last one is optional
-};
+#define MESH_COLOURS 4 ///< the last one is optional
 extern const char *const mesh_colour_names[MESH_COLOURS];
 
 /// The positions of the colours among a mesh's channels. Returns their number: 0, 3 or 4.

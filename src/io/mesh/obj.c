@@ -15,10 +15,7 @@
 
 // Names in OBJ: the rest of the line, without blanks at both ends; a '#' after a blank begins a comment.
 
-enum
-{
-    OBJ_UNUSED_WORDS = 6
-};
+#define OBJ_UNUSED_WORDS 6
 
 /// What these statements told so far. All zero: nothing.
 typedef struct obj_labels

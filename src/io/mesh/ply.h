@@ -81,10 +81,7 @@ const ply_element *ply_header_find(const ply_header *header, const char *name);
 size_t ply_property_find(const ply_element *element, const char *name);
 
 /// Pairs of property names for texture coordinates.
-enum
-{
-    PLY_TEXTURE_NAMES = 3
-};
+#define PLY_TEXTURE_NAMES 3
 extern const char *const ply_texture_names[PLY_TEXTURE_NAMES][2];
 
 /// The source of numbers: lines of words, or bytes.

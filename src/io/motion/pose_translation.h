@@ -13,10 +13,7 @@
 
 // The names of columns that ROS, EuRoC and flight logs use for poses, and the units in them.
 
-enum
-{
-    POSE_NAME_SIZE = 64
-};
+#define POSE_NAME_SIZE 64
 
 typedef enum role
 {

@@ -59,10 +59,7 @@ typedef enum xml_element
     XML_CONTROL     ///< <coefs>
 } xml_element;
 
-enum
-{
-    MAX_DEPTH = 64
-};
+#define MAX_DEPTH 64
 
 typedef struct xml_state
 {

@@ -309,11 +309,8 @@ bat_status closest_build(const bat_mesh *mesh, double largest, closest_tree *tre
     return BAT_OK;
 }
 
-enum
-{
-    /// An opened node leaves at most 7 of its boxes on the stack.
-    STACK = (WIDTH - 1) * CLOSEST_MAX_LEVELS + WIDTH
-};
+/// An opened node leaves at most 7 of its boxes on the stack.
+#define STACK ((WIDTH - 1) * CLOSEST_MAX_LEVELS + WIDTH)
 
 /// An entry of the stack: a node or, on level 0, a packet.
 typedef struct pending
@@ -514,11 +511,8 @@ closest_hit closest_point_at(const closest_tree *tree, const double point[3], ui
 
 // Closest points and distances for many points, in blocks on several threads.
 
-enum
-{
-    /// Points of a block. Each block starts its search anew, so results do not depend on the number of threads.
-    BLOCK = 1024
-};
+/// Points of a block. Each block starts its search anew, so results do not depend on the number of threads.
+#define BLOCK 1024
 
 static bat_status check_points(const double *points, size_t count, const char *what, bat_error *error)
 {

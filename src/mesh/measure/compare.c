@@ -24,11 +24,8 @@
 // more than the tolerance are bisected; distances at the midpoints increase the known distance (Guthe, Borodin and Klein,
 // "Fast and accurate Hausdorff distance calculation between meshes", 2005).
 
-enum
-{
-    /// Distances of a block.
-    COMPARE_BLOCK = 1024
-};
+/// Distances of a block.
+#define COMPARE_BLOCK 1024
 
 /// One of the two meshes. Its faces are processed in the order of its tree, where neighbours are close.
 typedef struct compare_side
@@ -399,11 +396,8 @@ static bat_status compare_refine(compare_way *way, double diagonal, const bat_me
     return in_memory ? BAT_OK : error_memory(error, 2 * parts.count * sizeof *halves.list);
 }
 
-enum
-{
-    /// Sample points of a small triangle.
-    POINTS = 3
-};
+/// Sample points of a small triangle.
+#define POINTS 3
 
 /// Combine the sums of all blocks, in order, into means and the largest distance.
 static void sum_up(const compare_tally *tallies, size_t blocks, compare_way *way)

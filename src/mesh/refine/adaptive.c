@@ -18,10 +18,7 @@
 /// The distance of a face to the limit surface is bounded by second differences M of the control net at the vertices of the
 /// faces around, as for splines: M / 6 for a triangle; for a quad M / 4 and a quarter of its twist.
 
-enum
-{
-    MAX_DEPTH = 14 ///< levels
-};
+#define MAX_DEPTH 14 ///< levels
 
 /// A level of adaptive refinement.
 typedef struct adaptive_level

@@ -21,10 +21,7 @@ static const double SLACK = 4, SLACK_OF_SOLIDS = 0.5;
 /// A face is thin where it is lower than this share of an edge. Cages and decimated meshes have few such faces.
 #define THIN 0.2
 
-enum
-{
-    CORNER_OF_SOLID = 3 ///< the edges between planes that meet at a typical corner
-};
+#define CORNER_OF_SOLID 3 ///< the edges between planes that meet at a typical corner
 
 /// The kinds of connected coplanar faces.
 typedef enum flat_kind

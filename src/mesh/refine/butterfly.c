@@ -10,10 +10,7 @@
 /// Regular edges use the eight-point rule: 1/2 for both ends, 1/8 for both opposite vertices, -1/16 for the four vertices
 /// beyond. Rules at boundaries are those of Zorin and Schröder, "Subdivision for modeling and animation" (2000).
 
-enum
-{
-    TABLED = 16 ///< weights of smaller valences are tabulated
-};
+#define TABLED 16 ///< weights of smaller valences are tabulated
 
 static const double PI = 3.14159265358979323846;
 

@@ -13,10 +13,7 @@
 /// The largest crease angle: pi, with rounding.
 #define LARGEST_ANGLE 3.1415926535897936
 
-enum
-{
-    MAX_LEVELS = 32
-};
+#define MAX_LEVELS 32
 
 bat_mesh_refine_options bat_mesh_refine_defaults(void)
 {

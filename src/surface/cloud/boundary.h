@@ -22,10 +22,7 @@ typedef struct alpha_boundary_arc
     uint32_t from, to; ///< the points that the disc also touches at begin and at end
 } alpha_boundary_arc;
 
-enum
-{
-    ALPHA_BOUNDARY_MAX_ARCS = 8
-};
+#define ALPHA_BOUNDARY_MAX_ARCS 8
 
 /// The local geometry at a point.
 typedef struct alpha_boundary_point

@@ -122,10 +122,7 @@ bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, 
 
 // Quadratic polynomials by normal equations
 
-enum
-{
-    TERMS = LOCAL_QUADRATIC_TERMS
-};
+#define TERMS LOCAL_QUADRATIC_TERMS
 
 /// Pivots below this fraction of the diagonal entry are skipped.
 static const double MIN_PIVOT = 1e-9;

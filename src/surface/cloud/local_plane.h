@@ -61,10 +61,7 @@ bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, 
 
 // Quadratic polynomials over tangent planes, by least squares.
 
-enum
-{
-    LOCAL_QUADRATIC_TERMS = 6 ///< of a quadratic polynomial of two variables
-};
+#define LOCAL_QUADRATIC_TERMS 6 ///< of a quadratic polynomial of two variables
 
 /// Heights z = t_0 + t_1 x + t_2 y + t_3 x^2 + t_4 x y + t_5 y^2, x and y relative to the centre, in units of `scale`.
 typedef struct local_quadratic

@@ -18,10 +18,7 @@
 // so that neither the parameter along the side nor the height of a rough loop is imposed on the surface. The boundary loop
 // of points at random places runs inside the edge of the sheet. `offset` is the mean distance from its curve to the edge.
 
-enum
-{
-    FIT_BORDER_SIDES = 4 ///< v = 0, u = 1, v = 1, u = 0
-};
+#define FIT_BORDER_SIDES 4 ///< v = 0, u = 1, v = 1, u = 0
 
 /// The border curve of a side, and what its points tell.
 typedef struct fit_border_side

@@ -107,10 +107,7 @@ static bat_status fit_select(const fit_team *team, const double *values, size_t 
 
 // Tukey's biweight.
 
-enum
-{
-    NEIGHBOURS = 48 ///< consecutive points in Morton order that share a scale
-};
+#define NEIGHBOURS 48 ///< consecutive points in Morton order that share a scale
 
 // Ratio of the standard deviation to the median absolute value of a normal distribution.
 static const double NORMAL_SCALE = 1.4826;

@@ -19,10 +19,7 @@
 bat_status fit_sum_rows(const fit_team *team, const double *rows, size_t count, size_t width, double *sums,
                         bat_error *error);
 
-enum
-{
-    FIT_BLOCK = 768 ///< points of one block, along the curve of fit_points_place()
-};
+#define FIT_BLOCK 768 ///< points of one block, along the curve of fit_points_place()
 
 /// The number of blocks that hold so many points.
 static inline size_t fit_blocks(size_t points)
@@ -33,10 +30,7 @@ static inline size_t fit_blocks(size_t points)
 /// The sums over points of a few terms: block by block, then over the blocks of all ranks.
 /// @param terms adds the terms of a point to `sums` [width]
 /// @param width at most FIT_TERMS
-enum
-{
-    FIT_TERMS = 8
-};
+#define FIT_TERMS 8
 typedef void fit_terms(const void *context, size_t row, double *sums);
 bat_status fit_sum_points(const fit_team *team, size_t points, fit_terms *terms, const void *context, size_t width,
                           int threads, double *sums, bat_error *error);

@@ -293,10 +293,8 @@ bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_sp
 //     M_ij = U2_ac V0_bd + U1_ac V1_bd + U0_ac V2_bd,   Uk_ac = integral of the k-th derivatives of functions a and c,
 // with univariate integrals by Gauss-Legendre quadrature with degree + 1 nodes.
 
-enum
-{
-    SIDE = BAT_SPLINE_MAX_DEGREE + 1 ///< maximum number of functions of a cell in one direction, and of quadrature nodes
-};
+/// maximum number of functions of a cell in one direction, and of quadrature nodes
+#define SIDE (BAT_SPLINE_MAX_DEGREE + 1)
 
 /// Gauss-Legendre quadrature on [0, 1] with `count` nodes, exact for polynomials of degree 2 count - 1.
 typedef struct gauss_rule

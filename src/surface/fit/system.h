@@ -49,10 +49,7 @@ typedef struct fit_cell_work
 bat_status fit_pattern_sum(const fit_pattern *pattern, const bat_hierarchical_space *space, const fit_cell_work *work,
                            int threads, bat_error *error);
 
-enum
-{
-    FIT_PROBES = 2 ///< random right-hand sides besides the coordinates, to estimate the trace of the influence matrix
-};
+#define FIT_PROBES 2 ///< random right-hand sides besides the coordinates, to estimate the trace of the influence matrix
 
 /// The matrices and right-hand sides of a fit. Release it with fit_system_free().
 typedef struct fit_system

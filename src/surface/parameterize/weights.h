@@ -140,10 +140,7 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
 
 // The star of the origin in the plane: its Delaunay neighbours, and convex weights of these that reproduce it.
 
-enum
-{
-    STAR_MAX_RING = 64 ///< maximum number of neighbours
-};
+#define STAR_MAX_RING 64 ///< maximum number of neighbours
 
 /// The neighbours of the origin in the Delaunay triangulation of the origin and `count` points, counter-clockwise. They are
 /// the corners of the convex hull of the origin and the points p / |p|^2, which is polar to the Voronoi cell of the origin.

@@ -9,10 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum
-{
-    LINKS = 3 ///< links of an unconnected point
-};
+#define LINKS 3 ///< links of an unconnected point
 
 /// Points of a component are linked if their squared distance is at most this multiple of the smallest one.
 static const double LINK_REACH = 4;

@@ -25,10 +25,7 @@ typedef struct trim_region
     size_t *row_edges; ///< TRIM_ROWS + 1
 } trim_region;
 
-enum
-{
-    TRIM_ROWS = 512
-};
+#define TRIM_ROWS 512
 
 /// Sample trimming curves.
 /// @return BAT_OK or BAT_NO_MEMORY
