@@ -83,6 +83,13 @@ bat_status error_remedy(bat_error *error, bat_status status, const char *remedy,
     return status;
 }
 
+bat_status error_copy(bat_error *error, const bat_error *from)
+{
+    if (error != NULL)
+        *error = *from;
+    return from->status;
+}
+
 bat_status error_operand(bat_error *error, bat_status status, size_t operand)
 {
     if (status != BAT_OK && error != NULL)

@@ -25,6 +25,9 @@ void error_renumber(bat_error *error, size_t index);
 bat_status error_remedy(bat_error *error, bat_status status, const char *remedy, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/// Tell again what another call told, and hand its status back.
+bat_status error_copy(bat_error *error, const bat_error *from);
+
 /// Tell which input of the call has failed, from 0 on, and hand the status back. Does nothing for BAT_OK or a null error.
 bat_status error_operand(bat_error *error, bat_status status, size_t operand);
 

@@ -222,7 +222,7 @@ static bat_status use_rectangle(reconstruction *work, bat_error *error)
         return BAT_OK;
     bat_status status = planar_chart_make(&work->geometry, 0, &work->trimming.chart, &failure);
     if (status == BAT_NO_MEMORY)
-        return error_set(error, status, failure.index, failure.line, "%s", failure.text);
+        return error_copy(error, &failure);
     return status == BAT_OK && fills_rectangle(work) ? use_chart(work, error) : BAT_OK;
 }
 
@@ -354,7 +354,7 @@ static bat_status check_best(const reconstruction *work, bat_error *error)
         return BAT_OK;
     if (reconstruction_is_one_sided(work))
         return reconstruction_tell_one_sided(error);
-    return error_set(error, failure->status, failure->index, failure->line, "%s", failure->text);
+    return error_copy(error, failure);
 }
 
 size_t reconstruction_last_budget(const reconstruction *work)
@@ -554,7 +554,6 @@ typedef enum other_way
     SMALL_GAPS,
     CLOSED_GAPS,
     THIN_PARTS, ///< thin parts are not closed by small triangles across them
-    CUT_TUBE,   ///< for a wrong surface: its edges are so near that triangles join them all around
     FINE_LOOP,  ///< with a boundary that a smaller disc finds, which enters narrow gaps
     OTHER_WAYS
 } other_way;
@@ -567,8 +566,7 @@ static const advancing_front_options TRIANGLES[FINE_LOOP] = {[OPEN_GAPS] = {.sca
                                                              [NARROW_GAPS] = {.scale = 0.65},
                                                              [SMALL_GAPS] = {.scale = 0.8},
                                                              [CLOSED_GAPS] = {.scale = 1},
-                                                             [THIN_PARTS] = {.scale = 0.65, .spares_thin = true},
-                                                             [CUT_TUBE] = {.scale = 0.65, .cuts_tube = true}};
+                                                             [THIN_PARTS] = {.scale = 0.65, .spares_thin = true}};
 
 /// Prepare a copy of a cloud for another way.
 static bat_status prepare_copy(const bat_cloud *cloud, bool finds_boundary, other_way way, bat_progress progress,
@@ -632,9 +630,7 @@ static bat_status reconstruct_again(bat_cloud *cloud, const bat_surface_reconstr
     }
     bat_cloud_free(&copy);
     bat_surface_result_free(&again);
-    return status == BAT_NO_MEMORY || status == BAT_CANCELLED
-               ? error_set(error, status, failure.index, failure.line, "%s", failure.text)
-               : BAT_OK;
+    return status == BAT_NO_MEMORY || status == BAT_CANCELLED ? error_copy(error, &failure) : BAT_OK;
 }
 
 /// Whether a wrong surface, or none, may become right in another way.
@@ -644,7 +640,7 @@ static bool may_help(const bat_cloud *cloud, const bat_surface_reconstruct_optio
 {
     if (way == FINE_LOOP)
         return finds_boundary && status == BAT_OK;
-    if ((way != OPEN_GAPS && !finds_boundary) || (way == CUT_TUBE && status != BAT_OK))
+    if (way != OPEN_GAPS && !finds_boundary)
         return false;
     return options->parameters == BAT_SURFACE_PARAMETERS_AUTO && !options->published && !options->trim &&
            cloud->count <= BAT_SURFACE_ALL_POINTS;
@@ -670,7 +666,7 @@ bat_status bat_surface_reconstruct(bat_cloud *cloud, const bat_surface_reconstru
     for (int way = 0; way < OTHER_WAYS && goes_on && !is_better; way++)
     {
         bat_status before = status;
-        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) || (doubtful && way >= CUT_TUBE) ||
+        if (!may_help(cloud, options, finds_boundary, (other_way)way, status) || (doubtful && way >= FINE_LOOP) ||
             (one_sided && way == FINE_LOOP))
             continue;
         status = reconstruct_again(cloud, options, finds_boundary, (other_way)way,

@@ -172,7 +172,7 @@ static bat_status solve_averages(const void *context, bat_error *error)
 static void average_solvers_survive(void **state)
 {
     (void)state;
-    average_job job = {.solve = average_solve_direct};
+    average_job job = {.solve = average_solve};
     check_status(sparse_rows_make(300, 300, 598, &job.weights, NULL), BAT_OK);
     size_t at = 0;
     for (uint32_t i = 0; i < 300; i++)

@@ -118,54 +118,6 @@ static void what_is_no_disc_is_refused(void **state)
     check_refused(&band);
 }
 
-/// A tube is cut along its shortest strip: no point is lost, and the edge has both ends of the tube.
-static void a_tube_is_cut(void **state)
-{
-    (void)state;
-    const double spacing = 0.08, height = 1.5;
-    size_t number = 0, ends = 0;
-    bat_cloud tube = {0}, disc = {0};
-    for (double z = 0; z < height; z += spacing)
-        add_even_ring(&tube, 0.5, z, spacing, number++);
-    add_noise(&tube, 0.003);
-    assert_int_equal(canonical_order_apply(&tube, NULL), BAT_OK);
-    assert_int_equal(advancing_front_triangulate(&tube, (advancing_front_options){.scale = 0.65, .cuts_tube = true},
-                                                 (bat_progress){0}, &disc, NULL),
-                     BAT_OK);
-    assert_int_equal(disc.count, tube.count);
-    assert_int_equal(disc.triangle_count, 2 * disc.count - disc.boundary_count - 2);
-    size_t of_ring = tube.count / number, across = (size_t)(height / (0.75 * spacing));
-    for (size_t i = 0; i < disc.boundary_count; i++)
-        ends += disc.points[3 * i + 2] < 0.02 || disc.points[3 * i + 2] > height - spacing;
-    assert_in_range(ends, 2 * of_ring - 2, 2 * of_ring);
-    assert_in_range(disc.boundary_count, ends, ends + 2 * across);
-    bat_cloud_free(&disc);
-    bat_cloud_free(&tube);
-    // A disc has nothing to cut.
-    bat_cloud cloud = make_finger(0.2, &ends);
-    assert_int_equal(canonical_order_apply(&cloud, NULL), BAT_OK);
-    assert_int_equal(advancing_front_triangulate(&cloud, (advancing_front_options){.scale = 1, .cuts_tube = true},
-                                                 (bat_progress){0}, &disc, NULL),
-                     BAT_NO_CONVERGENCE);
-    bat_cloud_free(&cloud);
-}
-
-/// Two rings of three points: the strip has one triangle of each end, and leaves the other four.
-static void a_strip_ends_at_both_loops(void **state)
-{
-    (void)state;
-    uint32_t faces[18] = {0, 1, 3, 1, 4, 3, 1, 2, 4, 2, 5, 4, 2, 0, 5, 0, 3, 5};
-    const uint32_t kept[12] = {1, 2, 4, 2, 5, 4, 2, 0, 5, 0, 3, 5};
-    size_t count = 6;
-    bat_error error = {0};
-    assert_int_equal(tube_cut(faces, &count, 6, &error), BAT_OK);
-    assert_int_equal(count, 4);
-    assert_memory_equal(faces, kept, sizeof kept);
-    // What is left has one loop.
-    assert_int_equal(tube_cut(faces, &count, 6, &error), BAT_NO_CONVERGENCE);
-    assert_int_equal(count, 4);
-}
-
 /// A leg that is flat at the ankle: the triangles across are smaller than those that continue it.
 static void an_ankle_stays_open(void **state)
 {
@@ -224,7 +176,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_finger_is_a_disc),  cmocka_unit_test(what_is_no_disc_is_refused),
-        cmocka_unit_test(a_tube_is_cut),       cmocka_unit_test(a_strip_ends_at_both_loops),
         cmocka_unit_test(an_ankle_stays_open), cmocka_unit_test(points_of_a_plane_have_no_tetrahedra),
         cmocka_unit_test(it_can_be_stopped),
     };

@@ -219,7 +219,7 @@ static void test_what_is_no_patch_is_refused(void **state)
             double u = bat_random_uniform(&random), v = bat_random_uniform(&random);
             add_point(&two, u + (i % 2 == 0 ? 2 : 0), v, 0.1 * u * v);
         }
-        assert_none(&sphere, "cut it open");
+        assert_none(&sphere, "closed");
         assert_none(&ring, "several boundary loops");
         assert_none(&two, "several pieces");
         bat_cloud_free(&sphere);

@@ -188,7 +188,7 @@ static void coincident_parameters_are_no_failure(void **state)
     double *parameters = numbers(2 * made.cloud.count);
     for (size_t i = 0; i < 2 * made.cloud.count; i++)
         parameters[i] = i < 2 * made.cloud.boundary_count ? made.parameters[i] : 0.5;
-    check_status(stretch_minimize(&order.cloud, &rows, (average_solver){.threads = 1}, parameters, NULL), BAT_OK);
+    check_status(stretch_minimize(&order.cloud, &rows, (bat_progress){0}, parameters, NULL), BAT_OK);
     for (size_t i = 0; i < 2 * made.cloud.count; i++)
         assert_true(parameters[i] >= 0 && parameters[i] <= 1);
     for (size_t row = 0; row < rows.row_count; row++)

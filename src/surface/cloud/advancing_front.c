@@ -15,7 +15,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
-#include "batten/mesh.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
@@ -106,7 +105,6 @@ typedef struct front
     uint32_t *faces; ///< face_count x 3
     size_t face_count, face_capacity;
     advancing_front_options options;
-    bool has_two;      ///< a second long loop stays
     double max_radius; ///< of the balls of triangles, in mean spacings
     bool only_new;     ///< triangles with a new point alone are taken
 } front;
@@ -794,7 +792,7 @@ static bool fill_touching(front *work, uint32_t *outer, double longest, bool *fi
     return complete;
 }
 
-/// Fill all loops but the longest, which visits each point once at the end, and but one more of a tube that is to be cut.
+/// Fill all loops but the longest, which visits each point once at the end.
 static bat_status close_holes(front *work, bat_error *error)
 {
     uint32_t outer = NONE;
@@ -827,8 +825,6 @@ static bat_status close_holes(front *work, bat_error *error)
             filled = length <= MAX_HOLE[count <= SMALL_HOLE] * longest;
             if (filled)
                 complete = fill_loop(work, e, &filled);
-            else if (work->options.cuts_tube && !work->has_two)
-                work->has_two = filled = true;
         }
     }
     free(visited);
@@ -947,8 +943,6 @@ bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_o
     double *points = points_to_unit_size(cloud->points, cloud->count);
     bat_status status = points == NULL ? error_memory(error, cloud->count * 3 * sizeof *points)
                                        : front_make(cloud, points, progress, &work, error);
-    if (status == BAT_OK && options.cuts_tube)
-        status = tube_cut(work.faces, &work.face_count, cloud->count, error);
     if (status == BAT_OK)
     {
         const bat_mesh mesh = {
@@ -972,116 +966,5 @@ bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_o
     }
     else
         bat_cloud_free(&made);
-    return status;
-}
-
-// Cut of a tube
-
-typedef struct face_graph
-{
-    const uint32_t *faces;
-    size_t count;
-    bat_mesh_connectivity connectivity;
-    uint8_t *loop;   ///< 3 x count: 1 or 2, the loop of a half-edge of the boundary; 0 elsewhere
-    uint32_t *queue; ///< count
-    uint32_t *from;  ///< count: the face before, in breadth-first order
-} face_graph;
-
-/// Number the loops of the boundary. Returns their number, at most 3.
-static uint8_t number_loops(face_graph *graph)
-{
-    const bat_mesh_connectivity *connectivity = &graph->connectivity;
-    uint8_t loops = 0;
-    for (uint32_t h = 0; h < 3 * graph->count && loops < 3; h++)
-    {
-        if (connectivity->twin[h] != BAT_MESH_NONE || graph->loop[h] != 0)
-            continue;
-        loops++;
-        // The first half-edge of a vertex of the boundary is on it.
-        for (uint32_t side = h; graph->loop[side] == 0; side = connectivity->first[graph->faces[bat_mesh_next(side)]])
-            graph->loop[side] = loops;
-    }
-    return loops;
-}
-
-/// Whether a face has exactly one side on the boundary, of a loop. The strip ends at such faces, so that no point is lost.
-static bool meets(const face_graph *graph, uint32_t face, uint8_t loop)
-{
-    int sides = 0, wanted = 0;
-    for (size_t k = 0; k < 3; k++)
-    {
-        sides += graph->loop[3 * (size_t)face + k] != 0;
-        wanted += graph->loop[3 * (size_t)face + k] == loop;
-    }
-    return sides == 1 && wanted == 1;
-}
-
-/// The last face of the shortest strip from loop 1 to loop 2; NONE without one.
-static uint32_t find_strip(face_graph *graph)
-{
-    size_t begin = 0, end = 0;
-    for (uint32_t f = 0; f < graph->count; f++)
-    {
-        bool first = meets(graph, f, 1);
-        graph->from[f] = first ? f : NONE;
-        if (first)
-            graph->queue[end++] = f;
-    }
-    while (begin < end)
-    {
-        uint32_t face = graph->queue[begin++];
-        if (meets(graph, face, 2))
-            return face;
-        for (size_t k = 0; k < 3; k++)
-        {
-            uint32_t twin = graph->connectivity.twin[3 * (size_t)face + k], other = twin / 3;
-            if (twin == BAT_MESH_NONE || graph->from[other] != NONE)
-                continue;
-            graph->from[other] = face;
-            graph->queue[end++] = other;
-        }
-    }
-    return NONE;
-}
-
-static void remove_strip(const face_graph *graph, uint32_t last, uint32_t *faces, size_t *count)
-{
-    // The loops are no longer needed.
-    uint8_t *removed = graph->loop;
-    memset(removed, 0, graph->count);
-    removed[last] = 1;
-    for (uint32_t face = last; graph->from[face] != face; face = graph->from[face])
-        removed[graph->from[face]] = 1;
-    size_t kept = 0;
-    for (size_t f = 0; f < graph->count; f++)
-    {
-        if (removed[f] != 0)
-            continue;
-        memmove(faces + 3 * kept, faces + 3 * f, 3 * sizeof *faces);
-        kept++;
-    }
-    *count = kept;
-}
-
-bat_status tube_cut(uint32_t *faces, size_t *count, size_t points, bat_error *error)
-{
-    const bat_mesh mesh = {.faces = faces, .vertex_count = points, .face_count = *count};
-    memory_pool pool = {0};
-    face_graph graph = {.faces = faces,
-                        .count = *count,
-                        .loop = memory_pool_zeros(&pool, *count, 3 * sizeof *graph.loop),
-                        .queue = memory_pool_array(&pool, *count, sizeof *graph.queue),
-                        .from = memory_pool_array(&pool, *count, sizeof *graph.from)};
-    bat_status status = memory_pool_check(&pool, error);
-    if (status == BAT_OK)
-        status = bat_mesh_connect(&mesh, &graph.connectivity, error);
-    bool is_tube = status == BAT_OK && number_loops(&graph) == 2;
-    uint32_t last = is_tube ? find_strip(&graph) : NONE;
-    if (status != BAT_NO_MEMORY && last == NONE)
-        status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the triangles are no tube");
-    if (status == BAT_OK)
-        remove_strip(&graph, last, faces, count);
-    bat_mesh_connectivity_free(&graph.connectivity);
-    memory_pool_free(&pool);
     return status;
 }

@@ -80,10 +80,10 @@ static bat_status fail_without_loop(const alpha_boundary_cloud *cloud, loop_sear
     double count = (double)cloud->tree->count, edge = (double)cloud->outer_count;
     search->seems_closed = edge < fmax(EDGE_ROOTS * sqrt(count), EDGE_SHARE * count);
     if (search->seems_closed)
-        return no_loop(error, edge == 0 ? "every point is surrounded by neighbours: the surface is closed; cut it open and "
-                                          "fit the parts"
-                                        : "there are only small gaps between points: the surface seems closed; cut it open "
-                                          "and fit the parts");
+        return error_remedy(error,
+                            no_loop(error, edge == 0 ? "every point is surrounded by neighbours: the surface is closed"
+                                                     : "there are only small gaps between points: the surface seems closed"),
+                            "shell", "fits closed surfaces");
     return error_remedy(
         error, no_loop(error, "there are points at an edge, but no polygon closes around the others; leave out outliers"),
         "boundary", "gives the loop");
@@ -396,7 +396,7 @@ static bat_status find_loop_or_tell(const double *points, const neighbour_tree *
     if (status == BAT_NO_CONVERGENCE && told.status == BAT_OK)
         status = find_loop_of_piece(points, tree, true, search, loop, &told);
     const bat_error *reason = told.status != BAT_OK ? &told : &failure;
-    return status == BAT_OK ? BAT_OK : error_set(error, status, reason->index, reason->line, "%s", reason->text);
+    return status == BAT_OK ? BAT_OK : error_copy(error, reason);
 }
 
 /// Find the loop of any cloud; scan lines are sampled evenly first.

@@ -133,8 +133,7 @@ bat_status diagnose_pieces(const double *points, const neighbour_tree *tree, boo
 // corners.
 //
 // The surface stays a sphere with holes: it never grows together where that would make a handle. Of its loops, the longest
-// remains, and the others are filled. Points that are left over are put into the nearest triangles. A tube has two long
-// loops. It can be cut along a strip of triangles between them. The edges of such a disc are as near as its points.
+// remains, and the others are filled. Points that are left over are put into the nearest triangles.
 
 /// How triangles are chosen.
 typedef struct advancing_front_options
@@ -142,7 +141,6 @@ typedef struct advancing_front_options
     double scale;     ///< factor of the size of triangles that join points that are on the surface: with a smaller one gaps
                       ///< of the boundary stay open
     bool spares_thin; ///< thin parts, such as ankles, are not closed by small triangles across them
-    bool cuts_tube;   ///< a tube is cut
 } advancing_front_options;
 
 /// Triangulate a cloud.
@@ -151,13 +149,5 @@ typedef struct advancing_front_options
 /// @return BAT_OK; BAT_NO_CONVERGENCE without such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` stays on failure
 bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,
                                        bat_cloud *disc, bat_error *error);
-
-// Cut a tube into a disc.
-
-/// Remove the shortest strip of triangles from one boundary loop to the other.
-/// @param faces  *count x 3, consistently oriented; the others keep their order
-/// @param points number of vertices
-/// @return BAT_OK; BAT_NO_CONVERGENCE where there are not two loops, or a loop visits a point twice; BAT_NO_MEMORY
-bat_status tube_cut(uint32_t *faces, size_t *count, size_t points, bat_error *error);
 
 #endif

@@ -137,8 +137,9 @@ typedef struct mesh_patch
 
 static bat_status unsupported(bat_error *error, const char *fault)
 {
-    return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the mesh %s; it must be a patch with one boundary loop",
-                     fault);
+    bat_status status =
+        error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the mesh %s; it must be a patch with one boundary loop", fault);
+    return error_remedy(error, status, "shell", "fits any shape");
 }
 
 static void number_vertex(mesh_patch *patch, uint32_t vertex)

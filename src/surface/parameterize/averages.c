@@ -107,8 +107,8 @@ static void write_solution(const bat_cloud *cloud, const average_problem *proble
     }
 }
 
-bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_solver solver,
-                          double *parameters, bat_error *error)
+bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, double *parameters,
+                          bat_error *error)
 {
     average_problem problem = {0};
     bat_status status = number_unknowns(cloud, moved, &problem, error);
@@ -117,9 +117,7 @@ bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const
     if (status == BAT_OK)
     {
         fill_system(cloud, rows, parameters, &problem);
-        status = solver.direct
-                     ? average_solve_direct(&problem.weights, problem.constant, problem.solution, error)
-                     : average_solve_iterative(&problem.weights, problem.constant, solver.threads, problem.solution, error);
+        status = average_solve(&problem.weights, problem.constant, problem.solution, error);
     }
     if (status == BAT_OK)
         write_solution(cloud, &problem, parameters);
@@ -229,18 +227,18 @@ static void reweight(const double *stretch, double minimum, sparse_rows *rows)
 /// One round.
 /// @param stretch stretch at all points, before and after the round
 /// @param energy  receives the total stretch; infinite if the solver does not converge
-static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double minimum,
-                                     double *stretch, double *parameters, double *energy, bat_error *error)
+static bat_status reweight_and_solve(const bat_cloud *cloud, sparse_rows *rows, double minimum, double *stretch,
+                                     double *parameters, double *energy, bat_error *error)
 {
     reweight(stretch, minimum, rows);
-    bat_status status = averages_solve(cloud, rows, NULL, solver, parameters, error);
+    bat_status status = averages_solve(cloud, rows, NULL, parameters, error);
     *energy = INFINITY;
     if (status == BAT_NO_CONVERGENCE)
         return BAT_OK;
     return status == BAT_OK ? measure(cloud, rows, parameters, stretch, energy, error) : status;
 }
 
-bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, bat_progress progress, double *parameters,
                             bat_error *error)
 {
     memory_pool pool = {0};
@@ -253,12 +251,12 @@ bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_s
         memcpy(next, parameters, 2 * cloud->count * sizeof *next);
     for (int round = 0; round < MAX_ROUNDS && status == BAT_OK && energy > 0 && isfinite(energy); round++)
     {
-        if (!progress_goes_on(solver.progress, (double)round / MAX_ROUNDS))
+        if (!progress_goes_on(progress, (double)round / MAX_ROUNDS))
         {
             status = error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "stopped");
             break;
         }
-        status = reweight_and_solve(cloud, rows, solver, MIN_STRETCH * energy, stretch, next, &reduced, error);
+        status = reweight_and_solve(cloud, rows, MIN_STRETCH * energy, stretch, next, &reduced, error);
         if (status != BAT_OK || !(reduced < (1 - MIN_REDUCTION) * energy))
             break;
         energy = reduced;
@@ -351,7 +349,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
     if (status == BAT_OK)
     {
         memcpy(parameters, boundary, 2 * cloud->boundary_count * sizeof *parameters);
-        status = averages_solve(cloud, &rows, NULL, (average_solver){.direct = true}, parameters, error);
+        status = averages_solve(cloud, &rows, NULL, parameters, error);
     }
     sparse_rows_free(&rows);
     neighbour_tree_free(&tree);
@@ -361,7 +359,6 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
 static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *boundary,
                                         const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
-    average_solver solver = {.threads = options->threads, .progress = options->progress};
     spatial_order order = {0};
     sparse_rows rows = {0};
     double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
@@ -372,12 +369,12 @@ static bat_status parameterize_adaptive(const bat_cloud *cloud, const double *bo
     if (status == BAT_OK)
     {
         memcpy(ordered, boundary, 2 * cloud->boundary_count * sizeof *ordered);
-        status = averages_solve(&order.cloud, &rows, NULL, solver, ordered, error);
+        status = averages_solve(&order.cloud, &rows, NULL, ordered, error);
     }
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZATION_STRETCH_MINIMIZING)
-        status = stretch_minimize(&order.cloud, &rows, solver, ordered, error);
+        status = stretch_minimize(&order.cloud, &rows, options->progress, ordered, error);
     if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZATION_ISOMETRIC)
-        status = isometric_minimize(&order.cloud, &rows, solver, ordered, error);
+        status = isometric_minimize(&order.cloud, &rows, options->progress, ordered, error);
     for (size_t i = 0; status == BAT_OK && i < cloud->count; i++)
         memcpy(parameters + 2 * order.places[i], ordered + 2 * i, 2 * sizeof *parameters);
     sparse_rows_free(&rows);

@@ -463,9 +463,9 @@ static bat_status blend(repair *work, bat_error *error)
     bat_status status = weights_make(cloud, &work->finder->order.tree, &options, &rows, error);
     memcpy(work->uniform, work->current, 2 * cloud->boundary_count * sizeof *work->uniform);
     if (status == BAT_OK)
-        status = averages_solve(cloud, &rows, NULL, (average_solver){.threads = 0}, work->uniform, error);
+        status = averages_solve(cloud, &rows, NULL, work->uniform, error);
     if (status == BAT_OK)
-        status = averages_solve(cloud, &work->rows, NULL, (average_solver){.threads = 0}, work->current, error);
+        status = averages_solve(cloud, &work->rows, NULL, work->current, error);
     sparse_rows_free(&rows);
     for (size_t step = 1; step <= BLENDS && status == BAT_OK && work->best_report.folded > 0; step++)
     {
@@ -486,7 +486,7 @@ static bat_status unfold(repair *work, bat_error *error)
     {
         if (!grow_moved(work, (size_t)1 << round))
             break;
-        status = averages_solve(cloud, &work->rows, work->moved, (average_solver){.threads = 0}, work->current, error);
+        status = averages_solve(cloud, &work->rows, work->moved, work->current, error);
         if (status == BAT_OK)
             status = evaluate(work, false, error);
     }

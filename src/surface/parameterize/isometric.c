@@ -292,7 +292,7 @@ static void make_uniform(sparse_rows *rows)
 /// Even out the parameters by averages over the triangles, which turn no triangle over (Floater, 2003), with weights divided
 /// by the stretch. Rounding may prevent this where points crowd: uniform weights crowd less, and else the given
 /// parameters stay.
-static bat_status even_out(isometric_problem *problem, average_solver solver, bat_error *error)
+static bat_status even_out(isometric_problem *problem, bat_progress progress, bat_error *error)
 {
     sparse_rows rows = {0};
     bat_error failure;
@@ -300,16 +300,16 @@ static bat_status even_out(isometric_problem *problem, average_solver solver, ba
     memcpy(map->next, map->parameters, 2 * map->point_count * sizeof *map->next);
     bat_status status = weights_of_triangles(&problem->part, &rows, &failure);
     if (status == BAT_OK)
-        status = averages_solve(&problem->part, &rows, NULL, solver, map->next, &failure);
+        status = averages_solve(&problem->part, &rows, NULL, map->next, &failure);
     if (status == BAT_OK && !keep_better(map))
     {
         make_uniform(&rows);
-        status = averages_solve(&problem->part, &rows, NULL, solver, map->next, &failure);
+        status = averages_solve(&problem->part, &rows, NULL, map->next, &failure);
         if (status == BAT_OK)
             (void)keep_better(map);
     }
     if (status == BAT_OK)
-        status = stretch_minimize(&problem->part, &rows, solver, map->next, &failure);
+        status = stretch_minimize(&problem->part, &rows, progress, map->next, &failure);
     sparse_rows_free(&rows);
     if (status == BAT_NO_MEMORY)
         return error_set(error, status, BAT_NO_INDEX, 0, "%s", failure.text);
@@ -319,7 +319,7 @@ static bat_status even_out(isometric_problem *problem, average_solver solver, ba
 }
 
 /// @param of_mesh the triangles are those of the cloud; else of a triangulation of the parameters
-static bat_status problem_make(const bat_cloud *cloud, const double *parameters, bool of_mesh, average_solver solver,
+static bat_status problem_make(const bat_cloud *cloud, const double *parameters, bool of_mesh, bat_progress progress,
                                bool *used, isometric_problem *problem, bat_error *error)
 {
     memset(used, 0, cloud->count * sizeof *used);
@@ -342,7 +342,7 @@ static bat_status problem_make(const bat_cloud *cloud, const double *parameters,
                2 * sizeof *parameters);
     status = dirichlet_measure(problem->part.points, problem->part.triangles, problem->part.triangle_count, map, error);
     if (status == BAT_OK)
-        status = even_out(problem, solver, error);
+        status = even_out(problem, progress, error);
     return status == BAT_OK ? dirichlet_prepare(map, error) : status;
 }
 
@@ -371,8 +371,8 @@ static void move_boundary(const bat_cloud *cloud, const bool *used, const double
 }
 
 /// Copy the parameters of the corners of triangles, and average the others.
-static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average_solver solver, bool *used,
-                        const isometric_problem *problem, double *parameters, bat_error *error)
+static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, bool *used, const isometric_problem *problem,
+                        double *parameters, bat_error *error)
 {
     size_t others = 0;
     double *before = memory_array(cloud->boundary_count, 2 * sizeof *before);
@@ -389,10 +389,10 @@ static bat_status store(const bat_cloud *cloud, const sparse_rows *rows, average
         used[i] = i >= cloud->boundary_count && !used[i];
         others += used[i];
     }
-    return others > 0 ? averages_solve(cloud, rows, used, solver, parameters, error) : BAT_OK;
+    return others > 0 ? averages_solve(cloud, rows, used, parameters, error) : BAT_OK;
 }
 
-bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, bat_progress progress, double *parameters,
                               bat_error *error)
 {
     isometric_problem problem = {0};
@@ -403,26 +403,25 @@ bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average
     bat_status status = BAT_OK;
     if (of_mesh)
         // Where points crowd, an iteration turns triangles over.
-        status = problem_make(cloud, parameters, true, (average_solver){.direct = true, .progress = solver.progress}, used,
-                              &problem, error);
+        status = problem_make(cloud, parameters, true, progress, used, &problem, error);
     if (status == BAT_OK && of_mesh && !isfinite(energy_of(&problem)))
     {
         problem_free(&problem);
         of_mesh = false;
     }
     if (status == BAT_OK && !of_mesh)
-        status = problem_make(cloud, parameters, false, solver, used, &problem, error);
+        status = problem_make(cloud, parameters, false, progress, used, &problem, error);
     if (status == BAT_OK && !of_mesh && (problem.map.triangle_count == 0 || !(energy_of(&problem) < MAX_START)))
     {
         problem_free(&problem);
-        status = stretch_minimize(cloud, rows, solver, parameters, error);
+        status = stretch_minimize(cloud, rows, progress, parameters, error);
         if (status == BAT_OK)
-            status = problem_make(cloud, parameters, false, solver, used, &problem, error);
+            status = problem_make(cloud, parameters, false, progress, used, &problem, error);
     }
     if (status == BAT_OK && problem.map.solver != NULL)
-        status = dirichlet_minimize(&problem.map, solver.progress, error);
+        status = dirichlet_minimize(&problem.map, progress, error);
     if (status == BAT_OK && problem.map.solver != NULL)
-        status = store(cloud, rows, solver, used, &problem, parameters, error);
+        status = store(cloud, rows, used, &problem, parameters, error);
     problem_free(&problem);
     free(used);
     return status;

@@ -95,22 +95,13 @@ double weights_longest_side(const bat_cloud *cloud);
 // Solution of u_i = sum_k w_ik u_k for the parameters of interior points, w_ik >= 0, sum_k w_ik = 1, with the other
 // parameters fixed: Floater and Reimers, "Meshless parameterization and surface reconstruction" (2001).
 
-/// The solver: direct, or iterative.
-typedef struct average_solver
-{
-    bool direct;
-    int threads;           ///< threads of the iteration, 0: the default of OpenMP; the result does not depend on it
-    bat_progress progress; ///< of the rounds of iterative methods
-} average_solver;
-
 /// Solve for some interior points.
 /// @param rows       weights from weights_build(), with every point connected to the boundary
 /// @param moved      count: the points to solve for, none on the boundary; null for the whole interior
-/// @param solver     the solver
 /// @param parameters count x 2; fixed ones are read, the others receive values in the bounding box of the fixed ones
 /// @return BAT_OK, BAT_NO_CONVERGENCE or BAT_NO_MEMORY
-bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, average_solver solver,
-                          double *parameters, bat_error *error);
+bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const bool *moved, double *parameters,
+                          bat_error *error);
 
 // Stretch minimization for clouds: Yoshizawa, Belyaev and Seidel, "Fast and simple stretch-minimizing" (2004).
 //
@@ -123,7 +114,7 @@ bat_status averages_solve(const bat_cloud *cloud, const sparse_rows *rows, const
 /// @param rows       weights that the parameters satisfy; changed by every round, including a last one that is rejected
 /// @param parameters count x 2
 /// @return see averages_solve()
-bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, bat_progress progress, double *parameters,
                             bat_error *error);
 
 // Parameters of least distortion. The points are triangulated in given parameters (Floater and Reimers, 2001). Then the
@@ -135,7 +126,7 @@ bat_status stretch_minimize(const bat_cloud *cloud, sparse_rows *rows, average_s
 /// @param rows       weights that the parameters satisfy; changed where points crowd, which are spread first
 /// @param parameters count x 2, in [0, 1]^2; unchanged where they have no triangulation without degenerate triangles
 /// @return see averages_solve()
-bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, average_solver solver, double *parameters,
+bat_status isometric_minimize(const bat_cloud *cloud, sparse_rows *rows, bat_progress progress, double *parameters,
                               bat_error *error);
 
 // The star of the origin in the plane: its Delaunay neighbours, and convex weights of these that reproduce it.

@@ -76,7 +76,7 @@ static bat_status average_matrix_make(const sparse_rows *weights, average_matrix
     return status;
 }
 
-bat_status average_solve_direct(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
+bat_status average_solve(const sparse_rows *weights, const double *constant, double *x, bat_error *error)
 {
     if (weights->row_count == 0)
         return BAT_OK;
