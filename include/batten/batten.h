@@ -34,6 +34,7 @@
 #if BAT_HAS_SURFACES
 #include "batten/cloud.h"
 #include "batten/cloud_parameterize.h"
+#include "batten/shell.h"
 #include "batten/spline.h"
 #include "batten/surface.h"
 #include "batten/surface_fit.h"

@@ -696,6 +696,33 @@ static bat_status call_reconstruct(const void *options, digest *result, bat_erro
     return status;
 }
 
+static bat_status call_shell(const void *options, digest *result, bat_error *error)
+{
+    enum
+    {
+        COUNT = 400
+    };
+    double points[3 * COUNT];
+    for (size_t i = 0; i < COUNT; i++)
+    {
+        double z = -1 + ((double)i + 0.5) * 2 / COUNT, turn = 2.399963229728653 * (double)i;
+        points[3 * i] = sqrt(1 - z * z) * cos(turn);
+        points[3 * i + 1] = sqrt(1 - z * z) * sin(turn);
+        points[3 * i + 2] = z;
+    }
+    bat_shell made;
+    mark(&made, sizeof made);
+    bat_status status = bat_shell_reconstruct(points, COUNT, NULL, options, &made, NULL, error);
+    if (status == BAT_OK)
+    {
+        *result = digest_of(made.patches, made.cage.face_count * 48 * sizeof *made.patches);
+        bat_shell_free(&made);
+    }
+    else
+        check_marked(&made, sizeof made);
+    return status;
+}
+
 static double FLAT[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
 
 /// The unit square as a bilinear surface.
@@ -791,6 +818,7 @@ FAMILY(cloud_read, bat_cloud_read_defaults)
 FAMILY(hierarchical, bat_hierarchical_defaults)
 FAMILY(surface_fit, bat_surface_fit_defaults)
 FAMILY(surface_reconstruct, bat_surface_reconstruct_defaults)
+FAMILY(shell_reconstruct, bat_shell_reconstruct_defaults)
 FAMILY(surface_write, bat_surface_write_defaults)
 FAMILY(surface_picture, bat_surface_picture_defaults)
 
@@ -952,6 +980,11 @@ static const option_family FAMILIES[] = {
       BAD(surface_reconstruct, sides, BAD_INT, 4), BAD(surface_reconstruct, fill_holes, BAD_NUMBER, -1),
       BAD(surface_reconstruct, fill_holes, BAD_NUMBER, NAN), BAD(surface_reconstruct, fill_holes, BAD_NUMBER, 1),
       BAD(surface_reconstruct, fit.share, BAD_NUMBER, 0), BAD(surface_reconstruct, fit.functions, BAD_SIZE, 8)}},
+    {HEAD(shell_reconstruct),
+     {call_shell},
+     {BAD(shell_reconstruct, tolerance, BAD_NUMBER, -1), BAD(shell_reconstruct, spans, BAD_SIZE, 1),
+      BAD(shell_reconstruct, crease, BAD_NUMBER, 4), BAD(shell_reconstruct, fill_holes, BAD_NUMBER, NAN),
+      BAD(shell_reconstruct, faces, BAD_SIZE, 1000001), BAD(shell_reconstruct, threads, BAD_INT, -1)}},
     {HEAD(surface_write),
      {call_surface_write},
      {BAD(surface_write, format, BAD_INT, 9), BAD(surface_write, samples, BAD_SIZE, 1025),

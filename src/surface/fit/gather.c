@@ -16,8 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// A pseudo-random sign of point and probe: one bit of the finalizer of splitmix64 (Steele, Lea and Flood, 2014).
-static double random_sign(uint32_t number, size_t probe)
+double fit_random_sign(uint32_t number, size_t probe)
 {
     uint64_t z = ((uint64_t)probe << 32 | number) * UINT64_C(0x9e3779b97f4a7c15) + UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -34,7 +33,7 @@ static void set_loads(const gather_context *gather, size_t row, double *loads)
     for (size_t k = 0; k < dimension; k++)
         loads[k] = weight * points->position[row * dimension + k];
     for (size_t k = dimension; k < gather->columns; k++)
-        loads[k] = root * random_sign(points->number[row], k - dimension);
+        loads[k] = root * fit_random_sign(points->number[row], k - dimension);
 }
 
 /// Add the contribution of a point with `count` function values to the lower triangle and the right-hand sides.

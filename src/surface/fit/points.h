@@ -198,4 +198,7 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
 /// @return BAT_OK; BAT_INVALID_ARGUMENT; BAT_INVALID_POINT with the first point or parameter out of range; BAT_NO_MEMORY
 bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_data *data, size_t *moved, bat_error *error);
 
+/// A pseudo-random sign of point and probe: one bit of the finalizer of splitmix64 (Steele, Lea and Flood, 2014).
+double fit_random_sign(uint32_t number, size_t probe);
+
 #endif

@@ -1,0 +1,257 @@
+/// @file
+/// Pieces and holes of the mesh that connects the points of a shell; see shell.h.
+///
+/// A vertex is bare where the nearest point is farther than BARE spacings of that point. A part of bare vertices around one
+/// that is farther than HOLE spacings is a hole of the points. A piece with few points beside it is not there at all.
+
+#include "surface/shell/shell.h"
+
+#include "base/error.h"
+#include "linalg/vector.h"
+#include "surface/cloud/neighbours.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SMOOTHINGS 40 ///< of boundaries
+#define RINGS 8       ///< of vertices that follow
+
+static const double BARE = 1.3, HOLE = 4.5;
+/// Least share of covered vertices of a piece, and of all points at it.
+static const double MIN_COVERED = 0.3, MIN_PIECE = 0.01;
+
+typedef struct opening
+{
+    bat_mesh *mesh;
+    bat_mesh_connectivity links;
+    double *far;     ///< vertex_count: distance from the nearest point in its spacings
+    uint32_t *piece; ///< vertex_count
+    size_t pieces;
+    uint32_t *stack;
+    bool *gone; ///< vertex_count
+    memory_pool pool;
+} opening;
+
+bat_status shell_distances(const double *points, size_t count, const double *places, size_t place_count, double less,
+                           double least, double *distances, bat_error *error)
+{
+    neighbour_tree tree = {0};
+    neighbour_list near = {0};
+    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    for (size_t k = 0; k < place_count && status == BAT_OK; k++)
+    {
+        status = neighbours_nearest(&tree, places + 3 * k, 1, &near, error);
+        if (status != BAT_OK)
+            break;
+        double distance = fmax(sqrt(near.entries[0].squared) - less, 0);
+        status = neighbours_nearest(&tree, points + 3 * (size_t)near.entries[0].item, SHELL_SPACING_POINTS, &near, error);
+        if (status == BAT_OK)
+            distances[k] = distance / fmax(shell_spacing(&near), least);
+    }
+    neighbour_list_free(&near);
+    neighbour_tree_free(&tree);
+    return status;
+}
+
+/// Visit the vertices that edges join to one, where `far` is at least `bound`. Returns their number, in `stack`.
+static size_t spread(opening *work, uint32_t vertex, double bound, uint32_t *labels, uint32_t label)
+{
+    size_t begin = 0, end = 1;
+    work->stack[0] = vertex;
+    labels[vertex] = label;
+    while (begin < end)
+    {
+        uint32_t from = work->stack[begin++], first = work->links.first[from], h = first;
+        while (h != BAT_MESH_NONE)
+        {
+            const uint32_t beside[2] = {work->mesh->faces[bat_mesh_next(h)], work->mesh->faces[bat_mesh_previous(h)]};
+            for (int k = 0; k < 2; k++)
+                if (labels[beside[k]] == UINT32_MAX && work->far[beside[k]] >= bound)
+                {
+                    labels[beside[k]] = label;
+                    work->stack[end++] = beside[k];
+                }
+            h = bat_mesh_next_around(&work->links, h);
+            if (h == first)
+                break;
+        }
+    }
+    return end;
+}
+
+/// Mark pieces with few points as gone. At least the largest stays.
+static void drop_pieces(opening *work, bat_shell_report *report)
+{
+    size_t count = work->mesh->vertex_count, largest = 0;
+    memset(work->piece, 0xff, count * sizeof *work->piece);
+    for (int pass = 0; pass < 2; pass++)
+    {
+        memset(work->piece, 0xff, count * sizeof *work->piece);
+        for (uint32_t v = 0; v < count; v++)
+        {
+            if (work->piece[v] != UINT32_MAX || work->links.first[v] == BAT_MESH_NONE)
+                continue;
+            size_t members = spread(work, v, 0, work->piece, v), covered = 0;
+            for (size_t k = 0; k < members; k++)
+                covered += work->far[work->stack[k]] < BARE;
+            largest = covered > largest ? covered : largest;
+            bool stays = (double)covered >= MIN_COVERED * (double)members && (double)covered >= MIN_PIECE * (double)largest;
+            for (size_t k = 0; k < members && pass == 1; k++)
+                work->gone[work->stack[k]] = !stays;
+            report->dropped_pieces += pass == 1 && !stays;
+        }
+    }
+}
+
+/// The diagonal of the box around the listed vertices.
+static double extent_of(const opening *work, size_t members)
+{
+    double box[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, sum = 0;
+    for (size_t k = 0; k < members; k++)
+        for (int d = 0; d < 3; d++)
+        {
+            double place = work->mesh->positions[3 * (size_t)work->stack[k] + (size_t)d];
+            box[0][d] = fmin(box[0][d], place);
+            box[1][d] = fmax(box[1][d], place);
+        }
+    for (int d = 0; d < 3; d++)
+        sum += (box[1][d] - box[0][d]) * (box[1][d] - box[0][d]);
+    return sqrt(sum);
+}
+
+static void open_holes(opening *work, double fill, bat_shell_report *report)
+{
+    size_t count = work->mesh->vertex_count;
+    memset(work->piece, 0xff, count * sizeof *work->piece);
+    for (uint32_t v = 0; v < count; v++)
+    {
+        if (work->piece[v] != UINT32_MAX || work->far[v] < BARE || work->gone[v] || work->links.first[v] == BAT_MESH_NONE)
+            continue;
+        size_t members = spread(work, v, BARE, work->piece, v);
+        double farthest = 0;
+        for (size_t k = 0; k < members; k++)
+            farthest = fmax(farthest, work->far[work->stack[k]]);
+        if (farthest < HOLE)
+            continue;
+        bool fills = extent_of(work, members) <= fill;
+        report->filled += fills;
+        for (size_t k = 0; k < members && !fills; k++)
+            work->gone[work->stack[k]] = true;
+    }
+}
+
+/// Keep the faces that have a corner that stays, and vertices of faces.
+static bat_status keep_rest(opening *work, bat_error *error)
+{
+    bat_mesh rest = *work->mesh, repaired;
+    bat_mesh_repair_report repairs;
+    uint32_t *faces = memory_pool_array(&work->pool, rest.face_count, 3 * sizeof *faces);
+    if (faces == NULL)
+        return memory_pool_check(&work->pool, error);
+    size_t kept = 0;
+    for (size_t f = 0; f < rest.face_count; f++)
+    {
+        const uint32_t *face = rest.faces + 3 * f;
+        if (!work->gone[face[0]] && !work->gone[face[1]] && !work->gone[face[2]])
+            memcpy(faces + 3 * kept++, face, 3 * sizeof *faces);
+    }
+    rest.faces = faces;
+    rest.face_count = kept;
+    if (kept == 0)
+        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the points are too scattered for a surface");
+    bat_status status = bat_mesh_repair(&rest, &repairs, &repaired, error);
+    if (status == BAT_OK)
+    {
+        bat_mesh_free(work->mesh);
+        *work->mesh = repaired;
+    }
+    return status;
+}
+
+static bat_status smooth_boundary(bat_mesh *mesh, bat_error *error)
+{
+    bat_mesh_connectivity links;
+    memory_pool pool = {0};
+    size_t count = mesh->vertex_count;
+    double *sums = memory_pool_array(&pool, count, 4 * sizeof *sums);
+    uint8_t *rings = memory_pool_array(&pool, count, sizeof *rings);
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(mesh, &links, error);
+    if (status != BAT_OK)
+    {
+        memory_pool_free(&pool);
+        return status;
+    }
+    memset(rings, RINGS, count * sizeof *rings);
+    for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+        if (links.twin[h] == BAT_MESH_NONE)
+            rings[mesh->faces[h]] = 0;
+    for (int k = 1; k < RINGS; k++)
+        for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+        {
+            uint8_t *a = &rings[mesh->faces[h]], *b = &rings[mesh->faces[bat_mesh_next(h)]];
+            *a = *a == RINGS && *b == k - 1 ? (uint8_t)k : *a;
+            *b = *b == RINGS && *a == k - 1 ? (uint8_t)k : *b;
+        }
+    for (int k = 0; k < SMOOTHINGS && links.boundary_edge_count > 0; k++)
+    {
+        memset(sums, 0, count * 4 * sizeof *sums);
+        for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+        {
+            uint32_t ends[2] = {mesh->faces[h], mesh->faces[bat_mesh_next(h)]};
+            bool outer = links.twin[h] == BAT_MESH_NONE;
+            for (size_t e = 0; e < 2; e++)
+            {
+                // A vertex of the boundary takes its neighbours there alone. Each inner edge comes twice.
+                double weight = rings[ends[e]] == 0 ? (outer ? 1 : 0) : outer ? 1 : 0.5;
+                for (size_t c = 0; c < 3; c++)
+                    sums[4 * (size_t)ends[e] + c] += weight * mesh->positions[3 * (size_t)ends[1 - e] + c];
+                sums[4 * (size_t)ends[e] + 3] += weight;
+            }
+        }
+        for (size_t v = 0; v < count; v++)
+            for (size_t c = 0; c < 3 && rings[v] < RINGS && sums[4 * v + 3] > 0; c++)
+                mesh->positions[3 * v + c] = (mesh->positions[3 * v + c] + sums[4 * v + c] / sums[4 * v + 3]) / 2;
+    }
+    bat_mesh_connectivity_free(&links);
+    memory_pool_free(&pool);
+    return BAT_OK;
+}
+
+static bat_status open_once(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
+                            bat_shell_report *report, bat_error *error)
+{
+    opening work = {.mesh = mesh};
+    size_t vertices = mesh->vertex_count;
+    work.far = memory_pool_zeros(&work.pool, vertices, sizeof *work.far);
+    work.piece = memory_pool_array(&work.pool, vertices, sizeof *work.piece);
+    work.stack = memory_pool_array(&work.pool, vertices, sizeof *work.stack);
+    work.gone = memory_pool_zeros(&work.pool, vertices, sizeof *work.gone);
+    bat_status status = memory_pool_check(&work.pool, error);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(mesh, &work.links, error);
+    if (status == BAT_OK)
+        status = shell_distances(points, count, mesh->positions, vertices, 0, found->cell, work.far, error);
+    if (status == BAT_OK)
+    {
+        drop_pieces(&work, report);
+        open_holes(&work, fill, report);
+        status = keep_rest(&work, error);
+    }
+    bat_mesh_connectivity_free(&work.links);
+    memory_pool_free(&work.pool);
+    return status;
+}
+
+bat_status shell_open_holes(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
+                            bat_shell_report *report, bat_error *error)
+{
+    bat_shell_report islands = {0};
+    bat_status status = open_once(points, count, found, fill, mesh, report, error);
+    // Holes that are open may leave islands, which are pieces without points.
+    if (status == BAT_OK)
+        status = open_once(points, count, found, fill, mesh, &islands, error);
+    return status == BAT_OK ? smooth_boundary(mesh, error) : status;
+}

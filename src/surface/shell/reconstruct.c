@@ -1,0 +1,540 @@
+/// @file
+/// From points or a mesh to a shell; see batten/shell.h.
+///
+/// Layouts of 200, 400, ... faces are fitted to nine of ten points, until the distances of the tenth no longer fall by
+/// MIN_GAIN, or all points are within the tolerance. The last fit is to all points.
+
+#include "surface/shell/shell.h"
+
+#include "base/error.h"
+#include "base/option.h"
+#include "base/progress.h"
+#include "batten/mesh_measure.h"
+#include "batten/mesh_refine.h"
+#include "linalg/vector.h"
+#include "mesh/check.h"
+#include "mesh/sides.h"
+#include "surface/cloud/local_plane.h"
+#include "surface/cloud/neighbours.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MIN_POINTS 300
+#define FIRST_FACES 200
+#define MAX_FACES 2800       ///< unless a number is given
+#define POINTS_PER_CONTROL 2 ///< least number of points for each control point, on average
+#define HOLD_OUT 10
+#define TRIAL_ROUNDS 4
+#define ROUNDS 8
+#define RETRIES 3
+#define MIN_FACES 40
+#define MESH_POINTS 40000     ///< samples of a mesh
+#define CONNECTED_FACES 24000 ///< of the mesh that connects points: grids make slivers, which decimation takes away
+
+/// Least share by which the distances of held-out points fall with twice the faces.
+static const double MIN_GAIN = 0.01;
+/// Factor of the smoothing where a shell is wrong.
+static const double STIFFER = 4;
+static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
+
+bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
+{
+    return (bat_shell_reconstruct_options){.spans = 2, .crease = 0.7};
+}
+
+static bat_status shell_options_check(const void *options, bat_error *error)
+{
+    static const option_field FIELDS[] = {
+        OPTION_FIELD(bat_shell_reconstruct_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_shell_reconstruct_options, faces, OPTION_SIZE, 0, 1000000),
+        OPTION_FIELD(bat_shell_reconstruct_options, spans, OPTION_SIZE, 2, 16),
+        OPTION_FIELD(bat_shell_reconstruct_options, crease, OPTION_NUMBER, 0, 3.1415926535897932),
+        OPTION_FIELD(bat_shell_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
+        OPTION_THREADS(bat_shell_reconstruct_options),
+    };
+    return OPTIONS_CHECK(options, FIELDS, error);
+}
+
+const bat_options_table bat_shell_reconstruct_fields = {"bat_shell_reconstruct_options", shell_options_check};
+
+/// A layout with its grid and a fit.
+typedef struct shell_trial
+{
+    shell_layout layout;
+    shell_grid grid;
+    shell_fit fit;
+    memory_pool pool;
+} shell_trial;
+
+typedef struct shell_work
+{
+    const bat_shell_reconstruct_options *options;
+    unit_frame frame;
+    double *points; ///< count x 3, of unit size, in an order that depends on coordinates alone
+    size_t count;
+    bat_mesh mesh;                   ///< of unit size
+    bat_mesh_closest_point *closest; ///< count: of the points on the mesh
+    bool *held;                      ///< count
+    double noise, stiffness;
+    bat_shell_report report;
+    memory_pool pool;
+} shell_work;
+
+// Input
+
+/// Scale the points, and sort them.
+static bat_status take_points(shell_work *work, const double *points, size_t count, bat_error *error)
+{
+    size_t *order = memory_pool_array(&work->pool, count, sizeof *order);
+    work->points = memory_pool_array(&work->pool, count, 3 * sizeof *work->points);
+    bat_status status = memory_pool_check(&work->pool, error);
+    for (size_t i = 0; i < 3 * count && status == BAT_OK; i++)
+        if (!isfinite(points[i]))
+            status = error_set(error, BAT_INVALID_POINT, i / 3, 0, "point %zu is not finite", i / 3);
+    if (status == BAT_OK)
+        status = canonical_order_find(points, count, order, error);
+    if (status != BAT_OK)
+        return status;
+    work->frame = unit_frame_of(points, count);
+    work->count = count;
+    for (size_t i = 0; i < count; i++)
+        unit_frame_place(&work->frame, points + 3 * order[i], work->points + 3 * i);
+    return BAT_OK;
+}
+
+/// Sample the faces of a mesh evenly by area, at places that depend on the mesh alone.
+static bat_status sample_mesh(shell_work *work, bat_error *error)
+{
+    const bat_mesh *mesh = &work->mesh;
+    size_t count = mesh->vertex_count > MESH_POINTS ? mesh->vertex_count : MESH_POINTS;
+    work->points = memory_pool_array(&work->pool, count, 3 * sizeof *work->points);
+    double *sums = memory_pool_array(&work->pool, mesh->face_count + 1, sizeof *sums);
+    bat_status status = memory_pool_check(&work->pool, error);
+    if (status != BAT_OK)
+        return status;
+    sums[0] = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        double p[3], q[3], normal[3];
+        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, p);
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, q);
+        vector3_cross(p, q, normal);
+        sums[f + 1] = sums[f] + vector3_length(normal);
+    }
+    work->report.spacing = sqrt(sums[mesh->face_count] / 2 / (double)count);
+    // Places of the additive recurrence with the plastic number, of low discrepancy (Roberts, 2018).
+    size_t face = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        double at = ((double)i + 0.5) / (double)count * sums[mesh->face_count], ignored;
+        double u = modf(0.5 + 0.7548776662466927 * (double)i, &ignored),
+               v = modf(0.5 + 0.5698402909980532 * (double)i, &ignored);
+        while (face + 1 < mesh->face_count && sums[face + 1] <= at)
+            face++;
+        double root = sqrt(u), weights[3] = {1 - root, root * (1 - v), root * v};
+        for (size_t c = 0; c < 3; c++)
+        {
+            work->points[3 * i + c] = 0;
+            for (size_t k = 0; k < 3; k++)
+                work->points[3 * i + c] += weights[k] * mesh->positions[3 * (size_t)mesh->faces[3 * face + k] + c];
+        }
+    }
+    work->count = count;
+    return BAT_OK;
+}
+
+/// Mark the edges of a mesh beyond an angle as creases.
+static bat_status find_creases(shell_work *work, bat_error *error)
+{
+    bat_mesh *mesh = &work->mesh;
+    bat_mesh_connectivity links;
+    bat_status status = bat_mesh_connect(mesh, &links, error);
+    if (status != BAT_OK || !(work->options->crease > 0) || mesh->crease_count > 0)
+    {
+        bat_mesh_connectivity_free(&links);
+        return status;
+    }
+    mesh->creases = malloc((links.edge_count + 1) * sizeof *mesh->creases);
+    if (mesh->creases == NULL)
+        status = error_memory(error, links.edge_count * sizeof *mesh->creases);
+    for (uint32_t h = 0; h < 3 * mesh->face_count && status == BAT_OK; h++)
+    {
+        uint32_t twin = links.twin[h];
+        if (twin == BAT_MESH_NONE || twin < h)
+            continue;
+        double along[3], arm[3], normals[2][3];
+        const double *a = mesh->positions + 3 * (size_t)mesh->faces[h];
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)], a, along);
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], a, arm);
+        vector3_cross(along, arm, normals[0]);
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(twin)], a, arm);
+        vector3_cross(arm, along, normals[1]);
+        if (vector3_angle(normals[0], normals[1]) > work->options->crease)
+            mesh->creases[mesh->crease_count++] =
+                (bat_mesh_crease){mesh->faces[h], mesh->faces[bat_mesh_next(h)], BAT_MESH_SHARP};
+    }
+    bat_mesh_connectivity_free(&links);
+    return status;
+}
+
+static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = mesh_check_triangles(mesh, error);
+    if (status != BAT_OK)
+        return status;
+    const bat_mesh bare = {.positions = mesh->positions,
+                           .faces = mesh->faces,
+                           .vertex_count = mesh->vertex_count,
+                           .face_count = mesh->face_count,
+                           .creases = mesh->creases,
+                           .crease_count = mesh->crease_count};
+    bat_mesh_refine_options options = bat_mesh_refine_defaults();
+    options.scheme = BAT_MESH_SCHEME_MIDPOINT;
+    options.levels = 0;
+    for (size_t count = bare.face_count; count < MAX_FACES; count *= 4)
+        options.levels++;
+    status = bat_mesh_refine(&bare, &options, &work->mesh, NULL, error);
+    if (status != BAT_OK)
+        return status;
+    work->frame = unit_frame_of(mesh->positions, mesh->vertex_count);
+    for (size_t v = 0; v < work->mesh.vertex_count; v++)
+        unit_frame_place(&work->frame, work->mesh.positions + 3 * v, work->mesh.positions + 3 * v);
+    status = find_creases(work, error);
+    if (status == BAT_OK)
+        status = sample_mesh(work, error);
+    return status;
+}
+
+/// Coarsen the mesh that connects the points, which is a scaffold for layouts alone.
+static bat_status coarsen(shell_work *work, bat_error *error)
+{
+    bat_mesh coarse;
+    bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.faces = CONNECTED_FACES;
+    options.threads = work->options->threads;
+    if (work->mesh.face_count <= CONNECTED_FACES)
+        return BAT_OK;
+    bat_status status = bat_mesh_decimate(&work->mesh, &options, &coarse, NULL, error);
+    if (status == BAT_OK)
+    {
+        bat_mesh_free(&work->mesh);
+        work->mesh = coarse;
+    }
+    return status;
+}
+
+static bat_status connect_points(shell_work *work, bat_progress progress, bat_error *error)
+{
+    shell_connection found = {0};
+    neighbour_tree tree = {0};
+    bat_status status = shell_connect(work->points, work->count, progress, &work->mesh, &found, error);
+    if (status == BAT_OK)
+        status =
+            shell_open_holes(work->points, work->count, &found, ldexp(work->options->fill_holes / 2, work->frame.exponent),
+                             &work->mesh, &work->report, error);
+    if (status == BAT_OK)
+        status = coarsen(work, error);
+    if (status == BAT_OK)
+        status = neighbour_tree_build(work->points, work->count, &tree, error);
+    if (status == BAT_OK)
+        status = noise_estimate(work->points, &tree, &work->noise, error);
+    neighbour_tree_free(&tree);
+    work->report.spacing = found.spacing;
+    return status;
+}
+
+// Trials
+
+static void trial_free(shell_trial *trial)
+{
+    shell_layout_free(&trial->layout);
+    shell_grid_free(&trial->grid);
+    memory_pool_free(&trial->pool);
+    *trial = (shell_trial){0};
+}
+
+/// Control points at bilinear places between the vertices of the layout.
+static void place_control(const shell_trial *trial, double *start)
+{
+    const shell_grid *grid = &trial->grid;
+    size_t spans = grid->spans;
+    for (size_t q = 0; q < grid->quad_count; q++)
+        for (size_t c = 0; c < 4; c++)
+        {
+            double u = (double)(q % spans + (c == 1 || c == 2)) / (double)spans,
+                   v = (double)(q / spans % spans + (c >= 2)) / (double)spans;
+            const double weights[4] = {(1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v};
+            const uint32_t *corners = trial->layout.quads + 4 * (q / (spans * spans));
+            double *point = start + 3 * (size_t)grid->quads[4 * q + c], sum[3] = {0};
+            for (size_t k = 0; k < 4; k++)
+                for (size_t d = 0; d < 3; d++)
+                    sum[d] += weights[k] * trial->layout.positions[3 * (size_t)corners[k] + d];
+            memcpy(point, sum, sizeof sum);
+        }
+}
+
+/// From a place on a face to one on a patch.
+static void place_on_grid(size_t spans, shell_place *place)
+{
+    double u = place->u * (double)spans, v = place->v * (double)spans;
+    size_t i = (size_t)u < spans ? (size_t)u : spans - 1, j = (size_t)v < spans ? (size_t)v : spans - 1;
+    *place = (shell_place){(uint32_t)((place->face * spans + j) * spans + i), u - (double)i, v - (double)j};
+}
+
+static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *trial, bat_error *error)
+{
+    shell_fit *fit = &trial->fit;
+    bat_status status = shell_layout_make(&work->mesh, faces, &trial->layout, error);
+    if (status == BAT_OK)
+        status = shell_grid_make(&trial->layout, work->options->spans, &trial->grid, error);
+    if (status != BAT_OK)
+        return status;
+    double *start = memory_pool_zeros(&trial->pool, trial->grid.vertex_count, 3 * sizeof *start);
+    *fit = (shell_fit){.grid = &trial->grid,
+                       .points = work->points,
+                       .count = work->count,
+                       .places = memory_pool_array(&trial->pool, work->count, sizeof *fit->places),
+                       .start = start,
+                       .control = memory_pool_array(&trial->pool, trial->grid.vertex_count, 3 * sizeof *fit->control),
+                       .bezier = memory_pool_array(&trial->pool, trial->grid.quad_count, 48 * sizeof *fit->bezier),
+                       .squared = memory_pool_array(&trial->pool, work->count, sizeof *fit->squared),
+                       .stiffness = work->stiffness,
+                       .threads = work->options->threads};
+    bat_mesh_point *points = memory_pool_array(&trial->pool, work->count, sizeof *points);
+    status = memory_pool_check(&trial->pool, error);
+    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
+        points[i] = work->closest[i].at;
+    if (status == BAT_OK)
+        status = shell_layout_places(&trial->layout, points, work->count, fit->places, error);
+    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
+        place_on_grid(trial->grid.spans, &fit->places[i]);
+    if (status == BAT_OK)
+        place_control(trial, start);
+    return status;
+}
+
+/// The root mean square and the largest distance of points that are held out, or of the others.
+static double distance_of(const shell_work *work, const shell_fit *fit, bool held, double *largest)
+{
+    double sum = 0, most = 0;
+    size_t count = 0;
+    for (size_t i = 0; i < work->count; i++)
+        if (work->held[i] == held)
+        {
+            sum += fit->squared[i];
+            most = fmax(most, fit->squared[i]);
+            count++;
+        }
+    *largest = sqrt(most);
+    return count > 0 ? sqrt(sum / (double)count) : NAN;
+}
+
+/// Fit in two parts: the second takes off the bias of the noise that the first leaves.
+static bat_status fit_trial(shell_trial *trial, int rounds, bat_error *error)
+{
+    shell_fit *fit = &trial->fit;
+    bat_status status = shell_fit_run(fit, rounds / 2, error);
+    double sum = 0;
+    for (size_t i = 0; i < fit->count && status == BAT_OK; i++)
+        sum += fit->squared[i];
+    fit->unbias = sum / fmax((double)fit->count - fit->trace, 1);
+    return status == BAT_OK ? shell_fit_run(fit, rounds - rounds / 2, error) : status;
+}
+
+/// Find the number of faces.
+static bat_status find_size(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
+{
+    double best = INFINITY, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+    size_t limit = work->count / (POINTS_PER_CONTROL * work->options->spans * work->options->spans);
+    limit = limit < MAX_FACES ? limit : MAX_FACES;
+    *faces = work->options->faces;
+    for (size_t wanted = *faces > 0 ? *faces : FIRST_FACES, k = 0;; wanted = 2 * wanted < limit ? 2 * wanted : limit, k++)
+    {
+        shell_trial trial = {0};
+        double largest, fitted;
+        bat_status status = progress_goes_on(progress, (double)k / 5)
+                                ? trial_make(work, wanted, &trial, error)
+                                : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+        trial.fit.held = work->held;
+        if (status == BAT_OK)
+            status = fit_trial(&trial, TRIAL_ROUNDS, error);
+        double held = status == BAT_OK ? distance_of(work, &trial.fit, true, &largest) : 0;
+        if (status == BAT_OK)
+            (void)distance_of(work, &trial.fit, false, &fitted);
+        trial_free(&trial);
+        if (status != BAT_OK)
+            return status;
+        bool gains = held < (1 - MIN_GAIN) * best;
+        if (held < best)
+        {
+            work->report.held_out = held;
+            *faces = work->options->faces > 0 || gains ? wanted : *faces;
+            best = held;
+        }
+        bool reached = tolerance > 0 && fmax(largest, fitted) <= tolerance;
+        if (work->options->faces > 0 || reached || wanted >= limit || (!gains && !(tolerance > 0)))
+            return BAT_OK;
+    }
+}
+
+// The result
+
+/// Give back the scale of the input.
+static void restore(const unit_frame *frame, double *points, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        points[i] = 2 * (ldexp(points[i], -frame->exponent) + frame->middle[i % 3] / 2);
+}
+
+static bat_status make_shell(const shell_trial *trial, bat_shell *shell, bat_error *error)
+{
+    const shell_grid *grid = &trial->grid;
+    bat_mesh *cage = &shell->cage;
+    *shell =
+        (bat_shell){.face_count = grid->face_count, .spans = grid->spans, .closed = grid->links.boundary_edge_count == 0};
+    cage->vertex_count = grid->vertex_count;
+    cage->face_count = grid->quad_count;
+    cage->positions = malloc(grid->vertex_count * 3 * sizeof *cage->positions);
+    cage->faces = malloc(grid->quad_count * 4 * sizeof *cage->faces);
+    cage->offsets = sides_offsets(grid->quad_count, 4);
+    cage->creases = malloc((4 * grid->quad_count + 1) * sizeof *cage->creases);
+    shell->patches = malloc(grid->quad_count * 48 * sizeof *shell->patches);
+    if (cage->positions == NULL || cage->faces == NULL || cage->offsets == NULL || cage->creases == NULL ||
+        shell->patches == NULL)
+        return error_memory(error, grid->quad_count * 48 * sizeof *shell->patches);
+    memcpy(cage->positions, trial->fit.control, grid->vertex_count * 3 * sizeof *cage->positions);
+    memcpy(cage->faces, grid->quads, grid->quad_count * 4 * sizeof *cage->faces);
+    memcpy(shell->patches, trial->fit.bezier, grid->quad_count * 48 * sizeof *shell->patches);
+    for (uint32_t h = 0; h < 4 * grid->quad_count; h++)
+        if (grid->sharp[h] && grid->links.twin[h] > h && grid->links.twin[h] != BAT_MESH_NONE)
+            cage->creases[cage->crease_count++] =
+                (bat_mesh_crease){grid->quads[h], grid->quads[h % 4 == 3 ? h - 3 : h + 1], BAT_MESH_SHARP};
+    return BAT_OK;
+}
+
+/// Distances, areas and volumes in the unit of the input.
+static void restore_report(const unit_frame *frame, bat_shell_report *report)
+{
+    double unit = ldexp(2, -frame->exponent);
+    double *lengths[] = {&report->spacing, &report->noise, &report->rms, &report->largest, &report->held_out};
+    for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++)
+        *lengths[k] *= unit;
+    report->volume *= unit * unit * unit;
+    report->mesh_volume *= unit * unit * unit;
+}
+
+/// Turn a closed mesh that is inside out.
+static bat_status face_outwards(bat_mesh *mesh, bat_error *error)
+{
+    bat_mesh_summary summary;
+    bat_status status = bat_mesh_summarize(mesh, &summary, error);
+    for (size_t f = 0; f < mesh->face_count && status == BAT_OK && summary.volume < 0; f++)
+    {
+        uint32_t second = mesh->faces[3 * f + 1];
+        mesh->faces[3 * f + 1] = mesh->faces[3 * f + 2];
+        mesh->faces[3 * f + 2] = second;
+    }
+    return status;
+}
+
+/// Fit a number of faces to all points, and judge the shell.
+static bat_status fit_faces(shell_work *work, size_t faces, bat_progress progress, bat_shell *shell, bat_error *error)
+{
+    shell_trial trial = {0};
+    bat_shell made = {0};
+    bat_status status = trial_make(work, faces, &trial, error);
+    trial.fit.progress = progress;
+    work->report.turned = 0;
+    if (status == BAT_OK)
+        status = fit_trial(&trial, ROUNDS, error);
+    if (status == BAT_OK)
+        status = make_shell(&trial, &made, error);
+    if (status == BAT_OK)
+        status = shell_measure(&made, &trial.fit, &work->mesh, &work->report, error);
+    if (status == BAT_OK && !work->options->force)
+        status = shell_judge(&made, &work->report, work->noise, error);
+    trial_free(&trial);
+    if (status == BAT_OK)
+        *shell = made;
+    else
+        bat_shell_free(&made);
+    return status;
+}
+
+/// Find the number of faces and fit. A shell that is wrong has too many faces for its points at some place: half as many
+/// are tried then, with more smoothing, and the first failure is told where that fails too.
+static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *error)
+{
+    progress_part trials = {work->options->progress, CONNECT_SHARE, TRIAL_SHARE},
+                  last = {work->options->progress, CONNECT_SHARE + TRIAL_SHARE, 1 - CONNECT_SHARE - TRIAL_SHARE};
+    size_t faces = 0;
+    work->closest = memory_pool_array(&work->pool, work->count, sizeof *work->closest);
+    work->held = memory_pool_zeros(&work->pool, work->count, sizeof *work->held);
+    bat_status status = memory_pool_check(&work->pool, error);
+    if (status == BAT_OK)
+        status = bat_mesh_closest(&work->mesh, work->points, work->count, work->options->threads, work->closest, error);
+    for (size_t i = 0; i < work->count && status == BAT_OK; i++)
+        work->held[i] = i % HOLD_OUT == HOLD_OUT / 2;
+    if (status == BAT_OK)
+        status = find_size(work, progress_of_part(&trials), &faces, error);
+    if (status == BAT_OK)
+        status = fit_faces(work, faces, progress_of_part(&last), shell, error);
+    for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && work->options->faces == 0 && faces > MIN_FACES; k++)
+    {
+        bat_error failure;
+        faces /= 2;
+        work->stiffness *= STIFFER;
+        status = fit_faces(work, faces, progress_of_part(&last), shell, &failure);
+        if (status != BAT_OK && status != BAT_NO_CONVERGENCE)
+            return error_copy(error, &failure);
+    }
+    if (status == BAT_OK)
+    {
+        restore(&work->frame, shell->patches, shell->cage.face_count * 48);
+        restore(&work->frame, shell->cage.positions, shell->cage.vertex_count * 3);
+        restore_report(&work->frame, &work->report);
+    }
+    return status;
+}
+
+bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_mesh *mesh,
+                                 const bat_shell_reconstruct_options *options, bat_shell *shell, bat_shell_report *report,
+                                 bat_error *error)
+{
+    const bat_shell_reconstruct_options defaults = bat_shell_reconstruct_defaults();
+    shell_work work = {.options = options != NULL ? options : &defaults, .stiffness = 1, .report = {.held_out = NAN}};
+    bat_shell made = {0};
+    bat_status status = bat_options_check(&bat_shell_reconstruct_fields, work.options, error);
+    if (status != BAT_OK)
+        return status;
+    if (mesh == NULL && count < MIN_POINTS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%zu points are too few: a shell needs %d", count,
+                         MIN_POINTS);
+    progress_part first = {work.options->progress, 0, CONNECT_SHARE};
+    if (mesh != NULL)
+        status = take_mesh(&work, mesh, error);
+    else
+    {
+        status = take_points(&work, points, count, error);
+        if (status == BAT_OK)
+            status = connect_points(&work, progress_of_part(&first), error);
+    }
+    if (status == BAT_OK)
+        status = face_outwards(&work.mesh, error);
+    if (status == BAT_OK)
+        status = fit_and_judge(&work, &made, error);
+    bat_mesh_free(&work.mesh);
+    memory_pool_free(&work.pool);
+    if (status != BAT_OK)
+    {
+        bat_shell_free(&made);
+        return status;
+    }
+    *shell = made;
+    if (report != NULL)
+        *report = work.report;
+    return BAT_OK;
+}

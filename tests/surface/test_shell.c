@@ -1,0 +1,253 @@
+// Shells: closed and open surfaces of any shape from points and meshes.
+
+#include "check.h"
+
+#include "batten/batten.h"
+#include "surface/shell/shell.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+typedef struct scatter
+{
+    double *points;
+    size_t count;
+} scatter;
+
+static scatter scatter_make(size_t count)
+{
+    scatter made = {calloc(3 * count, sizeof(double)), count};
+    assert_non_null(made.points);
+    return made;
+}
+
+/// Evenly spread points of a unit sphere, or random ones up to a height; `noise` is added to each coordinate.
+static scatter sphere(size_t count, double top, double noise)
+{
+    scatter made = scatter_make(count);
+    bat_random random = bat_random_seed(7);
+    for (size_t i = 0; i < count; i++)
+    {
+        bool even = top == 1;
+        double share = even ? ((double)i + 0.5) / (double)count : bat_random_uniform(&random);
+        double z = -1 + share * (1 + top),
+               turn = even ? 2.399963229728653 * (double)i : 2 * PI * bat_random_uniform(&random);
+        double place[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
+        for (size_t c = 0; c < 3; c++)
+            made.points[3 * i + c] = place[c] + noise * bat_random_normal(&random);
+    }
+    return made;
+}
+
+/// Random points of a torus with the radii 1 and 0.4.
+static scatter torus(size_t count)
+{
+    scatter made = scatter_make(count);
+    bat_random random = bat_random_seed(3);
+    for (size_t i = 0; i < count;)
+    {
+        double a = 2 * PI * bat_random_uniform(&random), b = 2 * PI * bat_random_uniform(&random);
+        if (bat_random_uniform(&random) * 1.4 > 1 + 0.4 * cos(b))
+            continue;
+        made.points[3 * i] = (1 + 0.4 * cos(b)) * cos(a);
+        made.points[3 * i + 1] = (1 + 0.4 * cos(b)) * sin(a);
+        made.points[3 * i++ + 2] = 0.4 * sin(b);
+    }
+    return made;
+}
+
+/// Euler's number of a shell.
+static int64_t euler_of(const bat_shell *shell)
+{
+    bat_mesh sampled, triangles;
+    bat_mesh_summary summary;
+    check_status(bat_shell_tessellate(shell, 2, &sampled, NULL), BAT_OK);
+    check_status(bat_mesh_triangulate(&sampled, &triangles, NULL), BAT_OK);
+    check_status(bat_mesh_summarize(&triangles, &summary, NULL), BAT_OK);
+    bat_mesh_free(&sampled);
+    bat_mesh_free(&triangles);
+    return summary.euler;
+}
+
+static void a_sphere_is_closed_and_round(void **state)
+{
+    (void)state;
+    scatter made = sphere(3000, 1, 0);
+    bat_shell shell;
+    bat_shell_report report;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
+    assert_true(shell.closed);
+    assert_int_equal(report.pieces, 1);
+    assert_int_equal(report.holes, 0);
+    assert_int_equal(euler_of(&shell), 2);
+    check_near(report.volume, 4 * PI / 3, 2e-3);
+    assert_true(report.largest < 3e-3);
+    for (size_t f = 0; f < shell.face_count; f++)
+    {
+        double point[3], normal[3];
+        check_status(bat_shell_evaluate(&shell, f, 0.3, 0.8, point, normal, NULL), BAT_OK);
+        check_near(point[0] * point[0] + point[1] * point[1] + point[2] * point[2], 1, 2e-2);
+        assert_true(point[0] * normal[0] + point[1] * normal[1] + point[2] * normal[2] > 0.9);
+    }
+    bat_shell_free(&shell);
+    free(made.points);
+}
+
+/// Noise that is the same in all directions moves the mean of points outwards; the shell stays where the surface is.
+static void noise_does_not_swell(void **state)
+{
+    (void)state;
+    scatter made = sphere(6000, 1, 0.03);
+    bat_shell shell;
+    bat_shell_report report;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
+    check_near(report.noise, 0.03, 0.002);
+    // The mean square of the points' radii alone would give 0.4 % more.
+    check_near(report.volume, 4 * PI / 3, 0.003 * 4 * PI / 3);
+    bat_shell_free(&shell);
+    free(made.points);
+}
+
+static void a_torus_keeps_its_hole(void **state)
+{
+    (void)state;
+    scatter made = torus(5000);
+    bat_shell shell;
+    bat_shell_report report;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
+    assert_true(shell.closed);
+    assert_int_equal(euler_of(&shell), 0);
+    check_near(report.volume, 2 * PI * PI * 0.16, 2e-3);
+    bat_shell_free(&shell);
+    free(made.points);
+}
+
+static void an_open_cup_stays_open(void **state)
+{
+    (void)state;
+    scatter made = sphere(4800, 0.6, 0);
+    bat_shell shell;
+    bat_shell_report report;
+    bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+    bat_error error = {0};
+    // The rim may wrinkle, for which the shell would be refused.
+    options.force = true;
+    bat_status status = bat_shell_reconstruct(made.points, made.count, NULL, &options, &shell, &report, &error);
+    if (status != BAT_OK)
+        print_message("%s\n", error.text);
+    check_status(status, BAT_OK);
+    assert_false(shell.closed);
+    assert_int_equal(report.holes, 1);
+    assert_int_equal(euler_of(&shell), 1);
+    bat_shell_free(&shell);
+    free(made.points);
+}
+
+/// Neither the order of the points nor the number of threads changes a bit.
+static void order_and_threads_change_nothing(void **state)
+{
+    (void)state;
+    scatter made = torus(2000);
+    bat_shell shells[3];
+    for (int k = 0; k < 3; k++)
+    {
+        bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+        options.threads = k == 1 ? 3 : 1;
+        options.faces = 150;
+        for (size_t i = 0; k == 2 && i < made.count / 2; i++)
+            for (size_t c = 0; c < 3; c++)
+            {
+                double *a = &made.points[3 * i + c], *b = &made.points[3 * (made.count - 1 - i) + c], kept = *a;
+                *a = *b;
+                *b = kept;
+            }
+        check_status(bat_shell_reconstruct(made.points, made.count, NULL, &options, &shells[k], NULL, NULL), BAT_OK);
+        assert_int_equal(shells[k].face_count, shells[0].face_count);
+        assert_memory_equal(shells[k].patches, shells[0].patches,
+                            shells[0].cage.face_count * 48 * sizeof *shells[0].patches);
+    }
+    for (int k = 0; k < 3; k++)
+        bat_shell_free(&shells[k]);
+    free(made.points);
+}
+
+/// A cube of triangles keeps its edges sharp.
+static void a_cube_keeps_its_edges(void **state)
+{
+    (void)state;
+    double corners[8][3];
+    uint32_t faces[12][3] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                             {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    for (int v = 0; v < 8; v++)
+        for (int c = 0; c < 3; c++)
+            corners[v][c] = v >> c & 1;
+    const bat_mesh cube = {.positions = corners[0], .faces = faces[0], .vertex_count = 8, .face_count = 12};
+    bat_shell shell;
+    bat_shell_report report;
+    check_status(bat_shell_reconstruct(NULL, 0, &cube, NULL, &shell, &report, NULL), BAT_OK);
+    assert_true(shell.closed && shell.cage.crease_count > 0);
+    check_near(report.volume, 1, 1e-3);
+    assert_true(report.largest < 5e-3);
+    bat_shell_free(&shell);
+}
+
+/// The rows of a grid are averages: a shell moves with its control points.
+static void rows_are_averages(void **state)
+{
+    (void)state;
+    bat_mesh ball = {0};
+    shell_layout layout;
+    shell_grid grid;
+    scatter made = torus(2000);
+    shell_connection found;
+    check_status(shell_connect(made.points, made.count, (bat_progress){0}, &ball, &found, NULL), BAT_OK);
+    check_status(shell_layout_make(&ball, 60, &layout, NULL), BAT_OK);
+    check_status(shell_grid_make(&layout, 3, &grid, NULL), BAT_OK);
+    for (size_t row = 0; row < grid.rows.row_count; row++)
+    {
+        double sum = 0;
+        for (size_t k = grid.rows.starts[row]; k < grid.rows.starts[row + 1]; k++)
+            sum += grid.rows.values[k];
+        if (grid.rows.starts[row] < grid.rows.starts[row + 1])
+            check_near(sum, 1, 1e-12);
+    }
+    shell_grid_free(&grid);
+    shell_layout_free(&layout);
+    bat_mesh_free(&ball);
+    free(made.points);
+}
+
+static void what_is_no_surface_is_refused(void **state)
+{
+    (void)state;
+    scatter made = scatter_make(3000);
+    bat_random random = bat_random_seed(5);
+    bat_shell shell;
+    bat_error error;
+    for (size_t i = 0; i < 3 * made.count; i++)
+        made.points[i] = bat_random_uniform(&random);
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, NULL, &error), BAT_NO_CONVERGENCE);
+    check_status(bat_shell_reconstruct(made.points, 20, NULL, NULL, &shell, NULL, &error), BAT_INVALID_ARGUMENT);
+    made.points[4] = NAN;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, NULL, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.index, 1);
+    free(made.points);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sphere_is_closed_and_round),
+        cmocka_unit_test(noise_does_not_swell),
+        cmocka_unit_test(a_torus_keeps_its_hole),
+        cmocka_unit_test(an_open_cup_stays_open),
+        cmocka_unit_test(order_and_threads_change_nothing),
+        cmocka_unit_test(a_cube_keeps_its_edges),
+        cmocka_unit_test(rows_are_averages),
+        cmocka_unit_test(what_is_no_surface_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
