@@ -1,6 +1,7 @@
 #ifndef BATTEN_SURFACE_FILE_H
 #define BATTEN_SURFACE_FILE_H
 
+#include "batten/shell.h"
 #include "batten/spline.h"
 
 BAT_C_BEGIN
@@ -62,6 +63,11 @@ extern BAT_API const bat_options_table bat_surface_write_fields;
 ///         BAT_FILE_ACCESS; BAT_NO_MEMORY
 BAT_API bat_status bat_surface_write(const char *path, const bat_spline_surface *surface,
                                      const bat_surface_write_options *options, bat_error *error);
+/// Write a shell: as STEP, whose closed parts are solids, or as a mesh in a format of batten/mesh_file.h that has polygons.
+/// @param options null for the defaults; the format and the unit count, and `samples` of each patch for meshes
+/// @return as bat_surface_write(); BAT_UNSUPPORTED for another format
+BAT_API bat_status bat_shell_write(const char *path, const bat_shell *shell, const bat_surface_write_options *options,
+                                   bat_error *error);
 /// Read a surface from G+Smo XML (THBSpline2, HBSpline2, TensorBSpline2 on clamped uniform knots) or from JSON. The order of
 /// functions and boxes in G+Smo is converted.
 /// @param surface untouched on failure

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/option.h"
 #include "batten/cloud_file.h"
+#include "batten/mesh_file.h"
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
 #include "io/common/number_text.h"
@@ -141,6 +142,43 @@ bat_status bat_surface_write(const char *path, const bat_spline_surface *surface
     text_sink sink = {.stream = file.stream};
     status = surface_write_text(surface, format, options, &sink, error);
     return atomic_file_end(&file, status, error);
+}
+
+// Shells: STEP as patches, mesh formats as samples of the patches.
+
+#define SHELL_SAMPLES 4 ///< of a patch
+
+bat_status bat_shell_write(const char *path, const bat_shell *shell, const bat_surface_write_options *options,
+                           bat_error *error)
+{
+    const bat_surface_write_options defaults = bat_surface_write_defaults();
+    options = options != NULL ? options : &defaults;
+    const bat_choice *row = NULL;
+    bat_status status = bat_options_check(&bat_surface_write_fields, options, error);
+    if (status != BAT_OK)
+        return status;
+    if (options->format == BAT_SURFACE_FORMAT_AUTO)
+        (void)bat_choice_of_path(&bat_surface_format_family, path, true, &row, NULL);
+    int format = row != NULL ? row->value : (int)options->format;
+    if (format == BAT_SURFACE_FORMAT_STEP)
+    {
+        atomic_file file;
+        status = atomic_file_begin(path, &file, error);
+        if (status != BAT_OK)
+            return status;
+        text_sink sink = {.stream = file.stream};
+        return atomic_file_end(&file, shell_step_write(shell, options, &sink, error), error);
+    }
+    if (format != BAT_SURFACE_FORMAT_AUTO && format != BAT_SURFACE_FORMAT_OBJ)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "a shell of any shape can be written as STEP, or as a mesh: OBJ, PLY, STL, OFF, glTF");
+    bat_mesh mesh;
+    status = bat_shell_tessellate(shell, options->samples > 0 ? options->samples : SHELL_SAMPLES, &mesh, error);
+    if (status != BAT_OK)
+        return status;
+    status = bat_mesh_write(path, &mesh, NULL, error);
+    bat_mesh_free(&mesh);
+    return status;
 }
 
 bat_status surface_read_text(const file_text *text, bat_spline_surface *surface, bat_error *error)

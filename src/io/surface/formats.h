@@ -1,6 +1,7 @@
 #ifndef IO_SURFACE_FORMATS_H
 #define IO_SURFACE_FORMATS_H
 
+#include "batten/shell.h"
 #include "batten/spline.h"
 #include "batten/surface_file.h"
 #include "io/common/block_writer.h"
@@ -14,6 +15,10 @@ typedef bat_status surface_writer(const bat_spline_surface *surface, const bat_s
                                   text_sink *sink, bat_error *error);
 surface_writer surface_xml_write, surface_json_write, surface_step_write, surface_iges_write, surface_vtk_write,
     surface_obj_write;
+
+/// Write a shell as STEP: a solid of each closed part, a surface model of each open one.
+bat_status shell_step_write(const bat_shell *shell, const bat_surface_write_options *options, text_sink *sink,
+                            bat_error *error);
 
 bat_status surface_xml_read(const file_text *text, bat_spline_surface *surface, bat_error *error);
 bat_status surface_json_read(const file_text *text, bat_spline_surface *surface, bat_error *error);

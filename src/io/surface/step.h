@@ -2,6 +2,7 @@
 #define IO_SURFACE_STEP_H
 
 #include "base/memory.h"
+#include "batten/shell.h"
 #include "batten/spline.h"
 #include "surface/spline/tensor_surface.h"
 
@@ -120,9 +121,14 @@ typedef struct step_model
     bool *collapsed;        ///< edge_count: whether the edge is collapsed to a point
     bat_knot_vector *knots; ///< edge_count: the knots of the edges' curves
     double **control;       ///< edge_count: the control points of the edges' curves
+    uint32_t *pieces;       ///< face_count: the connected part of each face; null: all one open part
+    size_t piece_count;
+    bool *closed; ///< piece_count: the part has no boundary
 } step_model;
 
 bat_status step_model_make(const bat_spline_surface *surface, step_model *model, bat_error *error);
+/// The same of a shell: a patch of each face, of splines whose first derivatives are continuous.
+bat_status shell_model_make(const bat_shell *shell, step_model *model, bat_error *error);
 void step_model_free(step_model *model);
 
 #endif

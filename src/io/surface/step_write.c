@@ -330,17 +330,62 @@ static void write_faces(step_text *step, const step_model *model, step_entities 
     }
 }
 
-static void write_shell(step_text *step, const step_entities *entities)
+/// Write the shell of some faces, and the solid or the surface model that it is. Returns the number of the latter.
+static uint32_t write_part(step_text *step, const uint32_t *faces, size_t count, bool closed)
 {
-    uint32_t shell = begin_entity(step, "OPEN_SHELL('',");
-    append_references(step, entities->faces, entities->face_count);
+    uint32_t shell = begin_entity(step, closed ? "CLOSED_SHELL(''," : "OPEN_SHELL('',");
+    append_references(step, faces, count);
     end_entity(step, ")");
-    uint32_t model = write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
-    uint32_t shape = write_entity(step, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#%u,#%u),#%u)", entities->placement,
-                                  model, entities->context);
+    return closed ? write_entity(step, "MANIFOLD_SOLID_BREP('',#%u)", shell)
+                  : write_entity(step, "SHELL_BASED_SURFACE_MODEL('',(#%u))", shell);
+}
+
+static void write_end(step_text *step, const step_entities *entities, const char *kind, const uint32_t *parts, size_t count)
+{
+    uint32_t shape = begin_entity(step, kind);
+    begin_list(step);
+    append_reference(step, entities->placement);
+    for (size_t i = 0; i < count; i++)
+        append_reference(step, parts[i]);
+    end_list(step);
+    text_append_format(&step->text, ",#%u", entities->context);
+    end_entity(step, ")");
     (void)write_entity(step, "SHAPE_DEFINITION_REPRESENTATION(#%u,#%u)", entities->definition_shape, shape);
     text_append_format(&step->text, "ENDSEC;\nEND-ISO-10303-21;\n");
     write_out(step);
+}
+
+static void write_shell(step_text *step, const step_entities *entities)
+{
+    uint32_t part = write_part(step, entities->faces, entities->face_count, false);
+    write_end(step, entities, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',", &part, 1);
+}
+
+/// Write the parts of a model with several.
+static bat_status write_parts(step_text *step, const step_model *model, const step_entities *entities, bat_error *error)
+{
+    memory_pool pool = {0};
+    uint32_t *faces = memory_pool_array(&pool, entities->face_count, sizeof *faces);
+    uint32_t *parts = memory_pool_array(&pool, model->piece_count, sizeof *parts);
+    size_t closed = 0;
+    bat_status status = memory_pool_check(&pool, error);
+    for (size_t p = 0; p < model->piece_count && status == BAT_OK; p++)
+    {
+        size_t count = 0;
+        for (size_t f = 0; f < entities->face_count; f++)
+            if (model->pieces[f] == p)
+                faces[count++] = entities->faces[f];
+        parts[p] = write_part(step, faces, count, model->closed[p]);
+        closed += model->closed[p];
+    }
+    if (status == BAT_OK)
+        write_end(step, entities,
+                  closed == model->piece_count ? "ADVANCED_BREP_SHAPE_REPRESENTATION('',"
+                  : closed == 0                ? "MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',"
+                                               : "SHAPE_REPRESENTATION('',",
+                  parts, model->piece_count);
+    memory_pool_free(&pool);
+    return status;
 }
 
 /// Check that 32 bits can number the entities.
@@ -457,5 +502,34 @@ bat_status surface_step_write(const bat_spline_surface *surface, const bat_surfa
     memory_pool_free(&entities.pool);
     step_model_free(&model);
     trimmed_model_free(&trimmed);
+    return status;
+}
+
+bat_status shell_step_write(const bat_shell *shell, const bat_surface_write_options *options, text_sink *sink,
+                            bat_error *error)
+{
+    step_model model = {0};
+    step_entities entities = {0};
+    step_text step = {.sink = sink, .error = error};
+    bat_status status = shell_model_make(shell, &model, error);
+    if (status == BAT_OK)
+        status = check_count(&model, error);
+    if (status == BAT_OK)
+        status = make_entities(model.shell.vertex_count, model.shell.edge_count, model.shell.face_count, &entities, error);
+    if (status == BAT_OK)
+    {
+        write_header(&step);
+        write_product(&step, &entities);
+        write_context(&step, options->unit, model.tolerance, &entities);
+        write_vertices(&step, &model, &entities);
+        write_edges(&step, &model, &entities);
+        write_faces(&step, &model, &entities);
+        status = write_parts(&step, &model, &entities, error);
+    }
+    if (status == BAT_OK)
+        status = step.status;
+    text_free(&step.text);
+    memory_pool_free(&entities.pool);
+    step_model_free(&model);
     return status;
 }
