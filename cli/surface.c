@@ -20,6 +20,11 @@ typedef struct surface_job
     bool converts; ///< IN is a surface, which is written in another format
     bat_cloud cloud;
     bat_surface_result result;
+    bool shell; ///< the surface has any shape: asked for, or found
+    bat_shell_reconstruct_options shell_options;
+    bat_shell made;
+    bat_shell_report shell_report;
+    const char *cage; ///< file; may be null
 } surface_job;
 
 static const option_spec OPTIONS[] = {
@@ -32,7 +37,12 @@ static const option_spec OPTIONS[] = {
     {"trim", NULL, METHOD, COMMON,
      "fit over a rectangle around the points, and cut along their outline, which may be concave, and their holes",
      FLAG(surface_job, options.trim)},
-    {"fill-holes", "D", METHOD, 0, "with --trim: close holes of at most this diameter",
+    {"shell", NULL, METHOD, COMMON,
+     "a surface of any shape, of patches with shared sides: closed, with holes, in pieces; default for what is closed",
+     FLAG(surface_job, shell)},
+    {"patches", "N", METHOD, 0, "with --shell: about this number of patches; default: as many as bring points nearer",
+     WHOLE(surface_job, shell_options.faces, 6, 1000000)},
+    {"fill-holes", "D", METHOD, 0, "with --trim or --shell: close holes of at most this diameter",
      NUMBER(surface_job, options.fill_holes)},
     {"model", "FILE", METHOD, IS_READ, "learned: a network of your own, a safetensors file", TEXT(surface_job, model_file)},
     {"published", NULL, METHOD, 0, "classical neighbourhoods as published: they may fail",
@@ -56,6 +66,8 @@ static const option_spec OPTIONS[] = {
      "the format of IN, see `batten list formats`; default: by the file's ending, failing that by its content",
      CHOICE(surface_job, read.format, bat_cloud_format_family)},
     {"force", NULL, RESULT, 0, "write also a surface that the points prove wrong", FLAG(surface_job, options.force)},
+    {"cage", "FILE", RESULT, IS_WRITTEN, "with --shell: write the control points as a mesh of quads, .obj with creases",
+     TEXT(surface_job, cage)},
     {"parameters", "FILE", RESULT, IS_WRITTEN, "write u v of each point, in the order of IN", TEXT(surface_job, parameters)},
     {"picture", "FILE", PICTURE, COMMON | IS_DRAWN, "draw cloud, surface, distances and parameters (.png, .svg or .pdf)",
      NO_FIELD},
@@ -135,6 +147,7 @@ static void begin(void *to)
 {
     surface_job *job = to;
     job->options = bat_surface_reconstruct_defaults();
+    job->shell_options = bat_shell_reconstruct_defaults();
 }
 
 static bool check(void *of)
@@ -147,7 +160,11 @@ static bool check(void *of)
     const usage_rule rules[] = {
         {job->model_file != NULL && job->options.parameters > BAT_SURFACE_PARAMETERS_LEARNED,
          "--model goes with auto and learned parameters"},
-        {argument(given, "fill-holes") != NULL && !job->options.trim, "--fill-holes goes with --trim"},
+        {argument(given, "fill-holes") != NULL && !job->options.trim && !job->shell,
+         "--fill-holes goes with --trim or --shell"},
+        {job->shell && job->options.trim, "--trim and --shell exclude each other"},
+        {job->shell && (job->parameters != NULL || job->parameter_file != NULL),
+         "a shell has no parameters of one square: leave out --shell, or the files of parameters"},
         {job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO,
          "--trim and --parameterization exclude each other: a trimmed surface has a chart of its own"},
     };
@@ -162,6 +179,95 @@ static bool check(void *of)
                     format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_IGES;
     const char *option = job->converts ? find_fit_option(given) : NULL;
     return option == NULL || usage_refused(given, "IN is a spline surface already: --%s goes with points", option);
+}
+
+// Shells
+
+/// Whether a failure tells that a shell would do, and nothing was asked for that a shell has not.
+static bool leads_to_shell(const surface_job *job)
+{
+    static const char *const PATCH_OPTIONS[] = {"trim",     "parameterization", "model",      "corners",   "sides",
+                                                "boundary", "functions",        "parameters", "published", NULL};
+    const bat_choice *row = NULL;
+    for (size_t k = 0; PATCH_OPTIONS[k] != NULL; k++)
+        if (argument(job->call.given, PATCH_OPTIONS[k]) != NULL)
+            return false;
+    if (job->call.output != NULL && job->write.format == BAT_SURFACE_FORMAT_AUTO)
+        (void)bat_choice_of_path(&bat_surface_format_family, job->call.output, true, &row, NULL);
+    int format = row != NULL ? row->value : (int)job->write.format;
+    return strcmp(report_error()->remedy, "shell") == 0 &&
+           (format == BAT_SURFACE_FORMAT_AUTO || format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_OBJ);
+}
+
+static int make_shell(surface_job *job)
+{
+    bat_shell_reconstruct_options *options = &job->shell_options;
+    bat_mesh read = {0};
+    const bat_mesh patch = {.positions = job->cloud.points,
+                            .faces = job->cloud.triangles,
+                            .vertex_count = job->cloud.count,
+                            .face_count = job->cloud.triangle_count};
+    const bat_mesh *mesh = patch.face_count > 0 ? &patch : NULL;
+    bat_status status = BAT_OK;
+    job->shell = true;
+    if (job->cloud.count == 0)
+    {
+        status = bat_mesh_read(job->call.input, NULL, &read, report_error());
+        mesh = &read;
+    }
+    options->tolerance = job->options.fit.tolerance;
+    options->threads = job->call.threads;
+    options->fill_holes = job->options.fill_holes;
+    options->force = job->options.force;
+    options->progress = report_progress("fitting");
+    if (status == BAT_OK)
+        status = bat_shell_reconstruct(job->cloud.points, job->cloud.count, mesh, options, &job->made, &job->shell_report,
+                                       report_error());
+    bat_mesh_free(&read);
+    int code = report_status(job->call.given, job->call.input, status);
+    if (code == EXIT_DONE && job->cage != NULL)
+        code = report_status(NULL, job->cage,
+                             bat_mesh_write(output_path(&job->call.files, "cage"), &job->made.cage, NULL, report_error()));
+    if (code == EXIT_DONE && job->call.picture != NULL)
+    {
+        bat_mesh sampled;
+        status = bat_shell_tessellate(&job->made, 6, &sampled, report_error());
+        if (status == BAT_OK)
+        {
+            const bat_mesh_picture_panel panel = {.mesh = &sampled, .title = job->call.input};
+            status = bat_mesh_picture_write(output_path(&job->call.files, "picture"), &panel, 1, NULL, report_error());
+            bat_mesh_free(&sampled);
+        }
+        code = report_status(NULL, job->call.picture, status);
+    }
+    return code;
+}
+
+static const double DEGREES = 57.29577951308232;
+
+static int report_shell(const surface_job *job)
+{
+    const bat_shell *shell = &job->made;
+    const bat_shell_report *report = &job->shell_report;
+    if (job->call.quiet)
+        return EXIT_DONE;
+    return report_print(
+        job->call.json,
+        shell->closed
+            ? "{input}: {points} points, noise about {noise:.3g}\n"
+              "closed shell of {faces} patches, {control} control points; volume {volume:.6g}\n"
+              "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}\n"
+              "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n"
+            : "{input}: {points} points, noise about {noise:.3g}\n"
+              "open shell of {faces} patches, {control} control points; {holes} boundary loops\n"
+              "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}\n"
+              "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n",
+        "-input:s points:z noise:n faces:z control:z rms:n largest:n held_out:n jump_99:n jump_largest:n volume:n "
+        "mesh_volume:n pieces:z holes:z filled:z dropped_pieces:z closed:b spacing:n",
+        job->call.input, report->points, report->noise, shell->face_count, shell->cage.vertex_count, report->rms,
+        report->largest, report->held_out, report->normal_jump[1] * DEGREES, report->normal_jump[2] * DEGREES,
+        report->volume, report->mesh_volume, report->pieces, report->holes, report->filled, report->dropped_pieces,
+        (int)shell->closed, report->spacing);
 }
 
 // A fit
@@ -184,7 +290,8 @@ static int reconstruct(surface_job *job)
         options.given = given;
         options.fit.progress = report_progress("fitting");
         bat_status status = bat_surface_reconstruct(&job->cloud, &options, &job->result, report_error());
-        code = report_status(job->call.given, job->call.input, status);
+        code = status != BAT_OK && leads_to_shell(job) ? make_shell(job)
+                                                       : report_status(job->call.given, job->call.input, status);
     }
     bat_surface_model_free(model);
     free(given);
@@ -218,6 +325,8 @@ static int write_surface(void *of, const char *path)
 {
     surface_job *job = of;
     bat_surface_write_options write = job->write;
+    if (job->shell)
+        return report_status(job->call.given, job->call.output, bat_shell_write(path, &job->made, &write, report_error()));
     if (!job->converts)
     {
         write.points = job->cloud.points;
@@ -256,9 +365,14 @@ static int make(void *of)
                    ? EXIT_DONE
                    : draw_row(job, &(bat_surface_picture_row){.title = in, .surface = &job->result.surface});
     }
-    int code = report_status(job->call.given, in, bat_cloud_read(in, &job->read, &job->cloud, report_error()));
+    bat_status status = bat_cloud_read(in, &job->read, &job->cloud, report_error());
+    if ((status == BAT_OK && job->shell) || (status != BAT_OK && leads_to_shell(job)))
+        return make_shell(job);
+    int code = report_status(job->call.given, in, status);
     if (code == EXIT_DONE)
         code = reconstruct(job);
+    if (job->shell)
+        return code;
     if (code == EXIT_DONE && job->call.picture != NULL)
         code = draw(job);
     if (code == EXIT_DONE && job->parameters != NULL)
@@ -272,6 +386,8 @@ static int report(void *of)
     const surface_job *job = of;
     if (job->converts)
         return report_converted(job);
+    if (job->shell)
+        return report_shell(job);
     surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result};
     int code = EXIT_DONE;
     if (job->call.json)
@@ -289,6 +405,7 @@ static void end(void *of)
 {
     surface_job *job = of;
     bat_surface_result_free(&job->result);
+    bat_shell_free(&job->made);
     bat_cloud_free(&job->cloud);
 }
 
