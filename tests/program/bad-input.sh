@@ -423,8 +423,8 @@ surface 'short.in.xyz:3: point 2 has no z' short.in.xyz
 surface 'twice.in.xyz:9: .* line 4' twice.in.xyz --strict
 surface 'straight.in.xyz: no boundary loop' straight.in.xyz
 surface 'two.in.xyz: .*several pieces' two.in.xyz
-surface 'sphere.in.xyz: no boundary loop' sphere.in.xyz
-surface 'closed.in.obj: .*closed' closed.in.obj
+surface 'sphere.in.xyz: no boundary loop.*--shell' sphere.in.xyz --corners 0,1,2,3
+surface 'closed.in.obj: .*closed' closed.in.obj --corners 0,1,2,3
 surface 'none.in.xyz: cannot open' none.in.xyz
 surface '^batten: cloud.in.xyz: the weight of smoothing 1e\+308 is out of range' cloud.in.xyz --parameterization uniform --smoothing 1e308
 surface '--functions is 8, but must be 0 or at least the 16' cloud.in.xyz --functions 8
