@@ -344,7 +344,7 @@ bat_status curve_format_choose(const char *path, const bat_curve_attributes *att
 static const char *lost_of(const bat_curve_set *set, bat_curve_format format)
 {
     const bat_curve_attributes *attributes = set->attributes;
-    if (!attributes_are_geojson(attributes) || attributes->format == BAT_CURVE_FORMAT_GPX)
+    if (attributes == NULL || !attributes_are_geojson(attributes) || attributes->format == BAT_CURVE_FORMAT_GPX)
         return gpx_lost(set, format);
     const geojson_document *document = attributes->remainder.content;
     bool geojson = format == BAT_CURVE_FORMAT_TOPOJSON || format == BAT_CURVE_FORMAT_GEOJSON ||
