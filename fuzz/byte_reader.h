@@ -1,6 +1,8 @@
 #ifndef FUZZ_BYTE_READER_H
 #define FUZZ_BYTE_READER_H
 
+#include "promise.h"
+
 #include "batten/batten.h"
 
 #include <math.h>
@@ -9,14 +11,6 @@
 
 /// @file
 /// Inputs of computing calls from the bytes of a fuzzer: numbers, points of a space, curves, meshes.
-
-/// Stop at a broken promise, so that the fuzzer keeps the input.
-#define PROMISE(condition)                                                                                                  \
-    do                                                                                                                      \
-    {                                                                                                                       \
-        if (!(condition))                                                                                                   \
-            abort();                                                                                                        \
-    } while (0)
 
 /// What is left of the bytes. Behind the end all are 0.
 typedef struct byte_reader

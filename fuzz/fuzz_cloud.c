@@ -1,17 +1,11 @@
+#include "promise.h"
+
 #include "io/surface/cloud_formats.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-
-/// Stop at a broken promise, so that the fuzzer keeps the input.
-#define PROMISE(condition)                                                                                                  \
-    do                                                                                                                      \
-    {                                                                                                                       \
-        if (!(condition))                                                                                                   \
-            abort();                                                                                                        \
-    } while (0)
 
 enum
 {

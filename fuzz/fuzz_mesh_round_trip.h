@@ -1,20 +1,14 @@
 #ifndef FUZZ_MESH_ROUND_TRIP_H
 #define FUZZ_MESH_ROUND_TRIP_H
 
+#include "promise.h"
+
 #include "batten/mesh.h"
 #include "batten/mesh_file.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/// Stop at a broken promise, so that the fuzzer keeps the input.
-#define PROMISE(condition)                                                                                                  \
-    do                                                                                                                      \
-    {                                                                                                                       \
-        if (!(condition))                                                                                                   \
-            abort();                                                                                                        \
-    } while (0)
 
 /// Whether a format rounds or renumbers: STL, glTF and 3MF.
 static inline bool renumbers(bat_mesh_format format)

@@ -1,18 +1,12 @@
 #ifndef FUZZ_ROUND_TRIP_H
 #define FUZZ_ROUND_TRIP_H
 
+#include "promise.h"
+
 #include "batten/curve_file.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Stop at a broken promise, so that the fuzzer keeps the input.
-#define PROMISE(condition)                                                                                                  \
-    do                                                                                                                      \
-    {                                                                                                                       \
-        if (!(condition))                                                                                                   \
-            abort();                                                                                                        \
-    } while (0)
 
 /// Whether points were dropped. The only cell that made a column one of texts can be gone with one.
 static inline bool has_dropped(const bat_curve_set *set)

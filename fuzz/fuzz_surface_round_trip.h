@@ -1,19 +1,13 @@
 #ifndef FUZZ_SURFACE_ROUND_TRIP_H
 #define FUZZ_SURFACE_ROUND_TRIP_H
 
+#include "promise.h"
+
 #include "io/surface/formats.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/// Stop at a broken promise, so that the fuzzer keeps the input.
-#define PROMISE(condition)                                                                                                  \
-    do                                                                                                                      \
-    {                                                                                                                       \
-        if (!(condition))                                                                                                   \
-            abort();                                                                                                        \
-    } while (0)
 
 /// The same functions and the same coefficients.
 static inline void compare_surfaces(const bat_spline_surface *before, const bat_spline_surface *after)
