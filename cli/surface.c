@@ -249,25 +249,26 @@ static int report_shell(const surface_job *job)
 {
     const bat_shell *shell = &job->made;
     const bat_shell_report *report = &job->shell_report;
+    char fact[64];
     if (job->call.quiet)
         return EXIT_DONE;
+    if (shell->closed)
+        (void)snprintf(fact, sizeof fact, "volume %.6g", report->volume);
+    else
+        (void)snprintf(fact, sizeof fact, "%zu boundary loops", report->holes);
     return report_print(
         job->call.json,
-        shell->closed
-            ? "{input}: {points} points, noise about {noise:.3g}\n"
-              "closed shell of {faces} patches, {control} control points; volume {volume:.6g}\n"
-              "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}\n"
-              "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n"
-            : "{input}: {points} points, noise about {noise:.3g}\n"
-              "open shell of {faces} patches, {control} control points; {holes} boundary loops\n"
-              "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}\n"
-              "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n",
-        "-input:s points:z noise:n faces:z control:z rms:n largest:n held_out:n jump_99:n jump_largest:n volume:n "
+        "{input}: {points} points, noise about {noise:.3g}\n"
+        "{kind} shell of {faces} patches, {control} control points; {fact}\n"
+        "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}\n"
+        "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n",
+        "-input:s points:z noise:n -kind:s faces:z control:z -fact:s rms:n largest:n held_out:n jump_99:n jump_largest:n "
+        "volume:n "
         "mesh_volume:n pieces:z holes:z filled:z dropped_pieces:z closed:b spacing:n",
-        job->call.input, report->points, report->noise, shell->face_count, shell->cage.vertex_count, report->rms,
-        report->largest, report->held_out, report->normal_jump[1] * DEGREES, report->normal_jump[2] * DEGREES,
-        report->volume, report->mesh_volume, report->pieces, report->holes, report->filled, report->dropped_pieces,
-        (int)shell->closed, report->spacing);
+        job->call.input, report->points, report->noise, shell->closed ? "closed" : "open", shell->face_count,
+        shell->cage.vertex_count, fact, report->rms, report->largest, report->held_out, report->normal_jump[1] * DEGREES,
+        report->normal_jump[2] * DEGREES, report->volume, report->mesh_volume, report->pieces, report->holes, report->filled,
+        report->dropped_pieces, (int)shell->closed, report->spacing);
 }
 
 // A fit
