@@ -84,10 +84,10 @@ static inline unsigned mesh_valence(const mesh_level *level, uint32_t vertex)
 }
 
 /// The half-edge from a vertex to its neighbour; there is one, because the neighbour is not the last one of a boundary.
-static inline uint32_t mesh_half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t neighbour)
+static inline uint32_t mesh_half_edge_to(const mesh_level *level, uint32_t vertex, uint32_t other)
 {
     uint32_t h = level->links->first[vertex];
-    while (level->faces[sides_next(&level->sides, h)] != neighbour)
+    while (level->faces[sides_next(&level->sides, h)] != other)
         h = sides_next_around(level, h);
     return h;
 }

@@ -15,8 +15,6 @@
 #include "base/progress.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
-#include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -28,24 +26,14 @@
 #define MARGIN 3       ///< cells of the first grid around the points
 #define NEIGHBOURS 9   ///< stored for each node
 #define ITERATIONS 300
-#define OUTSIDE_CELLS 200 ///< most cells along the longest side of the grid that finds the outside
-#define OUTSIDE_MARGIN 8
-#define OUTSIDE_REACH 32 ///< steps
-#define WALL 1
-#define OUTSIDE 2
 
 /// Weights of smoothness without noise, and with noise of the size of a cell.
 static const double SMOOTHNESS[2] = {0.3, 1.5};
-/// Share of points from which the outside orients all.
-static const double MIN_DECIDED = 0.8;
 static const double ACCURACY = 1e-4;
 /// Bounds of the area of a point, in cells.
 static const double MIN_AREA = 0.02, MAX_AREA = 8;
 /// Cuts keep this share of an edge from its ends, so that triangles have no tiny angles.
 static const double MIN_CUT = 0.15;
-
-/// Radius of the wall around a point, in its spacings and in cells, and the length of a step through it in cells.
-static const double WALL_SPACINGS = 2.5, MIN_WALL = 2.5, MAX_WALL = 8, OUTSIDE_STEP = 0.5;
 
 static const uint32_t NONE = UINT32_MAX;
 
@@ -606,120 +594,6 @@ static bat_status measure_points(connection *work, const neighbour_tree *tree, d
     return status;
 }
 
-// Orientation by the outside
-
-/// A grid of cells: 0 unknown, WALL near points, OUTSIDE reached from the border.
-typedef struct outside_grid
-{
-    double cell, origin[3];
-    size_t size[3];
-    uint8_t *marks;
-    uint32_t *queue;
-} outside_grid;
-
-static size_t mark_index(const outside_grid *grid, const double *point)
-{
-    size_t at[3];
-    for (int d = 0; d < 3; d++)
-    {
-        double place = (point[d] - grid->origin[d]) / grid->cell;
-        at[d] = place < 0 ? 0 : place >= (double)grid->size[d] ? grid->size[d] - 1 : (size_t)place;
-    }
-    return (at[2] * grid->size[1] + at[1]) * grid->size[0] + at[0];
-}
-
-/// Mark the cells within a radius of a point, in cells.
-static void mark_ball(const outside_grid *grid, const double *point, double radius)
-{
-    int reach = (int)radius;
-    for (int z = -reach; z <= reach; z++)
-        for (int y = -reach; y <= reach; y++)
-            for (int x = -reach; x <= reach; x++)
-                if (x * x + y * y + z * z <= radius * radius)
-                {
-                    const double at[3] = {point[0] + x * grid->cell, point[1] + y * grid->cell, point[2] + z * grid->cell};
-                    grid->marks[mark_index(grid, at)] = WALL;
-                }
-}
-
-static void flood(const outside_grid *grid)
-{
-    const size_t *size = grid->size, layer = size[0] * size[1];
-    size_t begin = 0, end = 1;
-    grid->queue[0] = 0;
-    grid->marks[0] = OUTSIDE;
-    while (begin < end)
-    {
-        size_t cell = grid->queue[begin++], at[3] = {cell % size[0], cell / size[0] % size[1], cell / layer};
-        const size_t step[3] = {1, size[0], layer};
-        for (int d = 0; d < 3; d++)
-            for (int side = 0; side < 2; side++)
-            {
-                if (side == 0 ? at[d] == 0 : at[d] + 1 == size[d])
-                    continue;
-                size_t next = side == 0 ? cell - step[d] : cell + step[d];
-                if (grid->marks[next] != 0)
-                    continue;
-                grid->marks[next] = OUTSIDE;
-                grid->queue[end++] = (uint32_t)next;
-            }
-    }
-}
-
-/// The number of cells from a point to the outside along a direction; OUTSIDE_REACH where it is farther.
-static int cells_to_outside(const outside_grid *grid, const double *point, const double *direction, double sign)
-{
-    for (int k = 1; k < OUTSIDE_REACH; k++)
-    {
-        double at[3];
-        for (int d = 0; d < 3; d++)
-            at[d] = point[d] + sign * k * OUTSIDE_STEP * grid->cell * direction[d];
-        if (grid->marks[mark_index(grid, at)] == OUTSIDE)
-            return k;
-    }
-    return OUTSIDE_REACH;
-}
-
-/// Turn normals outwards where the outside, which is what can be reached from far away between the points, is nearer on one
-/// side. Nothing happens where it does not decide for most points, as on open surfaces.
-static bat_status orient_outwards(connection *work, double spacing, double extent, bat_error *error)
-{
-    outside_grid grid = {.cell = fmax(spacing, extent / OUTSIDE_CELLS)};
-    const double *low = work->tree->boxes[1].low, *high = work->tree->boxes[1].high;
-    size_t cells = 1, decided = 0;
-    for (int d = 0; d < 3; d++)
-    {
-        grid.origin[d] = low[d] - OUTSIDE_MARGIN * grid.cell;
-        grid.size[d] = (size_t)((high[d] - low[d]) / grid.cell) + 2 * OUTSIDE_MARGIN + 1;
-        cells *= grid.size[d];
-    }
-    memory_pool pool = {0};
-    grid.marks = memory_pool_zeros(&pool, cells, sizeof *grid.marks);
-    grid.queue = memory_pool_array(&pool, cells, sizeof *grid.queue);
-    int8_t *votes = memory_pool_zeros(&pool, work->count, sizeof *votes);
-    bat_status status = memory_pool_check(&pool, error);
-    if (status == BAT_OK)
-    {
-        for (size_t i = 0; i < work->count; i++)
-            mark_ball(&grid, work->points + 3 * i,
-                      fmin(fmax(WALL_SPACINGS * sqrt(work->areas[i]) / grid.cell, MIN_WALL), MAX_WALL));
-        flood(&grid);
-        for (size_t i = 0; i < work->count; i++)
-        {
-            const double *point = work->points + 3 * i, *normal = work->planes->planes[i].axes[2];
-            int ahead = cells_to_outside(&grid, point, normal, 1), behind = cells_to_outside(&grid, point, normal, -1);
-            votes[i] = (int8_t)((ahead < behind) - (behind < ahead));
-            decided += votes[i] != 0;
-        }
-    }
-    work->outward = (double)decided > MIN_DECIDED * (double)work->count;
-    for (size_t i = 0; i < work->count && status == BAT_OK && work->outward; i++)
-        for (int d = 0; d < 3 && votes[i] < 0; d++)
-            work->planes->planes[i].axes[2][d] *= -1;
-    memory_pool_free(&pool);
-    return status;
-}
-
 static bat_status solve_levels(connection *work, double extent, double finest, bat_progress progress, bat_error *error)
 {
     double cell = finest;
@@ -767,16 +641,17 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
         status = oriented_planes_make(&cloud, &tree, &planes, error);
     if (status == BAT_OK)
     {
-        double extent = 0, noise = 0;
+        double extent = 0;
         for (int d = 0; d < 3; d++)
             extent = fmax(extent, tree.boxes[1].high[d] - tree.boxes[1].low[d]);
-        status = noise_estimate(points, &tree, &noise, error);
+        status = noise_estimate(points, &tree, &found->noise, error);
         work.tree = &tree;
         work.planes = &planes;
-        found->cell = fmax(fmax(found->spacing, noise), extent / MAX_CELLS);
-        work.noise = noise;
+        found->cell = fmax(fmax(found->spacing, found->noise), extent / MAX_CELLS);
+        work.noise = found->noise;
         if (status == BAT_OK)
-            status = orient_outwards(&work, found->spacing, extent, error);
+            status = shell_orient(&(shell_cloud){points, count, &tree, work.areas, found->spacing}, &planes, &work.outward,
+                                  error);
         if (status == BAT_OK)
             status = solve_levels(&work, extent, found->cell, progress, error);
     }

@@ -180,19 +180,6 @@ static void add_entry(const fit_pattern *pattern, double *values, uint32_t i, ui
 
 // The penalty
 
-static void sort_points(fit_work *work)
-{
-    const shell_fit *fit = work->fit;
-    size_t quads = fit->grid->quad_count;
-    memset(work->point_first, 0, (quads + 2) * sizeof *work->point_first);
-    for (size_t i = 0; i < fit->count; i++)
-        work->point_first[fit->places[i].face + 2]++;
-    for (size_t q = 0; q < quads; q++)
-        work->point_first[q + 2] += work->point_first[q + 1];
-    for (size_t i = 0; i < fit->count; i++)
-        work->order[work->point_first[fit->places[i].face + 1]++] = (uint32_t)i;
-}
-
 /// A difference of control points.
 typedef struct difference
 {
@@ -299,6 +286,19 @@ static void fill_plate(fit_work *work)
 }
 
 // The points
+
+static void sort_points(fit_work *work)
+{
+    const shell_fit *fit = work->fit;
+    size_t quads = fit->grid->quad_count;
+    memset(work->point_first, 0, (quads + 2) * sizeof *work->point_first);
+    for (size_t i = 0; i < fit->count; i++)
+        work->point_first[fit->places[i].face + 2]++;
+    for (size_t q = 0; q < quads; q++)
+        work->point_first[q + 2] += work->point_first[q + 1];
+    for (size_t i = 0; i < fit->count; i++)
+        work->order[work->point_first[fit->places[i].face + 1]++] = (uint32_t)i;
+}
 
 /// Where the noise of a curved surface has its mean: noise that is the same in all directions moves the mean of the points
 /// by -H times its variance along the normal, with the mean curvature H. The move is taken off, up to half a standard

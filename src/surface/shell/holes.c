@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "linalg/vector.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,7 +26,6 @@ typedef struct opening
     bat_mesh_connectivity links;
     double *far;     ///< vertex_count: distance from the nearest point in its spacings
     uint32_t *piece; ///< vertex_count
-    size_t pieces;
     uint32_t *stack;
     bool *gone; ///< vertex_count
     memory_pool pool;
@@ -84,7 +82,6 @@ static size_t spread(opening *work, uint32_t vertex, double bound, uint32_t *lab
 static void drop_pieces(opening *work, bat_shell_report *report)
 {
     size_t count = work->mesh->vertex_count, largest = 0;
-    memset(work->piece, 0xff, count * sizeof *work->piece);
     for (int pass = 0; pass < 2; pass++)
     {
         memset(work->piece, 0xff, count * sizeof *work->piece);
@@ -141,7 +138,7 @@ static void open_holes(opening *work, double fill, bat_shell_report *report)
     }
 }
 
-/// Keep the faces that have a corner that stays, and vertices of faces.
+/// Keep the faces whose corners all stay.
 static bat_status keep_rest(opening *work, bat_error *error)
 {
     bat_mesh rest = *work->mesh, repaired;
@@ -169,6 +166,7 @@ static bat_status keep_rest(opening *work, bat_error *error)
     return status;
 }
 
+/// Even out the boundary loops, which follow the cells of a grid, and the vertices beside them.
 static bat_status smooth_boundary(bat_mesh *mesh, bat_error *error)
 {
     bat_mesh_connectivity links;
@@ -249,9 +247,10 @@ bat_status shell_open_holes(const double *points, size_t count, const shell_conn
                             bat_shell_report *report, bat_error *error)
 {
     bat_shell_report islands = {0};
+    size_t faces = mesh->face_count;
     bat_status status = open_once(points, count, found, fill, mesh, report, error);
     // Holes that are open may leave islands, which are pieces without points.
-    if (status == BAT_OK)
+    if (status == BAT_OK && mesh->face_count < faces)
         status = open_once(points, count, found, fill, mesh, &islands, error);
     return status == BAT_OK ? smooth_boundary(mesh, error) : status;
 }

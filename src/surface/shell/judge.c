@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "batten/mesh_measure.h"
 #include "linalg/vector.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

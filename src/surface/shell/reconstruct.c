@@ -13,9 +13,8 @@
 #include "batten/mesh_refine.h"
 #include "linalg/vector.h"
 #include "mesh/check.h"
+#include "mesh/refine/sharpness.h"
 #include "mesh/sides.h"
-#include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -146,36 +145,24 @@ static bat_status sample_mesh(shell_work *work, bat_error *error)
     return BAT_OK;
 }
 
-/// Mark the edges of a mesh beyond an angle as creases.
-static bat_status find_creases(shell_work *work, bat_error *error)
+/// Mark the edges of a mesh without creases beyond an angle as creases.
+static bat_status find_creases(bat_mesh *mesh, double angle, bat_error *error)
 {
-    bat_mesh *mesh = &work->mesh;
     bat_mesh_connectivity links;
+    double *sharpness = NULL;
     bat_status status = bat_mesh_connect(mesh, &links, error);
-    if (status != BAT_OK || !(work->options->crease > 0) || mesh->crease_count > 0)
-    {
-        bat_mesh_connectivity_free(&links);
+    if (status != BAT_OK)
         return status;
-    }
-    mesh->creases = malloc((links.edge_count + 1) * sizeof *mesh->creases);
-    if (mesh->creases == NULL)
+    const mesh_level level = {.faces = mesh->faces, .links = &links};
+    if (mesh->crease_count == 0)
+        status = sharpness_of_edges(&level, mesh, angle, &sharpness, error);
+    if (sharpness != NULL && (mesh->creases = malloc(links.edge_count * sizeof *mesh->creases)) == NULL)
         status = error_memory(error, links.edge_count * sizeof *mesh->creases);
-    for (uint32_t h = 0; h < 3 * mesh->face_count && status == BAT_OK; h++)
-    {
-        uint32_t twin = links.twin[h];
-        if (twin == BAT_MESH_NONE || twin < h)
-            continue;
-        double along[3], arm[3], normals[2][3];
-        const double *a = mesh->positions + 3 * (size_t)mesh->faces[h];
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)], a, along);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], a, arm);
-        vector3_cross(along, arm, normals[0]);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(twin)], a, arm);
-        vector3_cross(arm, along, normals[1]);
-        if (vector3_angle(normals[0], normals[1]) > work->options->crease)
+    for (uint32_t h = 0; h < 3 * mesh->face_count && mesh->creases != NULL && sharpness != NULL; h++)
+        if (links.twin[h] != BAT_MESH_NONE && links.twin[h] > h && sharpness[links.edge[h]] > 0)
             mesh->creases[mesh->crease_count++] =
-                (bat_mesh_crease){mesh->faces[h], mesh->faces[bat_mesh_next(h)], BAT_MESH_SHARP};
-    }
+                (bat_mesh_crease){mesh->faces[h], mesh->faces[bat_mesh_next(h)], sharpness[links.edge[h]]};
+    free(sharpness);
     bat_mesh_connectivity_free(&links);
     return status;
 }
@@ -202,7 +189,7 @@ static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *e
     work->frame = unit_frame_of(mesh->positions, mesh->vertex_count);
     for (size_t v = 0; v < work->mesh.vertex_count; v++)
         unit_frame_place(&work->frame, work->mesh.positions + 3 * v, work->mesh.positions + 3 * v);
-    status = find_creases(work, error);
+    status = find_creases(&work->mesh, work->options->crease, error);
     if (status == BAT_OK)
         status = sample_mesh(work, error);
     return status;
@@ -229,7 +216,6 @@ static bat_status coarsen(shell_work *work, bat_error *error)
 static bat_status connect_points(shell_work *work, bat_progress progress, bat_error *error)
 {
     shell_connection found = {0};
-    neighbour_tree tree = {0};
     bat_status status = shell_connect(work->points, work->count, progress, &work->mesh, &found, error);
     if (status == BAT_OK)
         status =
@@ -237,11 +223,7 @@ static bat_status connect_points(shell_work *work, bat_progress progress, bat_er
                              &work->mesh, &work->report, error);
     if (status == BAT_OK)
         status = coarsen(work, error);
-    if (status == BAT_OK)
-        status = neighbour_tree_build(work->points, work->count, &tree, error);
-    if (status == BAT_OK)
-        status = noise_estimate(work->points, &tree, &work->noise, error);
-    neighbour_tree_free(&tree);
+    work->noise = found.noise;
     work->report.spacing = found.spacing;
     return status;
 }

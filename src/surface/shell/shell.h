@@ -5,6 +5,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/shell.h"
 #include "linalg/sparse.h"
+#include "surface/cloud/local_plane.h"
 #include "surface/cloud/neighbours.h"
 
 #include <math.h>
@@ -27,8 +28,24 @@ static inline double shell_spacing(const neighbour_list *near)
 typedef struct shell_connection
 {
     double spacing; ///< median distance of neighbours
+    double noise;   ///< standard deviation of a coordinate, from neighbourhoods
     double cell;    ///< of the grid: details below it are lost
 } shell_connection;
+
+/// Points and what is known of them.
+typedef struct shell_cloud
+{
+    const double *points; ///< count x 3
+    size_t count;
+    const neighbour_tree *tree;
+    const double *areas; ///< count: the area that each point has for itself
+    double spacing;
+} shell_cloud;
+
+/// Turn normals outwards where the outside, which is what can be reached from far away between the points, is nearer on one
+/// side. Nothing happens where it does not decide for most points, as on open surfaces.
+/// @param outward receives whether it decides
+bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool *outward, bat_error *error);
 
 /// Make the zero level of a smooth function whose gradients are the normals of the points.
 /// @param points count x 3, distinct
