@@ -3,6 +3,9 @@
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 static void print_overview(FILE *to)
 {
@@ -60,8 +63,23 @@ static int run(int argc, char **argv)
     return run_verb(argc - 1, argv + 1);
 }
 
+/// Return large arrays to the system when they are freed. By default glibc stops doing so once it has freed one.
+static void return_large_arrays(void)
+{
+#ifdef __GLIBC__
+    enum
+    {
+        LARGE = 1 << 20,      ///< bytes of an array with pages of its own
+        KEPT_FREE = 32 << 20, ///< bytes at the end of the heap
+    };
+    (void)mallopt(M_MMAP_THRESHOLD, LARGE);
+    (void)mallopt(M_TRIM_THRESHOLD, KEPT_FREE);
+#endif
+}
+
 int main(int argc, char **argv)
 {
+    return_large_arrays();
     interrupt_catch();
     int code = report_end(run(argc, argv));
     // The ends of libraries wait for their threads, which may try for ever to get memory.
