@@ -85,6 +85,23 @@ static void new_points_get_values_between(void **state)
     free(text);
 }
 
+static void single_points_stay_in_the_file(void **state)
+{
+    (void)state;
+    static const char pauses[] =
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>" ROOT "<trk>\n <trkseg>\n  <trkpt lat=\"7\" lon=\"8.0\" t:a='1'><time>"
+        "2024-05-06T07:08:09Z</time></trkpt>\n  <trkpt lat=\"7\" lon=\"8\"/>\n </trkseg>\n <trkseg>\n  <trkpt lat=\"0\" "
+        "lon=\"0\"/>\n  <trkpt lat=\"1\" lon=\"0\"/>\n </trkseg>\n <trkseg><trkpt lat=\"3\" "
+        "lon=\"4\"/></trkseg></trk></gpx>";
+    bat_curve_set set = must_read(pauses, BAT_CURVE_FORMAT_GPX, NULL);
+    assert_int_equal(set.count, 1);
+    char *text = must_write(&set, BAT_CURVE_FORMAT_GPX);
+    assert_has(text, "<trkpt lat=\"7\" lon=\"8.0\" t:a='1'><time>2024-05-06T07:08:09Z</time></trkpt>\n  <trkpt lat=\"7\"");
+    assert_has(text, "<trkseg><trkpt lat=\"3\" lon=\"4\"></trkpt></trkseg></trk></gpx>");
+    free(text);
+    bat_curve_set_free(&set);
+}
+
 static void a_loop_is_closed_where_times_allow(void **state)
 {
     (void)state;
@@ -284,15 +301,11 @@ static void bad_files_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_file_comes_back_as_it_was),
-        cmocka_unit_test(new_points_get_values_between),
-        cmocka_unit_test(a_loop_is_closed_where_times_allow),
-        cmocka_unit_test(bounds_grow_with_the_curves),
-        cmocka_unit_test(other_formats_keep_times),
-        cmocka_unit_test(what_a_format_cannot_hold_is_told),
-        cmocka_unit_test(other_formats_become_gpx),
-        cmocka_unit_test(geojson_with_times_becomes_gpx),
-        cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(a_file_comes_back_as_it_was),       cmocka_unit_test(new_points_get_values_between),
+        cmocka_unit_test(single_points_stay_in_the_file),    cmocka_unit_test(a_loop_is_closed_where_times_allow),
+        cmocka_unit_test(bounds_grow_with_the_curves),       cmocka_unit_test(other_formats_keep_times),
+        cmocka_unit_test(what_a_format_cannot_hold_is_told), cmocka_unit_test(other_formats_become_gpx),
+        cmocka_unit_test(geojson_with_times_becomes_gpx),    cmocka_unit_test(bad_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

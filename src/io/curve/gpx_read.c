@@ -47,6 +47,7 @@ typedef struct gpx_reader
     text_buffer *sink;             ///< what receives the text of the file
     text_buffer gap;               ///< after a point, before the next one
     text_buffer late;              ///< of the gaps, what is no blanks
+    text_buffer first_tag;         ///< the start tag of the curve's first point, without its end
     text_buffer text;              ///< of the innermost element
     gpx_curve curve;               ///< the current one
     bool timed;                    ///< one of its points has a time
@@ -259,6 +260,9 @@ static void begin_point(gpx_reader *reader, const char *name, const XML_Char **a
         take_indent(reader);
         reader->curve.tag = (text_range){source->tags.size, source->tags.size + strlen(name)};
         text_append_string(&source->tags, name);
+        reader->first_tag.size = 0;
+        reader->sink = &reader->first_tag;
+        XML_DefaultCurrent(reader->xml.parser);
     }
     else if (!is_blank(&reader->gap))
         text_append(&reader->late, reader->gap.data, reader->gap.size);
@@ -296,7 +300,28 @@ static void end_point(gpx_reader *reader)
         fail_memory(reader);
 }
 
-/// Forget the points of a curve that has too few.
+/// Put the rows of the current curve into the frame. They all have the position of its first point.
+static void leave_rows(gpx_reader *reader)
+{
+    gpx_source *source = reader->source;
+    text_buffer *frame = &source->frame, *tag = &reader->first_tag;
+    const gpx_curve *curve = &reader->curve;
+    tag->size -= tag->size > 1 && tag->data[tag->size - 2] == '/' ? 2 : tag->size > 0;
+    for (size_t row = curve->row; row < source->row_count; row++)
+    {
+        size_t begin = source->rows[row].content;
+        size_t end = row + 1 < source->row_count ? source->rows[row + 1].content : source->contents.size;
+        text_append(frame, source->tags.data + curve->indent.begin, curve->indent.end - curve->indent.begin);
+        text_append(frame, tag->data, tag->size);
+        text_append_string(frame, ">");
+        text_append(frame, source->contents.data + begin, end - begin);
+        text_append_string(frame, "</");
+        text_append(frame, source->tags.data + curve->tag.begin, curve->tag.end - curve->tag.begin);
+        text_append_string(frame, ">");
+    }
+}
+
+/// Take a curve of too few points out of those to refine.
 static void drop_curve(gpx_reader *reader)
 {
     gpx_source *source = reader->source;
@@ -337,18 +362,18 @@ static void end_curve(gpx_reader *reader)
     curve_builder *builder = &reader->builder;
     reader->sink = &source->frame;
     reader->curve.frame = source->frame.size;
+    bool closed = reader->curve.row_count > 0 && close_curve(reader);
+    size_t count = builder->point_count;
+    bool few = count < (closed ? 3 : 2);
+    if (few && count == 1)
+        leave_rows(reader);
     text_append(&source->frame, reader->late.data, reader->late.size);
     text_append(&source->frame, reader->gap.data, reader->gap.size);
     reader->gap.size = 0;
-    if (reader->curve.row_count == 0)
-        return;
-    bool closed = close_curve(reader);
-    size_t count = builder->point_count;
-    if (count < (closed ? 3 : 2))
-    {
+    if (few && reader->curve.row_count > 0)
         drop_curve(reader);
+    if (few)
         return;
-    }
     for (size_t i = 0; i < count; i++)
     {
         double *channels = builder->channels + i * builder->channel_count;
@@ -565,8 +590,10 @@ static bool add_notes(const gpx_reader *reader, bat_curve_attributes *attributes
                                source->repeats, source->repeats == 1 ? " repeats" : "s repeat",
                                source->repeats == 1 ? "it" : "them", reader->builder.first_repeat);
     if (done && reader->dropped > 0)
-        done = attributes_note(attributes, "dropped %zu line%s with too few different points, the first ends on line %zu",
-                               reader->dropped, reader->dropped == 1 ? "" : "s", reader->first_dropped);
+        done = attributes_note(
+            attributes,
+            "left out %zu line%s with too few different points, the first ends on line %zu; GPX keeps single points",
+            reader->dropped, reader->dropped == 1 ? "" : "s", reader->first_dropped);
     if (done && reader->crowded)
         done = attributes_note(attributes, "only %d kinds of values have ones between, others stay at the given points",
                                GPX_MAX_COLUMNS);
@@ -639,6 +666,7 @@ bat_status gpx_read(const file_text *text, const bat_curve_read_options *options
         geojson_document_free(&reader->document);
         text_free(&reader->gap);
         text_free(&reader->late);
+        text_free(&reader->first_tag);
         text_free(&reader->text);
     }
     if (source != NULL)
