@@ -110,6 +110,10 @@ refused 1 'the name of their system; --crs names their system, as in EPSG:25833$
 refused 1 'no extent at 2 decimals; --precision can keep more decimals$' curve short.in.geojson --precision 2 -o out.csv --to geojson
 curve 'antipodal\.in\.geojson.*antipodal' antipodal.in.geojson
 refused 1 'repeated\.in\.geojson.*repeats' curve repeated.in.geojson --strict -o out.csv --picture out.png
+echo '{"type":"Polygon","coordinates":[[[0,0],[2,2],[2,0],[0,2],[0,0]]]}' > bow.in.geojson
+refused 1 'bow\.in\.geojson: pairs of edges that cross or touch: 1; without --strict' curve bow.in.geojson --strict -o out.csv --to geojson
+refused 1 'bow\.in\.geojson: curves that cross or overlap themselves: 1; without --strict' \
+    curve bow.in.geojson --topology separate --strict -o out.csv --to geojson
 curve 'unclosed\.in\.geojson' unclosed.in.geojson
 curve 'index\.in\.obj:3: ' index.in.obj
 curve 'noline\.in\.obj:2: ' noline.in.obj

@@ -357,7 +357,9 @@ static bat_status run_rounds(draw_back_job *job, edge_tree *tree, bat_progress p
                             "the edge after point %zu comes so near to another one that rounding makes their new points "
                             "cross",
                             job->stuck.edge);
-            return error_remedy(error, BAT_INVALID_POINT, "precision", "can keep more decimals");
+            return job->rules->pairs == EDGE_PAIRS_SAME_CURVE
+                       ? error_remedy(error, BAT_INVALID_POINT, "simple", "rings leaves what overlaps itself")
+                       : error_remedy(error, BAT_INVALID_POINT, "precision", "can keep more decimals");
         }
         if (job->crossings == 0)
             return BAT_OK;
