@@ -104,6 +104,44 @@ static void other_tables_are_known(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Well-known binary, as PostGIS and GEOS print it, comes back as PostGIS prints it.
+static void binary_geometries_come_back(void **state)
+{
+    (void)state;
+#define BINARY_LINE "01020000000200000000000000000000000000000000000000000000000000F03F000000000000F03F"
+    static const char z_bit[] =
+        "g,a\n01020000A0E96400000200000000000000000000000000000000000000000000000000F03F000000000000F03F000000000000F03F"
+        "0000000000000040,1\n";
+    static const char plain[] =
+        "a,g\n1," BINARY_LINE "\n2,0106000000010000000103000000010000000400000000000000000000000000000000000000000000000000"
+        "F03F0000000000000000000000000000F03F000000000000F03F00000000000000000000000000000000\n"
+        "3,0101000000000000000000F87F000000000000F87F\n"
+        "4,0107000000020000000101000000000000000000F03F00000000000000400102000000020000000000000000003E400000000000003E40"
+        "0000000000003F400000000000003F40\n";
+    assert_rewritten(z_bit, TABLE, NULL, z_bit);
+    assert_rewritten(plain, TABLE, NULL, plain);
+    // Big-endian, with a Z by the standard's thousand.
+    assert_rewritten("g\n00000003EA00000002000000000000000000000000000000003FF00000000000003FF00000000000003FF0000000000000"
+                     "4000000000000000\n",
+                     TABLE, NULL,
+                     "g\n01020000800200000000000000000000000000000000000000000000000000F03F000000000000F03F000000000000F03F"
+                     "0000000000000040\n");
+    bat_curve_set set = must_read(z_bit, BAT_CURVE_FORMAT_CSV, NULL);
+    assert_string_equal(set.attributes->crs, "EPSG:25833");
+    char *text = must_write(&set, WKT);
+    assert_string_equal(text, "SRID=25833;LINESTRING Z (0 0 1,1 1 2)\n");
+    free(text);
+    bat_curve_set_free(&set);
+    assert_bad("g\n" BINARY_LINE "\n01020000000200000000000000000000000000000000000000000000000000F03F\n", TABLE, NULL, 3,
+               "column 1: the binary geometry ends too early");
+    assert_bad("g\n" BINARY_LINE "00\n", TABLE, NULL, 2, "goes on behind its end");
+    assert_bad("g\n0102000000020000000000000000000000000000000000000000000000000000000000000000000000F07F\n" BINARY_LINE
+               "\n",
+               TABLE, NULL, 2, "goes on behind");
+    assert_bad("g\n010200000001000000000000000000F07F0000000000000000\n", TABLE, NULL, 2, "not finite");
+    assert_bad("g\n0105000000010000000101000000000000000000F03F0000000000000040\n", TABLE, NULL, 2, "of another type");
+}
+
 static void bad_files_are_refused(void **state)
 {
     (void)state;
@@ -146,9 +184,9 @@ static void bad_files_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_type_comes_back),     cmocka_unit_test(systems_and_measures_survive),
-        cmocka_unit_test(a_table_keeps_its_columns), cmocka_unit_test(other_tables_are_known),
-        cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(every_type_comes_back),       cmocka_unit_test(systems_and_measures_survive),
+        cmocka_unit_test(a_table_keeps_its_columns),   cmocka_unit_test(other_tables_are_known),
+        cmocka_unit_test(binary_geometries_come_back), cmocka_unit_test(bad_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -61,7 +61,7 @@ static const curve_format FORMATS[] = {
                .write = gpx_write),
     FORMAT_ROW("wkt", BAT_CURVE_FORMAT_WKT, ".wkt .ewkt", "curves: well-known text, a geometry after the other",
                .read = wkt_read, .write = wkt_write),
-    FORMAT_ROW("wkt-csv", BAT_CURVE_FORMAT_WKT_CSV, NULL, "curves: CSV with a column of well-known text, and attributes",
+    FORMAT_ROW("wkt-csv", BAT_CURVE_FORMAT_WKT_CSV, NULL, "curves: CSV with a column of well-known text or binary, and attributes",
                .read = wkt_table_read, .write = wkt_table_write),
     FORMAT_ROW("topojson", BAT_CURVE_FORMAT_TOPOJSON, ".topojson", "curves: TopoJSON, shared borders stored once",
                .read = topojson_read, .write = topojson_write),

@@ -68,6 +68,7 @@ typedef struct geojson_document
     void (*layer_free)(struct geojson_layer *layer);
     char *column;        ///< the name of the column of geometries in a table; null for none, and for a table without names
     size_t column_place; ///< among the columns
+    bool binary;         ///< the table has well-known binary
     struct gpx_source *gpx; ///< the text of a GPX file; null for none
     void (*gpx_free)(struct gpx_source *source);
 } geojson_document;

@@ -61,7 +61,8 @@ bat_status wkt_fault(const wkt_scanner *scan, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(what, sizeof what, format, arguments);
     va_end(arguments);
-    for (const char *at = scan->text->data; at < scan->at; at++, column++)
+    const char *place = scan->place != NULL ? scan->place : scan->at;
+    for (const char *at = scan->text->data; at < place; at++, column++)
         if (*at == '\n')
         {
             line++;
@@ -321,22 +322,21 @@ bat_status wkt_read(const file_text *text, const bat_curve_read_options *options
 
 // Writer of well-known text.
 
-static const char *const NAMES[GEOMETRY_KINDS] = {[GEOMETRY_POINT] = "POINT",
-                                                  [GEOMETRY_LINE] = "LINESTRING",
-                                                  [GEOMETRY_POLYGON] = "POLYGON",
-                                                  [GEOMETRY_POINTS] = "MULTIPOINT",
-                                                  [GEOMETRY_LINES] = "MULTILINESTRING",
-                                                  [GEOMETRY_POLYGONS] = "MULTIPOLYGON",
-                                                  [GEOMETRY_COLLECTION] = "GEOMETRYCOLLECTION"};
+const char *const WKT_NAMES[GEOMETRY_KINDS] = {[GEOMETRY_POINT] = "POINT",
+                                               [GEOMETRY_LINE] = "LINESTRING",
+                                               [GEOMETRY_POLYGON] = "POLYGON",
+                                               [GEOMETRY_POINTS] = "MULTIPOINT",
+                                               [GEOMETRY_LINES] = "MULTILINESTRING",
+                                               [GEOMETRY_POLYGONS] = "MULTIPOLYGON",
+                                               [GEOMETRY_COLLECTION] = "GEOMETRYCOLLECTION"};
 
-/// The numbers of the first position in an array; 0 for none.
-static size_t count_numbers(const json_t *coordinates)
+size_t wkt_count_numbers(const json_t *coordinates)
 {
     size_t count = 0;
     if (json_is_number(json_array_get(coordinates, 0)))
         return json_array_size(coordinates);
     for (size_t i = 0; i < json_array_size(coordinates) && count == 0; i++)
-        count = count_numbers(json_array_get(coordinates, i));
+        count = wkt_count_numbers(json_array_get(coordinates, i));
     return count;
 }
 
@@ -360,10 +360,10 @@ void wkt_append_geometry(const json_t *geometry, bool measures, text_buffer *tex
 {
     geometry_kind kind = geojson_kind(geometry);
     const json_t *coordinates = json_object_get(geometry, "coordinates"), *members = json_object_get(geometry, "geometries");
-    size_t numbers = count_numbers(coordinates);
+    size_t numbers = wkt_count_numbers(coordinates);
     if (kind == GEOMETRY_UNKNOWN)
         kind = GEOMETRY_COLLECTION; // for null
-    text_append_string(text, NAMES[kind]);
+    text_append_string(text, WKT_NAMES[kind]);
     text_append_string(text, numbers > 3 ? " ZM" : numbers == 3 && measures ? " M" : numbers == 3 ? " Z" : "");
     if (numbers == 0 && json_array_size(members) == 0)
     {

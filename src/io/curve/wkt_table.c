@@ -9,8 +9,8 @@
 #include <inttypes.h>
 
 /// @file
-/// Tables with a column of well-known text, as geographic information systems and databases write them. The other columns
-/// are the properties of features. Fields in quotes may contain separators and line breaks.
+/// Tables with a column of well-known text or binary, as geographic information systems and databases write them. The other
+/// columns are the properties of features. Fields in quotes may contain separators and line breaks.
 
 typedef struct table_field
 {
@@ -84,8 +84,11 @@ static bool next_row(table_scan *scan)
 static size_t geometry_column(const table_scan *scan)
 {
     for (size_t i = 0; i < scan->count; i++)
-        if (wkt_begins(scan->fields[i].begin, scan->fields[i].end))
+    {
+        const table_field *field = &scan->fields[i];
+        if (wkt_begins(field->begin, field->end) || wkb_begins(field->begin, field->end))
             return i;
+    }
     return BAT_NO_INDEX;
 }
 
@@ -231,7 +234,8 @@ static bat_status read_row(table_reader *reader)
     if (geometry->begin == geometry->end)
         text_append_string(geojson, "null");
     else
-        status = wkt_scan_geometry(&reader->wkt, geojson);
+        status = wkb_begins(geometry->begin, geometry->end) ? wkb_scan_geometry(&reader->wkt, geojson)
+                                                            : wkt_scan_geometry(&reader->wkt, geojson);
     if (status == BAT_OK && csv_trimmed(reader->wkt.at, reader->wkt.end).begin != reader->wkt.end)
         status = wkt_fault(&reader->wkt, "the geometry has ended here");
     text_append_string(geojson, "}");
@@ -312,6 +316,7 @@ bat_status wkt_table_read(const file_text *text, const bat_curve_read_options *o
         geojson_document *document = set->attributes->remainder.content;
         document->column = reader.column;
         document->column_place = reader.place;
+        document->binary = reader.wkt.binary;
         reader.column = NULL;
     }
     free(reader.scan.fields);
@@ -331,7 +336,7 @@ typedef struct table_writer
     size_t place;                     ///< of the geometry
     text_buffer text, srid;
     text_buffer geometry; ///< of the feature
-    bool measures;
+    bool measures, binary;
     text_sink *sink;
 } table_writer;
 
@@ -421,7 +426,10 @@ static bat_status take_feature(void *context, size_t index, const json_t *featur
     size_t column = 0;
     (void)index;
     text->size = wkt->size = 0;
-    if (!json_is_null(geometry))
+    if (!json_is_null(geometry) && writer->binary)
+        wkb_append_geometry(geometry, writer->measures, writer->srid.size > 0 ? strchr(writer->srid.data, '=') + 1 : NULL,
+                            wkt);
+    else if (!json_is_null(geometry))
     {
         text_append(wkt, writer->srid.data, writer->srid.size);
         wkt_append_geometry(geometry, writer->measures, wkt);
@@ -470,9 +478,12 @@ bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_optio
                            .names = collect_names(document),
                            .place = same ? document->column_place : 0,
                            .measures = document != NULL && document->measures,
+                           .binary = same && document->binary,
                            .sink = sink};
     bat_status status = writer.names != NULL ? BAT_OK : error_memory(error, sizeof *writer.names);
     wkt_append_srid(set, options, &writer.srid);
+    text_append(&writer.srid, "", 1);
+    writer.srid.size -= writer.srid.size > 0;
     if (status == BAT_OK && geometry != NULL)
         status = write_header(&writer, geometry, error);
     if (status == BAT_OK)
