@@ -314,7 +314,8 @@ static void leave_rows(gpx_reader *reader)
         text_append(frame, source->tags.data + curve->indent.begin, curve->indent.end - curve->indent.begin);
         text_append(frame, tag->data, tag->size);
         text_append_string(frame, ">");
-        text_append(frame, source->contents.data + begin, end - begin);
+        if (end > begin)
+            text_append(frame, source->contents.data + begin, end - begin);
         text_append_string(frame, "</");
         text_append(frame, source->tags.data + curve->tag.begin, curve->tag.end - curve->tag.begin);
         text_append_string(frame, ">");
