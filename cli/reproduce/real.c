@@ -210,3 +210,38 @@ int reproduce_scan_verdict(const reproduce_job *job)
                         "right_accepted:z right_refused:z wrong_accepted:z wrong_refused:z failed:z rows:o", sums[1][1],
                         sums[1][0], sums[0][1], sums[0][0], failed, table.rows);
 }
+
+// Random inputs
+
+int reproduce_harm(const reproduce_job *job)
+{
+    bat_harm_study_options options = bat_harm_study_defaults();
+    bat_harm_row *rows;
+    size_t count, sums[3] = {0};
+    options.seed = job->seed;
+    options.count = job->clouds > 0 ? job->clouds : options.count;
+    options.progress = report_progress("searching");
+    if (bat_harm_study(&options, &rows, &count, report_error()) != BAT_OK)
+        return report_failure(NULL, report_error());
+    report_progress_end();
+    report_table table = report_begin(job->call.json);
+    report_head(
+        &table,
+        "Random inputs with a known truth: the error of the default over that of the simplest rival. Harmed: by more\n"
+        "than a tenth.\n\n%-14s %-42s %6s %7s %7s %7s %7s\n",
+        "", "", "tried", "harmed", "refused", "median", "worst");
+    for (size_t i = 0; i < count; i++)
+    {
+        const bat_harm_row *row = &rows[i];
+        report_row(&table,
+                   "{system:-14} {kind:-42} {tried:6} {harmed:7} {refused:7} {median:7.2f} {worst:7.2f} (case {case})\n",
+                   "system:s kind:s rival:s tried:z harmed:z refused:z median:n worst:n case:z", row->system, row->kind,
+                   row->rival, row->tried, row->harmed, row->refused, row->median, row->worst, row->worst_case);
+        sums[0] += row->tried;
+        sums[1] += row->harmed;
+        sums[2] += row->refused;
+    }
+    free(rows);
+    return report_print(job->call.json, "\n{tried} tried, {harmed} harmed, {refused} refused\n",
+                        "tried:z harmed:z refused:z rows:o", sums[0], sums[1], sums[2], table.rows);
+}

@@ -24,6 +24,7 @@ enum
     MAKES = 4096,     ///< samples built-in shapes
     TRUTH = 8192,     ///< reads curves or meshes from a folder
     MAY_READ = 16384, ///< reads a folder where one is given
+    COUNTS = 32768,   ///< takes a number of random inputs
     CLOUDS = ABLATES | DRAWS | SCANS | MAKES,
     MAX_SHAPES = MAX_POSITIONAL - 1,
     MAX_NUMBER = 1000000
@@ -83,6 +84,8 @@ static const result RESULTS[] = {
      "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)"},
     {"scan-verdict", reproduce_scan_verdict, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
      "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses"},
+    {"harm", reproduce_harm, SEED | COUNTS, NULL, NULL,
+     "random inputs of many kinds with a known truth: how often a default loses to the simplest rival"},
 };
 bool reproduce_row(size_t index, const char **name, const char **summary)
 {
@@ -109,7 +112,8 @@ static const option_spec OPTIONS[] = {
      "surface-nefertiti, -face: where the curves, motions or clouds are",
      TEXT(reproduce_job, data)},
     {"seed", "N", METHOD, COMMON,
-     "tension-table2: of the noise; surface-clouds, scan-verdict: of the clouds; tension-table3, -table4, mesh-ablations, "
+     "tension-table2: of the noise; surface-clouds, scan-verdict, harm: of the inputs; tension-table3, -table4, "
+     "mesh-ablations, "
      "mesh-style, surface-ablation: of the trainings; default 1",
      WHOLE(reproduce_job, seed, 0, 1000000000)},
     {"uninformed", "FILE", METHOD, 0,
@@ -123,7 +127,8 @@ static const option_spec OPTIONS[] = {
      WHOLE(reproduce_job, epochs, 1, MAX_NUMBER)},
     {"pairs", "N", METHOD, 0, "mesh-ablations, mesh-style: coarse meshes of each shape; default 50",
      WHOLE(reproduce_job, pairs, 1, MAX_NUMBER)},
-    {"clouds", "N", METHOD, 0, "surface-clouds, surface-ablation: random clouds of each case; default 100",
+    {"clouds", "N", METHOD, 0,
+     "surface-clouds, surface-ablation: random clouds of each case; default 100; harm: inputs of each kind; default 20",
      WHOLE(reproduce_job, clouds, 1, MAX_NUMBER)},
     {"corrections", "N", METHOD, 0,
      "surface-nefertiti, -face, -shapes: parameter corrections after each fit; default 1, as published",
@@ -169,8 +174,8 @@ static bool check_options(const arguments *given, const result *what)
         {marks & TRUTH && (vertices || epochs || pairs), "--vertices, --pairs and --epochs do not go with %s"},
         {marks & TRUTH && !data, "%s needs --data FOLDER with %s: the program comes without any"},
         {!(marks & DRAWS) && cases, "--points, --noise and --degrees go with surface-clouds"},
-        {!(marks & (DRAWS | ABLATES)) && argument(given, "clouds") != NULL,
-         "--clouds goes with surface-clouds and surface-ablation"},
+        {!(marks & (DRAWS | ABLATES | COUNTS)) && argument(given, "clouds") != NULL,
+         "--clouds goes with surface-clouds, surface-ablation and harm"},
         {!(marks & (SCANS | MAKES)) && argument(given, "corrections") != NULL,
          "--corrections goes with surface-nefertiti, -face and -shapes"},
         {!(marks & ABLATES) && uninformed, "--uninformed goes with surface-ablation"},

@@ -25,7 +25,7 @@ typedef struct reproduce_job
     size_t vertices;                     ///< vertices of decimated meshes; 0 for the default, also for the next two
     size_t epochs, pairs;                ///< of trainings on meshes; `epochs` also on clouds
     const char *uninformed;              ///< file of a network without the boundary-informed layer; null for none
-    size_t clouds;                       ///< number of clouds of each case; 0 for the default
+    size_t clouds;                       ///< number of clouds or inputs of each case; 0 for the default
     int corrections;                     ///< parameter corrections after each fit
     number_list points, noises, degrees; ///< the cases; empty for the default
 } reproduce_job;
@@ -38,6 +38,6 @@ extern reproduce_result reproduce_curve_figures, reproduce_tension_table1, repro
     reproduce_motion_keyframes, reproduce_real_curves, reproduce_real_meshes, reproduce_hermite_figures,
     reproduce_hermite_order, reproduce_mesh_table2, reproduce_mesh_ablations, reproduce_mesh_style,
     reproduce_surface_ablation, reproduce_surface_clouds, reproduce_surface_nefertiti, reproduce_surface_face,
-    reproduce_surface_shapes, reproduce_scan_verdict;
+    reproduce_surface_shapes, reproduce_scan_verdict, reproduce_harm;
 
 #endif

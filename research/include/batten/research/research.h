@@ -9,6 +9,7 @@
 #include "batten/research/curve_study.h"
 #include "batten/research/curve_train.h"
 #include "batten/research/distributed.h"
+#include "batten/research/harm_study.h"
 #include "batten/research/map_shapes.h"
 #include "batten/research/mask_sweep.h"
 #include "batten/research/mesh_shapes.h"
