@@ -2,14 +2,10 @@
 // NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch
 #define _DEFAULT_SOURCE
 
-#include "base/memory.h"
-
 #include "base/array_grow.h"
 #include "base/error.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #if defined(__linux__)

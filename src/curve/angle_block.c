@@ -4,7 +4,6 @@
 #include "space/builtin.h"
 
 #include <float.h>
-#include <math.h>
 
 /// See disk_insert().
 static const double PARALLEL_SHARE = 0.9;

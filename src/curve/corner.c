@@ -2,8 +2,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "curve/mask.h"
-#include "curve/polygon.h"
 #include "curve/scheme_kind.h"
 
 #include <math.h>

@@ -1,5 +1,3 @@
-#include "batten/curve.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "curve/polygon.h"

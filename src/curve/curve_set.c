@@ -1,5 +1,3 @@
-#include "batten/curve_set.h"
-
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "space/degrees.h"

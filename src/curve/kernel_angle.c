@@ -2,8 +2,6 @@
 #include "curve/edge_turns.h"
 #include "curve/kernel.h"
 
-#include <string.h>
-
 /// Adaptive tension (Ugail and Howard, section 7.1): slope and clip range of the tension.
 static const double ADAPTIVE_SLOPE = -0.5;
 static const double ADAPTIVE_LOW = -0.5, ADAPTIVE_HIGH = 0.1;

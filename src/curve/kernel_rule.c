@@ -1,8 +1,6 @@
 #include "curve/angle_block.h"
 #include "curve/kernel.h"
 
-#include <string.h>
-
 enum
 {
     /// Exterior angles, and edge lengths, that a run of edges may see.

@@ -1,5 +1,4 @@
 #include "curve/pieces.h"
-#include "curve/mask.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -8,12 +7,10 @@
 #include "base/threads.h"
 #include "curve/corner.h"
 #include "curve/parametric.h"
-#include "curve/polygon.h"
 #include "curve/topology/draw_back.h"
 
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,14 +1,10 @@
-#include "curve/plan.h"
-
 #include "base/error.h"
 #include "base/option.h"
 #include "curve/corner.h"
 #include "curve/pieces.h"
-#include "curve/scheme_kind.h"
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 bat_curve_refine_options bat_curve_refine_defaults(void)

@@ -1,12 +1,9 @@
 #include "curve/refine.h"
-#include "curve/mask.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/progress.h"
 #include "curve/parametric.h"
-#include "curve/polygon.h"
-#include "space/builtin.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,3 @@
-#include "batten/curve.h"
-
 #include "base/error.h"
 #include "base/progress.h"
 #include "base/shared_work.h"

@@ -1,13 +1,10 @@
-#include "curve/mask.h"
 #include "curve/scheme_kind.h"
 
-#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
 #include "space/builtin.h"
 
 #include <math.h>
-#include <stdint.h>
 
 /// @file
 /// The kinds of schemes, and schemes of each.

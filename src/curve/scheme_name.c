@@ -1,10 +1,5 @@
-#include "batten/curve.h"
-
-#include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
-#include "curve/mask.h"
-#include "curve/plan.h"
 #include "curve/scheme_kind.h"
 #include "space/builtin.h"
 

@@ -1,4 +1,3 @@
-#include "curve/mask.h"
 #include "curve/pieces.h"
 
 #include "base/error.h"
@@ -7,7 +6,6 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "batten/curve_measure.h"
-#include "curve/polygon.h"
 #include "space/builtin.h"
 
 #include <limits.h>

@@ -1,11 +1,8 @@
 #include "learn/model.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// Whether a file holds an array, under any prefix.
 static bool find_array(const char *array, learn_source *source)

@@ -2,8 +2,6 @@
 
 #include "learn/klein.h"
 
-#include <string.h>
-
 learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_t stride, const real *bias, real *memory)
 {
     size_t columns = learn_whole_panels(outputs);

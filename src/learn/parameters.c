@@ -1,6 +1,5 @@
 #include "learn/parameters.h"
 
-#include "base/array_grow.h"
 #include "base/error.h"
 
 #include <stdio.h>

@@ -3,8 +3,6 @@
 #include "base/error.h"
 #include "batten/config.h"
 
-#include <stdlib.h>
-
 size_t safetensors_element_size(safetensors_type type)
 {
     return safetensors_types[type].size;

@@ -1,10 +1,7 @@
 #include "base/error.h"
 #include "base/file_bytes.h"
 #include "base/json_scan.h"
-#include "base/memory.h"
 #include "learn/safetensors.h"
-
-#include <stdlib.h>
 
 /// An array as the header has it.
 typedef struct header_entry

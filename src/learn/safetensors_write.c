@@ -1,6 +1,5 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "learn/safetensors.h"
 
 #include <errno.h>

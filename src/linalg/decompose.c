@@ -6,8 +6,6 @@
 #include "linalg/symmetric.h"
 
 #include <complex.h>
-#include <float.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

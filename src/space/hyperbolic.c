@@ -2,7 +2,6 @@
 #include "space/builtin.h"
 
 #include <float.h>
-#include <math.h>
 
 // A point is (x0, x) with x0 = sqrt(1 + |x|^2); x alone says where it is, and x0 is never used for more than a check. Seen
 // from a point p at radius r (sinh r = |x|), space is turned about the axis from the apex through p: everything is split

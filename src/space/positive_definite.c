@@ -2,7 +2,6 @@
 #include "space/builtin.h"
 
 #include <float.h>
-#include <math.h>
 
 enum
 {

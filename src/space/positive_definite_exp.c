@@ -1,7 +1,6 @@
 #include "linalg/symmetric.h"
 #include "space/builtin.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

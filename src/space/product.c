@@ -1,9 +1,5 @@
-#include "batten/space.h"
-
 #include "base/error.h"
 #include "space/builtin.h"
-
-#include <math.h>
 
 static const bat_product_factors *factors_of(const bat_space *space)
 {

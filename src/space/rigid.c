@@ -1,9 +1,5 @@
-#include "batten/space.h"
-
 #include "base/error.h"
 #include "space/builtin.h"
-
-#include <math.h>
 
 // Points are a translation and a quaternion, tangents a velocity in the fixed frame and a rotation vector in the body's.
 

@@ -1,10 +1,6 @@
-#include "batten/space.h"
-
 #include "base/choice.h"
 #include "base/error.h"
 #include "space/builtin.h"
-
-#include <math.h>
 
 /// A space by name: how it is made for points of `point_dim` numbers, 0 for the usual number.
 typedef struct space_row

@@ -1,8 +1,6 @@
 #include "linalg/vector.h"
 #include "space/builtin.h"
 
-#include <math.h>
-
 /// How far the squared length of a stored point may be from 1.
 static const double SQUARED_LENGTH_TOLERANCE = 2e-9;
 

@@ -1,8 +1,5 @@
-#include "batten/curve_analysis.h"
-
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "curve/analysis/analysis_symbol.h"
 #include "curve/mask.h"
@@ -14,8 +11,6 @@
 
 /// Rounding of a coefficient that a reader of decimal numbers or a short formula leaves.
 #define COEFFICIENT_ROUNDING (16.0 * DBL_EPSILON)
-
-/// The largest coefficient that can be analysed; beyond it sums of 1 would drown in rounding.
 
 /// Constants are reproduced when the coefficients of even index sum to 1, and those of odd index too.
 static bat_status check_sums(const bat_mask *mask, bat_error *error)

@@ -1,7 +1,6 @@
 #include "curve/analysis/analysis_symbol.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/dense.h"
 
 #include <float.h>

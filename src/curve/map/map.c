@@ -1,13 +1,9 @@
-#include "batten/curve_map.h"
-
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/corner.h"
-#include "curve/curve_attributes.h"
 #include "curve/map/arc_refine.h"
 #include "curve/pieces.h"
 #include "curve/polygon.h"
@@ -16,7 +12,6 @@
 #include "space/degrees.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static const bat_choice TOPOLOGIES[] = {
     CHOICE_OF_USE(UNNAMED, "auto", "files with features", BAT_CURVE_MAP_TOPOLOGY_AUTO),

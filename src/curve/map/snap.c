@@ -3,7 +3,6 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "curve/polygon.h"
-#include "curve/topology/edge_tree.h"
 #include "space/builtin.h"
 
 #include <math.h>

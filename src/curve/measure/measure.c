@@ -3,14 +3,12 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/measure/metric_tree.h"
 #include "curve/polygon.h"
-#include "search/nearest.h"
 #include "space/builtin.h"
 
 #include <math.h>

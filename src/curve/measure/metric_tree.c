@@ -1,7 +1,6 @@
 #include "curve/measure/metric_tree.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

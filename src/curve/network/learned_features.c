@@ -1,10 +1,4 @@
-#include "curve/network/learned_features.h"
-
 #include "curve/network/learned_turns.h"
-
-#include <float.h>
-#include <math.h>
-#include <string.h>
 
 /// A polygon that turns by less than this is straight.
 static const double STRAIGHT = 1e-6;

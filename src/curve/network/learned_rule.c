@@ -6,10 +6,7 @@
 #include "space/builtin.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // The network of learned_network.h for inference: no tape, no allocation. Weights are in the layout of their file.
 

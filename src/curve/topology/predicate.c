@@ -1,7 +1,6 @@
 #include "curve/topology/edge_tree.h"
 
 #include <math.h>
-#include <stddef.h>
 
 /// Half the distance from 1 to the next double: the largest relative error of a rounded operation.
 #define ROUNDOFF 0x1p-53

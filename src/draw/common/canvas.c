@@ -2,17 +2,12 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "draw/common/style.h"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <errno.h>
 #include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 // Pixel images aligned with the pixels of the page.

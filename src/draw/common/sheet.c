@@ -1,11 +1,8 @@
 #include "draw/common/sheet.h"
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "draw/common/style.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Layout of a page: heights of rows from their boxes, scaled to a prescribed height.

@@ -1,8 +1,5 @@
-#include "draw/common/style.h"
-#include "draw/common/ticks.h"
 #include "draw/curve/scene.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

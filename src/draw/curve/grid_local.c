@@ -1,9 +1,6 @@
-#include "batten/space.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

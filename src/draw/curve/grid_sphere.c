@@ -1,8 +1,6 @@
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 

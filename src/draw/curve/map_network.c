@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

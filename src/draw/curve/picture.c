@@ -1,12 +1,8 @@
-#include "batten/curve_picture.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 /// @file

@@ -2,10 +2,8 @@
 
 #include "base/memory.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/space.h"
 
 #include <stdlib.h>
 #include <string.h>

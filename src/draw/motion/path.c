@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/common/ticks.h"
 
 #include <math.h>

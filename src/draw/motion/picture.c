@@ -1,9 +1,7 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "draw/common/sheet.h"
-#include "draw/common/style.h"
 #include "draw/curve/scene.h"
 #include "draw/motion/film.h"
 

@@ -1,4 +1,3 @@
-#include "draw/common/style.h"
 #include "draw/curve/view.h"
 #include "draw/motion/film.h"
 

@@ -2,8 +2,6 @@
 
 #include "io/common/number_text.h"
 
-#include <string.h>
-
 /// @file
 /// Writing of JSON values as text.
 

@@ -5,7 +5,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /// @file
 /// ISO 8601 times in the proleptic Gregorian calendar.

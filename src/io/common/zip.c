@@ -1,9 +1,5 @@
 #include "io/common/zip.h"
 
-#include "base/error.h"
-#include "io/common/number_text.h"
-
-#include <string.h>
 #include <strings.h>
 #include <zlib.h>
 

@@ -1,7 +1,6 @@
 #include "io/curve/geojson_shape.h"
 
 #include <assert.h>
-#include <string.h>
 
 /// @file
 /// Crossings of the antimeridian by geodesic edges, in exact units of the file's decimals.

@@ -1,11 +1,8 @@
 #include "io/curve/builder.h"
 
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "curve/point_form.h"
-
-#include <string.h>
 
 /// @file
 /// Points and channels of curves, appended one by one and checked against their space.

@@ -3,7 +3,6 @@
 #include "io/common/time_text.h"
 
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 static const double TURN = 6.283185307179586476925286766559;

@@ -1,11 +1,7 @@
 #include "io/curve/csv.h"
 
-#include "base/memory.h"
 #include "io/common/time_text.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 /// @file

@@ -4,7 +4,6 @@
 #include "space/degrees.h"
 
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 /// @file

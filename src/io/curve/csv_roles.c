@@ -2,7 +2,6 @@
 #include "io/curve/csv.h"
 
 #include <math.h>
-#include <string.h>
 #include <strings.h>
 
 /// @file

@@ -1,12 +1,9 @@
 #include "io/common/time_text.h"
-#include "io/curve/builder.h"
 #include "io/curve/csv.h"
 #include "space/degrees.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 /// @file
 /// Writers of CSV and of trajectories.

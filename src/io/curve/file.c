@@ -1,19 +1,9 @@
-#include "batten/curve_file.h"
-
 #include "base/atomic_file.h"
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/option.h"
-#include "curve/curve_attributes.h"
-#include "io/curve/formats.h"
-#include "io/curve/geojson.h"
 #include "io/curve/gpx.h"
 #include "io/gis/gis.h"
-#include "space/degrees.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 /// @file

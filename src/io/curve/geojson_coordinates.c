@@ -1,14 +1,10 @@
 #include "io/curve/geojson.h"
 
-#include "base/array_grow.h"
 #include "base/error.h"
 #include "io/common/number_text.h"
 #include "space/degrees.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Coordinates of GeoJSON geometries (RFC 7946, section 3.1), read from text without a parse tree.

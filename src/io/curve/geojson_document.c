@@ -1,10 +1,5 @@
 #include "io/curve/geojson.h"
 
-#include "base/array_grow.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves)

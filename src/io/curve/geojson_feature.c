@@ -1,10 +1,6 @@
 #include "io/curve/geojson.h"
 
-#include "base/array_grow.h"
-#include "base/json_scan.h"
 #include "io/common/number_text.h"
-
-#include <string.h>
 
 /// @file
 /// Features of GeoJSON. Coordinates are cut out of the text before it is parsed, because a parse tree of them would take

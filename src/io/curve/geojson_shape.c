@@ -1,10 +1,6 @@
 #include "io/curve/geojson_shape.h"
 
-#include "base/error.h"
-#include "io/common/number_text.h"
 #include "io/curve/csv.h"
-
-#include <math.h>
 
 /// @file
 /// Curves as the coordinates of a GeoJSON geometry, cut at the antimeridian where needed.

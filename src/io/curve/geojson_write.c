@@ -1,15 +1,7 @@
-#include "base/error.h"
-#include "base/json_scan.h"
-#include "io/curve/csv.h"
-#include "io/curve/formats.h"
-#include "io/curve/geojson.h"
-#include "io/curve/geojson_shape.h"
 #include "io/curve/gpx.h"
 #include "io/curve/judge.h"
 
 #include <assert.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Writer of GeoJSON. A set that was read from GeoJSON keeps its features and their members; "bbox" is dropped.

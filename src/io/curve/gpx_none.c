@@ -1,6 +1,3 @@
-#include "base/error.h"
-#include "io/curve/formats.h"
-
 /// @file
 /// What a build without expat has in place of the reader of GPX.
 

@@ -1,11 +1,6 @@
 #include "io/curve/gpx.h"
 
-#include "base/array_grow.h"
 #include "io/common/xml_parse.h"
-#include "io/curve/formats.h"
-#include "space/degrees.h"
-
-#include <math.h>
 
 /// @file
 /// Reader of GPX.

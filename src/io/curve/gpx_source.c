@@ -1,11 +1,6 @@
 #include "io/curve/gpx.h"
 
-#include "base/error.h"
-#include "io/common/json.h"
 #include "io/common/time_text.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Values of the points of GPX as columns.

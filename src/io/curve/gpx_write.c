@@ -1,13 +1,6 @@
 #include "io/curve/gpx.h"
 
-#include "base/error.h"
-#include "io/common/json.h"
-#include "io/curve/formats.h"
 #include "io/gis/gis.h"
-#include "space/degrees.h"
-
-#include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Writer of GPX: a file of GPX again, or a new one.

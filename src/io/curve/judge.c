@@ -1,14 +1,9 @@
 #include "io/curve/judge.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "curve/map/arc_refine.h"
 #include "curve/polygon.h"
 #include "curve/topology/edge_tree.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// The judge of refined polygons. It looks at the positions that a file will hold, cuts and closures included, and shares

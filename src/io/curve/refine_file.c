@@ -1,15 +1,11 @@
 #include "base/atomic_file.h"
-#include "base/error.h"
 #include "base/progress.h"
-#include "curve/curve_attributes.h"
 #include "curve/refine.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 #include "io/gis/gis.h"
 
 #include <errno.h>
-#include <stdio.h>
-#include <string.h>
 
 /// @file
 /// From a file of curves to a file of refined ones. Sequences of GeoJSON go through memory part by part.

@@ -1,15 +1,8 @@
-#include "base/array_grow.h"
-
-#include "base/error.h"
-#include "curve/map/arc_refine.h"
-#include "io/common/json.h"
-#include "io/common/number_text.h"
 #include "io/curve/formats.h"
 #include "io/curve/geojson.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdio.h>
 
 /// @file
 /// Reader of TopoJSON (https://github.com/topojson/topojson-specification): its arcs become the coordinates of GeoJSON.

@@ -1,12 +1,9 @@
 #include "io/curve/wkt.h"
 
-#include "base/error.h"
-#include "io/common/number_text.h"
 #include "io/curve/formats.h"
 
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 #include <strings.h>
 
 /// @file

@@ -1,10 +1,6 @@
 #include "io/curve/wkt.h"
 
-#include "base/error.h"
-#include "io/common/json.h"
-#include "io/common/number_text.h"
 #include "io/curve/csv.h"
-#include "io/curve/formats.h"
 
 #include <inttypes.h>
 

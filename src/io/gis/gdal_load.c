@@ -1,16 +1,10 @@
 #include "io/gis/gdal.h"
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "curve/polygon.h"
 #include "io/gis/gis.h"
 #include "space/degrees.h"
 
 #include <dlfcn.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 #include <threads.h>
 
 /// @file

@@ -1,14 +1,9 @@
 #include "base/atomic_file.h"
-#include "base/error.h"
-#include "curve/curve_attributes.h"
-#include "io/common/json.h"
 #include "io/curve/formats.h"
 #include "io/gis/gdal.h"
 #include "io/gis/gis.h"
 
 #include <limits.h>
-#include <stdio.h>
-#include <strings.h>
 
 /// @file
 /// Writer of layers by GDAL, from the features that the writer of GeoJSON makes.

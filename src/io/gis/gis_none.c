@@ -1,4 +1,3 @@
-#include "base/error.h"
 #include "io/gis/gis.h"
 
 /// @file

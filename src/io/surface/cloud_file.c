@@ -1,17 +1,10 @@
 #include "base/choice.h"
 
 #include "base/atomic_file.h"
-#include "base/error.h"
 #include "base/option.h"
-#include "batten/mesh.h"
-#include "io/common/block_writer.h"
-#include "io/common/file_text.h"
-#include "io/common/number_text.h"
 #include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
 #include "mesh/hash_table.h"
-
-#include <string.h>
 
 /// @file
 /// Clouds in any format.

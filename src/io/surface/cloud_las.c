@@ -1,8 +1,6 @@
-#include "base/error.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>
-#include <string.h>
 
 /// @file
 /// Reader of LAS files, versions 1.0 to 1.4, point formats 0 to 10 (ASPRS, "LAS specification 1.4 - R15", 2019). Coordinates

@@ -1,9 +1,6 @@
-#include "base/memory.h"
-#include "io/common/file_text.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Reader of PCD files, version .7 (Point Cloud Library, "The PCD (Point Cloud Data) file format"): text, binary, and binary

@@ -1,4 +1,3 @@
-#include "io/common/file_text.h"
 #include "io/curve/csv.h"
 #include "io/surface/cloud_formats.h"
 
