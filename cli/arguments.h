@@ -1,5 +1,4 @@
-#ifndef CLI_ARGUMENTS_H
-#define CLI_ARGUMENTS_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -187,5 +186,3 @@ enum
 /// The text of a failure for the user: it names the option of the command line that is at fault, and the one that leads
 /// out, where the verb has it and it was not given.
 void argument_wording(const arguments *given, const bat_error *error, char text[WORDING_SIZE]);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CLI_CURVE_H
-#define CLI_CURVE_H
+#pragma once
 
 #include "verb.h"
 
@@ -96,5 +95,3 @@ int curve_make(void *of);
 int curve_write(void *of, const char *path);
 int curve_report(void *of);
 void curve_end(void *of);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CLI_REPORT_H
-#define CLI_REPORT_H
+#pragma once
 
 #include "arguments.h"
 
@@ -124,6 +123,4 @@ int report_end(int code);
 #if defined(__clang_analyzer__)
 // Tells the static analyzer, which does not see the body, which code comes back.
 #define report_failure(file, error) ((void)report_failure(file, error), EXIT_BAD_INPUT)
-#endif
-
 #endif

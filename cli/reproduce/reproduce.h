@@ -1,5 +1,4 @@
-#ifndef CLI_REPRODUCE_H
-#define CLI_REPRODUCE_H
+#pragma once
 
 #include "verb.h"
 
@@ -39,5 +38,3 @@ extern reproduce_result reproduce_curve_figures, reproduce_tension_table1, repro
     reproduce_hermite_order, reproduce_mesh_table2, reproduce_mesh_ablations, reproduce_mesh_style,
     reproduce_surface_ablation, reproduce_surface_clouds, reproduce_surface_nefertiti, reproduce_surface_face,
     reproduce_surface_shapes, reproduce_scan_verdict, reproduce_harm;
-
-#endif

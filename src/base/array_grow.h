@@ -1,5 +1,4 @@
-#ifndef BASE_ARRAY_GROW_H
-#define BASE_ARRAY_GROW_H
+#pragma once
 
 #include "base/memory.h"
 
@@ -49,5 +48,3 @@ static inline bool array_grow_at(void *pointer, size_t *capacity, size_t needed,
 /// Append an element to an array of `count` elements. False when out of memory.
 #define ARRAY_ADD(array, capacity, count, ...)                                                                              \
     (ARRAY_GROW(array, capacity, (count) + 1) && ((array)[(count)++] = __VA_ARGS__, true))
-
-#endif

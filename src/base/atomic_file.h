@@ -1,5 +1,4 @@
-#ifndef BASE_ATOMIC_FILE_H
-#define BASE_ATOMIC_FILE_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -75,5 +74,3 @@ int atomic_sync(int descriptor);
 
 /// Fail with "cannot write" and the text of an errno.
 bat_status atomic_access_error(bat_error *error, int reason);
-
-#endif

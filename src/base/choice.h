@@ -1,5 +1,4 @@
-#ifndef BASE_CHOICE_H
-#define BASE_CHOICE_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -83,5 +82,3 @@ bat_status settings_read(const bat_choice *row, const char *text, const setting 
 
 /// A finite number or a fraction of two; moves *text to the character after it.
 bool settings_number(const char **text, double *value);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef BASE_ERROR_H
-#define BASE_ERROR_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -43,6 +42,4 @@ bat_status error_prefix(bat_error *error, bat_status status, const char *format,
 #define error_memory(error, size) ((void)error_memory(error, size), BAT_NO_MEMORY)
 #define error_option(error, ...) ((void)error_option(error, __VA_ARGS__), BAT_INVALID_ARGUMENT)
 #define error_point(error, status, ...) ((void)error_point(error, status, __VA_ARGS__), (status))
-#endif
-
 #endif

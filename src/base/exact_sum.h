@@ -1,5 +1,4 @@
-#ifndef BASE_EXACT_SUM_H
-#define BASE_EXACT_SUM_H
+#pragma once
 
 #include <math.h>
 
@@ -20,5 +19,3 @@ static inline double sum_total(const exact_sum *sum)
 {
     return isfinite(sum->lost) ? sum->value + sum->lost : sum->value;
 }
-
-#endif

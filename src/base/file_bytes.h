@@ -1,5 +1,4 @@
-#ifndef BASE_FILE_BYTES_H
-#define BASE_FILE_BYTES_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "batten/base.h"
@@ -11,5 +10,3 @@
 /// terminals are refused, since they may have no end. So are more than `max` bytes from anything but a regular file.
 /// @return BAT_OK, BAT_FILE_ACCESS or BAT_NO_MEMORY
 bat_status file_bytes_read(const char *path, unsigned long long max, text_buffer *buffer, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef BASE_JSON_SCAN_H
-#define BASE_JSON_SCAN_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -49,5 +48,3 @@ bat_status json_parse(const char *text, size_t size, size_t flags, size_t first_
 
 /// Make text fit for an error message: bytes that do not print are replaced.
 void json_printable(char *text);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef BASE_LANES_H
-#define BASE_LANES_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -119,5 +118,3 @@ static inline double lane_sinc_root(double s)
     p = p * s - 0x1.5555555555555p-3;
     return p * s + 1;
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef BASE_MEMORY_H
-#define BASE_MEMORY_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -61,5 +60,3 @@ static inline int ascending_int(const void *a, const void *b)
         return p->first != q->first ? ORDER_OF(p->first, q->first) : ORDER_OF(p->second, q->second);                        \
     }
 // NOLINTEND(bugprone-macro-parentheses)
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef BASE_NUMBER_DIGITS_H
-#define BASE_NUMBER_DIGITS_H
+#pragma once
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,5 +17,3 @@ static inline const char *number_digits(double value, char text[NUMBER_DIGITS_SI
     }
     return text;
 }
-
-#endif

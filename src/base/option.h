@@ -1,5 +1,4 @@
-#ifndef BASE_OPTION_H
-#define BASE_OPTION_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -52,5 +51,3 @@ bat_status options_check(const void *options, const option_field *fields, size_t
 
 /// options_check() of a whole table.
 #define OPTIONS_CHECK(options, fields, error) options_check(options, fields, sizeof(fields) / sizeof *(fields), error)
-
-#endif

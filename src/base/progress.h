@@ -1,5 +1,4 @@
-#ifndef BASE_PROGRESS_H
-#define BASE_PROGRESS_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -37,5 +36,3 @@ static inline bool progress_goes_on(bat_progress progress, double fraction)
 {
     return progress.report == NULL || progress.report(progress.context, fraction);
 }
-
-#endif

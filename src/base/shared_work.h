@@ -1,5 +1,4 @@
-#ifndef BASE_SHARED_WORK_H
-#define BASE_SHARED_WORK_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -28,5 +27,3 @@ void shared_work_poll(shared_work *work);
 
 /// How all ended, once the threads have joined: BAT_OK, the first failure, or BAT_CANCELLED. Reports the end.
 bat_status shared_work_end(const shared_work *work, bat_error *error);
-
-#endif

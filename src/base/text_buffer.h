@@ -1,5 +1,4 @@
-#ifndef BASE_TEXT_BUFFER_H
-#define BASE_TEXT_BUFFER_H
+#pragma once
 
 #include "base/array_grow.h"
 
@@ -57,5 +56,3 @@ static inline void text_free(text_buffer *buffer)
     free(buffer->data);
     *buffer = (text_buffer){0};
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef BASE_THREADS_H
-#define BASE_THREADS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -61,5 +60,3 @@ static inline bool threads_is_calling(void)
 {
     return threads_current() == 0;
 }
-
-#endif

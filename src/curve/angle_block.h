@@ -1,5 +1,4 @@
-#ifndef CURVE_ANGLE_BLOCK_H
-#define CURVE_ANGLE_BLOCK_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -55,5 +54,3 @@ const angle_surface *angle_surface_of(const bat_space *space);
 void angle_block_load(angle_block *block, size_t entry, const double *points, size_t dim, size_t vertices);
 /// Write the old vertices in `points` and the new ones in turn.
 void angle_block_store(const angle_block *block, const double *points, size_t dim, size_t edges, double *restrict fine);
-
-#endif

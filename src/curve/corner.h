@@ -1,5 +1,4 @@
-#ifndef CURVE_CORNER_H
-#define CURVE_CORNER_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -22,5 +21,3 @@ bool corners_wanted(const bat_curve *curve, const bat_curve_refine_options *opti
 /// @return BAT_OK, BAT_NO_MEMORY, or BAT_CUT_LOCUS with the index of the vertex
 bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *options, unsigned char *flags, size_t *count,
                         bat_error *error);
-
-#endif

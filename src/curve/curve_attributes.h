@@ -1,5 +1,4 @@
-#ifndef CURVE_CURVE_ATTRIBUTES_H
-#define CURVE_CURVE_ATTRIBUTES_H
+#pragma once
 
 #include "batten/curve_set.h"
 
@@ -84,5 +83,3 @@ void attributes_share(bat_curve_attributes *attributes);
 void attributes_release(bat_curve_attributes *attributes);
 /// Add a note, see bat_curve_set_note(), before the attributes are shared. False when out of memory.
 bool attributes_note(bat_curve_attributes *attributes, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
-#endif

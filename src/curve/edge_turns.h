@@ -1,5 +1,4 @@
-#ifndef CURVE_EDGE_TURNS_H
-#define CURVE_EDGE_TURNS_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -121,5 +120,3 @@ static inline double edge_turns_of(const double *angle, const double *length, do
     turn[3] = edge_far_turn(angle[3], y[3], length[2], length[3]);
     return edge_straight_factor(y);
 }
-
-#endif

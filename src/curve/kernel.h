@@ -1,5 +1,4 @@
-#ifndef CURVE_KERNEL_H
-#define CURVE_KERNEL_H
+#pragma once
 
 #include "batten/curve.h"
 #include "curve/mask.h"
@@ -72,5 +71,3 @@ double kernel_scale(const double *points, size_t count, size_t dim);
 bool kernel_has_geodesic(const bat_mask *mask);
 /// kernel_lane_riesenfeld() of points by midpoints of geodesics, or corner cutting; the mask has kernel_has_geodesic().
 refine_kernel kernel_geodesic(const bat_space *space, const bat_curve_scheme *scheme);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_MASK_H
-#define CURVE_MASK_H
+#pragma once
 
 #include "batten/curve_scheme.h"
 
@@ -31,5 +30,3 @@ bool mask_is_interpolatory(const bat_mask *mask);
 
 /// Whether a(c - k) = a(c + k) for some centre c.
 bool mask_is_symmetric(const bat_mask *mask);
-
-#endif

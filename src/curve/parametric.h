@@ -1,5 +1,4 @@
-#ifndef CURVE_PARAMETRIC_H
-#define CURVE_PARAMETRIC_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -29,5 +28,3 @@ double parametric_increment(bat_curve_parameters parameters, double length);
 /// polygons, the polynomial through all. The parameters beyond the end are the mirror images of those before it.
 bat_status parametric_extend(const bat_space *rows, const bat_space *points, bat_curve_parameters parameters, double *buffer,
                              size_t count, size_t before, size_t after, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_PIECES_H
-#define CURVE_PIECES_H
+#pragma once
 
 #include "batten/curve.h"
 #include "curve/refine.h"
@@ -80,5 +79,3 @@ typedef struct refine_room
 ///               after it. May be null
 bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const refine_room *room,
                          bat_curve *fine, size_t **starts, bat_error *error);
-
-#endif

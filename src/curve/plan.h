@@ -1,5 +1,4 @@
-#ifndef CURVE_PLAN_H
-#define CURVE_PLAN_H
+#pragma once
 
 #include "batten/curve_analysis.h"
 #include "curve/kernel.h"
@@ -61,5 +60,3 @@ bat_status refine_plan_make(const bat_curve *coarse, const bat_curve_refine_opti
 bool plan_has_room(const refine_kernel *kernel, size_t count, size_t levels, size_t limit);
 /// The rows of the last level at parameters from 0 to count - 1, those of an open curve.
 index_range plan_between_ends(const refine_kernel *kernel, size_t levels, size_t count);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_POINT_FORM_H
-#define CURVE_POINT_FORM_H
+#pragma once
 
 #include "batten/space.h"
 
@@ -91,5 +90,3 @@ void quaternion_continue(const double *before, double *quaternion);
 /// some of its columns exist. False if nothing is missing. `form` is what the columns were taken for; null for plain
 /// coordinates.
 bool point_form_incomplete(const point_form *form, const column_names *columns, char *text, size_t size);
-
-#endif

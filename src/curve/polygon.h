@@ -1,5 +1,4 @@
-#ifndef CURVE_POLYGON_H
-#define CURVE_POLYGON_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -68,5 +67,3 @@ double polygon_edge_distance(const bat_space *space, edge_geometry geometry, con
 /// @param which "first", "second", …, for the message
 /// @return BAT_OK or BAT_INVALID_POINT with the point's index
 bat_status coordinates_check(const bat_curve *curve, const char *which, bat_error *error);
-
-#endif

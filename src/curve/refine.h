@@ -1,5 +1,4 @@
-#ifndef CURVE_REFINE_H
-#define CURVE_REFINE_H
+#pragma once
 
 #include "curve/plan.h"
 #include "curve/scheme_kind.h"
@@ -53,5 +52,3 @@ static inline const double *refine_source_vertex(const refine_source *source, si
 /// @return as cascade_run()
 bat_status refine_source_run(const refine_source *source, size_t levels, size_t edge, size_t begin, size_t count,
                              int threads, double *fine, bat_error *error);
-
-#endif

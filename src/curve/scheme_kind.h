@@ -1,5 +1,4 @@
-#ifndef CURVE_SCHEME_KIND_H
-#define CURVE_SCHEME_KIND_H
+#pragma once
 
 #include "base/choice.h"
 #include "curve/kernel.h"
@@ -84,5 +83,3 @@ typedef struct scheme_row
 } scheme_row;
 
 spline_refine spline_catmull_rom, spline_cubic, spline_quintic;
-
-#endif

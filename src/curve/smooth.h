@@ -1,5 +1,4 @@
-#ifndef CURVE_SMOOTH_H
-#define CURVE_SMOOTH_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/curve.h"
@@ -58,5 +57,3 @@ void smooth_back_mark(smooth_back *back, size_t edge);
 /// Move the points of marked edges along geodesics. `*moved` becomes true where one moved.
 /// @return BAT_OK, or what bat_space_geodesic() returns
 bat_status smooth_back_move(smooth_back *back, double *points, bool *moved);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_SMOOTH_FIT_H
-#define CURVE_SMOOTH_FIT_H
+#pragma once
 
 #include "batten/space.h"
 
@@ -39,5 +38,3 @@ void smooth_fit_choose(smooth_fit *fit);
 /// Compute the accelerations for the weight, and each point's move towards the spline.
 /// @param moves receives count x dim numbers
 void smooth_fit_moves(smooth_fit *fit, double *moves);
-
-#endif

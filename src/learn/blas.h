@@ -1,5 +1,4 @@
-#ifndef LEARN_BLAS_H
-#define LEARN_BLAS_H
+#pragma once
 
 #include "learn/real.h"
 #include "linalg/blas.h"
@@ -14,6 +13,4 @@
 #else
 #define REAL_GEMM cblas_sgemm
 #define REAL_GEMV cblas_sgemv
-#endif
-
 #endif

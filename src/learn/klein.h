@@ -1,5 +1,4 @@
-#ifndef LEARN_KLEIN_H
-#define LEARN_KLEIN_H
+#pragma once
 
 #include "learn/real.h"
 
@@ -54,5 +53,3 @@ __attribute__((always_inline)) static inline void klein_gelu_forward(size_t widt
         y[3 * width + c] = (real)0.5 * ((pr - ps) - (qr - qs));
     }
 }
-
-#endif

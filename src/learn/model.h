@@ -1,5 +1,4 @@
-#ifndef LEARN_MODEL_H
-#define LEARN_MODEL_H
+#pragma once
 
 #include "learn/parameters.h"
 
@@ -62,5 +61,3 @@ bat_status learn_model_copy(const learn_source *source, const learn_parameters *
                             bat_error *error);
 /// Does nothing to null.
 void learn_model_free(learn_model *model);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LEARN_PACKED_H
-#define LEARN_PACKED_H
+#pragma once
 
 #include "learn/real.h"
 
@@ -68,5 +67,3 @@ void learn_packed_linear(const learn_packed *layer, size_t rows, const real *x, 
 
 /// learn_klein_gelu() of numbers whose four blocks lie one behind the other, `count` numbers each.
 void learn_packed_klein_gelu(size_t count, const real *restrict x, real *restrict y);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LEARN_PARAMETERS_H
-#define LEARN_PARAMETERS_H
+#pragma once
 
 #include "batten/base.h"
 #include "learn/real.h"
@@ -49,5 +48,3 @@ static inline real *learn_parameter_values(const learn_parameters *set, size_t i
 /// @return BAT_OK, BAT_BAD_FILE or BAT_NO_MEMORY; `block` may be half filled on failure
 bat_status learn_parameters_extract(const learn_parameters *set, const safetensors *content, const char *prefix, real *block,
                                     bat_error *error);
-
-#endif

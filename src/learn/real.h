@@ -1,5 +1,4 @@
-#ifndef LEARN_REAL_H
-#define LEARN_REAL_H
+#pragma once
 
 #include "base/lanes.h"
 
@@ -101,5 +100,3 @@ static inline real real_gelu(real x)
     real density;
     return x * real_normal(x, &density);
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LEARN_SAFETENSORS_H
-#define LEARN_SAFETENSORS_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "batten/base.h"
@@ -127,5 +126,3 @@ static inline void safetensors_copy(void *to, const void *from, size_t count, si
             target[i * size + byte] = source[i * size + size - 1 - byte];
 #endif
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LEARN_WEIGHTS_H
-#define LEARN_WEIGHTS_H
+#pragma once
 
 #include "learn/safetensors.h"
 
@@ -10,5 +9,3 @@
 extern const safetensors weights_learned; ///< weights/batten.safetensors, in the order of learned_network_make()
 extern const safetensors weights_mesh;    ///< weights/mesh.safetensors
 extern const safetensors weights_surface; ///< weights/surface.safetensors
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LINALG_BLAS_H
-#define LINALG_BLAS_H
+#pragma once
 
 /// @file
 /// The routines of BLAS that the library calls, with the signatures of CBLAS: those of OpenBLAS where the library was built
@@ -44,7 +43,5 @@ void own_daxpy(int n, double alpha, const double *x, int x_increment, double *y,
 double own_dnrm2(int n, const double *x, int increment);
 /// x = alpha x
 void own_dscal(int n, double alpha, double *x, int increment);
-
-#endif
 
 #endif

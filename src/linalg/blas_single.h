@@ -1,5 +1,4 @@
-#ifndef LINALG_BLAS_SINGLE_H
-#define LINALG_BLAS_SINGLE_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -20,5 +19,3 @@ void blas_single_end(void);
 /// out first. From here on the process keeps that memory.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status blas_reserve(bat_error *error);
-
-#endif

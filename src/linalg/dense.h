@@ -1,5 +1,4 @@
-#ifndef LINALG_DENSE_H
-#define LINALG_DENSE_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -76,5 +75,3 @@ bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_e
 /// The eigenvalues of a symmetric matrix in ascending order; of `a` only the upper triangle is read.
 /// @param a receives the eigenvectors as columns
 bat_status decompose_symmetric(size_t n, double *a, double *values, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LINALG_JOINT_RADIUS_H
-#define LINALG_JOINT_RADIUS_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/base.h"
@@ -120,5 +119,3 @@ bat_status polytope_growth_round(polytope_growth *growth, double *bound, bool *c
 /// @param vertices as many as are wanted; fewer where the work would be too much
 bat_status joint_radius_growth(const matrix_set *set, const matrix_set *seed_set, const joint_radius *radius, double rate,
                                size_t phases, size_t vertices, polytope_growth *growth, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LINALG_MULTIFRONTAL_H
-#define LINALG_MULTIFRONTAL_H
+#pragma once
 
 #include "base/memory.h"
 
@@ -74,5 +73,3 @@ bat_status multifrontal_factor(multifrontal *solver, const double *lower, const 
 /// @param x [count x columns] b, receives x
 /// @return BAT_OK, BAT_NO_MEMORY
 bat_status multifrontal_solve(const multifrontal *solver, size_t columns, double *x, bat_error *error);
-
-#endif

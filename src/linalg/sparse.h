@@ -1,5 +1,4 @@
-#ifndef LINALG_SPARSE_H
-#define LINALG_SPARSE_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -38,5 +37,3 @@ bat_status sparse_rows_transpose(const sparse_rows *matrix, sparse_rows *transpo
 /// @param x        receives count x 2
 /// @return BAT_OK, BAT_NO_CONVERGENCE for a singular system, BAT_NO_MEMORY, BAT_TOO_LARGE
 bat_status average_solve(const sparse_rows *weights, const double *constant, double *x, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef LINALG_SYMMETRIC_H
-#define LINALG_SYMMETRIC_H
+#pragma once
 
 #include <float.h>
 #include <math.h>
@@ -84,5 +83,3 @@ static inline void symmetric_eigen(size_t n, double *a, double *vectors, symmetr
             }
     }
 }
-
-#endif

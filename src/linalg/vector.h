@@ -1,5 +1,4 @@
-#ifndef LINALG_VECTOR_H
-#define LINALG_VECTOR_H
+#pragma once
 
 #include <math.h>
 #include <stdbool.h>
@@ -79,5 +78,3 @@ static inline double vector3_distance(const double a[3], const double b[3])
     vector3_subtract(a, b, difference);
     return vector3_length(difference);
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SEARCH_NEAREST_H
-#define SEARCH_NEAREST_H
+#pragma once
 
 #include "base/memory.h"
 
@@ -117,5 +116,3 @@ void nearest_free(nearest_tree *tree);
 /// The item nearest to a point of dim coordinates of at most DBL_MAX / 2; item BAT_NO_INDEX when the tree is empty.
 /// Distances neither overflow nor underflow on the way; one that a double cannot hold is infinite.
 nearest_hit nearest_find(const nearest_tree *tree, const double *point);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SPACE_BUILTIN_H
-#define SPACE_BUILTIN_H
+#pragma once
 
 #include "batten/space.h"
 
@@ -99,5 +98,3 @@ static inline void disk_translate(const double *p, const double *z, double *q)
     q[0] = p[0] + scale * (z[0] * re + z[1] * im);
     q[1] = p[1] + scale * (z[1] * re - z[0] * im);
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SPACE_DEGREES_H
-#define SPACE_DEGREES_H
+#pragma once
 
 #include <math.h>
 #include <stdint.h>
@@ -40,5 +39,3 @@ static inline degree_units degrees_of_point(const double point[3], double units_
     return (degree_units){llrint(atan2(point[1], point[0]) * units_per_radian),
                           llrint(atan2(point[2], across) * units_per_radian)};
 }
-
-#endif

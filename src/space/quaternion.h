@@ -1,5 +1,4 @@
-#ifndef SPACE_QUATERNION_H
-#define SPACE_QUATERNION_H
+#pragma once
 
 #include "linalg/vector.h"
 
@@ -116,5 +115,3 @@ static inline void quaternion_turn(const double *p, double x, double y, double z
     q[3] = p[0] * z + p[3] * cosine + p[1] * y - p[2] * x;
     quaternion_renormalize(q);
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_ANALYSIS_ANALYSIS_SYMBOL_H
-#define CURVE_ANALYSIS_ANALYSIS_SYMBOL_H
+#pragma once
 
 #include "batten/curve_analysis.h"
 #include "batten/curve_scheme.h"
@@ -74,5 +73,3 @@ bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_option
 /// is a constant C with max |c_j| <= C max |sum c_j phi(x - j)| for all bounded c. The same is proven for every quotient
 /// whose coefficients differ in sum of moduli by at most `distance`.
 bool smoothness_is_stable(const bat_mask *quotient, double distance);
-
-#endif

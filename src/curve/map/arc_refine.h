@@ -1,5 +1,4 @@
-#ifndef CURVE_MAP_ARC_REFINE_H
-#define CURVE_MAP_ARC_REFINE_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/curve.h"
@@ -329,5 +328,3 @@ bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bo
                            bat_error *error);
 
 void line_chains_free(line_chains *chains);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_MEASURE_METRIC_TREE_H
-#define CURVE_MEASURE_METRIC_TREE_H
+#pragma once
 
 #include "batten/space.h"
 #include "search/nearest.h"
@@ -23,5 +22,3 @@ void metric_tree_free(metric_tree *tree);
 
 /// The point nearest to a valid point, with its distance; of several one, always the same. Item BAT_NO_INDEX: no points.
 nearest_hit metric_tree_find(const metric_tree *tree, const double *point);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_NETWORK_LEARNED_FEATURES_H
-#define CURVE_NETWORK_LEARNED_FEATURES_H
+#pragma once
 
 #include "learn/klein.h"
 
@@ -93,5 +92,3 @@ double learned_angle(learned_edge edge, double correction, double gate);
 /// @param lengths   lengths[i] is that of edge i, -LEARNED_RANGE <= i <= LEARNED_RANGE, positive
 /// @param features  receives the numbers of learned_widths()
 learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting, double *features);
-
-#endif

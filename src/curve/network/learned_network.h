@@ -1,5 +1,4 @@
-#ifndef CURVE_NETWORK_LEARNED_NETWORK_H
-#define CURVE_NETWORK_LEARNED_NETWORK_H
+#pragma once
 
 #include "batten/curve_scheme.h"
 #include "curve/network/learned_features.h"
@@ -53,5 +52,3 @@ extern const learn_networks curve_networks;
 
 /// Read a model, a row's rule being a bat_curve_angle_rule whose parameters are the network.
 bat_status curve_model_read(const learn_networks *networks, const char *path, bat_curve_model **model, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_NETWORK_LEARNED_TURNS_H
-#define CURVE_NETWORK_LEARNED_TURNS_H
+#pragma once
 
 #include "batten/curve_scheme.h"
 #include "curve/edge_turns.h"
@@ -52,5 +51,3 @@ static inline double learned_six_point(const double turns[EDGE_VERTICES])
 {
     return LEARNED_SIX_POINT[0] * (turns[1] + turns[2]) + LEARNED_SIX_POINT[1] * (turns[0] + turns[3]);
 }
-
-#endif

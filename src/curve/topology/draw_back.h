@@ -1,5 +1,4 @@
-#ifndef CURVE_TOPOLOGY_DRAW_BACK_H
-#define CURVE_TOPOLOGY_DRAW_BACK_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/curve.h"
@@ -118,5 +117,3 @@ bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *
 
 /// Whether the options ask for a test of a curve.
 bool wants_simple(const bat_curve *coarse, const bat_curve_refine_options *options);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef CURVE_TOPOLOGY_EDGE_TREE_H
-#define CURVE_TOPOLOGY_EDGE_TREE_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -136,5 +135,3 @@ void edge_tree_settle(edge_tree *tree);
 /// @param changed_only only pairs with a marked edge; neighbours of marked edges may count as marked
 /// @return false when `found` ended the search
 bool edge_tree_search(const edge_tree *tree, edge_pairs pairs, bool changed_only, edge_pair_found *found, void *context);
-
-#endif

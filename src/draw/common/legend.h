@@ -1,5 +1,4 @@
-#ifndef DRAW_COMMON_LEGEND_H
-#define DRAW_COMMON_LEGEND_H
+#pragma once
 
 #include "batten/base.h"
 #include "draw/common/style.h"
@@ -48,5 +47,3 @@ void legend_ring(cairo_t *cairo, double x, double y, double radius, draw_colour 
 void legend_dot(cairo_t *cairo, double x, double y, double radius, draw_colour colour);
 /// Fill and outline the current path in the style of bars, which are translucent.
 void legend_fill_bars(cairo_t *cairo, draw_colour colour);
-
-#endif

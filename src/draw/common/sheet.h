@@ -1,5 +1,4 @@
-#ifndef DRAW_COMMON_SHEET_H
-#define DRAW_COMMON_SHEET_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "batten/base.h"
@@ -89,5 +88,3 @@ double sheet_width(double box_width, size_t columns);
 
 /// Lay out the page, draw it and write the file.
 bat_status sheet_write(const char *path, const sheet_content *content, bat_error *error);
-
-#endif

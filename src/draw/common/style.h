@@ -1,5 +1,4 @@
-#ifndef DRAW_COMMON_STYLE_H
-#define DRAW_COMMON_STYLE_H
+#pragma once
 
 #include <cairo.h>
 #include <stdbool.h>
@@ -94,5 +93,3 @@ static inline double text_digit_height(double size)
 {
     return 0.72 * size;
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef DRAW_COMMON_TICKS_H
-#define DRAW_COMMON_TICKS_H
+#pragma once
 
 #include "draw/common/style.h"
 
@@ -48,5 +47,3 @@ void tick_label(const tick_list *ticks, size_t index, char *label);
 double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index);
 /// Draw a label with y in the middle of its height and x at the fraction `align` of its width.
 void tick_draw(cairo_t *cairo, const tick_list *ticks, size_t index, double x, double y, double align);
-
-#endif

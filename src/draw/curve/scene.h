@@ -1,5 +1,4 @@
-#ifndef DRAW_CURVE_SCENE_H
-#define DRAW_CURVE_SCENE_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/curve_picture.h"
@@ -342,5 +341,3 @@ bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_pic
 /// bat_chart_write() with an overlay on each chart.
 bat_status plot_write(const char *path, const bat_chart *charts, size_t count, const bat_curve_picture_options *options,
                       const plot_overlay *overlay, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef DRAW_CURVE_VIEW_H
-#define DRAW_CURVE_VIEW_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -187,5 +186,3 @@ void view_automatic(const bat_curve *const *curves, size_t count, double *longit
 /// Check that a curve can be drawn. Messages name points by their index.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_INVALID_POINT, BAT_CUT_LOCUS or BAT_UNSUPPORTED
 bat_status view_check(const bat_curve *curve, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef DRAW_MOTION_FILM_H
-#define DRAW_MOTION_FILM_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/curve_picture.h"
@@ -86,5 +85,3 @@ bat_status strip_draw(const film *shown, cairo_t *cairo, const double box[4], ba
 
 /// The colours of the axes x, y and z of a body.
 draw_colour film_axis_colour(size_t axis);
-
-#endif

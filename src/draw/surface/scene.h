@@ -1,5 +1,4 @@
-#ifndef DRAW_SURFACE_SCENE_H
-#define DRAW_SURFACE_SCENE_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/mesh.h"
@@ -90,5 +89,3 @@ double dot_radius(double area, size_t count, double per_point);
 void dots_sort(image_dot *dots, size_t count);
 /// Draw a disk with a soft edge.
 void dot_draw(const dot_image *image, double x, double y, double radius, draw_colour colour);
-
-#endif

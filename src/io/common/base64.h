@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_BASE64_H
-#define IO_COMMON_BASE64_H
+#pragma once
 
 #include "base/text_buffer.h"
 
@@ -11,5 +10,3 @@ void base64_append(text_buffer *text, const void *bytes, size_t size);
 
 /// Append the bytes of base64 text, padded or not. False for other text. Out of memory: `bytes->failed` is set.
 bool base64_decode(text_buffer *bytes, const char *text, size_t size);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_BLOCK_WRITER_H
-#define IO_COMMON_BLOCK_WRITER_H
+#pragma once
 
 #include "base/text_buffer.h"
 
@@ -46,5 +45,3 @@ typedef struct block_cut
 /// Partition `count` jobs with the given weights into blocks of at least `weight`, except for the last block.
 bat_status blocks_cut(size_t count, size_t (*weigh)(const void *context, size_t job), const void *context, size_t weight,
                       block_cut *cut, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_FILE_TEXT_H
-#define IO_COMMON_FILE_TEXT_H
+#pragma once
 
 #include "base/error.h"
 #include "batten/base.h"
@@ -154,5 +153,3 @@ bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, ba
 
 /// BAT_BAD_FILE for the next word of the line. `fault` follows the word, as in "is not the index of a vertex".
 bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat_error *error);
-
-#endif

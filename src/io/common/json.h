@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_JSON_H
-#define IO_COMMON_JSON_H
+#pragma once
 
 #include "base/json_scan.h"
 #include "base/text_buffer.h"
@@ -16,5 +15,3 @@ void json_text(text_buffer *text, const json_t *value);
 
 /// Append a JSON string with its quotes.
 void json_text_string(text_buffer *text, const char *string, size_t length);
-
-#endif

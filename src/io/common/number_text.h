@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_NUMBER_TEXT_H
-#define IO_COMMON_NUMBER_TEXT_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "batten/base.h"
@@ -43,5 +42,3 @@ bool number_resembles(const char *begin, const char *end);
 /// The text from `begin` to `end` for an error message: truncated, with unprintable bytes replaced. Returns `excerpt`.
 #define EXCERPT_SIZE 32
 const char *text_excerpt(char excerpt[EXCERPT_SIZE], const char *begin, const char *end);
-
-#endif

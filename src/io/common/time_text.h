@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_TIME_TEXT_H
-#define IO_COMMON_TIME_TEXT_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -63,5 +62,3 @@ char *nanoseconds_write(char *out, int64_t nanoseconds);
 /// Write the sum of an origin and seconds in a unit as of exact_time_read(). Seconds have the digits of the double where the
 /// origin is 0, else nine decimals. Takes at most EXACT_TIME_SIZE bytes. Returns the end.
 char *exact_time_write(char *out, int64_t origin, int decimals, double seconds);
-
-#endif

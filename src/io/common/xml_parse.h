@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_XML_PARSE_H
-#define IO_COMMON_XML_PARSE_H
+#pragma once
 
 #include "base/error.h"
 #include "io/common/file_text.h"
@@ -91,5 +90,3 @@ static inline bat_status xml_text(xml_parse *xml, const file_text *text)
     XML_ParserFree(xml->parser);
     return xml->status;
 }
-
-#endif

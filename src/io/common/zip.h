@@ -1,5 +1,4 @@
-#ifndef IO_COMMON_ZIP_H
-#define IO_COMMON_ZIP_H
+#pragma once
 
 #include "io/common/block_writer.h"
 #include "io/common/file_text.h"
@@ -48,5 +47,3 @@ typedef struct zip_writer
 bat_status zip_add(zip_writer *writer, const char *name, const text_buffer *content, bat_error *error);
 /// Write the directory, and free it; does only the latter where `status` is a failure, which comes back.
 bat_status zip_end(zip_writer *writer, bat_status status, bat_error *error);
-
-#endif

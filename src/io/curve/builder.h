@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_BUILDER_H
-#define IO_CURVE_BUILDER_H
+#pragma once
 
 #include "batten/curve_file.h"
 #include "curve/map/arc_refine.h"
@@ -94,5 +93,3 @@ bat_status rows_write(const bat_curve_set *set, text_sink *sink, int threads, ro
 
 /// BAT_INVALID_POINT for the point `point` of a span, which is not finite.
 bat_status row_not_finite(const row_span *span, size_t point, bat_error *error);
-
-#endif

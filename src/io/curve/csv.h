@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_CSV_H
-#define IO_CURVE_CSV_H
+#pragma once
 
 #include "base/error.h"
 #include "base/text_buffer.h"
@@ -315,5 +314,3 @@ bool csv_takes_dates(const csv_reader *reader, size_t column);
 void csv_watch_cell(csv_reader *reader, const text_line *line, size_t column);
 
 bool csv_note_columns(csv_reader *reader);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_FORMATS_H
-#define IO_CURVE_FORMATS_H
+#pragma once
 
 #include "batten/curve_file.h"
 #include "io/common/block_writer.h"
@@ -73,5 +72,3 @@ bat_status poses_read(const file_text *text, bat_curve_format format, const bat_
 
 /// Check the option `euler`; null passes. Returns null or an error text.
 const char *poses_euler_fault(const char *euler);
-
-#endif

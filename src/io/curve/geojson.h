@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_GEOJSON_H
-#define IO_CURVE_GEOJSON_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "curve/curve_attributes.h"
@@ -266,5 +265,3 @@ void geojson_made_pad(const char *at, const char **counted, text_buffer *geojson
 /// End a collection and read it as a set of a format.
 bat_status geojson_made_read(const geojson_made *made, text_buffer *geojson, bat_curve_format format,
                              const bat_curve_read_options *options, bat_curve_set *set, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_GEOJSON_SHAPE_H
-#define IO_CURVE_GEOJSON_SHAPE_H
+#pragma once
 
 #include "base/array_grow.h"
 #include "base/text_buffer.h"
@@ -175,5 +174,3 @@ void geojson_shape_values(const geojson_shape *shape, geojson_value_writer *writ
 void geojson_shape_write(const geojson_shape *shape, const geojson_style *style, text_buffer *text);
 
 void geojson_shape_free(geojson_shape *shape);
-
-#endif

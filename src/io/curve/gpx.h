@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_GPX_H
-#define IO_CURVE_GPX_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "io/curve/csv.h"
@@ -123,5 +122,3 @@ const char *gpx_lost(const bat_curve_set *set, bat_curve_format format);
 /// @param first the curve of the set that the shape begins with
 /// @return false when out of memory
 bool gpx_properties_write(const bat_curve_set *set, const geojson_shape *shape, size_t first, text_buffer *text);
-
-#endif

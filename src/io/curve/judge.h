@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_JUDGE_H
-#define IO_CURVE_JUDGE_H
+#pragma once
 
 #include "batten/curve_set.h"
 #include "io/curve/geojson_shape.h"
@@ -21,5 +20,3 @@ bat_status judge_polygons(const geojson_shape *given, const geojson_shape *fine,
 /// Judge shared edges: what became of one is the same in every curve. Edges of curves with moved vertices do not count.
 /// @return BAT_OK, BAT_UNSUPPORTED or BAT_NO_MEMORY
 bat_status judge_borders(const bat_curve_set *given, const bat_curve_set *fine, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_STITCH_H
-#define IO_CURVE_STITCH_H
+#pragma once
 
 #include "batten/curve.h"
 
@@ -114,5 +113,3 @@ typedef struct stitch_path
 /// between their neighbours are removed and counted. The path is changed.
 /// @return false when out of memory
 bool stitch_make_curve(stitch_path *path, bool closed, const stitch_tolerance *tolerance, size_t *removed, bat_curve *curve);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_CURVE_WKT_H
-#define IO_CURVE_WKT_H
+#pragma once
 
 #include "io/common/file_text.h"
 #include "io/curve/geojson.h"
@@ -53,5 +52,3 @@ bat_status wkb_scan_geometry(wkt_scanner *scan, text_buffer *geojson);
 
 /// Append a geometry of GeoJSON. `srid` is a number in digits, or null for none.
 void wkb_append_geometry(const json_t *geometry, bool measures, const char *srid, text_buffer *text);
-
-#endif

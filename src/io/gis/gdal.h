@@ -1,5 +1,4 @@
-#ifndef IO_GIS_GDAL_H
-#define IO_GIS_GDAL_H
+#pragma once
 
 #include "batten/base.h"
 #include "curve/curve_attributes.h"
@@ -97,5 +96,3 @@ bool system_is_degrees(OGRSpatialReferenceH system);
 
 /// Whether a layer stores the two coordinates in the reverse of the order above.
 bool system_is_swapped(OGRSpatialReferenceH system);
-
-#endif

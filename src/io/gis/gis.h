@@ -1,5 +1,4 @@
-#ifndef IO_GIS_GIS_H
-#define IO_GIS_GIS_H
+#pragma once
 
 #include "base/text_buffer.h"
 #include "batten/curve_file.h"
@@ -50,5 +49,3 @@ bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_erro
 
 /// Move a set of a coordinate system, in its plane or its degrees, to WGS 84, as gis_to_plane() does.
 bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error);
-
-#endif

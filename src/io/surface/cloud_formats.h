@@ -1,5 +1,4 @@
-#ifndef IO_SURFACE_CLOUD_FORMATS_H
-#define IO_SURFACE_CLOUD_FORMATS_H
+#pragma once
 
 #include "base/array_grow.h"
 #include "batten/cloud_file.h"
@@ -60,5 +59,3 @@ bat_cloud_format cloud_format_of_text(const file_text *text);
 
 /// Write a cloud that passes bat_cloud_check().
 bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sink *sink, bat_error *error);
-
-#endif
