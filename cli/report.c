@@ -125,9 +125,8 @@ int report_status(const arguments *given, const char *file, bat_status status)
     return given != NULL ? report_bad_input(given, file, report_error()) : report_failure(file, report_error());
 }
 
-static bool draw_progress(void *context, double fraction)
+static bool draw_progress(void *context BAT_UNUSED, double fraction)
 {
-    (void)context;
     int percent = (int)(100 * fraction);
     if (work.drawn && percent != work.percent)
         (void)fprintf(stderr, "\r%s %3d %%\033[K", work.what, percent);

@@ -10,6 +10,8 @@
 #else
 #define BAT_API __attribute__((visibility("default")))
 #endif
+/// Stands behind a parameter that a function does not use.
+#define BAT_UNUSED __attribute__((unused))
 
 #if defined(__cplusplus)
 #define BAT_C_BEGIN                                                                                                         \

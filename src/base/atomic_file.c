@@ -61,7 +61,7 @@ bool atomic_is_hidden(const char *path)
     return strncmp(atomic_base_name(path), HIDDEN, sizeof HIDDEN - 1) == 0;
 }
 
-int atomic_open_nameless(const char *target, mode_t mode)
+int atomic_open_nameless(const char *target BAT_UNUSED, mode_t mode BAT_UNUSED)
 {
     int descriptor = -1;
 #ifdef O_TMPFILE
@@ -71,8 +71,6 @@ int atomic_open_nameless(const char *target, mode_t mode)
         descriptor = open(folder, O_WRONLY | O_TMPFILE | O_CLOEXEC, mode);
     free(folder);
 #else
-    (void)target;
-    (void)mode;
 #endif
     return descriptor;
 }

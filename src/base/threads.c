@@ -35,9 +35,8 @@ int threads_of_team(int threads)
 
 #else
 
-int threads_of_team(int threads)
+int threads_of_team(int threads BAT_UNUSED)
 {
-    (void)threads;
     return 1;
 }
 

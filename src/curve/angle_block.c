@@ -44,9 +44,8 @@ static void plane_angles(angle_block *block, size_t count, double scale)
 
 /// sin ~ det(p, a, b), cos ~ <a, b> - <a, p> <b, p> with the chords a = p - before, b = after - p.
 LANES_CLONES
-static void sphere_angles(angle_block *block, size_t count, double scale)
+static void sphere_angles(angle_block *block, size_t count, double scale BAT_UNUSED)
 {
-    (void)scale;
     const double *x = block->x, *y = block->y, *z = block->z;
     for (size_t i = 0; i < count; i++)
     {
@@ -61,9 +60,8 @@ static void sphere_angles(angle_block *block, size_t count, double scale)
 
 /// With p moved to the origin, the angle from -w(before) to w(after).
 LANES_CLONES
-static void disk_angles(angle_block *block, size_t count, double scale)
+static void disk_angles(angle_block *block, size_t count, double scale BAT_UNUSED)
 {
-    (void)scale;
     const double *x = block->x, *y = block->y;
     for (size_t i = 0; i < count; i++)
     {
@@ -90,9 +88,8 @@ static void plane_lengths(angle_block *block, size_t count, double scale)
 
 /// By half angles; see src/space/sphere.c.
 LANES_CLONES
-static void sphere_lengths(angle_block *block, size_t count, double scale)
+static void sphere_lengths(angle_block *block, size_t count, double scale BAT_UNUSED)
 {
-    (void)scale;
     const double *x = block->x, *y = block->y, *z = block->z;
     for (size_t i = 0; i < count; i++)
     {
@@ -115,9 +112,8 @@ static void disk_half_sines(angle_block *block, size_t count)
 }
 
 /// See src/space/disk.c.
-static void disk_lengths(angle_block *block, size_t count, double scale)
+static void disk_lengths(angle_block *block, size_t count, double scale BAT_UNUSED)
 {
-    (void)scale;
     disk_half_sines(block, count);
     for (size_t i = 0; i < count; i++)
         block->length[i] = 2 * asinh(block->length[i]);

@@ -68,14 +68,13 @@ typedef struct angle_data
 } angle_data;
 _Static_assert(sizeof(angle_data) <= KERNEL_DATA, "a kernel has room for its data");
 
-static bat_status run_blocks(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                             size_t *fault)
+static bat_status run_blocks(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                             void *scratch BAT_UNUSED, size_t *fault)
 {
     const angle_data *data = kernel_data_of(kernel);
     const angle_surface *where = data->surface;
     const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
-    (void)scratch;
     double sign = scheme->sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -1 : 1;
     angle_block block;
     for (size_t done = 0; done < pairs; done += ANGLE_BLOCK_EDGES)
@@ -105,14 +104,13 @@ static bat_status run_blocks(const refine_kernel *kernel, const double *points, 
 }
 
 /// Any other oriented surface, through its own functions.
-static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                          size_t *fault)
+static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                          void *scratch BAT_UNUSED, size_t *fault)
 {
     const angle_data *data = kernel_data_of(kernel);
     const bat_space *space = kernel->space;
     const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
-    (void)scratch;
     double sign = scheme->sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -1 : 1;
     for (size_t j = 0; j < pairs; j++)
     {

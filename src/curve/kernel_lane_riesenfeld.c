@@ -162,10 +162,9 @@ typedef struct cutting_data
 } cutting_data;
 _Static_assert(sizeof(cutting_data) <= KERNEL_DATA, "a kernel has room for its data");
 
-static bat_status cut_edges(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                            size_t *fault)
+static bat_status cut_edges(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                            void *scratch BAT_UNUSED, size_t *fault)
 {
-    (void)scratch;
     const cutting_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
     for (size_t i = 0; i < 2 * pairs; i++)

@@ -166,11 +166,9 @@ typedef struct linear_data
 } linear_data;
 _Static_assert(sizeof(linear_data) <= KERNEL_DATA, "a kernel has room for its data");
 
-static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                      size_t *fault)
+static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                      void *scratch BAT_UNUSED, size_t *fault BAT_UNUSED)
 {
-    (void)scratch;
-    (void)fault;
     size_t dim = kernel->dim;
     const linear_data *data = kernel_data_of(kernel);
     const mask_taps *even = &data->even, *odd = &data->odd;

@@ -50,10 +50,9 @@ typedef struct log_exp_data
 } log_exp_data;
 _Static_assert(sizeof(log_exp_data) <= KERNEL_DATA, "a kernel has room for its data");
 
-static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                          size_t *fault)
+static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                          void *scratch BAT_UNUSED, size_t *fault)
 {
-    (void)scratch;
     const log_exp_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
     for (size_t j = 0; j < pairs; j++)
@@ -71,10 +70,9 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
 }
 
 /// Masks that keep no point: both new points of an edge are made. The base of those that belong to a vertex is the vertex.
-static bat_status run_smoothing(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                                size_t *fault)
+static bat_status run_smoothing(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                                void *scratch BAT_UNUSED, size_t *fault)
 {
-    (void)scratch;
     const log_exp_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
     bool has_vertices = ((kernel->first + kernel->last) & 1) == 0;
@@ -268,10 +266,9 @@ static bat_status sphere_finish(const refine_kernel *kernel, const sphere_block 
     return BAT_OK;
 }
 
-static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                             size_t *fault)
+static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                             void *scratch BAT_UNUSED, size_t *fault)
 {
-    (void)scratch;
     const log_exp_data *data = kernel_data_of(kernel);
     const mask_taps *taps = &data->odd;
     bool midpoint = data->base == BAT_CURVE_BASE_MIDPOINT;

@@ -107,10 +107,9 @@ static bat_status insert_point(const bat_space *space, const displacement *d, ba
     return space->exp(space, base, sum, fine);
 }
 
-static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                      size_t *fault)
+static bat_status run(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                      void *scratch BAT_UNUSED, size_t *fault)
 {
-    (void)scratch;
     const four_point_data *data = kernel_data_of(kernel);
     const bat_space *space = kernel->space;
     bool uniform = data->parameters == BAT_CURVE_PARAMETERS_UNIFORM;

@@ -164,9 +164,8 @@ static double edge_length(const bat_curve *curve)
 }
 
 /// Find the levels of a piece's edges.
-static bat_status choose_levels(pieces *all, piece *part, void *context, bat_progress progress, bat_error *error)
+static bat_status choose_levels(pieces *all, piece *part, void *context BAT_UNUSED, bat_progress progress, bat_error *error)
 {
-    (void)context;
     const bat_curve_refine_options *options = &all->plan.options;
     bat_curve curve = curve_of(all, part);
     unsigned char *levels = all->levels + part->edge;
@@ -193,10 +192,9 @@ static bat_status choose_levels(pieces *all, piece *part, void *context, bat_pro
 }
 
 /// Plan a piece of the same levels everywhere.
-static bat_status plan_piece(pieces *all, piece *part, void *context, bat_progress progress, bat_error *error)
+static bat_status plan_piece(pieces *all, piece *part, void *context BAT_UNUSED, bat_progress progress BAT_UNUSED,
+                             bat_error *error)
 {
-    (void)context;
-    (void)progress;
     if (part->straight)
         return BAT_OK;
     bat_curve curve = curve_of(all, part);

@@ -113,10 +113,8 @@ static bat_status check_rule(const bat_curve_angle_rule *rule, bat_error *error)
                      BAT_CURVE_ANGLE_RULE_REACH);
 }
 
-static bat_status check_auto(const bat_curve_scheme *scheme, bat_error *error)
+static bat_status check_auto(const bat_curve_scheme *scheme BAT_UNUSED, bat_error *error BAT_UNUSED)
 {
-    (void)scheme;
-    (void)error;
     return BAT_OK;
 }
 
@@ -162,17 +160,14 @@ static bat_status check_spline(const bat_curve_scheme *scheme, bat_error *error)
     return OPTIONS_CHECK(scheme, FIELDS, error);
 }
 
-static bat_status suits_all(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error)
+static bat_status suits_all(const bat_curve_scheme *scheme BAT_UNUSED, const bat_space *space BAT_UNUSED,
+                            bat_error *error BAT_UNUSED)
 {
-    (void)scheme;
-    (void)space;
-    (void)error;
     return BAT_OK;
 }
 
-static bat_status suits_linear(const bat_curve_scheme *scheme, const bat_space *space, bat_error *error)
+static bat_status suits_linear(const bat_curve_scheme *scheme BAT_UNUSED, const bat_space *space, bat_error *error)
 {
-    (void)scheme;
     if (space_is_euclidean(space))
         return BAT_OK;
     return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -200,9 +195,8 @@ static bat_status suits_angle(const bat_curve_scheme *scheme, const bat_space *s
     return scheme->rule != NULL ? check_rule_space(space, scheme->rule, error) : BAT_OK;
 }
 
-static bool keeps_always(const bat_curve_scheme *scheme)
+static bool keeps_always(const bat_curve_scheme *scheme BAT_UNUSED)
 {
-    (void)scheme;
     return true;
 }
 
@@ -211,9 +205,8 @@ static bool keeps_by_mask(const bat_curve_scheme *scheme)
     return mask_is_interpolatory(&scheme->mask);
 }
 
-static polygon_end end_of_angles(const bat_curve_scheme *scheme)
+static polygon_end end_of_angles(const bat_curve_scheme *scheme BAT_UNUSED)
 {
-    (void)scheme;
     return POLYGON_END_MIRROR;
 }
 
@@ -222,9 +215,8 @@ static polygon_end end_of_mask(const bat_curve_scheme *scheme)
     return mask_is_interpolatory(&scheme->mask) ? POLYGON_END_CUBIC : POLYGON_END_LINE;
 }
 
-static bat_curve_scheme channels_by_four_point(const bat_curve_scheme *scheme)
+static bat_curve_scheme channels_by_four_point(const bat_curve_scheme *scheme BAT_UNUSED)
 {
-    (void)scheme;
     return bat_curve_scheme_linear(bat_mask_four_point(BAT_MASK_FOUR_POINT_WEIGHT));
 }
 

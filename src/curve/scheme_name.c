@@ -8,9 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bat_curve_scheme make_chaikin(const scheme_settings *s)
+static bat_curve_scheme make_chaikin(const scheme_settings *s BAT_UNUSED)
 {
-    (void)s;
     return bat_curve_scheme_linear(bat_mask_chaikin());
 }
 

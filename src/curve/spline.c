@@ -504,9 +504,8 @@ static bat_status cubic(const spline *s, size_t *fault)
     return status;
 }
 
-static bat_status find_cubic(const spline *s, const bat_curve_refine_options *options, size_t *fault)
+static bat_status find_cubic(const spline *s, const bat_curve_refine_options *options BAT_UNUSED, size_t *fault)
 {
-    (void)options;
     return cubic(s, fault);
 }
 
@@ -581,9 +580,8 @@ static bat_status find_at(const spline *s, ptrdiff_t i, ptrdiff_t first, ptrdiff
 }
 
 /// Where a logarithm of a farther point does not exist, fewer points serve.
-static bat_status find(const spline *s, const bat_curve_refine_options *options, size_t *fault)
+static bat_status find(const spline *s, const bat_curve_refine_options *options BAT_UNUSED, size_t *fault)
 {
-    (void)options;
     ptrdiff_t count = (ptrdiff_t)s->count, widest = count < WINDOW ? count : WINDOW;
     if (s->coarse->closed && widest % 2 == 0)
         widest--;

@@ -79,9 +79,9 @@ bat_status learn_model_read(const learn_networks *networks, const char *path, si
     return status;
 }
 
-bat_status learn_model_copy(const learn_source *source, const learn_parameters *parameters, void **network, bat_error *error)
+bat_status learn_model_copy(const learn_source *source BAT_UNUSED, const learn_parameters *parameters, void **network,
+                            bat_error *error)
 {
-    (void)source;
     real *weights = memory_array(parameters->total, sizeof *weights);
     if (weights == NULL)
         return error_memory(error, parameters->total * sizeof *weights);

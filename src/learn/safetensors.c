@@ -111,10 +111,8 @@ bat_status safetensors_doubles(const safetensors *content, const char *name, siz
 }
 
 #if !BAT_HAS_FILES
-bat_status safetensors_read(const char *path, safetensors *content, bat_error *error)
+bat_status safetensors_read(const char *path BAT_UNUSED, safetensors *content BAT_UNUSED, bat_error *error)
 {
-    (void)path;
-    (void)content;
     return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "this build of the library reads no files");
 }
 #endif

@@ -68,18 +68,15 @@ static size_t column_step(CBLAS_TRANSPOSE trans, int stride)
 DEFINE_PRODUCTS(float, own_sgemm, own_sgemv, scale_floats, add_floats)
 DEFINE_PRODUCTS(double, own_dgemm, own_dgemv, scale_doubles, add_doubles)
 
-void own_daxpy(int n, double alpha, const double *x, int x_increment, double *y, int y_increment)
+void own_daxpy(int n, double alpha, const double *x, int x_increment BAT_UNUSED, double *y, int y_increment BAT_UNUSED)
 {
     assert(x_increment == 1 && y_increment == 1);
-    (void)x_increment;
-    (void)y_increment;
     add_doubles((size_t)n, alpha, x, 1, y);
 }
 
-double own_dnrm2(int n, const double *x, int increment)
+double own_dnrm2(int n, const double *x, int increment BAT_UNUSED)
 {
     assert(increment == 1);
-    (void)increment;
     double largest = 0, sum = 0;
     for (int i = 0; i < n; i++)
         largest = fmax(largest, fabs(x[i]));
@@ -90,9 +87,8 @@ double own_dnrm2(int n, const double *x, int increment)
     return largest * sqrt(sum);
 }
 
-void own_dscal(int n, double alpha, double *x, int increment)
+void own_dscal(int n, double alpha, double *x, int increment BAT_UNUSED)
 {
     assert(increment == 1);
-    (void)increment;
     scale_doubles((size_t)n, alpha, x);
 }

@@ -6,18 +6,16 @@ static const double TWO_PI = 6.283185307179586476925286766559;
 /// Random points lie in the disk of this hyperbolic radius.
 static const double RANDOM_RADIUS = 3;
 
-static const char *fault(const bat_space *space, const double *point)
+static const char *fault(const bat_space *space BAT_UNUSED, const double *point)
 {
-    (void)space;
     if (!isfinite(point[0]) || !isfinite(point[1]))
         return "not finite";
     return fabs(point[0]) < 1 && fabs(point[1]) < 1 && disk_complement(point) > 0 ? NULL : "not inside the unit disk";
 }
 
 /// sinh(d/2) = |q - p| / sqrt((1 - |p|^2) (1 - |q|^2))
-static double distance(const bat_space *space, const double *p, const double *q)
+static double distance(const bat_space *space BAT_UNUSED, const double *p, const double *q)
 {
-    (void)space;
     return 2 * asinh(hypot(q[0] - p[0], q[1] - p[1]) / sqrt(disk_complement(p) * disk_complement(q)));
 }
 
@@ -78,10 +76,9 @@ static bat_status geodesic(const bat_space *space, const double *p, const double
 
 /// Seen from p at the origin the geodesic is a diameter and transport along it keeps coordinates; going back turns them by
 /// the argument of the translation's derivative, which is that of D^2 with D = 1 - conj(p) q.
-static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
+static bat_status transport(const bat_space *space BAT_UNUSED, const double *p, const double *q, const double *tangent,
                             double *transported)
 {
-    (void)space;
     double w[2], denominator[2];
     disk_centre(p, q, w, denominator);
     double x = denominator[0], y = denominator[1];
@@ -92,9 +89,8 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     return BAT_OK;
 }
 
-static void random_point(const bat_space *space, bat_random *random, double *point)
+static void random_point(const bat_space *space BAT_UNUSED, bat_random *random, double *point)
 {
-    (void)space;
     // The area within radius r is proportional to cosh(r) - 1 = 2 sinh(r/2)^2.
     double sinh_half = sinh(0.5 * RANDOM_RADIUS) * sqrt(bat_random_uniform(random));
     double radius = sinh_half / sqrt(1 + sinh_half * sinh_half);
@@ -103,9 +99,8 @@ static void random_point(const bat_space *space, bat_random *random, double *poi
     point[1] = radius * sin(angle);
 }
 
-static double exterior_angle(const bat_space *space, const double *before, const double *p, const double *after)
+static double exterior_angle(const bat_space *space BAT_UNUSED, const double *before, const double *p, const double *after)
 {
-    (void)space;
     double back[2], out[2], denominator[2];
     disk_centre(p, before, back, denominator);
     disk_centre(p, after, out, denominator);

@@ -35,11 +35,9 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
     return space_not_finite(space, q) == NULL ? BAT_OK : BAT_INVALID_POINT;
 }
 
-static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
-                            double *transported)
+static bat_status transport(const bat_space *space, const double *p BAT_UNUSED, const double *q BAT_UNUSED,
+                            const double *tangent, double *transported)
 {
-    (void)p;
-    (void)q;
     memcpy(transported, tangent, space->tangent_dim * sizeof *tangent);
     return BAT_OK;
 }
@@ -57,17 +55,17 @@ static bat_status geodesic(const bat_space *space, const double *p, const double
     return space_not_finite(space, point) == NULL ? BAT_OK : BAT_INVALID_POINT;
 }
 
-static double plane_exterior_angle(const bat_space *space, const double *before, const double *p, const double *after)
+static double plane_exterior_angle(const bat_space *space BAT_UNUSED, const double *before, const double *p,
+                                   const double *after)
 {
-    (void)space;
     double in[2] = {p[0] - before[0], p[1] - before[1]};
     double out[2] = {after[0] - p[0], after[1] - p[1]};
     return atan2(in[0] * out[1] - in[1] * out[0], in[0] * out[0] + in[1] * out[1]);
 }
 
-static bat_status plane_apex(const bat_space *space, const double *p, const double *q, double angle, double *point)
+static bat_status plane_apex(const bat_space *space BAT_UNUSED, const double *p, const double *q, double angle,
+                             double *point)
 {
-    (void)space;
     double half_tangent = 0.5 * tan(angle);
     double edge[2] = {q[0] - p[0], q[1] - p[1]};
     point[0] = p[0] + 0.5 * edge[0] - half_tangent * edge[1];

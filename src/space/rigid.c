@@ -52,9 +52,8 @@ static bat_status transport(const bat_space *space, const double *p, const doubl
     return rotation_transport(space, p + TRANSLATION, q + TRANSLATION, tangent + TRANSLATION, transported + TRANSLATION);
 }
 
-static double inner(const bat_space *space, const double *p, const double *u, const double *v)
+static double inner(const bat_space *space, const double *p BAT_UNUSED, const double *u, const double *v)
 {
-    (void)p;
     double translations = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
     double rotations = u[3] * v[3] + u[4] * v[4] + u[5] * v[5];
     return space->weight * space->weight * translations + rotations;

@@ -7,18 +7,16 @@
 /// How far the squared length of a stored quaternion may be from 1.
 static const double SQUARED_LENGTH_TOLERANCE = 2e-9;
 
-const char *rotation_fault(const bat_space *space, const double *point)
+const char *rotation_fault(const bat_space *space BAT_UNUSED, const double *point)
 {
-    (void)space;
     double squared_length = quaternion_dot(point, point);
     if (!isfinite(squared_length))
         return "not finite";
     return fabs(squared_length - 1) <= SQUARED_LENGTH_TOLERANCE ? NULL : "not a quaternion of unit length";
 }
 
-bat_status rotation_project(const bat_space *space, const double *coordinates, double *point)
+bat_status rotation_project(const bat_space *space BAT_UNUSED, const double *coordinates, double *point)
 {
-    (void)space;
     double largest = 0;
     for (int i = 0; i < 4; i++)
     {
@@ -34,16 +32,14 @@ bat_status rotation_project(const bat_space *space, const double *coordinates, d
     return BAT_OK;
 }
 
-double rotation_distance(const bat_space *space, const double *p, const double *q)
+double rotation_distance(const bat_space *space BAT_UNUSED, const double *p, const double *q)
 {
-    (void)space;
     quaternion_step step = quaternion_step_between(p, q);
     return 2 * atan2(sqrt(step.squared_sine), step.cosine);
 }
 
-bat_status rotation_log(const bat_space *space, const double *p, const double *q, double *tangent)
+bat_status rotation_log(const bat_space *space BAT_UNUSED, const double *p, const double *q, double *tangent)
 {
-    (void)space;
     quaternion_step step = quaternion_step_between(p, q);
     if (step.cosine < QUATERNION_HALF_TURN)
         return BAT_CUT_LOCUS;
@@ -54,9 +50,8 @@ bat_status rotation_log(const bat_space *space, const double *p, const double *q
     return BAT_OK;
 }
 
-bat_status rotation_exp(const bat_space *space, const double *p, const double *tangent, double *q)
+bat_status rotation_exp(const bat_space *space BAT_UNUSED, const double *p, const double *tangent, double *q)
 {
-    (void)space;
     if (!isfinite(vector3_dot(tangent, tangent)))
         return BAT_INVALID_POINT;
     quaternion_turn(p, tangent[0], tangent[1], tangent[2], q);
@@ -65,10 +60,9 @@ bat_status rotation_exp(const bat_space *space, const double *p, const double *t
 
 /// Along exp_p(t v) the coordinates in the body's frame obey u' = -v x u / 2 (half the Lie bracket): the frame turns by the
 /// rotation from p to q, the vector back by half of it.
-bat_status rotation_transport(const bat_space *space, const double *p, const double *q, const double *tangent,
+bat_status rotation_transport(const bat_space *space BAT_UNUSED, const double *p, const double *q, const double *tangent,
                               double *transported)
 {
-    (void)space;
     quaternion_step step = quaternion_step_between(p, q);
     if (step.cosine < QUATERNION_HALF_TURN)
         return BAT_CUT_LOCUS;
@@ -91,9 +85,8 @@ void rotation_random(const bat_space *space, bat_random *random, double *point)
 }
 
 /// The great circle of quaternions from p to q or -q. Its middle needs no angle.
-bat_status rotation_geodesic(const bat_space *space, const double *p, const double *q, double t, double *point)
+bat_status rotation_geodesic(const bat_space *space BAT_UNUSED, const double *p, const double *q, double t, double *point)
 {
-    (void)space;
     quaternion_step step = quaternion_step_between(p, q);
     if (step.cosine < QUATERNION_HALF_TURN)
         return BAT_CUT_LOCUS;

@@ -18,9 +18,8 @@ bat_status space_project_valid(const bat_space *space, const double *coordinates
     return BAT_OK;
 }
 
-double space_inner(const bat_space *space, const double *p, const double *u, const double *v)
+double space_inner(const bat_space *space, const double *p BAT_UNUSED, const double *u, const double *v)
 {
-    (void)p;
     double sum = 0;
     for (size_t i = 0; i < space->tangent_dim; i++)
         sum += u[i] * v[i];

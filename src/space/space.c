@@ -9,9 +9,8 @@ typedef struct space_row
     bat_space (*make)(size_t point_dim);
 } space_row;
 
-static bat_space make_plane(size_t point_dim)
+static bat_space make_plane(size_t point_dim BAT_UNUSED)
 {
-    (void)point_dim;
     return bat_euclidean(2);
 }
 
@@ -25,21 +24,18 @@ static bat_space make_sphere(size_t point_dim)
     return bat_sphere(point_dim == 0 ? 2 : point_dim - 1);
 }
 
-static bat_space make_disk(size_t point_dim)
+static bat_space make_disk(size_t point_dim BAT_UNUSED)
 {
-    (void)point_dim;
     return bat_disk();
 }
 
-static bat_space make_rotation(size_t point_dim)
+static bat_space make_rotation(size_t point_dim BAT_UNUSED)
 {
-    (void)point_dim;
     return bat_rotation();
 }
 
-static bat_space make_rigid(size_t point_dim)
+static bat_space make_rigid(size_t point_dim BAT_UNUSED)
 {
-    (void)point_dim;
     bat_space space;
     (void)bat_rigid(1, &space, NULL);
     return space;

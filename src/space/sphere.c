@@ -118,9 +118,8 @@ static void random_point(const bat_space *space, bat_random *random, double *poi
 
 /// With the chords a = p - before and b = after - p, whose parts orthogonal to p are the two tangent directions:
 /// the sine is det(p, a, b), the cosine <a, b> - <a, p> <b, p>, both over the product of the parts' lengths.
-static double exterior_angle(const bat_space *space, const double *before, const double *p, const double *after)
+static double exterior_angle(const bat_space *space BAT_UNUSED, const double *before, const double *p, const double *after)
 {
-    (void)space;
     double a[3], b[3], normal[3];
     for (int i = 0; i < 3; i++)
     {

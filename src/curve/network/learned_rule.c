@@ -136,9 +136,8 @@ static void learned_inference_angles(const real *weights, size_t count, const do
     }
 }
 
-const char *learned_rule_fault(const bat_curve_angle_rule *rule, const bat_space *space)
+const char *learned_rule_fault(const bat_curve_angle_rule *rule BAT_UNUSED, const bat_space *space)
 {
-    (void)rule;
     int curvature;
     return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
 }
@@ -157,10 +156,9 @@ static void angles_by(const real *weights, const bat_curve_angle_rule_view *view
     learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, chosen, scratch);
 }
 
-static void shipped_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
-                           void *scratch)
+static void shipped_angles(const bat_curve_angle_rule *rule BAT_UNUSED, const bat_curve_angle_rule_view *view,
+                           double *chosen, void *scratch)
 {
-    (void)rule;
     angles_by(weights_learned.arrays[0].values, view, chosen, scratch);
 }
 
@@ -195,9 +193,8 @@ bat_curve_angle_rule learned_rule(const real *weights)
     return rule;
 }
 
-static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
+static bat_status make(const learn_source *source BAT_UNUSED, learn_parameters *parameters, bat_error *error)
 {
-    (void)source;
     return learned_network_make(parameters, error);
 }
 

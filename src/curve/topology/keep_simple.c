@@ -7,11 +7,8 @@
 #include "batten/curve_measure.h"
 #include "curve/polygon.h"
 
-static bool stop_at_first(void *context, edge_place first, edge_place second)
+static bool stop_at_first(void *context BAT_UNUSED, edge_place first BAT_UNUSED, edge_place second BAT_UNUSED)
 {
-    (void)context;
-    (void)first;
-    (void)second;
     return false;
 }
 
@@ -31,9 +28,8 @@ typedef struct pair_count
     size_t pairs, first;
 } pair_count;
 
-static bool count_pair(void *context, edge_place first, edge_place second)
+static bool count_pair(void *context, edge_place first, edge_place second BAT_UNUSED)
 {
-    (void)second;
     pair_count *count = context;
     count->first = count->pairs == 0 || first.edge < count->first ? first.edge : count->first;
     count->pairs++;

@@ -443,10 +443,8 @@ typedef struct chart_set
     const plot_overlay *overlay;
 } chart_set;
 
-static double content_height(const void *context, size_t index, double width)
+static double content_height(const void *context BAT_UNUSED, size_t index BAT_UNUSED, double width)
 {
-    (void)context;
-    (void)index;
     return ASPECT * width;
 }
 

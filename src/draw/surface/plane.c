@@ -84,9 +84,8 @@ typedef struct plane_dots
     double margin, side, per_point; ///< in pixels
 } plane_dots;
 
-static bat_status paint_dots(const void *context, unsigned char *pixels, size_t stride, bat_error *error)
+static bat_status paint_dots(const void *context, unsigned char *pixels, size_t stride, bat_error *error BAT_UNUSED)
 {
-    (void)error;
     const plane_dots *task = context;
     const bat_cloud *cloud = task->row->panel->cloud;
     dot_image image = {pixels, stride, task->columns, task->rows};

@@ -88,10 +88,8 @@ static bat_status make_shape(geojson_output *out, const char *type, const geojso
     return held ? judge_polygons(&out->given, &out->shape, &writer->style, first, out->error) : BAT_OK;
 }
 
-static bool write_shape_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
+static bool write_shape_member(geojson_output *out, const char *key, json_t *value BAT_UNUSED, bat_status *status BAT_UNUSED)
 {
-    (void)value;
-    (void)status;
     if (strcmp(key, "type") == 0)
         json_text_string(out->text, out->shape.type, strlen(out->shape.type));
     else if (strcmp(key, "coordinates") == 0)
@@ -309,10 +307,9 @@ static size_t job_weight(const void *context, size_t job)
 }
 
 /// The content of "features" stands between the two texts.
-static bool write_features_member(geojson_output *out, const char *key, json_t *value, bat_status *status)
+static bool write_features_member(geojson_output *out, const char *key, json_t *value BAT_UNUSED,
+                                  bat_status *status BAT_UNUSED)
 {
-    (void)value;
-    (void)status;
     if (strcmp(key, "features") != 0)
         return false;
     text_append_string(out->text, "[\n");

@@ -466,10 +466,9 @@ static bat_status append_geometry(gpx_writer *writer, const json_t *feature, con
     return status;
 }
 
-static bat_status take_feature(void *context, size_t index, const json_t *feature, bat_error *error)
+static bat_status take_feature(void *context, size_t index, const json_t *feature, bat_error *error BAT_UNUSED)
 {
     gpx_writer *writer = context;
-    (void)error;
     const json_t *geometry = geojson_has_type(feature, "Feature") ? json_object_get(feature, "geometry") : feature;
     bat_status status = append_geometry(writer, feature, geometry, index);
     return status == BAT_OK ? flush(writer, false) : status;

@@ -206,9 +206,8 @@ bat_status obj_read(const file_text *text, const bat_curve_read_options *options
     return status;
 }
 
-static bat_status format_vertices(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+static bat_status format_vertices(const void *context BAT_UNUSED, const row_span *span, text_buffer *text, bat_error *error)
 {
-    (void)context;
     size_t dim = span->curve->space->point_dim;
     for (size_t i = span->begin; i < span->end; i++)
     {
@@ -237,10 +236,9 @@ static char *write_index(char *out, size_t index)
     return number_write_fixed(out, (int64_t)index + 1, 0);
 }
 
-static bat_status format_elements(const void *context, const row_span *span, text_buffer *text, bat_error *error)
+static bat_status format_elements(const void *context BAT_UNUSED, const row_span *span, text_buffer *text,
+                                  bat_error *error BAT_UNUSED)
 {
-    (void)context;
-    (void)error;
     if (span->begin == 0)
         text_append_string(text, "l");
     for (size_t i = span->begin; i < span->end; i++)

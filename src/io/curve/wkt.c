@@ -400,10 +400,9 @@ typedef struct wkt_writer
     text_sink *sink;
 } wkt_writer;
 
-static bat_status take_feature(void *context, size_t index, const json_t *feature, bat_error *error)
+static bat_status take_feature(void *context, size_t index BAT_UNUSED, const json_t *feature, bat_error *error)
 {
     wkt_writer *writer = context;
-    (void)index;
     writer->text.size = 0;
     text_append(&writer->text, writer->srid.data, writer->srid.size);
     wkt_append_geometry(geojson_has_type(feature, "Feature") ? json_object_get(feature, "geometry") : feature,

@@ -411,7 +411,7 @@ static void append_geometry(table_writer *writer, size_t *column)
         append_text(&writer->text, wkt->data, wkt->size);
 }
 
-static bat_status take_feature(void *context, size_t index, const json_t *feature, bat_error *error)
+static bat_status take_feature(void *context, size_t index BAT_UNUSED, const json_t *feature, bat_error *error)
 {
     table_writer *writer = context;
     bool bare = !geojson_has_type(feature, "Feature");
@@ -420,7 +420,6 @@ static bat_status take_feature(void *context, size_t index, const json_t *featur
     text_buffer *text = &writer->text, *wkt = &writer->geometry;
     const char *name;
     size_t column = 0;
-    (void)index;
     text->size = wkt->size = 0;
     if (!json_is_null(geometry) && writer->binary)
         wkb_append_geometry(geometry, writer->measures, writer->srid.size > 0 ? strchr(writer->srid.data, '=') + 1 : NULL,

@@ -37,10 +37,9 @@ static void load(void)
     loaded = true;
 }
 
-static void collect(CPLErr kind, CPLErrorNum number, const char *text)
+static void collect(CPLErr kind, CPLErrorNum number BAT_UNUSED, const char *text)
 {
     gdal_messages *messages = gdal.CPLGetErrorHandlerUserData();
-    (void)number;
     if (kind != CE_Failure && kind != CE_Fatal)
         return;
     if (messages->failures++ == 0)

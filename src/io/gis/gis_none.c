@@ -10,57 +10,40 @@ static bat_status missing(bat_error *error)
                      "libgdal-dev), then configure and build again");
 }
 
-bat_status gis_read(const char *path, const char *drivers, const bat_curve_read_options *options, bat_curve_set *set,
-                    bat_error *error)
+bat_status gis_read(const char *path BAT_UNUSED, const char *drivers BAT_UNUSED,
+                    const bat_curve_read_options *options BAT_UNUSED, bat_curve_set *set BAT_UNUSED, bat_error *error)
 {
-    (void)path;
-    (void)drivers;
-    (void)options;
-    (void)set;
     return missing(error);
 }
 
-bat_status gis_write(const char *path, const char *drivers, const bat_curve_set *set, const bat_curve_write_options *options,
-                     bat_error *error)
+bat_status gis_write(const char *path BAT_UNUSED, const char *drivers BAT_UNUSED, const bat_curve_set *set BAT_UNUSED,
+                     const bat_curve_write_options *options BAT_UNUSED, bat_error *error)
 {
-    (void)path;
-    (void)drivers;
-    (void)set;
-    (void)options;
     return missing(error);
 }
 
-bat_status gis_text_read(const char *path, file_text *text, bat_error *error)
+bat_status gis_text_read(const char *path BAT_UNUSED, file_text *text BAT_UNUSED, bat_error *error)
 {
-    (void)path;
-    (void)text;
     return missing(error);
 }
 
-bat_status gis_text_write(const char *path, const text_buffer *text, bat_error *error)
+bat_status gis_text_write(const char *path BAT_UNUSED, const text_buffer *text BAT_UNUSED, bat_error *error)
 {
-    (void)path;
-    (void)text;
     return missing(error);
 }
 
-bat_status gis_to_sphere(bat_curve_set *set, bat_error *error)
+bat_status gis_to_sphere(bat_curve_set *set BAT_UNUSED, bat_error *error)
 {
-    (void)set;
     return missing(error);
 }
 
-bat_status gis_to_plane(const bat_curve_set *set, bat_curve_set *plane, bat_error *error)
+bat_status gis_to_plane(const bat_curve_set *set BAT_UNUSED, bat_curve_set *plane BAT_UNUSED, bat_error *error)
 {
-    (void)set;
-    (void)plane;
     return missing(error);
 }
 
-bat_status gis_to_wgs84(const bat_curve_set *set, const char *crs, bat_curve_set *globe, bat_error *error)
+bat_status gis_to_wgs84(const bat_curve_set *set BAT_UNUSED, const char *crs BAT_UNUSED, bat_curve_set *globe BAT_UNUSED,
+                        bat_error *error)
 {
-    (void)set;
-    (void)crs;
-    (void)globe;
     return missing(error);
 }
