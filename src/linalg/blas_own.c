@@ -1,5 +1,7 @@
 #include "linalg/blas.h"
 
+#include "batten/base.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stddef.h>

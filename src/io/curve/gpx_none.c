@@ -1,3 +1,6 @@
+#include "base/error.h"
+#include "io/curve/formats.h"
+
 /// @file
 /// What a build without expat has in place of the reader of GPX.
 
