@@ -1,5 +1,4 @@
-#ifndef RESEARCH_STUDIES_HARM_H
-#define RESEARCH_STUDIES_HARM_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -28,5 +27,3 @@ static inline double harm_between(bat_random *random, double low, double high)
 {
     return low + (high - low) * bat_random_uniform(random);
 }
-
-#endif
