@@ -5,14 +5,14 @@ include(CMakePackageConfigHelpers)
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/batten)
 set(pkgconfig_folder ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
-# "cairo >= 1.16, expat >= 2.4": modules for pkg-config files.
-list(JOIN BATTEN_MODULES ", " pkgconfig_modules)
+# "cairo>=1.16 expat>=2.4": modules that batten::static needs.
 string(REPLACE " >= " ">=" cmake_modules "${BATTEN_MODULES}")
 list(JOIN cmake_modules " " cmake_modules)
 # "-lcholmod -lgomp -lpthread": linker options, with the threads of the compiler that built the library.
 list(TRANSFORM OpenMP_C_LIB_NAMES PREPEND -l OUTPUT_VARIABLE openmp_options)
 set(link_options ${BATTEN_LINK_OPTIONS} ${openmp_options} -lm)
 string(REPLACE ";-l" ";" cmake_libraries ";${link_options}")
+list(PREPEND link_options ${BATTEN_MODULE_OPTIONS})
 list(JOIN link_options " " link_options)
 
 # Paths in pkg-config files are relative to their own place, so that the installed tree can be moved.
@@ -21,6 +21,9 @@ configure_file(${CMAKE_CURRENT_LIST_DIR}/batten.pc.in ${PROJECT_BINARY_DIR}/batt
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/batten-config.cmake.in ${PROJECT_BINARY_DIR}/batten-config.cmake
                               INSTALL_DESTINATION ${cmake_folder} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cmake COMPATIBILITY SameMinorVersion)
+if(NOT BATTEN_INSTALL)
+  return()
+endif()
 
 if(BATTEN_PROGRAM)
   install(TARGETS batten RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})

@@ -49,6 +49,7 @@ foreach(kind shared static)
   target_link_libraries(batten_${kind} PRIVATE $<BUILD_INTERFACE:batten_settings>)
   add_library(batten::${kind} ALIAS batten_${kind})
 endforeach()
+add_library(batten::batten ALIAS batten_shared)
 target_link_libraries(batten_static INTERFACE $<INSTALL_INTERFACE:batten::static_dependencies>)
 
 # batten-research calls the public functions of batten, and hidden ones too. It carries a private copy of the objects with the
