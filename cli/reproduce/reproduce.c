@@ -9,22 +9,23 @@
 /// What a result does and takes, or-ed together.
 enum
 {
-    WITH_FOLDER = 1,  ///< writes pictures where a folder is given
-    ALWAYS = 2,       ///< writes pictures
-    TRAINING = 4,     ///< the folder contains trainings
-    MODEL = 8,        ///< accepts a network
-    SEED = 16,        ///< accepts a seed
-    OTHER_SETS = 32,  ///< accepts other sets of curves
-    SUBDIVIDES = 64,  ///< decimates and subdivides given meshes
-    LEARNS = 128,     ///< trains on given meshes
-    PAIR = 256,       ///< takes two meshes or none
-    ABLATES = 512,    ///< trains two networks on clouds, or uses given ones
-    DRAWS = 1024,     ///< draws random clouds
-    SCANS = 2048,     ///< reads clouds from a folder
-    MAKES = 4096,     ///< samples built-in shapes
-    TRUTH = 8192,     ///< reads curves or meshes from a folder
-    MAY_READ = 16384, ///< reads a folder where one is given
-    COUNTS = 32768,   ///< takes a number of random inputs
+    WITH_FOLDER = 1,   ///< writes pictures where a folder is given
+    ALWAYS = 2,        ///< writes pictures
+    TRAINING = 4,      ///< the folder contains trainings
+    MODEL = 8,         ///< accepts a network
+    SEED = 16,         ///< accepts a seed
+    OTHER_SETS = 32,   ///< accepts other sets of curves
+    SUBDIVIDES = 64,   ///< decimates and subdivides given meshes
+    LEARNS = 128,      ///< trains on given meshes
+    PAIR = 256,        ///< takes two meshes or none
+    ABLATES = 512,     ///< trains two networks on clouds, or uses given ones
+    DRAWS = 1024,      ///< draws random clouds
+    SCANS = 2048,      ///< reads clouds from a folder
+    MAKES = 4096,      ///< samples built-in shapes
+    TRUTH = 8192,      ///< reads curves or meshes from a folder
+    MAY_READ = 16384,  ///< reads a folder where one is given
+    WHOLE_SET = 32768, ///< makes all results
+    COUNTS = 65536,    ///< takes a number of random inputs
     CLOUDS = ABLATES | DRAWS | SCANS | MAKES,
     MAX_SHAPES = MAX_POSITIONAL - 1,
     MAX_NUMBER = 1000000
@@ -38,54 +39,68 @@ typedef struct result
     const char *folder; ///< the default one of ALWAYS and TRAINING
     const char *data;   ///< files that it reads from a folder
     const char *summary;
+    const char *kind, *quick; ///< as in a reproduce_part
 } result;
 
 static const result RESULTS[] = {
     {"curve-figures", reproduce_curve_figures, ALWAYS, "out", NULL,
-     "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20"},
+     "the figures of the curve-scheme study: ten shapes at levels 0, 1, 2, 10, 20", NULL, "-"},
     {"tension-table1", reproduce_tension_table1, WITH_FOLDER | MODEL | OTHER_SETS, NULL, NULL,
-     "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs"},
+     "table 1 of the tension paper: 240 validation curves, or 900 test curves, all schemes, both signs", NULL, NULL},
     {"tension-table2", reproduce_tension_table2, MODEL | SEED, NULL, NULL,
-     "table 2 of the tension paper: largest angles where the control points are disturbed"},
+     "table 2 of the tension paper: largest angles where the control points are disturbed", NULL, NULL},
     {"tension-table3", reproduce_tension_table3, TRAINING | SEED, "out/tension-ablations", NULL,
-     "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times"},
+     "table 3 of the tension paper: how the network learns of the space; trains for 100 epochs three times", NULL, "-"},
     {"tension-table4", reproduce_tension_table4, TRAINING | SEED, "out/tension-ablations", NULL,
-     "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times"},
+     "table 4 of the tension paper: the loss without one term; trains for 100 epochs four times", NULL, "-"},
     {"tension-iss", reproduce_tension_iss, WITH_FOLDER | MODEL, NULL, NULL,
-     "table 5 of the tension paper: the ISS ground track"},
+     "table 5 of the tension paper: the ISS ground track", NULL, NULL},
     {"tension-mechanism", reproduce_tension_mechanism, WITH_FOLDER | MODEL, NULL, NULL,
-     "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)"},
+     "section 9 of the tension paper: a network's effective tension, and its Lipschitz constant (remark 4)", NULL, NULL},
     {"real-curves", reproduce_real_curves, MODEL | TRUTH, NULL, "FAMILY-truth.csv and FAMILY-SAMPLING.csv",
-     "curves that people have, sampled evenly, unevenly and by simplification: schemes and splines against the truth"},
+     "curves that people have, sampled evenly, unevenly and by simplification: schemes and splines against the truth",
+     "curves", "-"},
     {"hermite-figures", reproduce_hermite_figures, ALWAYS, "out", NULL,
-     "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport"},
+     "figures 1 to 4 of the Hermite paper: tensors, orders 1, 3 and 10, a spiral, rotations, beside parallel transport",
+     NULL, NULL},
     {"hermite-order", reproduce_hermite_order, 0, NULL, NULL,
-     "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement"},
+     "the Hermite paper's claims measured in nine spaces: orders, geodesics, proximity, contraction, displacement", NULL,
+     NULL},
     {"motion-keyframes", reproduce_motion_keyframes, MAY_READ, NULL, "fr1-xyz.txt",
-     "motions of which every k-th pose is kept: splines in time beside scipy's; with --data a recorded one too"},
+     "motions of which every k-th pose is kept: splines in time beside scipy's; with --data a recorded one too", "motion",
+     NULL},
     {"mesh-table2", reproduce_mesh_table2, WITH_FOLDER | MODEL | SUBDIVIDES, NULL, NULL,
-     "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured"},
+     "table 2 of Neural Subdivision with shapes of your own: decimated, subdivided twice, measured", "meshes", NULL},
     {"real-meshes", reproduce_real_meshes, MODEL | TRUTH, NULL, "SHAPE.obj and coarse-by/SHAPE-VERTICES-WAY.off",
-     "coarse meshes that other programs made of known shapes: learned, butterfly, Loop and flat against the truth"},
+     "coarse meshes that other programs made of known shapes: learned, butterfly, Loop and flat against the truth", "meshes",
+     NULL},
     {"mesh-ablations", reproduce_mesh_ablations, TRAINING | SEED | LEARNS, "out/mesh-ablations", NULL,
-     "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some minutes"},
+     "section 6, appendices G and H of Neural Subdivision: the network without its parts; trains six times, some minutes",
+     NULL, "--epochs 1 --pairs 2"},
     {"mesh-style", reproduce_mesh_style, TRAINING | SEED | LEARNS | PAIR, "out/mesh-style", NULL,
-     "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice"},
+     "figures 26 and 27 of Neural Subdivision: one cage, a smooth and a sharp teacher; trains twice", NULL,
+     "--epochs 1 --pairs 2"},
     {"surface-ablation", reproduce_surface_ablation, TRAINING | MODEL | SEED | ABLATES, "out/surface-ablation", NULL,
-     "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, some minutes"},
+     "section 6.1 of the BIDGCN paper: a network with and without the boundary-informed layer; trains twice, some minutes",
+     NULL, "--epochs 1 --clouds 4"},
     {"surface-clouds", reproduce_surface_clouds, MODEL | SEED | DRAWS, NULL, NULL,
-     "figures 5 to 9 of the BIDGCN paper: errors, times and failures of parameterizations on random clouds"},
+     "figures 5 to 9 of the BIDGCN paper: errors, times and failures of parameterizations on random clouds", NULL,
+     "--clouds 4 --degrees 2 --points 200,1000 --noise 0,0.01"},
     {"surface-nefertiti", reproduce_surface_nefertiti, WITH_FOLDER | MODEL | SCANS, NULL,
      "nefertiti-532.xyz, -1043, -2062, -3253, -6024 and -8818",
-     "figures 12 and 14 of the BIDGCN paper: six clouds of a bust, and an adaptive fit of the largest"},
+     "figures 12 and 14 of the BIDGCN paper: six clouds of a bust, and an adaptive fit of the largest", "clouds", "-"},
     {"surface-face", reproduce_surface_face, WITH_FOLDER | MODEL | SCANS, NULL, "face-9283.xyz",
-     "figure 15 of the BIDGCN paper: adaptive fits of a face of bidegrees (3, 3) and (4, 4)"},
+     "figure 15 of the BIDGCN paper: adaptive fits of a face of bidegrees (3, 3) and (4, 4)", "clouds", "-"},
     {"surface-shapes", reproduce_surface_shapes, WITH_FOLDER | MODEL | MAKES, NULL, NULL,
-     "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)"},
+     "figure 16 of the BIDGCN paper: a ship hull and a turbine blade of our own, bidegree (5, 2)", NULL, NULL},
     {"scan-verdict", reproduce_scan_verdict, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
-     "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses"},
+     "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses", "meshes",
+     "-"},
     {"harm", reproduce_harm, SEED | COUNTS, NULL, NULL,
-     "random inputs of many kinds with a known truth: how often a default loses to the simplest rival"},
+     "random inputs of many kinds with a known truth: how often a default loses to the simplest rival", NULL,
+     "--clouds 1"},
+    {"all", reproduce_all, ALWAYS | MAY_READ | WHOLE_SET, NULL, "curves, meshes, clouds and motion",
+     "every other result, each to a file in a folder; what is there already is kept", NULL, NULL},
 };
 bool reproduce_row(size_t index, const char **name, const char **summary)
 {
@@ -93,6 +108,22 @@ bool reproduce_row(size_t index, const char **name, const char **summary)
         return false;
     *name = RESULTS[index].name;
     *summary = RESULTS[index].summary;
+    return true;
+}
+
+bool reproduce_part_at(size_t index, reproduce_part *part)
+{
+    if (index >= sizeof RESULTS / sizeof *RESULTS || RESULTS[index].marks & WHOLE_SET)
+        return false;
+    const result *row = &RESULTS[index];
+    *part = (reproduce_part){
+        .name = row->name,
+        .summary = row->summary,
+        .kind = row->kind,
+        .quick = row->quick,
+        .needs_data = row->marks & (TRUTH | SCANS | SUBDIVIDES),
+        .has_folder = row->marks & (WITH_FOLDER | ALWAYS | TRAINING),
+    };
     return true;
 }
 
@@ -109,13 +140,15 @@ static const option_spec OPTIONS[] = {
      TEXT(reproduce_job, model)},
     {"data", "FOLDER", INPUT, COMMON,
      "mesh-table2: all shapes of a folder but those that the networks learned from; real-curves, motion-keyframes, "
-     "surface-nefertiti, -face: where the curves, motions or clouds are",
+     "surface-nefertiti, -face: where the curves, motions or clouds are; all: where their folders are",
      TEXT(reproduce_job, data)},
     {"seed", "N", METHOD, COMMON,
      "tension-table2: of the noise; surface-clouds, scan-verdict, harm: of the inputs; tension-table3, -table4, "
      "mesh-ablations, "
      "mesh-style, surface-ablation: of the trainings; default 1",
      WHOLE(reproduce_job, seed, 0, 1000000000)},
+    {"quick", NULL, METHOD, 0, "all: smaller trainings and fewer cases; leaves out what takes minutes all the same",
+     FLAG(reproduce_job, quick)},
     {"uninformed", "FILE", METHOD, 0,
      "surface-ablation: a network that does not know the boundary, beside --model; else it is trained",
      TEXT(reproduce_job, uninformed)},
@@ -157,6 +190,8 @@ static bool check_options(const arguments *given, const result *what)
     (void)snprintf(most, sizeof most, "%zu", max);
     const usage_rule rules[] = {
         {argument(given, "output") != NULL && !has_folder, "%s has no pictures to put into a folder"},
+        {marks & WHOLE_SET && argument(given, "output") == NULL, "%s needs -o FOLDER for its files"},
+        {argument(given, "quick") != NULL && !(marks & WHOLE_SET), "%s is not shortened: --quick goes with all"},
         {model && !(marks & MODEL), "%s has no row for a model"},
         {argument(given, "seed") != NULL && !(marks & SEED), "%s has no chance in it for a seed"},
         {argument(given, "set") != NULL && !(marks & OTHER_SETS), "%s has no other curves: --set goes with tension-table1"},

@@ -8,12 +8,25 @@
 /// The published results that can be reproduced; `index` from 0 on. False past the last.
 bool reproduce_row(size_t index, const char **name, const char **summary);
 
+/// What `batten reproduce all` knows of a result.
+typedef struct reproduce_part
+{
+    const char *name, *summary;
+    const char *kind;  ///< "meshes": what it reads from a folder, and the name of that folder in one for all; null for none
+    const char *quick; ///< further words of a quick run; "-" where there is none; null where all runs are quick
+    bool needs_data, has_folder;
+} reproduce_part;
+
+/// As reproduce_row().
+bool reproduce_part_at(size_t index, reproduce_part *part);
+
 /// The job of `batten reproduce`.
 typedef struct reproduce_job
 {
     verb_call call;     ///< its files are the pictures
     size_t index;       ///< of the result
     const char *folder; ///< for pictures or trainings; null for none
+    bool quick;         ///< of all results
     bool made;          ///< the folder, by this call, and no picture is in it yet
     const char *model;  ///< the file of a network; null for none
     uint64_t seed;
@@ -32,7 +45,7 @@ typedef struct reproduce_job
 /// Prints one result, writes its pictures to the folder if it has any, and returns the exit code.
 typedef int reproduce_result(const reproduce_job *job);
 
-extern reproduce_result reproduce_curve_figures, reproduce_tension_table1, reproduce_tension_table2,
+extern reproduce_result reproduce_all, reproduce_curve_figures, reproduce_tension_table1, reproduce_tension_table2,
     reproduce_tension_table3, reproduce_tension_table4, reproduce_tension_iss, reproduce_tension_mechanism,
     reproduce_motion_keyframes, reproduce_real_curves, reproduce_real_meshes, reproduce_hermite_figures,
     reproduce_hermite_order, reproduce_mesh_table2, reproduce_mesh_ablations, reproduce_mesh_style,

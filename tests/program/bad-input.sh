@@ -285,6 +285,8 @@ refused 1 'no/such' measure face.in.obj face.in.obj --picture no/such/out.png
 refused 1 'picture|ending|png' measure face.in.obj face.in.obj --picture out.gif
 refused 2 'tolerance' measure face.in.obj face.in.obj --accuracy -1
 refused 2 'no result' reproduce table99
+refused 2 'needs -o FOLDER' reproduce all
+refused 2 'goes with all' reproduce tension-iss --quick
 refused 2 'no pictures' reproduce tension-table2 -o folder
 refused 2 'no pictures' reproduce hermite-order -o folder
 refused 2 'no row' reproduce hermite-order --model good.in.csv
