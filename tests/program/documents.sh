@@ -18,7 +18,8 @@ source=$(cd "$2" && pwd)
 scratch=$(mktemp -d) || exit 1
 trap 'rm -rf "$scratch"' EXIT
 cd "$source" || exit 1
-run_pages="README.md docs/start.md docs/curves.md docs/motion.md docs/meshes.md docs/surfaces.md docs/cluster.md"
+run_pages="README.md docs/start.md docs/curves.md docs/motion.md docs/meshes.md docs/surfaces.md docs/cluster.md
+docs/first/maps.md docs/first/robots.md docs/first/cad.md docs/first/games.md docs/first/research.md"
 failures=0
 
 fail()
@@ -162,7 +163,7 @@ pages=$(cat "$scratch/list")
 # Names of pages contain no blanks.
 # shellcheck disable=SC2086
 words=$(cat $pages | wc -w)
-test "$words" -le 60000 || fail "the pages have $words words, more than 60500"
+test "$words" -le 60000 || fail "the pages have $words words, more than 60000"
 # The bytes of a character after its first count for nothing.
 # shellcheck disable=SC2086
 awk '{ gsub(/[\200-\277]/, "") } length > 125 && !/^\|/ { print FILENAME ":" FNR ": the line has " length " columns" }' $pages > "$scratch/wide"
