@@ -8,16 +8,18 @@ import os
 import tempfile
 import threading
 import weakref
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from batten._native import ffi as ffi, lib as lib
+from batten._options import (family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice, parser,
+                             show_signatures as show_signatures, takes as takes, unknown)  # fmt: skip
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
+Rows = ArrayLike | Sequence[object]  # checkers of types take [[0, 0.5], [1, 2]] for a list of objects
 Progress = bool | Callable[[float], object]
 
 #: What a thread that is inside the library keeps: who shows its progress, and an exception raised by a callback.
@@ -135,6 +137,16 @@ def call(function: Callable[..., int], *arguments: Any) -> None:
     raise exception
 
 
+def call_named(function: Callable[..., int], name: str, *arguments: Any) -> None:
+    """Call a function that takes the name of a row of a table first, whose subject is that of the function."""
+    try:
+        call(function, name.encode(), *arguments)
+    except BattenError as error:
+        if text := no_choice(ffi.typeof(arguments[-1]).item.cname.split()[-1], name):
+            error.args = (text,)
+        raise
+
+
 def _argument(field: str) -> str:
     """The argument that sets a field, which may be in a struct inside, as "rules.boundary"."""
     return field.rpartition(".")[2]
@@ -190,29 +202,6 @@ def _showing(progress: Progress, title: str) -> Iterator[None]:
 # Options: structs of the library whose fields are set by name, also those of structs inside.
 
 
-@functools.cache
-def _fields(kind: str) -> dict[str, tuple[tuple[str, ...], Any]]:
-    """Path and type of each option in a struct; outer fields come before inner ones of the same name."""
-    found: dict[str, tuple[tuple[str, ...], Any]] = {}
-    level: list[tuple[tuple[str, ...], Any]] = [((), ffi.typeof(kind))]
-    while level:
-        inner = []
-        for path, struct in level:
-            for name, field in struct.fields:
-                found.setdefault(name, ((*path, name), field.type))
-                if field.type.kind == "struct" and field.type.cname != "struct bat_progress":
-                    inner.append(((*path, name), field.type))
-        level = inner
-    return found
-
-
-@functools.cache
-def family_of(name: str) -> Any:
-    """The table of a type of the library, or of a subject such as ``"bat_space"``; None where there is none."""
-    table = getattr(lib, f"{name}_family", None)
-    return None if table is None else ffi.new("bat_family *", table)
-
-
 def chosen(family: Any, name: str) -> Any:
     """The row of a name in a table."""
     row = ffi.new("bat_choice **")
@@ -224,8 +213,7 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
     """Set a field. A text chooses a row of the table that belongs to the field's type."""
     for name in path[:-1]:
         struct = getattr(struct, name)
-    name = kind.cname.split()[-1]
-    family, parse = family_of(name), getattr(lib, f"{name}_by_name", None)
+    family, parse = family_of(kind.cname.split()[-1]), parser(kind)
     try:
         if value is None and kind.kind != "pointer":
             raise TypeError("None is no value; leave the option out for its default")
@@ -246,16 +234,17 @@ def _assign(struct: Any, path: tuple[str, ...], kind: Any, value: Any, keep: lis
         elif isinstance(value, (np.generic, np.ndarray)):
             value = value.tolist()
         setattr(struct, path[-1], ffi.NULL if value is None else value)
-    except BattenError:
-        raise
-    except (TypeError, ValueError, OverflowError, IndexError) as error:
-        kindly = ValueError if isinstance(error, IndexError) else type(error)
-        raise kindly(f"{path[-1]}: {error}") from None
-
-
-#: Fields of options that functions of the package set, or that nobody can.
-_OURS = {"progress", "report", "context", "model", "rule", "given", "distance", "limit_normals", "vertex_normals", "notes", "repairs",
-         "polygons"}  # fmt: skip
+    except BattenError as error:
+        text = no_choice(kind.cname.split()[-1], value)
+        if text is None:
+            raise
+        error.args, error.option = (f"{path[-1]}: {text}",), path[-1]
+        raise error from None
+    except (OverflowError, IndexError) as error:
+        least = "; 0 or more is needed" if isinstance(value, int) and value < 0 else ""
+        raise ValueError(f"{path[-1]}: {value} is out of range{least}") from error
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{path[-1]}: {error}") from None
 
 
 def set_field(struct: Any, name: str, value: Any) -> None:
@@ -268,21 +257,33 @@ def set_field(struct: Any, name: str, value: Any) -> None:
 
 def _build(kind: str, **given: Any) -> tuple[Any, list[Any]]:
     """A struct of options: the defaults, then what is given."""
-    fields = _fields(kind)
+    known = fields(kind)
     keep: list[Any] = []
-    defaults = getattr(lib, kind.removesuffix("_options") + "_defaults")
-    options = ffi.new(f"{kind} *")
-    options[0] = defaults()
-    if "threads" in fields and "threads" not in given:
+    options = ffi.new(f"{kind} *", getattr(lib, kind.removesuffix("_options") + "_defaults")())
+    if "threads" in known and "threads" not in given:
         given["threads"] = int(os.environ.get("BATTEN_THREADS", 0))
-    for name in sorted(given, key=lambda name: len(fields[name][0]) if name in fields else 0):
-        if name not in fields or name in _OURS:
-            known = sorted(set(fields) - _OURS)
-            raise TypeError(f"unknown option '{name}'; there are {', '.join(known)}")
-        _assign(options, *fields[name], given[name], keep)
-    if "progress" in fields:
-        _assign(options, (*fields["progress"][0], "report"), ffi.typeof("int"), ffi.addressof(lib, "batten_report_seldom"), keep)
+    for name in sorted(given, key=lambda name: len(known[name].path) if name in known else 0):
+        if name not in known:
+            raise TypeError(unknown(kind, name))
+        field = known[name]
+        if not (isinstance(given[name], str) and given[name] == default_name(field)):  # a default may have no other name
+            _assign(options, field.path, field.type, given[name], keep)
+    if (progress := _progress(kind)) is not None:
+        _assign(options, progress, ffi.typeof("int"), ffi.addressof(lib, "batten_report_seldom"), keep)
     return options, keep
+
+
+@functools.cache
+def _progress(kind: str) -> tuple[str, ...] | None:
+    """The path of the function that reports progress in a struct of options."""
+    structs: list[tuple[tuple[str, ...], Any]] = [((), ffi.typeof(kind))]
+    for path, struct in structs:
+        for name, field in struct.fields:
+            if name == "progress":
+                return (*path, name, "report")
+            if field.type.kind == "struct":
+                structs.append(((*path, name), field.type))
+    return None
 
 
 _built = functools.lru_cache(256, typed=True)(_build)
@@ -316,7 +317,7 @@ def unmasked(value: Any, name: str) -> NDArray[Any]:
     return np.asarray(value)
 
 
-def array(value: ArrayLike, name: str, columns: int | None, dtype: Any = np.float64) -> NDArray[Any]:
+def array(value: Any, name: str, columns: int | None, dtype: Any = np.float64) -> NDArray[Any]:
     """An aligned C-contiguous array: the given one where it is that already. `columns` above 0 demand rows of that length,
     0 rows of any length, None nothing."""
     given = unmasked(value, name)

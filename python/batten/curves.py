@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, flag, lib, options, pointer, report, shown,
-                          take, written)
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, call_named, ffi, flag, lib, options, pointer, report, Rows, shown,
+                          take, takes, written)
 from batten.spaces import Space, space_of
 
 
@@ -71,12 +71,21 @@ class Curves(Sequence[Curve]):
         As of :class:`Curve`, for all curves.
     """
 
+    points: Floats
+    offsets: NDArray[np.int64]
+    space: Space
+    closed: bool
+
     def __init__(self, points: Floats, offsets: NDArray[np.int64], space: Space, closed: bool) -> None:
         self.points, self.offsets, self.space, self.closed = points, offsets, space, closed
 
     def __len__(self) -> int:
         return len(self.offsets) - 1
 
+    @overload
+    def __getitem__(self, index: int) -> Curve: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Curve]: ...
     def __getitem__(self, index: Any) -> Any:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
@@ -146,6 +155,20 @@ def _joined(points: Any, offsets: ArrayLike | None) -> tuple[Floats, NDArray[np.
     return joined, ends
 
 
+_Several = Curves | Sequence[NDArray[Any]] | Sequence[Sequence[Sequence[float]]]
+
+
+@overload
+def refine(points: Any, offsets: ArrayLike, *, space: Space | str | None = None, closed: bool = False,
+           progress: Progress = False, **settings: Any) -> Curves: ...
+@overload
+def refine(points: _Several, offsets: None = None, *, space: Space | str | None = None, closed: bool = False,
+           progress: Progress = False, **settings: Any) -> Curves: ...
+@overload
+def refine(points: Rows, offsets: None = None, *, space: Space | str | None = None, closed: bool = False,
+           channels: ArrayLike | None = None, corners: ArrayLike | None = None, progress: Progress = False,
+           **settings: Any) -> Curve: ...
+@takes("bat_curve_refine_options")
 def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str | None = None, closed: bool = False,
            channels: ArrayLike | None = None, corners: ArrayLike | None = None, progress: Progress = False,
            **settings: Any) -> Any:
@@ -168,9 +191,7 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     progress : bool or callable
         True: a progress bar of tqdm, where it is installed. A function gets the share done, and stops the call by False.
     **settings
-        Fields of ``bat_curve_refine_options``: `scheme`, a text as ``"learned"``, ``"four-point:w=0.0625"`` or one of
-        ``choices("curve_scheme")``; `fairness` of the learned scheme, 0 to 1; `levels`; `ends`; `simple`; `tolerance`;
-        `max_edge`; `corner_angle`; `smooth`, a length, or NaN to estimate the noise; `threads`; and further ones.
+        Fields of ``bat_curve_refine_options``.
 
     Returns
     -------
@@ -256,6 +277,7 @@ def _mask(coefficients: Any, first: int | None) -> Any:
     return ffi.new("bat_mask *", [numbers.tolist(), len(numbers), -(len(numbers) // 2) if first is None else first])
 
 
+@takes("bat_mask_analyze_options")
 def analyze(scheme: str | ArrayLike, *, first: int | None = None, **settings: Any) -> Analysis:
     """Analyse a linear scheme: convergence, smoothness with proven bounds, stencils, eigenvalues.
 
@@ -266,7 +288,7 @@ def analyze(scheme: str | ArrayLike, *, first: int | None = None, **settings: An
     first : int, optional
         The index of the first coefficient; by default the mask is centred.
     **settings
-        Fields of ``bat_mask_analyze_options``: `depth`, `tolerance`, `vertices`.
+        Fields of ``bat_mask_analyze_options``.
 
     Returns
     -------
@@ -283,7 +305,7 @@ def analyze(scheme: str | ArrayLike, *, first: int | None = None, **settings: An
     """
     if isinstance(scheme, str):
         named = ffi.new("bat_curve_scheme *")
-        call(lib.bat_curve_scheme_by_name, scheme.encode(), named)
+        call_named(lib.bat_curve_scheme_by_name, scheme, named)
         if named.kind != lib.BAT_CURVE_SCHEME_KIND_LINEAR:
             raise ValueError(f"'{scheme}' is not a linear scheme, and has no mask to analyse")
         mask = ffi.addressof(named, "mask")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from batten._core import BattenWarning, Report, Unsupported
+from batten._core import BattenWarning, Report, Unsupported, like, show_signatures
 from batten.curves import refine as _refine
 from batten.maps import smooth as _smooth
 from batten.meshes import decimate as _decimate, refine_mesh as _refine_mesh
@@ -42,6 +42,7 @@ def map_items(function: Callable[..., Any], items: Any, **settings: Any) -> Any:
     return items.map(function, **settings)
 
 
+@like("refine")
 def refine(curves: Any, **settings: Any) -> Any:
     """Refine the curves of a bag, each by itself, as :func:`batten.refine` does.
 
@@ -60,16 +61,19 @@ def refine(curves: Any, **settings: Any) -> Any:
     return map_items(_refine, curves, **settings)
 
 
+@like("refine_mesh")
 def refine_mesh(meshes: Any, **settings: Any) -> Any:
     """Refine the meshes of a bag as :func:`batten.refine_mesh` does; items are meshes of batten or trimesh."""
     return map_items(_refine_mesh, meshes, **settings)
 
 
+@like("decimate")
 def decimate(meshes: Any, **settings: Any) -> Any:
     """Decimate the meshes of a bag as :func:`batten.decimate` does; items become :class:`batten.Decimation`."""
     return map_items(_decimate, meshes, **settings)
 
 
+@like("Motion.__init__")
 def motions(keyframes: Any, *, by: Any = None, time: str | None = None, poses: Iterable[str] = (), rate: float | None = None,
             **settings: Any) -> Any:
     """Motions through keyframes: :class:`batten.Motion` of each item of a bag, or of each group of a dataframe.
@@ -133,6 +137,7 @@ def _sampled(frame: Any, names: list[str], rate: float, settings: dict[str, Any]
 # Maps
 
 
+@like("smooth")
 def smooth(map: Any, *, rings: int = 3, space: str | None = None, **settings: Any) -> Any:
     """Make the lines and polygons of a map smooth, as :func:`batten.smooth` does with the whole map at once.
 
@@ -147,9 +152,11 @@ def smooth(map: Any, *, rings: int = 3, space: str | None = None, **settings: An
     rings : int
         How many times neighbours of neighbours of a partition are taken along, at least 2. Where a chain of borders that are drawn
         back, since they would cross, leaves these rings, the partition is refused.
-    space, **settings
+    space, topology, keep_area
         As of :func:`batten.smooth`. With ``topology="separate"`` no partition needs another. Areas, with `keep_area`,
         depend on the whole map: they need one partition.
+    **settings
+        As of :func:`batten.smooth`.
 
     Returns
     -------
@@ -304,3 +311,6 @@ def _check_chain(plan: dict[str, Any], own: int, moved: Any, rings: int) -> None
     if (_reached(plan, needed) & ~there).any():
         raise Unsupported(f"partition {own}: lines that would cross form a chain that leaves the {rings} rings of neighbours around it; "
                           "a larger 'rings' or fewer partitions do")  # fmt: skip
+
+
+show_signatures("DASK", globals())

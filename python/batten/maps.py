@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 import warnings
-from typing import Any
+from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 
 from batten._core import (BattenWarning, Progress, Report, call, ffi, lib, options, pointer, report, shown,
-                          take)  # fmt: skip
+                          take, takes)  # fmt: skip
 
 #: The kinds of geometries with lines, by shapely's numbers: all but points.
 _LINES = (1, 2, 3, 5, 6, 7)
 
 
+_Geometries = TypeVar("_Geometries")
+
+
+@overload
+def smooth(geometries: _Geometries, *, space: Literal["sphere", "plane"] | None = None, progress: Progress = False,
+           details: Report | None = None, **settings: Any) -> _Geometries: ...
+@overload
+def smooth(geometries: Any, *, space: str | None = None, progress: Progress = False, details: Report | None = None,
+           **settings: Any) -> Any: ...
+@takes("bat_curve_map_refine_options")
 def smooth(geometries: Any, *, space: str | None = None, progress: Progress = False, details: Report | None = None,
            **settings: Any) -> Any:
     """Make the lines and polygons of a map smooth; borders that polygons share stay shared, and nothing crosses.
@@ -30,8 +40,7 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     details : Report, optional
         Receives what was found and done: shared arcs, nodes, crossings.
     **settings
-        Fields of ``bat_curve_map_refine_options`` and its ``bat_curve_refine_options``: `levels`, `scheme`, `fairness`,
-        `tolerance`, `topology` (``"shared"``, ``"separate"``), `snap_tolerance`, `keep_area`, `decimals`, `threads`, …
+        Fields of ``bat_curve_map_refine_options`` and its ``bat_curve_refine_options``.
 
     Returns
     -------

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from batten._core import Progress, Report, array, call, ffi, flag, lib, options, report, shown
+from batten._core import Progress, Report, array, call, ffi, flag, lib, options, report, shown, takes
 from batten.curves import Curve, _struct
 from batten.meshes import Mesh
 from batten.spaces import Space, space_of
@@ -17,6 +17,7 @@ def _is_mesh(given: Any) -> bool:
     return (hasattr(given, "vertices") and hasattr(given, "faces")) or pair
 
 
+@takes("bat_curve_measure_options", "bat_mesh_compare_options")
 def measure(a: Any, b: Any = None, /, *, closed: bool | None = None, space: Space | str | None = None,
             progress: Progress = False, **settings: Any) -> Report:
     """Measure a curve or a mesh, or the distances between two of a kind.
@@ -32,8 +33,7 @@ def measure(a: Any, b: Any = None, /, *, closed: bool | None = None, space: Spac
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_curve_measure_options`` (`geodesic`, `to_segments`, …) or of ``bat_mesh_compare_options``
-        (`samples`, `tolerance`, `vertices`, …).
+        Fields of ``bat_curve_measure_options`` or of ``bat_mesh_compare_options``.
 
     Returns
     -------

@@ -7,13 +7,13 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, set_field, shown,
-                          take, written)  # fmt: skip
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
+                          take, takes, written)  # fmt: skip
 from batten.curves import axes_of
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class _Faces:
     material_json: str | None
     rules: dict[str, str] | None
 
-    def _fill(self, vertices: ArrayLike, channels: ArrayLike | None, texture: ArrayLike | None, creases: Any, corners: Any,
+    def _fill(self, vertices: Rows, channels: ArrayLike | None, texture: ArrayLike | None, creases: Any, corners: Any,
               rest: dict[str, Any]) -> None:
         """Check and set what is not faces."""
         self.vertices = array(vertices, "vertices", 3)
@@ -91,9 +91,9 @@ class _Faces:
         raise NotImplementedError
 
     @classmethod
+    @takes("bat_mesh_read_options")
     def read(cls, path: str | os.PathLike[str], **settings: Any) -> Self:
-        """Read a file. `settings` are `format`, `triangulate`, `repair` and `keep_degenerate`.
-        What the file holds and a mesh cannot is told by warnings."""
+        """Read a file. What the file holds and a mesh cannot is told by warnings."""
         made, notes = ffi.new("bat_mesh *"), ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
         how = options("bat_mesh_read_options", settings)
         how.notes, how.polygons = notes, cls._polygons
@@ -101,9 +101,9 @@ class _Faces:
         _warn(notes)
         return cls._from(made)
 
+    @takes("bat_mesh_write_options")
     def write(self, path: str | os.PathLike[str], *, vertex_normals: ArrayLike | None = None, **settings: Any) -> None:
-        """Write a file, whose ending chooses the format of ``batten list formats``. `settings` are `format`,
-        `encoding` (a constant of the C library), `normals` and `threads`."""
+        """Write a file, whose ending chooses the format of ``batten.choices("mesh_format")``."""
         notes = ffi.gc(ffi.new("bat_mesh_notes *"), lib.bat_mesh_notes_free)
         how = options("bat_mesh_write_options", settings)
         normals = self.vertex_normals if vertex_normals is None else array(vertex_normals, "vertex_normals", 3)
@@ -226,7 +226,7 @@ class Mesh(_Faces):
     faces: Indices
     texture_faces: Indices | None
 
-    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, channels: ArrayLike | None = None,
+    def __init__(self, vertices: Rows, faces: ArrayLike, *, channels: ArrayLike | None = None,
                  texture: ArrayLike | None = None, texture_faces: ArrayLike | None = None, creases: Any = (),
                  corners: Any = (), **rest: Any) -> None:
         self.faces = array(faces, "faces", 3, np.uint32)
@@ -288,10 +288,11 @@ class Mesh(_Faces):
         axes.plot_trisurf(*self.vertices.T, triangles=self.faces, **style)
         return axes
 
+    @takes("bat_mesh_picture_options")
     def picture(self, values: ArrayLike | None = None, *, suffix: str = "png", wires: bool = False, flat: bool = False,
                 **settings: Any) -> bytes:
         """A shaded picture by the library, as the bytes of a file (png, svg or pdf). `values` at the vertices are shown as
-        colours; options are those of ``bat_mesh_picture_options``."""
+        colours."""
         shown_values = None if values is None else array(values, "values", None)
         if shown_values is not None and shown_values.shape != (len(self.vertices),):
             raise ValueError(f"values: {len(self.vertices)} numbers are needed")
@@ -334,7 +335,7 @@ class PolygonMesh(_Faces):
     _polygons = True
     offsets: Indices
 
-    def __init__(self, vertices: ArrayLike, faces: Any, *, channels: ArrayLike | None = None, texture: ArrayLike | None = None,
+    def __init__(self, vertices: Rows, faces: Any, *, channels: ArrayLike | None = None, texture: ArrayLike | None = None,
                  texture_faces: Any = None, creases: Any = (), corners: Any = (), **rest: Any) -> None:
         self.faces, self.offsets = _polygons(faces, "faces")
         self.texture_faces, ends = (None, self.offsets) if texture_faces is None else _polygons(texture_faces, "texture_faces")
@@ -388,9 +389,11 @@ class PolygonMesh(_Faces):
         """Draw the mesh with matplotlib; returns the axes."""
         return self.triangulate().plot(ax, **style)
 
-    def picture(self, values: ArrayLike | None = None, **settings: Any) -> bytes:
+    @takes("bat_mesh_picture_options")
+    def picture(self, values: ArrayLike | None = None, *, suffix: str = "png", wires: bool = False, flat: bool = False,
+                **settings: Any) -> bytes:
         """A shaded picture, as of :meth:`Mesh.picture`."""
-        return self.triangulate().picture(values, **settings)
+        return self.triangulate().picture(values, suffix=suffix, wires=wires, flat=flat, **settings)
 
     def _repr_png_(self) -> bytes | None:
         return self.picture() if self._face_count() else None
@@ -428,8 +431,21 @@ def _like(given: Any, mesh: _Faces) -> Any:
     return mesh
 
 
-def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: bool = False, progress: Progress = False,
-                **settings: Any) -> Any:
+_Mesh = TypeVar("_Mesh")
+
+
+@overload
+def refine_mesh(mesh: Rows, faces: Any, /, *, limit_normals: bool = False, channels: ArrayLike | None = None, creases: Any = None,
+                corners: Any = None, progress: Progress = False, **settings: Any) -> Mesh | Any: ...
+@overload
+def refine_mesh(mesh: tuple[ArrayLike, Any], faces: None = None, /, *, limit_normals: bool = False, channels: ArrayLike | None = None,
+                creases: Any = None, corners: Any = None, progress: Progress = False, **settings: Any) -> Mesh | Any: ...
+@overload
+def refine_mesh(mesh: _Mesh, faces: None = None, /, *, limit_normals: bool = False, channels: ArrayLike | None = None,
+                creases: Any = None, corners: Any = None, progress: Progress = False, **settings: Any) -> _Mesh: ...
+@takes("bat_mesh_refine_options")
+def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False, channels: ArrayLike | None = None,
+                creases: Any = None, corners: Any = None, progress: Progress = False, **settings: Any) -> Any:
     """Refine a mesh by subdivision.
 
     Parameters
@@ -440,13 +456,12 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: 
         The vertices at each face's corners. Polygons are refined by Catmull and Clark's scheme.
     limit_normals : bool
         With ``limit=True`` and Loop's or Catmull and Clark's scheme at the end: give the mesh `vertex_normals`, those of the limit surface.
+    channels, creases, corners
+        As of :class:`Mesh`, in the place of those that the mesh has.
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_mesh_refine_options``: `scheme`, one of ``choices("mesh_scheme")``; `fairness` of the learned one, 0
-        to 1; `levels`; `then`; `limit`; `crease_angle` in radians; `boundary`, `creasing` and `linear`, the rules of
-        ``choices("mesh_boundary")``, ``choices("mesh_creasing")`` and ``choices("mesh_linear")``; `tolerance` and `max_edge`,
-        which refine adaptively; `threads`; and further ones. And `creases`, `corners` and `channels` as of :class:`Mesh`.
+        Fields of ``bat_mesh_refine_options``.
 
     Returns
     -------
@@ -466,9 +481,9 @@ def refine_mesh(mesh: Any, faces: ArrayLike | None = None, /, *, limit_normals: 
     <PolygonMesh of 98 vertices, 96 faces>
     """
     coarse = _coarse(mesh, faces, settings.get("scheme"))
-    for name in ("creases", "corners", "channels"):
-        if name in settings:
-            coarse = coarse._with(name, settings.pop(name))
+    for name, part in (("creases", creases), ("corners", corners), ("channels", channels)):
+        if part is not None:
+            coarse = coarse._with(name, part)
     fine, fallback = ffi.new("bat_mesh *"), ffi.new("size_t *")
     how, normals = options("bat_mesh_refine_options", settings), ffi.new("double **")
     how.limit_normals = normals if limit_normals else ffi.NULL
@@ -501,6 +516,9 @@ class MeshMap:
     fine, coarse : Mesh
         The two meshes.
     """
+
+    fine: Mesh
+    coarse: Mesh
 
     def __init__(self, fine: Mesh, coarse: Mesh, struct: Any) -> None:
         self.fine, self.coarse, self._map = fine, coarse, ffi.gc(struct, lib.bat_mesh_map_free)
@@ -568,6 +586,10 @@ class Decimation:
         With `error`: no point of either surface is farther than this from the other, which is proven.
     """
 
+    mesh: Any
+    map: Any
+    bound: float | None
+
     def __init__(self, mesh: Any, map: MeshMap | None, bound: float | None = None) -> None:
         self.mesh, self.map, self.bound = mesh, map, bound
 
@@ -578,6 +600,7 @@ class Decimation:
         return f"Decimation(mesh={self.mesh!r}, map={self.map!r}, bound={self.bound!r})"
 
 
+@takes("bat_mesh_decimate_options")
 def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = True, progress: Progress = False,
              **settings: Any) -> Decimation:
     """Decimate a mesh by edge collapses, with a bijective map between both meshes.
@@ -591,9 +614,7 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_mesh_decimate_options``: where to stop, by one of `vertices`, `faces`, `ratio` and `tolerance`;
-        `relative_tolerance`; `method`, one of ``choices("mesh_decimate_method")``; `boundary_weight`; `attributes`, the weight of
-        texture and channels; `candidates`; `seed`; `threads`; and further ones.
+        Fields of ``bat_mesh_decimate_options``.
 
     Returns
     -------
@@ -610,11 +631,11 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     >>> float(fine.closest(map(coarse.vertices)).distance.max()) < 1e-12
     True
     """
+    how, bound = options("bat_mesh_decimate_options", settings), ffi.new("double *")
     if not {"vertices", "faces", "ratio", "tolerance"} & set(settings):
         raise TypeError("decimate needs one of vertices, faces, ratio and tolerance")
     fine, coarse = Mesh.of(mesh, triangles), ffi.new("bat_mesh *")
     made = ffi.new("bat_mesh_map **") if map else ffi.NULL
-    how, bound = options("bat_mesh_decimate_options", settings), ffi.new("double *")
     how.distance = bound
     with shown(progress, "decimating"):
         call(lib.bat_mesh_decimate, fine._struct(), how, coarse, made)

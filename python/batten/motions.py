@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, ffi, flag, lib, options, pointer, unmasked, written
+from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, ffi, flag, lib, like, options, pointer, takes, unmasked, written
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
@@ -37,10 +37,11 @@ class Motion:
     project : bool
         Move points that are farther than 0.05 off their space onto it, too, and warn of none.
     closed : bool
-        Whether the motion is periodic; `period` is its length.
+        Whether the motion is periodic.
+    period : float
+        Of a closed motion: the time of a round.
     **settings
-        Fields of ``bat_motion_spline_options``: `ends`, `shape`, `sigma` (the noise of poses, or ``"auto"``),
-        `angle_sigma`, `outliers`, `extrapolate`, `threads`, …
+        Fields of ``bat_motion_spline_options``.
 
     Examples
     --------
@@ -53,6 +54,11 @@ class Motion:
     array([0.5, 1.5])
     """
 
+    space: Space
+    times: Floats
+    poses: Any
+
+    @takes("bat_motion_spline_options")
     def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
                  velocities: ArrayLike | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
                  **settings: Any) -> None:
@@ -66,7 +72,7 @@ class Motion:
         moments = self._seconds(times)
         if moments.shape != (len(keys),):
             raise ValueError(f"times: {len(keys)} numbers are needed, one for each pose, not an array of {moments.shape}")
-        given = velocities
+        given: Any = velocities
         if velocities is not None:
             raw = unmasked(velocities, "velocities")
             unknown = np.isnan(raw) if raw.dtype.kind == "f" else np.zeros(raw.shape, bool)
@@ -123,6 +129,7 @@ class Motion:
         return self._at(times, 2)
 
     @classmethod
+    @like("Motion.__init__")
     def read(cls, path: str | os.PathLike[str], **settings: Any) -> Motion:
         """The motion in a file: TUM, EuRoC, KITTI or CSV, with its velocities. Times are seconds, of stamps since 1970.
 
@@ -199,9 +206,10 @@ class Motion:
         axes.plot(times, self._at(times, 0), **style)
         return axes
 
+    @takes("bat_motion_picture_options")
     def picture(self, *, suffix: str = "svg", **settings: Any) -> bytes:
         """The path with frames of the body, or a strip of poses, and the speeds below, as the bytes of a file (svg, png or
-        pdf). Options are those of ``bat_motion_picture_options``."""
+        pdf)."""
         curve = ffi.new("bat_curve *", [self.space.struct, pointer(self._keys), len(self._keys), self._arguments[1]["closed"]])
         keyframes = ffi.new("bat_curve_set *", {"space": self.space.struct, "curves": curve, "count": 1})
         return written(lib.bat_motion_splines_picture_write, suffix, keyframes, ffi.new("bat_motion_spline *[]", [self._spline]),

@@ -10,7 +10,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import BattenError, CutLocus, Floats, InvalidPoint, array, call, ffi, keep_exception, lib, pointer
+from batten._core import BattenError, CutLocus, Floats, InvalidPoint, array, call, call_named, ffi, keep_exception, lib, pointer, Rows
 
 #: The functions of a space in Python, and the status that the library gets where one fails.
 _NEEDED = ("exp", "log")
@@ -53,6 +53,10 @@ class Space:
     Curve([1., 2., 4.])
     """
 
+    name: str
+    point_dim: int
+    tangent_dim: int
+
     def __init__(self, name: str, point_dim: int = 0, *, weight: float = 1.0, dimension: int = 0, tangent_dim: int = 0,
                  injectivity: float = math.inf, **functions: Callable[..., Any]) -> None:
         self._arguments = (name, point_dim), dict(weight=weight, dimension=dimension, tangent_dim=tangent_dim,
@@ -61,7 +65,7 @@ class Space:
         if set(functions) - set(_GIVEN):
             raise TypeError(f"a space has no function '{min(set(functions) - set(_GIVEN))}'; there are {', '.join(_GIVEN)}")
         if not functions:
-            call(lib.bat_space_by_name, name.encode(), point_dim, self.struct)
+            call_named(lib.bat_space_by_name, name, point_dim, self.struct)
             if name == "rigid":
                 call(lib.bat_rigid, weight, self.struct)
         elif not {"exp", "log"} <= set(functions) or point_dim < 1:
@@ -137,7 +141,7 @@ def space_of(space: Space | str | None, columns: int) -> Space:
     return space
 
 
-def from_lonlat(degrees: ArrayLike) -> Floats:
+def from_lonlat(degrees: Rows) -> Floats:
     """Points of the sphere, unit vectors, from longitudes and latitudes in degrees.
 
     Examples
@@ -150,7 +154,7 @@ def from_lonlat(degrees: ArrayLike) -> Floats:
     return np.stack([cos * np.cos(given[:, 0]), cos * np.sin(given[:, 0]), np.sin(given[:, 1])], axis=1)
 
 
-def to_lonlat(points: ArrayLike) -> Floats:
+def to_lonlat(points: Rows) -> Floats:
     """Longitudes and latitudes in degrees of points of the sphere.
 
     Examples

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from batten._core import (Floats, Progress, Report, array, call, chosen, family_of, ffi, lib, options, pointer, report, shown, take,
-                          written)  # fmt: skip
+                          takes, written)  # fmt: skip
 from batten.curves import axes_of
 from batten.meshes import Mesh
 
@@ -29,6 +29,12 @@ class Surface:
     control : ndarray
         The control points.
     """
+
+    report: Report
+    points: Floats
+    parameters: Floats
+    distances: Floats
+    control: Floats
 
     def __init__(self, struct: Any, report: Report, points: Floats, parameters: Floats, distances: Floats) -> None:
         self._surface = ffi.gc(struct, lib.bat_spline_surface_free)
@@ -119,6 +125,7 @@ def _owned(values: Any) -> Any:
     return memory
 
 
+@takes("bat_surface_reconstruct_options")
 def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int = 0, corners: ArrayLike | None = None,
                 parameters: str | ArrayLike = "auto", progress: Progress = False, **settings: Any) -> Surface:
     """Fit a spline surface to the points of a scan.
@@ -138,9 +145,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
     progress : bool or callable
         As of :func:`refine`.
     **settings
-        Fields of ``bat_surface_reconstruct_options`` and its ``bat_surface_fit_options`` and ``bat_hierarchical_options``: `tolerance`,
-        `functions`, `hold_out`, `degree` (a pair), `iterations`, `smoothing`, `noise`, `robust`, `corrections`, `force` (give
-        also a surface that is judged to be wrong), `threads`, …
+        Fields of ``bat_surface_reconstruct_options`` and its ``bat_surface_fit_options`` and ``bat_hierarchical_options``.
 
     Returns
     -------

@@ -172,8 +172,15 @@ def test_messages_name_place_and_way_out():
     with pytest.raises(batten.InvalidPoint, match="point 2") as caught:
         batten.refine([[0, 0], [1, 1], [np.nan, 0]])
     assert caught.value.index == 2
-    with pytest.raises(TypeError, match="unknown option 'level'; there are .*levels"):
+    with pytest.raises(TypeError, match="unknown option 'level'; did you mean levels"):
         batten.refine(POINTS, level=3)
+    with pytest.raises(ValueError, match="levels: -1 is out of range; 0 or more is needed"):
+        batten.refine(POINTS, levels=-1)
+    for call in (lambda: batten.refine(POINTS, scheme="fuor-point"), lambda: batten.analyze("fuor-point")):
+        with pytest.raises(batten.InvalidArgument, match="there is no scheme 'fuor-point'; did you mean four-point"):
+            call()
+    with pytest.raises(batten.InvalidArgument, match="there is no space 'spheer'; did you mean sphere"):
+        batten.refine(POINTS, space="spheer")
     with pytest.raises(ValueError, match="faces: numbers from 0"):
         batten.Mesh(POINTS, -FACES)
     with pytest.raises(batten.BattenError, match="vertex 5"):

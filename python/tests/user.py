@@ -1,0 +1,39 @@
+"""What a user writes. The tests check it with `mypy --strict` and pyright, and that what comes out has the types it should."""
+
+import numpy as np
+
+import batten
+
+square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+curve = batten.refine(square, closed=True, levels=3, scheme="four-point:w=0.05", fairness=0.5, ends="reflect", tolerance=1e-3)
+curve = batten.refine([[0, 0], [1, 0], [1, 1]], levels=2)
+length: float = batten.measure(curve).length
+rows: int = curve.shape[0]
+where: batten.Space | None = curve.space
+curves = batten.refine([square, square[:3]], scheme="chaikin")
+curves = batten.refine(square, [0, 2, 4], levels=1)
+first: batten.Curve = curves[0]
+some: list[batten.Curve] = curves[1:]
+offsets = curves.offsets.tolist()
+proof = batten.analyze("four-point", depth=8)
+points = batten.from_lonlat([[-0.5, 51.5], [-30, 58]])
+vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+fine = batten.refine_mesh(vertices, faces, scheme="loop", levels=2, boundary="edges")
+again: batten.Mesh = batten.refine_mesh(batten.Mesh(vertices, faces), scheme="learned", fairness=0.5)
+position, triangles = fine
+coarse, to_fine = batten.decimate(again, vertices=10, method="fast")
+kept: batten.Decimation = batten.decimate(vertices, faces, ratio=0.5)
+distances = batten.measure(again, (vertices, faces), samples=100)
+motion = batten.Motion([0, 1, 2], [[0.0], [1.0], [8.0]], ends="natural", sigma="auto")
+speed: float = float(motion.velocity(0.5)[0])
+again.write("mesh.obj", format="obj", threads=2)
+read: batten.Mesh = batten.Mesh.read("mesh.obj", repair=True)
+png: bytes = read.picture(width=300, up="z")
+x, y = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, 12), np.linspace(0, 1, 12)))
+surface = batten.fit_surface(np.stack([x, y, x * y], axis=1), tolerance=0.01, degree=[3, 3])
+step: bytes = surface.to_step()
+try:
+    batten.refine(square, levels=70)
+except batten.InvalidArgument as error:
+    option: str | None = error.option
