@@ -155,6 +155,19 @@ def _joined(points: Any, offsets: ArrayLike | None) -> tuple[Floats, NDArray[np.
     return joined, ends
 
 
+def _opened(points: Floats, ends: Any, *rest: Any) -> Any:
+    """Points, offsets and further rows of closed curves, without last points that repeat the first."""
+    bounds = np.array([0, len(points)]) if ends is None else ends
+    first, last = bounds[:-1], bounds[1:] - 1
+    repeated = (last > first + 2) & (points[np.minimum(first, len(points) - 1)] == points[last]).all(axis=1) if len(points) else first < 0
+    if not repeated.any():
+        return points, ends, *rest
+    keep = np.ones(len(points), np.bool_)
+    keep[last[repeated]] = False
+    rows = [np.asarray(part)[keep] if part is not None and len(part) == len(points) else part for part in rest]
+    return points[keep], None if ends is None else ends - np.concatenate([[0], np.cumsum(repeated)]), *rows
+
+
 _Several = Curves | Sequence[NDArray[Any]] | Sequence[Sequence[Sequence[float]]]
 
 
@@ -183,7 +196,7 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     space : Space or str, optional
         Where the points live; by default R^n.
     closed : bool
-        Whether the last point of each curve joins the first.
+        Whether the last point of each curve joins the first. A last point that equals the first is left out.
     channels : array_like of shape (n, k), optional
         Further values at the points of one curve, which are refined with them.
     corners : array_like of n flags, optional
@@ -206,8 +219,12 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
     >>> batten.refine([square, square[:3]], scheme="chaikin", levels=1).offsets
     array([ 0,  8, 14])
     """
+    if hasattr(points, "geom_type"):
+        raise TypeError("points: arrays are needed; batten.smooth() takes geometries of shapely and geopandas")
     joined, ends = _joined(points, offsets)
     where = space_of(space, joined.shape[1])
+    if flag(closed, "closed"):
+        joined, ends, channels, corners = _opened(joined, ends, channels, corners)
     if "fairness" in settings:
         settings.setdefault("scheme", "learned")
     if where.functions:
@@ -231,6 +248,8 @@ def refine(points: Any, offsets: ArrayLike | None = None, *, space: Space | str 
             "space": where, "closed": bool(closed),
             "channels": None if values is None else take(fine.channels, (count, fine.channel_count)),
             "corners": None if fine.corners == ffi.NULL else take(fine.corners, (count,), np.bool_)})  # fmt: skip
+    if type(points).__module__.split(".")[0] == "xarray":
+        result = type(points)(result, dims=points.dims, coords={points.dims[1]: points[points.dims[1]]}, attrs=points.attrs, name=points.name)
     if done.given_crossing or done.left_crossing:
         warnings.warn(f"{done.given_crossing} given and {done.left_crossing} refined curves cross themselves",
                       BattenWarning, stacklevel=2)  # fmt: skip

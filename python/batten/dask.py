@@ -13,7 +13,7 @@ import numpy as np
 
 from batten._core import BattenWarning, Report, Unsupported, like, show_signatures
 from batten.curves import refine as _refine
-from batten.maps import smooth as _smooth
+from batten.maps import degrees_of, smooth as _smooth, space_of
 from batten.meshes import decimate as _decimate, refine_mesh as _refine_mesh
 from batten.motions import Motion
 from batten.spaces import from_lonlat
@@ -175,7 +175,9 @@ def smooth(map: Any, *, rings: int = 3, space: str | None = None, **settings: An
     from dask.delayed import delayed
 
     crs = map.crs
-    where = space or ("sphere" if crs is not None and crs.is_geographic else "plane")
+    where = space or space_of(crs)
+    if where == "sphere" and degrees_of(crs) != 1:
+        raise Unsupported("crs: degrees are needed; map.to_crs(4326) makes them")
     name = tokenize(map, rings, where, settings)
     parts = map.to_delayed()
     boxes = [delayed(_boxes, pure=True)(part, where, float(settings.get("snap_tolerance", 0))) for part in parts]

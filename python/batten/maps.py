@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+import struct
 import warnings
 from typing import Any, Literal, TypeVar, overload
 
 import numpy as np
 
-from batten._core import (BattenWarning, Progress, Report, call, ffi, lib, options, pointer, report, shown,
+from batten._core import (BattenWarning, Progress, Report, Unsupported, call, ffi, lib, options, pointer, report, shown,
                           take, takes)  # fmt: skip
 
 #: The kinds of geometries with lines, by shapely's numbers: all but points.
@@ -31,10 +33,10 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     Parameters
     ----------
     geometries : GeoSeries, GeoDataFrame, shapely geometry, or a list or array of them
-        Points, missing and empty geometries come back as they are. Further coordinates are refined too.
+        Points, missing and empty geometries come back as they are. Heights (Z) and measures (M) are refined too.
     space : {"sphere", "plane"}, optional
         By default the sphere for a geographic coordinate reference system, whose coordinates are longitudes and latitudes
-        in degrees; else the plane.
+        in degrees or in the unit of the system; else the plane.
     progress : bool or callable
         As of :func:`refine`.
     details : Report, optional
@@ -57,37 +59,114 @@ def smooth(geometries: Any, *, space: str | None = None, progress: Progress = Fa
     """
     import shapely
 
-    if hasattr(geometries, "set_geometry"):  # a GeoDataFrame
-        return geometries.set_geometry(smooth(geometries.geometry, space=space, progress=progress, details=details, **settings))
-    system = getattr(geometries, "crs", None)
-    given = np.atleast_1d(np.asarray(geometries, dtype=object))
+    series = geometries.geometry if hasattr(geometries, "set_geometry") else geometries  # of a GeoDataFrame
+    system = getattr(series, "crs", None)
+    given = np.atleast_1d(np.asarray(series, dtype=object))
     if given.ndim != 1 or not (shapely.is_geometry(given) | shapely.is_missing(given)).all():
         raise TypeError("geometries of shapely are needed")
-    if not shapely.is_missing(given).all() and not np.isfinite(shapely.get_coordinates(given)).all():
-        raise ValueError("coordinates that are finite are needed")
-    where = space or ("sphere" if system is not None and system.is_geographic else "plane")
     chosen = np.isin(shapely.get_type_id(given), _LINES) & ~shapely.is_empty(given)
+    notes: list[str] = []
     made = given.copy()
     if chosen.any():
         lines = given[chosen]
         rings = shapely.get_type_id(lines) == 2
         lines[rings] = shapely.polygons(lines[rings])
-        lines, done = _refine(lines, where, progress, settings)
+        with shown(progress, "smoothing"):
+            lines, done = _every_coordinate(lines, space or space_of(system), degrees_of(system) if space != "plane" else 1.0, settings, notes)
         lines[rings] = shapely.get_exterior_ring(lines[rings])
         made[chosen] = lines
         if details is not None:
             details.update(done)
         if done.given_crossing:
-            warnings.warn(f"{done.given_crossing} pairs of given edges cross or touch, and may do so in the result",
-                          BattenWarning, stacklevel=2)  # fmt: skip
-    if hasattr(geometries, "geom_type") and hasattr(geometries, "index"):  # a GeoSeries
-        return type(geometries)(made, index=geometries.index, crs=system, name=geometries.name)
+            notes.append(f"{done.given_crossing} pairs of given edges cross or touch, and may do so in the result")
+    for note in notes:
+        warnings.warn(note, BattenWarning, stacklevel=2)
+    if hasattr(series, "geom_type") and hasattr(series, "index"):  # a GeoSeries
+        result = type(series)(made, index=series.index, crs=system, name=series.name)
+        result.attrs = dict(series.attrs)
+        return result if series is geometries else geometries.set_geometry(result)
     if isinstance(geometries, (list, tuple)):
         return type(geometries)(made.tolist())
     return made[0] if np.ndim(geometries) == 0 else made
 
 
-def _refine(given: Any, space: str, progress: Progress, settings: dict[str, Any]) -> tuple[Any, Report]:
+def space_of(system: Any) -> str:
+    """The space of maps of a coordinate reference system."""
+    return "sphere" if system is not None and system.is_geographic else "plane"
+
+
+def degrees_of(system: Any) -> float:
+    """The unit of a geographic coordinate reference system, in degrees."""
+    if system is None or not system.is_geographic or not system.axis_info:
+        return 1.0
+    unit = math.degrees(system.axis_info[0].unit_conversion_factor)
+    return 1.0 if abs(unit - 1) < 1e-12 else unit
+
+
+def _every_coordinate(given: Any, space: str, unit: float, settings: dict[str, Any], notes: list[str]) -> tuple[Any, Report]:
+    """Refine geometries with all their coordinates, in units of so many degrees on the sphere. Measures (M) take the place of
+    heights (Z) in a second call, since GeoJSON has only these."""
+    import shapely
+
+    measured = shapely.has_m(given) if hasattr(shapely, "has_m") else np.zeros(len(given), np.bool_)
+    for i, geometry in enumerate(given):
+        if not np.isfinite(_coordinates(geometry, geometry.has_z, measured[i])).all():
+            raise ValueError(f"geometry {i}: coordinates that are finite are needed; shapely.force_2d() drops the others")
+    if unit == 1 and not measured.any():
+        return _refine(given, space, settings, notes)
+    scale = np.array([unit, unit, 1.0])
+
+    def plain(geometry: Any, z: bool, m: bool) -> Any:
+        return _rebuilt(geometry, _coordinates(geometry, z, m) * scale[: 2 + z + m], z or m, False)
+
+    made, done = _refine(np.array([plain(geometry, geometry.has_z, False) for geometry in given]), space, settings, notes)
+    again = made
+    if measured.any():
+        again, _ = _refine(np.array([plain(geometry, False, m) for geometry, m in zip(given, measured)]), space, settings, [])
+    for i, geometry in enumerate(made):
+        rows = _coordinates(geometry, geometry.has_z, False) / scale[: 2 + geometry.has_z]
+        if measured[i]:
+            other = _coordinates(again[i], True, False)
+            if len(other) != len(rows):
+                raise Unsupported(f"geometry {i}: measures and heights differ in their points; shapely.force_2d() drops both")
+            rows = np.column_stack([rows, other[:, 2]])
+        made[i] = _rebuilt(geometry, rows, geometry.has_z, measured[i])
+    return made, done
+
+
+def _coordinates(geometry: Any, z: bool, m: bool) -> Any:
+    import shapely
+
+    return shapely.get_coordinates(geometry, include_z=z, include_m=True) if m else shapely.get_coordinates(geometry, include_z=z)
+
+
+def _rebuilt(geometry: Any, rows: Any, z: bool, m: bool) -> Any:
+    """A geometry with other coordinates, by way of WKB."""
+    import shapely
+
+    flat, begin = np.ascontiguousarray(rows, float), 0
+
+    def points(count: int) -> bytes:
+        nonlocal begin
+        begin += count
+        return flat[begin - count : begin].tobytes()
+
+    def written(part: Any) -> bytes:
+        kind = {0: 1, 1: 2, 2: 2}.get(part_kind := int(shapely.get_type_id(part)), part_kind)
+        head = struct.pack("<BI", 1, kind + 1000 * z + 2000 * m)
+        if kind == 1:
+            return head + (points(1) if not part.is_empty else np.full(flat.shape[1], np.nan).tobytes())
+        if kind == 2:
+            return head + struct.pack("<I", len(part.coords)) + points(len(part.coords))
+        if kind == 3:
+            rings = [] if part.is_empty else [part.exterior, *part.interiors]
+            return head + struct.pack("<I", len(rings)) + b"".join(written(ring)[5:] for ring in rings)
+        return head + struct.pack("<I", len(part.geoms)) + b"".join(map(written, part.geoms))
+
+    return shapely.from_wkb(written(geometry))
+
+
+def _refine(given: Any, space: str, settings: dict[str, Any], notes: list[str]) -> tuple[Any, Report]:
     """Refine geometries by the way that files take: as GeoJSON, which is read as the program reads it."""
     import shapely
 
@@ -96,18 +175,14 @@ def _refine(given: Any, space: str, progress: Progress, settings: dict[str, Any]
     free = lib.bat_curve_set_free
     coarse, fine = ffi.gc(ffi.new("bat_curve_set *"), free), ffi.gc(ffi.new("bat_curve_set *"), free)
     found = ffi.new("bat_curve_map_refine_report *")
-    if "fairness" in settings:
-        settings.setdefault("scheme", "learned")
+    settings = {"scheme": "learned", **settings} if "fairness" in settings else settings
     how = options("bat_curve_map_refine_options", settings)
     how.report = found
     reading = options("bat_curve_read_options", {"format": "geojson", "space": space})
     call(lib.bat_curve_read_memory, whole, len(whole), reading, coarse)
-    with shown(progress, "smoothing"):
-        call(lib.bat_curve_map_refine, coarse, how, fine)
-    index = 0
-    while note := lib.bat_curve_set_note(coarse, index):
-        warnings.warn(ffi.string(note).decode(), BattenWarning, stacklevel=4)
-        index += 1
+    call(lib.bat_curve_map_refine, coarse, how, fine)
+    while note := lib.bat_curve_set_note(coarse, len(notes)):
+        notes.append(ffi.string(note).decode())
     made, left = _assemble(given, fine, space, how.decimals)
     if left.any():
         memory, size = ffi.new("char **"), ffi.new("size_t *")

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
                           take, takes, written)  # fmt: skip
+from batten._trimesh import UNNAMED, Parts, each, is_scene, is_trimesh
 from batten.curves import axes_of
 
 if TYPE_CHECKING:
@@ -125,7 +126,10 @@ class _Faces:
 
         vertices, faces, width = owned.vertex_count, owned.face_count, owned.channel_count
         mesh.channel_names = [_text(owned.channel_names[i]) for i in range(width)] if width else None
-        mesh.labels = [Report((name, _text(getattr(owned.labels[i], name))) for name in _LABEL) for i in range(owned.label_count)]
+        count = owned.label_count
+        named = count and bytes(ffi.buffer(owned.labels, count * ffi.sizeof("bat_mesh_label"))).strip(b"\0")
+        rows = [owned.labels[i] for i in range(count)] if named else []
+        mesh.labels = [Report((name, _text(getattr(row, name))) for name in _LABEL) for row in rows] or [UNNAMED] * count
         mesh.material_files, mesh.material_json = _text(owned.material_files), _text(owned.material_json)
         mesh.rules = dict(report(owned.rules)) if bytes(ffi.buffer(ffi.addressof(owned, "rules"))).strip(b"\0") else None
         mesh._rows(given, (faces, owned.texture_count), owned.offsets == ffi.NULL)
@@ -169,7 +173,8 @@ class _Faces:
             keep.append(ffi.new("char *[]", [text(name) for name in names]))
             struct.channel_names = keep[-1]
         if self.labels:
-            keep.append(ffi.new("bat_mesh_label[]", [{name: text(label.get(name)) for name in _LABEL} for label in self.labels]))
+            named = any(label is not UNNAMED for label in self.labels)
+            keep.append(ffi.new("bat_mesh_label[]", len(self.labels)) if not named else ffi.new("bat_mesh_label[]", [{name: text(label.get(name)) for name in _LABEL} for label in self.labels]))
             struct.labels, struct.label_count = keep[-1], len(self.labels)
         for name, value in (self.rules or {}).items():
             set_field(struct.rules, name, value)
@@ -242,10 +247,14 @@ class Mesh(_Faces):
             return mesh
         if isinstance(mesh, PolygonMesh):
             return mesh.triangulate()
+        if is_trimesh(mesh) and hasattr(mesh, "faces"):
+            return Parts(mesh).mesh(cls, by_face=False)
         if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
             return cls(mesh.vertices, mesh.faces)
         if isinstance(mesh, tuple) and len(mesh) == 2:
             return cls(*mesh)
+        if is_scene(mesh):
+            raise TypeError("a mesh is needed, not a scene: scene.to_mesh() joins its meshes")
         raise TypeError(f"a mesh is needed: vertices and faces, not {type(mesh).__name__}")
 
     def _rows(self, given: Any, counts: tuple[int, int], triangles: bool) -> None:
@@ -422,15 +431,6 @@ def _features(rows: Any, kind: Any) -> NDArray[Any]:
     return np.ascontiguousarray(given if given.dtype == kind else [tuple(row) for row in given.tolist()], kind)
 
 
-def _like(given: Any, mesh: _Faces) -> Any:
-    """A mesh of the kind that came in: trimesh's, which has triangles, where it was one of those."""
-    if type(given).__module__.split(".")[0] == "trimesh":
-        mesh = Mesh.of(mesh)
-        return type(given)(vertices=mesh.vertices, faces=mesh.faces.astype(np.int64), vertex_normals=mesh.vertex_normals,
-                           process=False)
-    return mesh
-
-
 _Mesh = TypeVar("_Mesh")
 
 
@@ -450,8 +450,8 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
 
     Parameters
     ----------
-    mesh : array_like of shape (n, 3), Mesh, PolygonMesh or trimesh.Trimesh
-        The vertices, or a whole mesh.
+    mesh : array_like of shape (n, 3), Mesh, PolygonMesh, trimesh.Trimesh or trimesh.Scene
+        The vertices, or a whole mesh. Colours, texture coordinates and attributes of a trimesh are refined with it.
     faces : array_like of shape (m, 3) or (m, k), or a list of sequences, optional
         The vertices at each face's corners. Polygons are refined by Catmull and Clark's scheme.
     limit_normals : bool
@@ -465,8 +465,8 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
 
     Returns
     -------
-    Mesh, PolygonMesh or trimesh.Trimesh
-        The last where one came in.
+    Mesh, PolygonMesh, trimesh.Trimesh or trimesh.Scene
+        The last two where one came in.
 
     Examples
     --------
@@ -480,7 +480,11 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     >>> batten.refine_mesh(cube, quads, levels=2)
     <PolygonMesh of 98 vertices, 96 faces>
     """
-    coarse = _coarse(mesh, faces, settings.get("scheme"))
+    if is_scene(mesh):
+        parts = dict(limit_normals=limit_normals, progress=progress, **settings)
+        return each(mesh, lambda part: refine_mesh(part, **parts))
+    theirs = Parts(mesh) if is_trimesh(mesh) else None
+    coarse = _coarse(mesh if theirs is None else theirs.mesh(Mesh, by_face=True), faces, settings.get("scheme"))
     for name, part in (("creases", creases), ("corners", corners), ("channels", channels)):
         if part is not None:
             coarse = coarse._with(name, part)
@@ -494,7 +498,7 @@ def refine_mesh(mesh: Any, faces: Any = None, /, *, limit_normals: bool = False,
     made = (PolygonMesh if fine.offsets != ffi.NULL else type(coarse))._from(fine)
     if normals[0] != ffi.NULL:
         made.vertex_normals = take(normals[0], made.vertices.shape)
-    return _like(mesh, made)
+    return made if theirs is None else theirs.refined(Mesh.of(coarse), Mesh.of(made))
 
 
 def _coarse(mesh: Any, faces: Any, scheme: Any) -> _Faces:
@@ -580,8 +584,9 @@ class Decimation:
 
     Attributes
     ----------
-    mesh : Mesh or trimesh.Trimesh
+    mesh : Mesh, trimesh.Trimesh or trimesh.Scene
     map : MeshMap or None
+        Of a scene, a dictionary of those of its meshes.
     bound : float or None
         With `error`: no point of either surface is farther than this from the other, which is proven.
     """
@@ -590,7 +595,7 @@ class Decimation:
     map: Any
     bound: float | None
 
-    def __init__(self, mesh: Any, map: MeshMap | None, bound: float | None = None) -> None:
+    def __init__(self, mesh: Any, map: Any, bound: float | None = None) -> None:
         self.mesh, self.map, self.bound = mesh, map, bound
 
     def __iter__(self) -> Iterator[Any]:
@@ -634,10 +639,19 @@ def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = Tr
     how, bound = options("bat_mesh_decimate_options", settings), ffi.new("double *")
     if not {"vertices", "faces", "ratio", "tolerance"} & set(settings):
         raise TypeError("decimate needs one of vertices, faces, ratio and tolerance")
+    if is_scene(mesh):
+        found = {name: decimate(part, map=map, progress=progress, **settings) for name, part in mesh.geometry.items() if hasattr(part, "faces")}
+        parts = iter(found.values())
+        maps = {name: part.map for name, part in found.items()} if map else None
+        bounds = [part.bound for part in found.values() if part.bound is not None]
+        return Decimation(each(mesh, lambda _: next(parts).mesh), maps, max(bounds, default=None))
+    theirs = Parts(mesh) if is_trimesh(mesh) else None
     fine, coarse = Mesh.of(mesh, triangles), ffi.new("bat_mesh *")
-    made = ffi.new("bat_mesh_map **") if map else ffi.NULL
+    made = ffi.new("bat_mesh_map **") if map or theirs else ffi.NULL
     how.distance = bound
     with shown(progress, "decimating"):
         call(lib.bat_mesh_decimate, fine._struct(), how, coarse, made)
-    found = Mesh._from(coarse)
-    return Decimation(_like(mesh, found), MeshMap(fine, found, made[0]) if map else None, bound[0] if how.tolerance else None)
+    left = Mesh._from(coarse)
+    way = MeshMap(fine, left, made[0]) if made != ffi.NULL else None
+    return Decimation(left if theirs is None else theirs.decimated(fine, left, way), way if map else None,
+                      bound[0] if how.tolerance else None)  # fmt: skip

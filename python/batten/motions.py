@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import os
 import warnings
 from typing import Any
@@ -24,8 +25,8 @@ class Motion:
     Parameters
     ----------
     times : array_like of shape (n,)
-        Increasing numbers, or times of numpy or pandas, which count in seconds.
-    poses : array_like or scipy.spatial.transform.Rotation
+        Increasing numbers, or dates and durations of Python, numpy or pandas, which count in seconds.
+    poses : array_like, or Rotation or RigidTransform of scipy.spatial.transform
         Rows of points of the space: unit quaternions (w, x, y, z) for rotations; translation and quaternion, 7 numbers, for
         rigid motions. Matrices (n, 3, 3) are rotations, and (n, 4, 4) rigid motions. Results have the same form. Rounded
         points move onto the space, with a warning from 1e-3 on.
@@ -99,8 +100,8 @@ class Motion:
     def _seconds(self, times: Any) -> Floats:
         """Times as numbers: dates in seconds since the first one that the motion got, durations in seconds."""
         given = unmasked(times, "times")
-        if given.dtype == object and given.size and hasattr(given.flat[0], "to_datetime64"):
-            given = np.array([time.to_datetime64() for time in given.flat]).reshape(given.shape)
+        if given.dtype == object and given.size:
+            given = np.array([_moment(time) for time in given.flat]).reshape(given.shape)
         if given.dtype.kind == "M":
             self._origin = given.flat[0] if self._origin is None and given.size else self._origin
             given = given - self._origin
@@ -219,6 +220,18 @@ class Motion:
         return self.picture().decode()
 
 
+def _moment(time: Any) -> Any:
+    """A date or a duration of Python or pandas, as one of numpy; dates of a time zone in universal time."""
+    if isinstance(time, datetime.datetime) and time.tzinfo is not None:
+        time = time.astimezone(datetime.timezone.utc).replace(tzinfo=None)
+    to_numpy = getattr(time, "to_numpy", None)
+    if to_numpy is not None:
+        return to_numpy()
+    if isinstance(time, datetime.timedelta):
+        return np.timedelta64(time, "us")
+    return np.datetime64(time, "us") if isinstance(time, (datetime.datetime, datetime.date)) else time
+
+
 def _motion(given: tuple[Any, Any], settings: dict[str, Any]) -> Motion:
     return Motion(*given, **settings)
 
@@ -245,6 +258,8 @@ def _onto(space: Space, keys: Floats, project: bool) -> Floats:
 
 def _points(poses: Any, project: bool) -> tuple[Floats, str, str | None]:
     """Rows of points, the form that they came in, and the space that it implies."""
+    if hasattr(poses, "as_matrix") and hasattr(poses, "translation"):  # RigidTransform of scipy
+        return _points(np.atleast_3d(poses.as_matrix()).reshape(-1, 4, 4), project)[0], "RigidTransform", "rigid"
     if hasattr(poses, "as_quat"):
         return array(np.atleast_2d(poses.as_quat())[:, [3, 0, 1, 2]], "poses", 4), "Rotation", "rotation"
     given = unmasked(poses, "poses")
@@ -280,4 +295,8 @@ def _form(points: Floats, form: str) -> Any:
         return matrices
     made = np.zeros((*points.shape[:-1], 4, 4))
     made[..., :3, :3], made[..., :3, 3], made[..., 3, 3] = matrices, points[..., :3], 1
+    if form == "RigidTransform":
+        from scipy.spatial.transform import RigidTransform
+
+        return RigidTransform.from_matrix(made)
     return made
