@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from batten._options import (family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice, parser,
+from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice, parser,
                              show_signatures as show_signatures, takes as takes, unknown)  # fmt: skip
 from numpy.typing import ArrayLike, NDArray
 
@@ -444,6 +444,19 @@ def choices(family: str) -> list[Report]:
         fields = [(name, getattr(row, name)) for name in ("name", "settings", "summary", "endings")]
         rows.append(Report((name, ffi.string(text).decode() if text else "") for name, text in fields))
     return rows
+
+
+def drawn(method: F) -> F:
+    """A method that draws a result in a notebook. Where it cannot be drawn, the notebook shows its text."""
+
+    @functools.wraps(method)
+    def safely(self: Any) -> Any:
+        try:
+            return method(self)
+        except Exception:
+            return None
+
+    return safely  # type: ignore[return-value]
 
 
 def written(function: Callable[..., int], suffix: str, *arguments: Any, path: str | os.PathLike[str] | None = None) -> bytes:

@@ -9,13 +9,15 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, call_named, ffi, flag, lib, options, pointer, report, Rows, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, call_named, drawn, ffi, flag, lib, options, pointer, report, Rows, shown,
                           take, takes, written)
 from batten.spaces import Space, space_of
 
 
 class Curve(np.ndarray[Any, np.dtype[np.float64]]):
     """The points of a curve: an array with a space that draws itself.
+
+    Rows of it, as in ``curve[2:5]``, are an open curve. What is computed from it is a plain array.
 
     Attributes
     ----------
@@ -35,8 +37,27 @@ class Curve(np.ndarray[Any, np.dtype[np.float64]]):
     corners: NDArray[np.bool_] | None
 
     def __array_finalize__(self, other: Any) -> None:
-        self.__dict__.update(space=getattr(other, "space", None), closed=getattr(other, "closed", False),
-                             channels=None, corners=None)
+        for name, default in (("space", None), ("closed", False), ("channels", None), ("corners", None)):
+            setattr(self, name, getattr(other, name, default))
+
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
+        return _plain(array) if array.ndim else array[()]
+
+    def __array_function__(self, function: Any, types: Any, arguments: Any, keywords: Any) -> Any:
+        found = super().__array_function__(function, types, arguments, keywords)
+        return _plain(found) if isinstance(found, Curve) else found
+
+    def __getitem__(self, index: Any) -> Any:
+        found = _plain(self)[index]
+        rows = isinstance(index, slice) or (isinstance(index, (list, np.ndarray)) and np.ndim(index) == 1)
+        if not rows or found.ndim != 2 or self.ndim != 2:
+            return found
+        parts = {name: part if part is None else part[index] for name, part in (("channels", self.channels), ("corners", self.corners))}
+        return _curve(found, {"space": self.space, "closed": False, **parts})
+
+    @property
+    def T(self) -> Any:  # type: ignore[override]
+        return _plain(self).T
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _curve, (np.asarray(self), self.__dict__)
@@ -46,10 +67,29 @@ class Curve(np.ndarray[Any, np.dtype[np.float64]]):
         points = np.vstack([self, self[:1]]) if self.closed else np.asarray(self)
         axes = axes_of(ax, min(points.shape[1], 3))
         axes.plot(*points[:, :3].T, **style)
-        return axes
+        return equal(axes)
 
+    @drawn
     def _repr_svg_(self) -> str | None:
-        return picture([self]) if self.ndim == 2 and len(self) and self.space is not None else None
+        return picture([self]) if self.ndim == 2 and len(self) > 1 and self.space is not None else None
+
+
+def _plain(curve: Any) -> Any:
+    return curve.view(np.ndarray)
+
+
+def _leaving(name: str) -> Any:
+    """A method of arrays whose result is no curve."""
+
+    def method(self: Curve, *arguments: Any, **keywords: Any) -> Any:
+        return getattr(_plain(self), name)(*arguments, **keywords)
+
+    method.__name__, method.__doc__ = name, getattr(np.ndarray, name).__doc__
+    return method
+
+
+for _name in ("transpose", "reshape", "ravel", "flatten", "astype", "squeeze", "swapaxes", "diagonal", "take", "repeat", "compress", "choose"):
+    setattr(Curve, _name, _leaving(_name))
 
 
 def _curve(points: Floats, attributes: dict[str, Any]) -> Curve:
@@ -101,6 +141,7 @@ class Curves(Sequence[Curve]):
             ax = curve.plot(ax, **style)
         return ax
 
+    @drawn
     def _repr_svg_(self) -> str | None:
         return picture(self) if 0 < len(self) <= 1000 else None
 
@@ -113,6 +154,13 @@ def axes_of(ax: Any, dimension: int) -> Any:
         ax = plt.figure().add_subplot(projection="3d" if dimension == 3 else None)
         ax.set_aspect("equal" if dimension == 2 else "auto")
     return ax
+
+
+def equal(axes: Any) -> Any:
+    """Axes of three dimensions with equal scales for what they show."""
+    if hasattr(axes, "get_zlim"):
+        axes.set_aspect("equal")
+    return axes
 
 
 def _struct(points: Floats, space: Space, closed: bool, channels: Floats | None = None, corners: Any = None) -> Any:
@@ -282,7 +330,8 @@ class Analysis(Report):
         axes.plot(*self.basis(), **style)
         return axes
 
-    def _repr_svg_(self) -> str:
+    @drawn
+    def _repr_svg_(self) -> str | None:
         return chart([self.basis()])
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from batten._core import (BattenWarning, Floats, Progress, Report, array, call, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
+from batten._core import (BattenWarning, Floats, Progress, Report, array, call, drawn, ffi, kept, lib, options, pointer, report, Rows, set_field, shown,
                           take, takes, written)  # fmt: skip
 from batten._trimesh import UNNAMED, Parts, each, is_scene, is_trimesh
-from batten.curves import axes_of
+from batten.curves import axes_of, equal
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -291,11 +291,14 @@ class Mesh(_Faces):
         call(lib.bat_mesh_limit_normals, self._struct(), threads, pointer(made))
         return made
 
-    def plot(self, ax: Any = None, **style: Any) -> Any:
-        """Draw the mesh with matplotlib; returns the axes."""
+    def plot(self, ax: Any = None, *, interactive: bool = False, **style: Any) -> Any:
+        """Draw the mesh with matplotlib; returns the axes. With `interactive`, by pyvista or k3d where they are installed;
+        returns pyvista's plotter, whose ``show()`` shows it, or k3d's plot, which a notebook shows."""
+        if interactive:
+            return _interactive(self, style)
         axes = axes_of(ax, 3)
         axes.plot_trisurf(*self.vertices.T, triangles=self.faces, **style)
-        return axes
+        return equal(axes)
 
     @takes("bat_mesh_picture_options")
     def picture(self, values: ArrayLike | None = None, *, suffix: str = "png", wires: bool = False, flat: bool = False,
@@ -309,6 +312,7 @@ class Mesh(_Faces):
         panel = ffi.new("bat_mesh_picture_panel *", [struct, ffi.NULL, pointer(shown_values), wires, flat])
         return written(lib.bat_mesh_picture_write, suffix, panel, 1, options("bat_mesh_picture_options", settings))
 
+    @drawn
     def _repr_png_(self) -> bytes | None:
         return self.picture(wires=len(self.faces) <= 5000) if len(self.faces) else None
 
@@ -394,9 +398,9 @@ class PolygonMesh(_Faces):
         call(lib.bat_mesh_limit_normals, self._struct(), threads, pointer(made))
         return made
 
-    def plot(self, ax: Any = None, **style: Any) -> Any:
-        """Draw the mesh with matplotlib; returns the axes."""
-        return self.triangulate().plot(ax, **style)
+    def plot(self, ax: Any = None, *, interactive: bool = False, **style: Any) -> Any:
+        """Draw the mesh, as :meth:`Mesh.plot`."""
+        return self.triangulate().plot(ax, interactive=interactive, **style)
 
     @takes("bat_mesh_picture_options")
     def picture(self, values: ArrayLike | None = None, *, suffix: str = "png", wires: bool = False, flat: bool = False,
@@ -404,8 +408,27 @@ class PolygonMesh(_Faces):
         """A shaded picture, as of :meth:`Mesh.picture`."""
         return self.triangulate().picture(values, suffix=suffix, wires=wires, flat=flat, **settings)
 
+    @drawn
     def _repr_png_(self) -> bytes | None:
         return self.picture() if self._face_count() else None
+
+
+def _interactive(mesh: Mesh, style: dict[str, Any]) -> Any:
+    """A view of a mesh that can be turned."""
+    try:
+        import pyvista
+    except ImportError:
+        try:
+            import k3d
+        except ImportError:
+            raise ImportError("interactive: one of the packages pyvista and k3d is needed") from None
+        plot = k3d.plot()
+        plot += k3d.mesh(mesh.vertices.astype(np.float32), mesh.faces, **style)
+        return plot
+    plotter = pyvista.Plotter()
+    corners = np.insert(mesh.faces.astype(np.int64), 0, 3, axis=1)
+    plotter.add_mesh(pyvista.PolyData(mesh.vertices, corners), **style)
+    return plotter
 
 
 def _polygons(faces: Any, name: str) -> tuple[Indices, Indices]:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, ffi, flag, lib, like, options, pointer, takes, unmasked, written
+from batten._core import BattenError, BattenWarning, Floats, InvalidPoint, array, call, drawn, ffi, flag, lib, like, options, pointer, takes, unmasked, written
 from batten.curves import axes_of
 from batten.spaces import Space, space_of
 
@@ -216,7 +216,8 @@ class Motion:
         return written(lib.bat_motion_splines_picture_write, suffix, keyframes, ffi.new("bat_motion_spline *[]", [self._spline]),
                        self._outliers, options("bat_motion_picture_options", settings))  # fmt: skip
 
-    def _repr_svg_(self) -> str:
+    @drawn
+    def _repr_svg_(self) -> str | None:
         return self.picture().decode()
 
 

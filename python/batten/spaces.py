@@ -50,7 +50,7 @@ class Space:
     >>> logarithmic = batten.Space(  # positive numbers, with |log(q / p)| as the distance
     ...     "positive", 1, exp=lambda p, v: p * np.exp(v), log=lambda p, q: np.log(q / p))
     >>> batten.refine([[1.0], [4.0]], space=logarithmic, scheme="log-exp-4", levels=1).ravel()
-    Curve([1., 2., 4.])
+    array([1., 2., 4.])
     """
 
     name: str

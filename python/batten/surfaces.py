@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import (Floats, Progress, Report, array, call, chosen, family_of, ffi, lib, options, pointer, report, shown, take,
+from batten._core import (Floats, Progress, Report, array, call, chosen, drawn, family_of, ffi, lib, options, pointer, report, shown, take,
                           takes, written)  # fmt: skip
-from batten.curves import axes_of
+from batten.curves import axes_of, equal
 from batten.meshes import Mesh
 
 
@@ -98,9 +98,10 @@ class Surface:
         axes, t = axes_of(ax, 3), np.linspace(0, 1, samples)
         axes.plot_surface(*np.moveaxis(self(t[None, :], t[:, None]), -1, 0), **style)
         axes.scatter(*self.points.T, s=1, c="black")
-        return axes
+        return equal(axes)
 
-    def _repr_png_(self) -> bytes:
+    @drawn
+    def _repr_png_(self) -> bytes | None:
         cloud = ffi.new("bat_cloud *", {"points": pointer(self.points), "count": len(self.points)})
         row = ffi.new("bat_surface_picture_row *", [ffi.NULL, cloud, self._surface, pointer(self.distances),
                                                     pointer(self.parameters)])  # fmt: skip

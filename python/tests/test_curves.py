@@ -128,7 +128,6 @@ def test_pictures(circle):
     fine = batten.refine(circle, closed=True)
     assert fine._repr_svg_().startswith("<?xml") and draws(fine)
     assert batten.refine([circle, circle + 3])._repr_svg_().startswith("<?xml")
-    assert fine[0]._repr_svg_() is None
     analysis = batten.analyze("chaikin")
     assert analysis._repr_svg_().startswith("<?xml") and draws(analysis)
 
@@ -166,3 +165,37 @@ def test_choices():
     assert all(row.name for family in families for row in batten.choices(family))
     with pytest.raises(ValueError, match="no family 'x'"):
         batten.choices("x")
+
+
+def test_what_leaves_the_space_is_a_plain_array():
+    curve = batten.refine(batten.from_lonlat([[0, 0], [40, 10], [80, 0]]), space="sphere", levels=3)
+    for plain in (curve[:, :2], curve[:, 0], curve[3], curve - curve.mean(axis=0), curve.T, curve == curve, curve.sum(axis=0), 2 * curve,
+                  curve.reshape(-1), curve.astype(np.float32), np.concatenate([curve, curve]), np.cross(curve, curve), curve.ravel(),
+                  curve[None], np.vstack([curve]), curve @ np.eye(3), np.where(curve > 0, curve, 0)):  # fmt: skip
+        assert type(plain) is np.ndarray
+    assert isinstance(curve.sum(), np.float64) and isinstance(curve.max(), np.float64)
+
+
+def test_rows_of_a_curve_are_an_open_curve(circle):
+    curve = batten.refine(circle, closed=True, levels=2, channels=circle[:, :1], corners=[1] + 11 * [0])
+    for rows in (curve[3:9], curve[[1, 2, 3]], curve[curve[:, 0] > 0]):
+        assert isinstance(rows, batten.Curve) and rows.space is curve.space and not rows.closed
+        assert len(rows.channels) == len(rows.corners) == len(rows)
+    whole = curve.copy()
+    assert whole.closed and np.array_equal(whole.channels, curve.channels)
+    assert np.shares_memory(curve[2:4], curve)
+
+
+def test_no_picture_is_no_failure(circle):
+    curve = batten.refine(circle, closed=True)
+    broken = curve.copy()
+    broken[3] = np.nan
+    sphere = batten.refine(batten.from_lonlat([[0, 0], [40, 10]]), space="sphere").copy()
+    sphere *= 2
+    off = batten.refine(batten.from_lonlat([[0, 0], [40, 10]]), space="sphere")
+    off[:] = 2
+    for result in (broken, off, curve[:0], curve[:1], batten.refine([circle, circle])):
+        assert result._repr_svg_() is None or result._repr_svg_().startswith("<?xml")
+    assert broken._repr_svg_() is None and off._repr_svg_() is None and curve._repr_svg_() is not None
+    mesh = batten.Mesh(np.full((3, 3), np.nan), [[0, 1, 2]])
+    assert mesh._repr_png_() is None

@@ -2,6 +2,7 @@
 
 import pickle
 import signal
+import sys
 import threading
 import time
 
@@ -239,3 +240,22 @@ def test_trimesh_gets_triangles():
     trimesh = pytest.importorskip("trimesh")
     fine = batten.refine_mesh(trimesh.creation.box(), scheme="catmull-clark", levels=1)
     assert isinstance(fine, trimesh.Trimesh) and fine.is_watertight and len(fine.faces) == 72
+
+
+@pytest.mark.parametrize("package", ["pyvista", "k3d"])
+def test_interactive_views(tetrahedron, package, monkeypatch):
+    installed = pytest.importorskip(package)
+    if package == "k3d":
+        monkeypatch.setitem(sys.modules, "pyvista", None)
+    else:
+        installed.OFF_SCREEN = True
+    made = tetrahedron.plot(interactive=True, color=0xFF0000 if package == "k3d" else "red")
+    shown = made.objects[0].vertices if package == "k3d" else made.renderer.actors.popitem()[1].mapper.dataset.points
+    np.testing.assert_allclose(shown, tetrahedron.vertices)
+
+
+def test_interactive_views_need_a_package(tetrahedron, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    monkeypatch.setitem(sys.modules, "k3d", None)
+    with pytest.raises(ImportError, match="pyvista and k3d"):
+        tetrahedron.plot(interactive=True)
