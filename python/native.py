@@ -21,6 +21,8 @@ bat_status batten_refine_ragged(const bat_curve *all, const int64_t *offsets, si
                                 bat_error *error);
 void batten_set_eager(bool eager);
 bool batten_report_seldom(void *context, double fraction);
+bat_status batten_shell_evaluate(const bat_shell *shell, const int64_t *faces, const double *places, size_t count,
+                                 double *points, double *normals, bat_error *error);
 size_t batten_set_points(const bat_curve_set *set);
 void batten_set_arrays(const bat_curve_set *set, int decimals, double *points, int64_t *offsets, bool *closed,
                        int64_t *polygon, int64_t *feature);

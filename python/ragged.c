@@ -1,4 +1,5 @@
-// Part of the module batten._native: many curves whose points lie one behind the other, and reports of progress.
+// Part of the module batten._native: many curves whose points lie one behind the other, many points of shells, and reports
+// of progress.
 
 #include <math.h>
 #include <string.h>
@@ -210,4 +211,24 @@ static void batten_set_arrays(const bat_curve_set *set, int decimals, double *po
         polygon[i] = bounds ? (int64_t)of[0] : -1;
         feature[i] = bounds ? (int64_t)of[1] : -1;
     }
+}
+
+/// bat_shell_evaluate() at many places.
+///
+/// @param faces   count numbers
+/// @param places  count x 2: u and v
+/// @param points  receives count x 3
+/// @param normals receives count x 3
+/// @return as bat_shell_evaluate(); the error has the index of the place
+static bat_status batten_shell_evaluate(const bat_shell *shell, const int64_t *faces, const double *places, size_t count,
+                                        double *points, double *normals, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    size_t i = 0;
+    for (; i < count && status == BAT_OK; i++)
+        status = bat_shell_evaluate(shell, faces[i] < 0 ? SIZE_MAX : (size_t)faces[i], places[2 * i], places[2 * i + 1],
+                                    points + 3 * i, normals + 3 * i, error);
+    if (status != BAT_OK)
+        error->index = i - 1;
+    return status;
 }

@@ -5,15 +5,15 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from batten._core import (Floats, Progress, Report, array, call, chosen, drawn, family_of, ffi, lib, options, pointer, report, shown, take,
+from batten._core import (BattenError, Floats, Progress, Report, array, call, chosen, drawn, family_of, ffi, flag, kept, lib, options, pointer, report, shown, take,
                           takes, written)  # fmt: skip
 from batten.curves import axes_of, equal
-from batten.meshes import Mesh
+from batten.meshes import Mesh, PolygonMesh
 
 
 class Surface:
@@ -108,6 +108,101 @@ class Surface:
         return written(lib.bat_surface_picture_write, "png", row, 1, options("bat_surface_picture_options", {}))
 
 
+class Shell:
+    """A smooth surface of any shape, closed or open, of four-sided faces that share their sides. It is called with faces and
+    parameters u and v in them.
+
+    Attributes
+    ----------
+    control_mesh : PolygonMesh
+        The control points: quads, with creases.
+    patches : ndarray of shape (faces, spans, spans, 4, 4, 3)
+        Bézier points of the bicubic patches of each face, in rows of v.
+    closed : bool
+        Whether it has no boundary.
+    report : Report
+        `points`, `noise`, `rms`, `held_out`, `volume`, `pieces`, `holes`, and more.
+    """
+
+    control_mesh: PolygonMesh
+    patches: Floats
+    closed: bool
+    report: Report
+
+    def __init__(self, control_mesh: PolygonMesh, patches: Floats, closed: bool, report: Report) -> None:
+        self.control_mesh, self.patches, self.closed, self.report = control_mesh, patches, closed, report
+
+    def _struct(self) -> Any:
+        cage = self.control_mesh._struct()
+        struct = ffi.new("bat_shell *", [cage[0], len(self), self.patches.shape[1], pointer(self.patches), self.closed])
+        kept[struct] = [cage, self.patches]
+        return struct
+
+    def _evaluate(self, face: ArrayLike, u: ArrayLike, v: ArrayLike) -> tuple[Floats, Floats]:
+        given = np.broadcast_arrays(array(face, "face", None, np.int64), array(u, "u", None), array(v, "v", None))
+        faces, places = np.ascontiguousarray(given[0], np.int64), np.stack(given[1:], axis=-1)
+        points, normals = np.empty((*faces.shape, 3)), np.empty((*faces.shape, 3))
+        call(lib.batten_shell_evaluate, self._struct(), pointer(faces, "int64_t[]"), pointer(places), faces.size, pointer(points), pointer(normals))
+        return points, normals
+
+    def __call__(self, face: ArrayLike, u: ArrayLike, v: ArrayLike) -> Floats:
+        """The points of faces at parameters in [0, 1], which are broadcast: an array of shape (…, 3)."""
+        return self._evaluate(face, u, v)[0]
+
+    def normals(self, face: ArrayLike, u: ArrayLike, v: ArrayLike) -> Floats:
+        """Unit normals, outwards of a closed shell."""
+        return self._evaluate(face, u, v)[1]
+
+    def mesh(self, samples: int = 6) -> PolygonMesh:
+        """The shell as a mesh of samples x samples quads of each patch."""
+        made = ffi.new("bat_mesh *")
+        call(lib.bat_shell_tessellate, self._struct(), samples, made)
+        return PolygonMesh._from(made)
+
+    def write(self, path: str | os.PathLike[str] | None = None, *, format: str = "auto", samples: int = 0, unit: str = "mm") -> bytes:
+        """Write the shell to a file, whose ending chooses the format: .step, or .obj and other meshes of quads. Without a path,
+        give a format, and get the bytes of the file."""
+        how = options("bat_surface_write_options", {"format": format, "samples": samples, "unit": unit})
+        return written(lib.bat_shell_write, format, self._struct(), how, path=path)
+
+    def to_step(self, path: str | os.PathLike[str] | None = None) -> bytes:
+        """STEP, whose closed parts are solids: to a file, or as bytes."""
+        return self.write(path, format="step")
+
+    def __len__(self) -> int:
+        """The number of faces."""
+        return len(self.patches)
+
+    def __repr__(self) -> str:
+        return f"<{'Closed' if self.closed else 'Open'} shell of {len(self)} faces, rms {self.report.rms:.3g}>"
+
+    def plot(self, ax: Any = None, *, interactive: bool = False, samples: int = 6, **style: Any) -> Any:
+        """Draw the shell, as :meth:`Mesh.plot`."""
+        return self.mesh(samples).plot(ax, interactive=interactive, **style)
+
+    @drawn
+    def _repr_png_(self) -> bytes | None:
+        return self.mesh().picture()
+
+
+def _shell(given: Any, mesh: Mesh | None, settings: dict[str, Any], progress: Progress) -> Shell:
+    made, found = ffi.gc(ffi.new("bat_shell *"), lib.bat_shell_free), ffi.new("bat_shell_report *")
+    points, count = (ffi.NULL, 0) if mesh is not None else (pointer(given), len(given))
+    how = options("bat_shell_reconstruct_options", settings)
+    with shown(progress, "fitting"):
+        call(lib.bat_shell_reconstruct, points, count, ffi.NULL if mesh is None else mesh._struct(), how, made, found)
+    patches, made.patches = take(made.patches, (made.face_count, made.spans, made.spans, 4, 4, 3)), ffi.NULL
+    cage = ffi.new("bat_mesh *")
+    call(lib.bat_mesh_copy, ffi.addressof(made, "cage"), cage)
+    return Shell(PolygonMesh._from(cage), patches, made.closed, report(found))
+
+
+#: Arguments without a meaning for shells.
+_OF_PATCHES = {"trim", "sides", "functions", "published"}
+#: Options that shells have, too.
+_OF_BOTH = {"tolerance", "threads", "fill_holes", "force"}
+
+
 def _unpickled(content: bytes, *rest: Any) -> Surface:
     struct = ffi.new("bat_spline_surface *")
     with tempfile.TemporaryDirectory() as folder:
@@ -126,10 +221,24 @@ def _owned(values: Any) -> Any:
     return memory
 
 
+@overload
+@takes("bat_shell_reconstruct_options")
+def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Literal[True], progress: Progress = False,
+                **settings: Any) -> Shell: ...
+@overload
 @takes("bat_surface_reconstruct_options")
-def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int = 0, corners: ArrayLike | None = None,
-                parameters: str | ArrayLike = "auto", progress: Progress = False, **settings: Any) -> Surface:
-    """Fit a spline surface to the points of a scan.
+def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: Literal[False], boundary: int = 0,
+                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
+                **settings: Any) -> Surface: ...
+@overload
+def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: None = None, boundary: int = 0,
+                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
+                **settings: Any) -> Surface | Any: ...
+@takes("bat_surface_reconstruct_options")
+def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool | None = None, boundary: int = 0,
+                corners: ArrayLike | None = None, parameters: str | ArrayLike = "auto", progress: Progress = False,
+                **settings: Any) -> Any:
+    """Fit a spline surface to the points of a scan: one patch, or a shell of any shape.
 
     Parameters
     ----------
@@ -137,6 +246,10 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
         Scattered points of a patch, or a mesh of it.
     faces : array_like of shape (m, 3), optional
         The triangles of a mesh.
+    shell : bool, optional
+        True: a :class:`Shell`, whose options are `tolerance`, `faces` (about this number), `spans` (of a face, in each
+        direction), `crease` (edges of a mesh beyond this angle stay sharp, in radians), `fill_holes`, `force` and `threads`.
+        False: a :class:`Surface`. By default a shell of points or meshes that are closed, unless arguments ask for a patch.
     boundary : int
         How many leading points are the boundary, in order around the loop; 0: it is found.
     corners : four indices, optional
@@ -150,7 +263,7 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
 
     Returns
     -------
-    Surface
+    Surface or Shell
 
     Examples
     --------
@@ -160,6 +273,23 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, boundary: int
     >>> surface.report.reached, surface.report.verdict.fault, surface(0.5, [0.25, 0.75]).shape
     (True, 'none', (2, 3))
     """
+    if shell is not None and flag(shell, "shell"):
+        if boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto":
+            raise TypeError("shell: a shell has no boundary, corners and parameters of one square")
+        mesh = Mesh.of(points, faces) if faces is not None or hasattr(points, "faces") else None
+        return _shell(None if mesh is not None else array(points, "points", 3), mesh, settings, progress)
+    patch = shell is not None or boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto"
+    try:
+        return _patch(points, faces, boundary, corners, parameters, progress, settings)
+    except BattenError as error:
+        if patch or error.remedy != "shell" or _OF_PATCHES & set(settings):
+            raise
+        both = {name: settings[name] for name in _OF_BOTH & set(settings)}
+        return fit_surface(points, faces, shell=True, progress=progress, **both)
+
+
+def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, progress: Progress, settings: dict[str, Any]) -> Surface:
+    """A surface of one patch."""
     cloud = ffi.gc(ffi.new("bat_cloud *"), lib.bat_cloud_free)
     if faces is not None or hasattr(points, "faces"):
         mesh = Mesh.of(points, faces)

@@ -58,7 +58,7 @@ def test_a_wrong_surface_is_refused_unless_forced(random):
         batten.fit_surface(ball)
     assert "--" not in str(caught.value)
     try:
-        surface = batten.fit_surface(ball, force=True)
+        surface = batten.fit_surface(ball, shell=False, force=True)
     except batten.BattenError as error:
         assert "force" not in str(error)
     else:
@@ -71,3 +71,49 @@ def test_points_are_held_out(random):
     report = batten.fit_surface(points).report
     assert report.held_out_count >= 100 and 0.005 < report.held_out_rms < 0.02 and 0.005 < report.noise < 0.02
     assert np.isfinite(report.rounds[0].held_out) and report.functions < 400
+
+
+@pytest.fixture(scope="module")
+def torus():
+    """Points of a torus, at random."""
+    random = np.random.default_rng(3)
+    u, v = random.uniform(0, 2 * np.pi, (2, 4000))
+    keep = random.uniform(0, 1.4, 4000) < 1 + 0.4 * np.cos(v)  # even on the surface
+    u, v = u[keep], v[keep]
+    return np.stack([(1 + 0.4 * np.cos(v)) * np.cos(u), (1 + 0.4 * np.cos(v)) * np.sin(u), 0.4 * np.sin(v)], axis=1)
+
+
+def test_a_closed_cloud_becomes_a_shell(torus, tmp_path, sphere_mesh):
+    shell = batten.fit_surface(torus)
+    assert isinstance(shell, batten.Shell) and shell.closed and shell.report.pieces == 1
+    face = np.arange(len(shell))[:, None, None]
+    u, v = np.linspace(0, 1, 5)[:, None], np.linspace(0, 1, 5)
+    points, normals = shell(face, u, v), shell.normals(face, u, v)
+    assert points.shape == (len(shell), 5, 5, 3)
+    off = np.hypot(np.hypot(points[..., 0], points[..., 1]) - 1, points[..., 2]) - 0.4
+    assert abs(off).max() < 0.02 and shell.report.volume == pytest.approx(2 * np.pi**2 * 0.16, rel=0.02)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=-1), 1)
+    centre = points * [1, 1, 0] / np.hypot(points[..., 0], points[..., 1])[..., None]
+    assert (np.einsum("...d,...d", normals, points - centre) > 0.3).mean() > 0.99  # outwards
+    # The corners of the patches are those of the faces.
+    np.testing.assert_allclose(shell(np.arange(len(shell)), 0, 0), shell.patches[:, 0, 0, 0, 0], atol=1e-12)
+    shell.to_step(tmp_path / "torus.step")
+    assert (tmp_path / "torus.step").read_bytes().startswith(b"ISO-10303-21") and b"MANIFOLD_SOLID_BREP" in shell.to_step()
+    assert isinstance(shell.control_mesh, batten.PolygonMesh) and batten.measure(shell.mesh(2).triangulate()).genus == 1
+    again = pickle.loads(pickle.dumps(shell))
+    assert np.array_equal(again(3, 0.2, 0.7), shell(3, 0.2, 0.7)) and again.to_step() == shell.to_step()
+    assert shell._repr_png_()[:4] == b"\x89PNG" and draws(shell)
+    ball = batten.fit_surface(sphere_mesh, shell=True, faces=24)
+    assert ball.closed and batten.measure(ball.mesh(2).triangulate()).genus == 0
+
+
+def test_shells_refuse(torus):
+    with pytest.raises(batten.InvalidArgument, match="face"):
+        batten.fit_surface(torus, shell=True, faces=60)(10**6, 0, 0)
+    with pytest.raises(TypeError, match="unknown option 'tolerence'; did you mean tolerance"):
+        batten.fit_surface(torus, shell=True, tolerence=1)
+    with pytest.raises(TypeError, match="no boundary, corners and parameters"):
+        batten.fit_surface(torus, shell=True, corners=[0, 1, 2, 3])
+    with pytest.raises(batten.BattenError) as caught:
+        batten.fit_surface(torus, shell=False)
+    assert caught.value.remedy == "shell"
