@@ -125,6 +125,10 @@ static const option_spec *option_of_field(const arguments *given, const char *fi
     for (size_t i = 0; i < sizeof OPTION_NAMES / sizeof *OPTION_NAMES; i++)
         if (strcmp(OPTION_NAMES[i].field, name) == 0 || strcmp(OPTION_NAMES[i].field, field) == 0)
             (void)snprintf(name, sizeof name, "%s", OPTION_NAMES[i].option);
+    static const char ANGULAR[] = "angular_"; // the second number of an option
+    char *second = strstr(name, ANGULAR);
+    if (second != NULL)
+        memmove(second, second + sizeof ANGULAR - 1, strlen(second + sizeof ANGULAR - 1) + 1);
     for (char *at = name; *at != '\0'; at++)
         *at = *at == '_' ? '-' : *at;
     int index = find(given->verb, name, strlen(name));

@@ -167,6 +167,12 @@ static const option_spec MOTION_VERB_OPTIONS[] = {
      FLAG(curve_job, motion.uncertainty)},
     {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
      CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
+    {"max-speed", "V[,W]", METHOD, 0,
+     "spline: new times, the fastest ones along the path within a speed of V; of poses W in radians a unit of time; 0: no "
+     "limit",
+     NO_FIELD},
+    {"max-acceleration", "A[,B]", METHOD, 0, "spline: the same within an acceleration; open motions begin and end at rest",
+     NO_FIELD},
     {"wrap", "TURN", METHOD, 0, "numbers are angles with this full turn, as 360, and go the shorter way",
      POSITIVE(curve_job, motion.wrap)},
     {"extrapolate", NULL, METHOD, 0, "spline: go on before the first and after the last keyframe, with constant velocity",
@@ -306,7 +312,8 @@ static const char *const FOR_CURVES[] = {"fairness",     "model",  "snap", "best
                                          "corner-angle", "smooth", NULL};
 
 /// Those of splines: of `batten motion`, and of `batten curve`.
-static const char *const FOR_SPLINES[] = {"times", "ends", "extrapolate", "sigma", "uncertainty", "outliers", NULL};
+static const char *const FOR_SPLINES[] = {"times",    "ends",      "extrapolate",      "sigma", "uncertainty",
+                                          "outliers", "max-speed", "max-acceleration", NULL};
 static const char *const FOR_SAMPLES[] = {"times", NULL};
 
 static bool is_motion_scheme(const char *scheme)
@@ -340,28 +347,35 @@ static bool read_tangents(const arguments *given, curve_job *job)
     return true;
 }
 
-/// --sigma: one number, or two.
-static bool read_sigma(const arguments *given, curve_job *job)
+/// One number, or two: of lengths, and of angles of poses.
+static bool read_pair(const arguments *given, const char *name, double *of_lengths, double *of_angles)
 {
-    const char *text = argument(given, "sigma");
-    bat_motion_spline_options *spline = &job->motion.spline;
+    const char *text = argument(given, name);
+    char *end;
     if (text == NULL)
         return true;
-    char *end;
-    if (strcmp(text, "auto") == 0)
-    {
-        spline->sigma = BAT_MOTION_SIGMA_AUTO;
-        return true;
-    }
-    spline->sigma = strtod(text, &end);
-    bool good = end != text && spline->sigma >= 0 && isfinite(spline->sigma);
+    *of_lengths = strtod(text, &end);
+    bool good = end != text && *of_lengths >= 0 && isfinite(*of_lengths);
     if (good && *end == ',')
     {
         const char *second = end + 1;
-        spline->angle_sigma = strtod(second, &end);
-        good = end != second && spline->angle_sigma >= 0 && isfinite(spline->angle_sigma);
+        *of_angles = strtod(second, &end);
+        good = end != second && *of_angles >= 0 && isfinite(*of_angles);
     }
-    return (good && *end == '\0') || argument_refused(given, "sigma", "a number, two as in 0.01,0.002, or auto");
+    return (good && *end == '\0') || argument_refused(given, name, "a number from 0 on, or two as in 0.01,0.002%s",
+                                                      strcmp(name, "sigma") == 0 ? ", or auto" : "");
+}
+
+/// --sigma, --max-speed and --max-acceleration.
+static bool read_pairs(const arguments *given, curve_job *job)
+{
+    bat_motion_spline_options *spline = &job->motion.spline;
+    bool automatic = is_auto(given, "sigma");
+    if (automatic)
+        spline->sigma = BAT_MOTION_SIGMA_AUTO;
+    return (automatic || read_pair(given, "sigma", &spline->sigma, &spline->angle_sigma)) &&
+           read_pair(given, "max-speed", &spline->max_speed, &spline->max_angular_speed) &&
+           read_pair(given, "max-acceleration", &spline->max_acceleration, &spline->max_angular_acceleration);
 }
 
 static bool read_units(const arguments *given, curve_job *job)
@@ -420,7 +434,7 @@ static bool read_motion(curve_job *job)
         return false;
     if (job->is_motion && !job->is_verb)
         job->hint = "is treated as a motion";
-    return read_tangents(given, job) && read_sigma(given, job) && read_units(given, job) &&
+    return read_tangents(given, job) && read_pairs(given, job) && read_units(given, job) &&
            usage_accepts(given, bat_options_check(&bat_motion_curves_fields, &job->motion, report_error())) &&
            check_options(given, job);
 }

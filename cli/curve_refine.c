@@ -580,6 +580,22 @@ static json_t *report_held(const curve_job *job, bool as_json)
         "held:z -one:b", job->findings.moved.held, (int)(job->findings.moved.held == 1));
 }
 
+/// The peaks of speeds, accelerations and jerks, of poses also those of turns; new times.
+static json_t *report_peaks(const curve_job *job, bool as_json)
+{
+    const bat_motion_report *moved = &job->findings.moved;
+    const double *way = moved->peaks[0], *turn = moved->peaks[1];
+    bool limited = moved->duration != moved->given_duration;
+    return report_part(as_json,
+                       "[limited?limits: new times, {duration:.6g} in all, {given_duration:.6g} given\n]"
+                       "peaks: speed {speed:.4g}[turns?, {angular_speed:.4g} rad], acceleration {acceleration:.4g}[turns?, "
+                       "{angular_acceleration:.4g} rad], jerk {jerk:.4g}[turns?, {angular_jerk:.4g} rad] between points\n",
+                       "duration:n given_duration:n speed:n angular_speed:n acceleration:n angular_acceleration:n jerk:n "
+                       "angular_jerk:n -turns:b -limited:b",
+                       moved->duration, moved->given_duration, way[0], turn[0], way[1], turn[1], way[2], turn[2],
+                       (int)(strcmp(job->coarse.space->name, "rigid") == 0), (int)limited);
+}
+
 /// Given velocities that the keys contradict.
 static json_t *report_conflict(const curve_job *job, bool as_json)
 {
@@ -655,6 +671,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     json_t *noise = noisy ? report_noise(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
     json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
+    json_t *peaks = findings->moved.duration > 0 ? report_peaks(job, json) : json_null();
     json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
     if (!json && corners)
         (void)printf("%zu corner%s kept\n", kept, kept == 1 ? "" : "s");
@@ -684,18 +701,19 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
                           "mean_nn:n hausdorff:n -many:b", findings->mean_nn, findings->hausdorff, (int)many);
     if (!json)
         return NULL;
-    char keys[200];
+    char keys[240];
     (void)snprintf(keys, sizeof keys,
                    "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
-                   "conflict:o? noise:o? "
+                   "conflict:o? noise:o? peaks:o? "
                    "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
                    job->motion.times != NULL ? "times"
                    : job->motion.rate > 0    ? "rate"
                                              : "levels",
                    findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, held, conflict, noise, smoothed,
-                         crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight, projection, distance);
+                         findings->written.left_out, findings->written.lost, outliers, held, conflict, noise, peaks,
+                         smoothed, crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight, projection,
+                         distance);
 }
 
 int curve_report(void *of)

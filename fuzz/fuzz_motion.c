@@ -38,6 +38,10 @@ static bat_motion_spline_options take_options(byte_reader *reader)
     options.sigma = take_flag(reader) ? BAT_MOTION_SIGMA_AUTO : take_option(reader, 0, 2);
     options.angle_sigma = take_option(reader, 0, 1);
     options.outliers = (bat_motion_outliers)take_choice(reader, 3);
+    if (take_flag(reader))
+        options.max_speed = take_option(reader, 0, 2);
+    if (take_flag(reader))
+        options.max_acceleration = take_option(reader, 0, 2);
     return options;
 }
 

@@ -43,6 +43,10 @@ typedef struct bat_motion_report
     /// How far given velocities are from the mean ones between keys, over all curves: root mean squares, relative to those
     /// of the latter. Near 1 or above, they have other units or another frame; 0 without given velocities.
     double conflict;
+    /// The greatest lengths of velocities, accelerations, and changes of the acceleration in the time between samples
+    /// (jerk), at the samples that are written; of rigid motions those of translations, then those of rotations.
+    double peaks[2][3];
+    double duration, given_duration; ///< of the longest motion; they differ where there are limits
 } bat_motion_report;
 
 /// Options of motions. Begin with bat_motion_curves_defaults().

@@ -73,6 +73,12 @@ typedef struct bat_motion_spline_options
     double sigma;
     double angle_sigma;           ///< of the rotations of rigid motions, in radians; default 0
     bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_NONE
+    /// Limits of the length of velocities and accelerations; 0: none. The motion gets new times then: the fastest ones along
+    /// its path within the limits (time-optimal path parameterization: Pham and Pham 2018). Open motions begin and end at
+    /// rest where accelerations are limited. What rests, or moves without a limit, keeps its duration at least. Of rigid
+    /// motions `max_speed` and `max_acceleration` are of the translation; default 0
+    double max_speed, max_acceleration;
+    double max_angular_speed, max_angular_acceleration; ///< of the rotations of rigid motions, in radians; default 0
     bool extrapolate; ///< go on outside of the keys' times along the geodesic, with constant velocity; default false
     int threads; ///< of bat_motion_spline_sample(), 0 to 1024; 0: as many as are worth it; no effect on results; default 0
 } bat_motion_spline_options;
@@ -97,6 +103,8 @@ typedef struct bat_motion_spline bat_motion_spline;
 /// With `sigma` the motion passes near the keys instead: in R^n it is Reinsch's smoothing spline (1967). Each coordinate has
 /// a penalty of its own, which is lower where the motion accelerates more.
 ///
+/// With limits of speed or acceleration all times of the spline are new ones, from the first key's time on.
+///
 /// @param keys    at least 2 points (3 when closed); `tangents` are velocities, or null for none. Those of a factor are
 ///                unknown at a key where all of their numbers are NaN. Without times the keys are at 0, 1, 2, .... The space
 ///                must outlive the spline, the arrays need not
@@ -117,7 +125,7 @@ typedef struct bat_motion_keys
     const bat_space *space;
     size_t count;
     double begin, end;        ///< the time of the first key, and of the last; of a closed motion the end of its first period
-    const double *times;      ///< count
+    const double *times;      ///< count; the new ones where there are limits
     const double *points;     ///< count x point_dim: the keys themselves, but for smoothing and the signs of quaternions
     const double *velocities; ///< count x tangent_dim
     /// The distances of the given keys from a smoothed motion in units of sigma; of rigid motions the larger of the

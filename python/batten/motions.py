@@ -95,7 +95,8 @@ class Motion:
         how = options("bat_motion_spline_options", settings)
         call(lib.bat_motion_spline_make, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
-        self.times, self.poses, self._keys, self._outliers = moments, poses, keys, how.outliers
+        self.times = np.frombuffer(ffi.buffer(lib.bat_motion_spline_keys(self._spline).times, 8 * len(keys))).copy()
+        self.poses, self._keys, self._outliers = poses, keys, how.outliers
 
     def _seconds(self, times: Any) -> Floats:
         """Times as numbers: dates in seconds since the first one that the motion got, durations in seconds."""

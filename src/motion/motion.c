@@ -7,6 +7,7 @@
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "curve/curve_attributes.h"
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include <inttypes.h>
@@ -648,7 +649,7 @@ static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve 
                        const bat_motion_curves_options *options, bat_hermite_curve *smooth)
 {
     double begin = bat_motion_spline_keys(spline).begin, end = bat_motion_spline_keys(spline).end;
-    size_t parts = (size_t)1 << options->scheme.levels;
+    size_t parts = (size_t)1 << options->scheme.levels, intervals = keys->closed ? keys->count : keys->count - 1;
     for (size_t i = 0; i < smooth->count; i++)
     {
         size_t key = i / parts, part = i % parts;
@@ -657,12 +658,33 @@ static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve 
         else if (options->rate > 0)
             smooth->times[i] = fmin(begin + (double)i / options->rate, end);
         else
-        {
-            double from = keys->times[key], to = key + 1 < keys->count ? keys->times[key + 1] : end;
-            smooth->times[i] = part == 0 ? from : from + (to - from) * ((double)part / (double)parts);
-        }
+            smooth->times[i] = key < intervals ? spline_time_at(spline, key, (double)part / (double)parts) : end;
     }
     smooth->closing_time = keys->closed ? end - smooth->times[smooth->count - 1] : 0;
+}
+
+/// Raise the peaks of a report to those of samples: of all, or of the translations and the rotations of rigid motions.
+static void add_peaks(const bat_hermite_curve *samples, const double *accelerations, bat_motion_report *report)
+{
+    const bat_space *space = samples->space;
+    size_t n = space->tangent_dim, parts = space_is_rigid(space) ? 2 : 1;
+    double before[BAT_SPACE_MAX_DIM], change[BAT_SPACE_MAX_DIM];
+    for (size_t i = 0; i < samples->count; i++)
+    {
+        const double *p = samples->points + i * space->point_dim, *a = accelerations + i * n;
+        const double *vectors[] = {samples->tangents + i * n, a, change};
+        double step = i > 0 ? samples->times[i] - samples->times[i - 1] : 1;
+        bool near = i > 0 && space->transport(space, p - space->point_dim, p, a - n, before) == BAT_OK;
+        for (size_t c = 0; c < n; c++)
+            change[c] = near ? (a[c] - before[c]) / step : 0;
+        for (size_t part = 0; part < parts; part++)
+            for (size_t k = 0; k < 3; k++)
+            {
+                double squared =
+                    parts > 1 ? vector_square(3, vectors[k] + 3 * part) : space->inner(space, p, vectors[k], vectors[k]);
+                report->peaks[part][k] = fmax(report->peaks[part][k], sqrt(fmax(squared, 0)));
+            }
+    }
 }
 
 static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermite_curve *keys,
@@ -680,11 +702,29 @@ static bat_status sample_spline(const bat_motion_spline *spline, const bat_hermi
     if (smooth->points == NULL || smooth->tangents == NULL || smooth->times == NULL)
         return error_set(error, BAT_NO_MEMORY, BAT_NO_INDEX, 0, "out of memory for %zu points", smooth->count);
     fill_times(spline, keys, options, smooth);
-    return bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, NULL, error);
+    double *accelerations = NULL;
+    bat_motion_report *report = options->report;
+    if (report != NULL)
+    {
+        accelerations = memory_array(smooth->count, space->tangent_dim * sizeof(double));
+        if (accelerations == NULL)
+            return error_memory(error, smooth->count * space->tangent_dim * sizeof(double));
+    }
+    status = bat_motion_spline_sample(spline, smooth->times, smooth->count, smooth->points, smooth->tangents, accelerations,
+                                      error);
+    if (report != NULL && status == BAT_OK)
+    {
+        add_peaks(smooth, accelerations, report);
+        report->duration = fmax(report->duration, bat_motion_spline_keys(spline).end - keys->times[0]);
+        report->given_duration =
+            fmax(report->given_duration, keys->times[keys->count - 1] + keys->closing_time - keys->times[0]);
+    }
+    free(accelerations);
+    return status;
 }
 
 /// The squares of the mean velocities between keys, and of what the given ones differ from them.
-static void add_conflict(const bat_motion_spline *spline, const bat_hermite_curve *keys, double squares[2])
+static void add_conflict(const bat_hermite_curve *keys, double squares[2])
 {
     const bat_space *space = keys->space;
     size_t n = space->tangent_dim;
@@ -694,7 +734,7 @@ static void add_conflict(const bat_motion_spline *spline, const bat_hermite_curv
         const double *p = keys->points + i * space->point_dim, *v = keys->tangents + i * n;
         if (space->log(space, p, p + space->point_dim, log) != BAT_OK)
             continue;
-        double length = bat_motion_spline_keys(spline).times[i + 1] - bat_motion_spline_keys(spline).times[i];
+        double length = keys->times[i + 1] - keys->times[i];
         for (size_t c = 0; c < n; c++)
             if (!isnan(v[c]) && !isnan(v[n + c]))
             {
@@ -753,7 +793,7 @@ static bat_status smooth_by_spline(const bat_curve_set *set, size_t index, const
     if (status == BAT_OK && options->report != NULL)
     {
         add_report(spline, index, options->report);
-        add_conflict(spline, keys, columns->squares);
+        add_conflict(keys, columns->squares);
     }
     bat_motion_spline_free(spline);
     if (status != BAT_OK && error != NULL)

@@ -8,8 +8,10 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "curve/point_form.h"
+#include "linalg/vector.h"
 #include "motion/hermite_average.h"
 #include "motion/spline_system.h"
+#include "motion/spline_timing.h"
 #include "space/builtin.h"
 
 #include <math.h>
@@ -45,7 +47,9 @@ struct bat_motion_spline
     double sigmas[2];      ///< of the noise: of all but rotations of rigid motions, and of these
     double *records;       ///< intervals x record_size
     size_t record_size;
-    size_t held; ///< intervals, over all factors
+    size_t held;          ///< intervals, over all factors
+    bool limited;         ///< the times are those of `timing`
+    spline_timing timing; ///< within limits of speed and acceleration
 };
 
 static const bat_choice ENDS[] = {
@@ -92,6 +96,10 @@ static bat_status motion_spline_options_check(const void *opaque, bat_error *err
         OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
         OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
         OPTION_FAMILY(bat_motion_spline_options, outliers, bat_motion_outliers_family),
+        OPTION_FIELD(bat_motion_spline_options, max_speed, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, max_angular_speed, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, max_acceleration, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_motion_spline_options, max_angular_acceleration, OPTION_NUMBER, 0, INFINITY),
         OPTION_THREADS(bat_motion_spline_options),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
@@ -126,6 +134,7 @@ void bat_motion_spline_free(bat_motion_spline *spline)
     free(spline->uncertainties);
     free(spline->wander);
     free(spline->records);
+    spline_timing_free(&spline->timing);
     free(spline);
 }
 
@@ -358,60 +367,6 @@ static void fill_buckets(bat_motion_spline *spline)
         spline->buckets[filled] = n - 1;
 }
 
-bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
-                                  bat_motion_spline **spline, bat_error *error)
-{
-    bat_motion_spline_options defaults = bat_motion_spline_defaults();
-    bat_status status = bat_options_check(&bat_motion_spline_fields, options, error);
-    if (status == BAT_OK)
-        status = check_keys(keys, error);
-    options = options != NULL ? options : &defaults;
-    if (status == BAT_OK)
-        status = check_sigma(keys, options, error);
-    if (status != BAT_OK)
-        return status;
-    bat_motion_spline *made = calloc(1, sizeof *made);
-    double *lengths = memory_array(keys->count, sizeof *lengths);
-    status = made != NULL && lengths != NULL ? BAT_OK : error_memory(error, keys->count * sizeof *lengths);
-    if (status == BAT_OK)
-    {
-        made->space = *keys->space;
-        made->count = keys->count;
-        made->intervals = keys->closed ? keys->count : keys->count - 1;
-        made->extrapolate = options->extrapolate;
-        made->threads = options->threads;
-        status = allocate(keys, made, error);
-    }
-    if (status == BAT_OK)
-        status = take_times(keys, made, lengths, error);
-    if (status == BAT_OK)
-        fill_buckets(made);
-    for (size_t i = 0; status == BAT_OK && i < made->factor_count; i++)
-        status = prepare_factor(keys, options, i, lengths, made, error);
-    free(lengths);
-    if (status == BAT_OK)
-        *spline = made;
-    else
-        bat_motion_spline_free(made);
-    return status;
-}
-
-bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
-{
-    return (bat_motion_keys){.space = &spline->space,
-                             .count = spline->count,
-                             .begin = spline->times[0],
-                             .end = spline->times[spline->intervals],
-                             .times = spline->times,
-                             .points = spline->points,
-                             .velocities = spline->velocities,
-                             .deviations = spline->deviations,
-                             .uncertainties = spline->uncertainties,
-                             .sigma = spline->sigmas[0],
-                             .angle_sigma = spline->sigmas[1],
-                             .held = spline->held};
-}
-
 // Evaluation
 
 static bool is_closed(const bat_motion_spline *spline)
@@ -443,7 +398,23 @@ typedef struct place
     size_t interval;
     double share;
     double beyond; ///< how long the time is before the first key (negative) or after the last
+    double rate;   ///< the derivative of the share by time
+    double slope;  ///< its second derivative
 } place;
+
+/// Find the share of a time that is in an interval.
+static void find_share(const bat_motion_spline *spline, double time, place *at)
+{
+    if (spline->limited)
+    {
+        at->share = spline_timing_share(&spline->timing, at->interval, time, &at->rate, &at->slope);
+        return;
+    }
+    double from = spline->times[at->interval], length = spline->times[at->interval + 1] - from;
+    at->share = (time - from) / length;
+    at->rate = 1 / length;
+    at->slope = 0;
+}
 
 /// @return false when the time is not finite or not on the motion
 static bool find_place(const bat_motion_spline *spline, double time, size_t hint, place *found)
@@ -467,8 +438,7 @@ static bool find_place(const bat_motion_spline *spline, double time, size_t hint
         }
     }
     found->interval = find_interval(spline, time, hint);
-    double from = spline->times[found->interval];
-    found->share = (time - from) / (spline->times[found->interval + 1] - from);
+    find_share(spline, time, found);
     return true;
 }
 
@@ -550,7 +520,9 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
         return status == BAT_OK ? check_finite(point, spline->space.point_dim) : status;
     }
     const double *record = spline->records + at->interval * spline->record_size;
-    double rate = 1 / (spline->times[at->interval + 1] - spline->times[at->interval]);
+    double made[BAT_SPACE_MAX_DIM];
+    if (velocity == NULL && acceleration != NULL && at->slope != 0)
+        velocity = made;
     for (size_t i = 0; i < spline->factor_count; i++)
     {
         const spline_factor *f = &spline->factors[i];
@@ -560,10 +532,10 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
         if (status != BAT_OK)
             return status;
     }
+    for (size_t c = 0; acceleration != NULL && c < spline->space.tangent_dim; c++)
+        acceleration[c] = at->rate * at->rate * acceleration[c] + (at->slope != 0 ? at->slope * velocity[c] : 0);
     if (velocity != NULL)
-        scale_by(velocity, spline->space.tangent_dim, rate);
-    if (acceleration != NULL)
-        scale_by(acceleration, spline->space.tangent_dim, rate * rate);
+        scale_by(velocity, spline->space.tangent_dim, at->rate);
     copy_key(spline, at, point, velocity);
     return check_finite(point, spline->space.point_dim);
 }
@@ -600,7 +572,7 @@ static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval,
             return status;
     }
     for (size_t j = 0; j < count; j++)
-        copy_key(spline, &(place){interval, shares[j], 0}, points + j * dim, NULL);
+        copy_key(spline, &(place){.interval = interval, .share = shares[j]}, points + j * dim, NULL);
     return check_finite(points, count * dim);
 }
 
@@ -615,15 +587,11 @@ static size_t run_from(const bat_motion_spline *spline, const double *times, siz
         if (i > begin && !(times[i] >= spline->times[*hint] && times[i] < spline->times[*hint + 1]))
             break;
         if (i > begin)
-        {
-            double from = spline->times[*hint];
-            shares[i - begin] = (times[i] - from) / (spline->times[*hint + 1] - from);
-            continue;
-        }
-        if (!find_place(spline, times[i], *hint, &at) || at.beyond != 0)
+            find_share(spline, times[i], &at);
+        else if (!find_place(spline, times[i], *hint, &at) || at.beyond != 0)
             return begin;
         *hint = at.interval;
-        shares[0] = at.share;
+        shares[i - begin] = at.share;
     }
     return i;
 }
@@ -693,4 +661,119 @@ bat_status bat_motion_spline_uncertainty(const bat_motion_spline *spline, const 
         }
     }
     return BAT_OK;
+}
+
+// Limits
+
+/// The squares of velocities and accelerations of the path by its old times.
+static bat_status rates_at(const void *context, size_t interval, double share, timing_rates rates[TIMING_PARTS])
+{
+    const bat_motion_spline *spline = context;
+    const bat_space *space = &spline->space;
+    double point[BAT_SPACE_MAX_DIM], v[BAT_SPACE_MAX_DIM], a[BAT_SPACE_MAX_DIM];
+    double rate = 1 / (spline->times[interval + 1] - spline->times[interval]);
+    bat_status status = evaluate(spline, &(place){interval, share, 0, rate, 0}, point, v, a);
+    bool rigid = space_is_rigid(space);
+    rates[0] = rates[1] = (timing_rates){0};
+    for (size_t part = 0; rigid && part < TIMING_PARTS; part++)
+        rates[part] = (timing_rates){vector_dot(3, v + 3 * part, v + 3 * part), vector_dot(3, v + 3 * part, a + 3 * part),
+                                     vector_dot(3, a + 3 * part, a + 3 * part)};
+    if (!rigid && status == BAT_OK)
+        rates[0] = (timing_rates){space->inner(space, point, v, v), space->inner(space, point, v, a),
+                                  space->inner(space, point, a, a)};
+    return status;
+}
+
+/// Replace the times by the fastest ones within the limits.
+static bat_status limit_times(bat_motion_spline *spline, const bat_motion_spline_options *options, bat_error *error)
+{
+    const timing_limits limits = {{options->max_speed, options->max_angular_speed},
+                                  {options->max_acceleration, options->max_angular_acceleration}};
+    bool turns = limits.speed[1] > 0 || limits.acceleration[1] > 0;
+    if (turns && !space_is_rigid(&spline->space))
+        return error_option(error, limits.speed[1] > 0 ? "max_angular_speed" : "max_angular_acceleration",
+                            "is of rigid motions, not of the space %s", spline->space.name);
+    if (!turns && limits.speed[0] == 0 && limits.acceleration[0] == 0)
+        return BAT_OK;
+    size_t n = spline->space.tangent_dim;
+    timing_path path = {spline->intervals, is_closed(spline), spline->times, rates_at, spline};
+    bat_status status = spline_timing_make(&path, &limits, &spline->timing, error);
+    if (status != BAT_OK)
+        return status;
+    for (size_t k = 0; k < spline->count; k++)
+    {
+        size_t i = k < spline->intervals ? k : k - 1;
+        double rate, slope, length = spline->times[i + 1] - spline->times[i];
+        (void)spline_timing_share(&spline->timing, i, spline->timing.times[k * spline->timing.cells], &rate, &slope);
+        scale_by(spline->velocities + k * n, n, rate * length);
+    }
+    for (size_t i = 0; i <= spline->intervals; i++)
+        spline->times[i] = spline->timing.times[i * spline->timing.cells];
+    spline->limited = true;
+    fill_buckets(spline);
+    return BAT_OK;
+}
+
+double spline_time_at(const bat_motion_spline *spline, size_t interval, double share)
+{
+    double from = spline->times[interval], to = spline->times[interval + 1];
+    if (spline->limited)
+        return spline_timing_time(&spline->timing, interval, share);
+    return share == 0 ? from : from + (to - from) * share;
+}
+
+bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                                  bat_motion_spline **spline, bat_error *error)
+{
+    bat_motion_spline_options defaults = bat_motion_spline_defaults();
+    bat_status status = bat_options_check(&bat_motion_spline_fields, options, error);
+    if (status == BAT_OK)
+        status = check_keys(keys, error);
+    options = options != NULL ? options : &defaults;
+    if (status == BAT_OK)
+        status = check_sigma(keys, options, error);
+    if (status != BAT_OK)
+        return status;
+    bat_motion_spline *made = calloc(1, sizeof *made);
+    double *lengths = memory_array(keys->count, sizeof *lengths);
+    status = made != NULL && lengths != NULL ? BAT_OK : error_memory(error, keys->count * sizeof *lengths);
+    if (status == BAT_OK)
+    {
+        made->space = *keys->space;
+        made->count = keys->count;
+        made->intervals = keys->closed ? keys->count : keys->count - 1;
+        made->extrapolate = options->extrapolate;
+        made->threads = options->threads;
+        status = allocate(keys, made, error);
+    }
+    if (status == BAT_OK)
+        status = take_times(keys, made, lengths, error);
+    if (status == BAT_OK)
+        fill_buckets(made);
+    for (size_t i = 0; status == BAT_OK && i < made->factor_count; i++)
+        status = prepare_factor(keys, options, i, lengths, made, error);
+    if (status == BAT_OK)
+        status = limit_times(made, options, error);
+    free(lengths);
+    if (status == BAT_OK)
+        *spline = made;
+    else
+        bat_motion_spline_free(made);
+    return status;
+}
+
+bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
+{
+    return (bat_motion_keys){.space = &spline->space,
+                             .count = spline->count,
+                             .begin = spline->times[0],
+                             .end = spline->times[spline->intervals],
+                             .times = spline->times,
+                             .points = spline->points,
+                             .velocities = spline->velocities,
+                             .deviations = spline->deviations,
+                             .uncertainties = spline->uncertainties,
+                             .sigma = spline->sigmas[0],
+                             .angle_sigma = spline->sigmas[1],
+                             .held = spline->held};
 }

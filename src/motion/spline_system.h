@@ -165,6 +165,9 @@ bat_status spline_smooth(const spline_factor *f, size_t count, const double *len
                          double *points, double *sigma, double *deviations, double *uncertainties, double *wander,
                          bat_error *error);
 
+/// The time at a share of an interval of a spline.
+double spline_time_at(const bat_motion_spline *spline, size_t interval, double share);
+
 /// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
 double motion_outliers_threshold(bat_motion_outliers outliers);
 

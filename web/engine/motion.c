@@ -7,6 +7,10 @@ static const engine_option SPLINE_OPTIONS[] = {
     ENGINE_OPTION_CHOICE(bat_motion_spline_options, shape, &bat_motion_shape_family),
     ENGINE_OPTION(bat_motion_spline_options, sigma, ENGINE_NUMBER),
     ENGINE_OPTION(bat_motion_spline_options, angle_sigma, ENGINE_NUMBER),
+    ENGINE_OPTION(bat_motion_spline_options, max_speed, ENGINE_NUMBER),
+    ENGINE_OPTION(bat_motion_spline_options, max_acceleration, ENGINE_NUMBER),
+    ENGINE_OPTION(bat_motion_spline_options, max_angular_speed, ENGINE_NUMBER),
+    ENGINE_OPTION(bat_motion_spline_options, max_angular_acceleration, ENGINE_NUMBER),
     ENGINE_OPTION(bat_motion_spline_options, extrapolate, ENGINE_BOOL),
 };
 

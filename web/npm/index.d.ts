@@ -352,7 +352,8 @@ export interface Batten {
   bat_motion_spline_sample(
     keys: Keyframes,
     times: Rows,
-    options?: { ends?: string; shape?: string; sigma?: number; angle_sigma?: number; extrapolate?: boolean },
+    options?: { ends?: string; shape?: string; sigma?: number; angle_sigma?: number; max_speed?: number; max_acceleration?: number;
+      max_angular_speed?: number; max_angular_acceleration?: number; extrapolate?: boolean },
   ): { points: Float64Array; velocities: Float64Array; accelerations: Float64Array };
 
   bat_mesh_refine(coarse: Mesh, options?: MeshRefineOptions): MeshResult & { fallback: number };
