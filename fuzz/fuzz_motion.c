@@ -81,12 +81,6 @@ static void refine(const bat_hermite_curve *keys, byte_reader *reader)
     if (bat_hermite_refine(keys, &options, &fine, NULL) == BAT_OK)
         promise_points(keys->space, fine.points, fine.count);
     bat_hermite_free(&fine);
-    double rate = take_option(reader, 0, 8);
-    bool short_enough = keys->times == NULL || keys->count == 0 ||
-                        fabs(keys->times[keys->count - 1] - keys->times[0]) + fabs(keys->closing_time) < 1000;
-    if (fabs(rate) < 100 && short_enough && bat_hermite_sample_rate(keys, rate, &fine, NULL) == BAT_OK)
-        promise_points(keys->space, fine.points, fine.count);
-    bat_hermite_free(&fine);
 }
 
 /// Splines and Hermite schemes give points of their space, or a failure.

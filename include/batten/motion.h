@@ -23,7 +23,7 @@ typedef enum bat_motion_method
                               ///< there are none, or for another Hermite scheme than the default one
     BAT_MOTION_METHOD_SPLINE, ///< bat_motion_spline_make(): keyframes are samples in time
     BAT_MOTION_METHOD_HERMITE ///< Hermite schemes: bat_hermite_refine() by levels, for shapes; times do not steer it. At a
-                              ///< rate, bat_hermite_sample_rate()
+                              ///< rate it is a spline with estimated velocities
 } bat_motion_method;
 
 /// The methods by name.
@@ -138,8 +138,8 @@ BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curv
 /// @param options null for the defaults
 /// @param fine    receives a curve for each one of `keyframes`; release it with bat_curve_set_free()
 /// @param error   its `curve` is the failing one
-/// @return as bat_motion_data(), bat_motion_spline_make(), bat_motion_spline_sample(), bat_hermite_refine() and
-///         bat_hermite_sample_rate(); `fine` is untouched on failure
+/// @return as bat_motion_data(), bat_motion_spline_make(), bat_motion_spline_sample(), and bat_hermite_refine(); `fine` is
+/// untouched on failure
 BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_curves_options *options,
                                      bat_curve_set *fine, bat_error *error);
 

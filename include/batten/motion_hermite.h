@@ -136,7 +136,8 @@ extern BAT_API const bat_options_table bat_hermite_refine_fields;
 /// gets count 2^levels points, an open one (count - 1) 2^levels + 1. Even orders and masks of even length give two new
 /// points on every edge instead; an open curve then gets its ends back, (count - 1) 2^levels + 2 points in all. Open curves
 /// are continued by geodesic point reflection, with transported tangents. Times are averaged as the points of a linear
-/// scheme are. For a curve through given points at given times, use bat_hermite_sample().
+/// scheme are. For a curve through given points at given times, use
+/// bat_motion_spline_make().
 ///
 /// BAT_HERMITE_KIND_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates with
 /// fourth-order accuracy. BAT_HERMITE_KIND_TRANSPORT takes derivatives of evenly spaced samples, and gives derivatives by
@@ -162,33 +163,6 @@ BAT_API bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat
 ///         times turns back on itself; BAT_CUT_LOCUS with a point whose neighbours have no unique logarithm; BAT_NO_MEMORY;
 ///         the tangents are undefined on failure
 BAT_API bat_status bat_hermite_estimate_tangents(bat_hermite_curve *curve, size_t order, bat_error *error);
-
-/// The curve at given times, and its velocities. Between two points it is the geodesic De Casteljau cubic (Park and Ravani
-/// 1995). Its inner control points are exp(p, h v / 3) and exp(q, -h w / 3), h being the time between them. It passes the
-/// points at their times with their velocities, for every spacing, and so is C1. The error against a smooth curve is O(h^4).
-///
-/// Velocities so high that h v / 3 leads past the cut locus are refused: shortest geodesics to such control points do not
-/// have these velocities. bat_motion_spline_make() takes them.
-///
-/// @param curve      tangents are velocities (directions, and derivatives by the index where there are times, are refused);
-///                   without times the points are at 0, 1, 2, … and a closed curve ends at `count`
-/// @param times      in any order; within those of an open curve, modulo the period of a closed one
-/// @param points     receives count x point_dim numbers
-/// @param velocities receives count x tangent_dim numbers, by fourth-order differences over 1/256 of the interval: accurate
-///                   to about 1e-10 of the largest nearby; may be null
-/// @return BAT_OK; BAT_INVALID_ARGUMENT with a time that is outside or not finite; the failures of bat_hermite_check();
-///         BAT_CUT_LOCUS or BAT_INVALID_POINT with the time where a velocity is too high, or a geodesic is not unique or
-///         leaves the space
-BAT_API bat_status bat_hermite_sample(const bat_hermite_curve *curve, const double *times, size_t count, double *points,
-                                      double *velocities, bat_error *error);
-
-/// bat_hermite_sample() at `rate` points for every unit of time, from the first time on: up to the last of an open curve,
-/// short of a whole period of a closed one.
-/// @param sampled receives points, velocities and times; release it with bat_hermite_free()
-/// @return as bat_hermite_sample(), and BAT_INVALID_ARGUMENT, BAT_TOO_LARGE or BAT_NO_MEMORY; `sampled` is untouched on
-///         failure
-BAT_API bat_status bat_hermite_sample_rate(const bat_hermite_curve *curve, double rate, bat_hermite_curve *sampled,
-                                           bat_error *error);
 
 BAT_C_END
 

@@ -76,11 +76,13 @@ bool bat_motion_has_velocities(const bat_curve_set *set)
 
 bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_motion_curves_options *options)
 {
+    if (options != NULL && options->rate > 0)
+        return BAT_MOTION_METHOD_SPLINE;
     if (options != NULL && options->method != BAT_MOTION_METHOD_AUTO)
         return options->method;
     if (options != NULL && (options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT || options->scheme.order != 1))
         return BAT_MOTION_METHOD_HERMITE;
-    bool timed = bat_motion_has_times(set) || (options != NULL && (options->rate > 0 || options->times != NULL));
+    bool timed = bat_motion_has_times(set) || (options != NULL && options->times != NULL);
     return timed ? BAT_MOTION_METHOD_SPLINE : BAT_MOTION_METHOD_HERMITE;
 }
 
@@ -215,7 +217,7 @@ static void scale_tangents(bat_hermite_curve *curve, double scale)
 /// Whether a scheme refines directions, for which the lengths of tangents mean nothing.
 static bool takes_directions(bat_motion_method method, const bat_motion_curves_options *options)
 {
-    return method == BAT_MOTION_METHOD_HERMITE && options->rate == 0 && options->scheme.kind != BAT_HERMITE_KIND_TRANSPORT;
+    return method == BAT_MOTION_METHOD_HERMITE && options->scheme.kind != BAT_HERMITE_KIND_TRANSPORT;
 }
 
 /// Let angles go the shorter way from key to key.
@@ -240,11 +242,18 @@ static void wrap(const bat_curve *given, double turn, bat_hermite_curve *smooth)
         smooth->points[i] -= turn * floor((smooth->points[i] - low) / turn);
 }
 
-/// Missing velocities for splines: null where the system of the spline gives them.
-static bat_status make_velocities(bat_hermite_curve *keys, const bat_motion_curves_options *options, bat_error *error)
+/// The order of tangents that are estimated for splines; 0: they solve for them. At a rate a Hermite scheme is a spline.
+static size_t order_of(const bat_motion_curves_options *options)
 {
-    if (options->tangent_order != 0)
-        return bat_hermite_estimate_tangents(keys, options->tangent_order, error);
+    bool hermite = options->method == BAT_MOTION_METHOD_HERMITE && options->rate > 0;
+    return hermite && options->tangent_order == 0 ? 2 : options->tangent_order;
+}
+
+/// Missing velocities for splines: null where the system of the spline gives them.
+static bat_status make_velocities(bat_hermite_curve *keys, size_t order, bat_error *error)
+{
+    if (order != 0)
+        return bat_hermite_estimate_tangents(keys, order, error);
     free(keys->tangents);
     keys->tangents = NULL;
     return BAT_OK;
@@ -258,7 +267,7 @@ static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_
     bool directions = takes_directions(method, options);
     bat_status status = BAT_OK;
     if (method == BAT_MOTION_METHOD_SPLINE)
-        return given ? BAT_OK : make_velocities(keys, options, error);
+        return given ? BAT_OK : make_velocities(keys, order_of(options), error);
     if (!given)
     {
         keys->times = directions ? NULL : times;
@@ -267,7 +276,7 @@ static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_
     }
     else if (directions)
         status = bat_hermite_normalize(keys, error);
-    if (status != BAT_OK || options->rate > 0 || directions || keys->times == NULL)
+    if (status != BAT_OK || directions || keys->times == NULL)
         return status;
     status = check_even(keys, error);
     if (status == BAT_OK)
@@ -281,7 +290,7 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
 {
     const bat_curve *from = &set->curves[curve];
     bat_motion_method method = bat_motion_method_for(set, options);
-    bool splined = method == BAT_MOTION_METHOD_SPLINE && options->tangent_order == 0;
+    bool splined = method == BAT_MOTION_METHOD_SPLINE && order_of(options) == 0;
     bool given = channels->velocity_count > 0 && (splined || has_whole_velocities(channels));
     bat_status status = keys->times != NULL ? take_times(from, channels->time, options->period, keys, error) : BAT_OK;
     if (status == BAT_OK && keys->count < (keys->closed ? 3U : 2U))
@@ -384,7 +393,7 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
     bat_status status = bat_options_check(&bat_motion_curves_fields, options, &fault);
     if (status == BAT_OK)
         status = check_columns(set, options, &channels, &fault);
-    bool timed = channels.time != BAT_NO_INDEX || options->rate > 0 || options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT ||
+    bool timed = channels.time != BAT_NO_INDEX || options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT ||
                  bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     if (status == BAT_OK)
         status = data_allocate(&set->curves[curve], timed, &made, &fault);
@@ -468,7 +477,7 @@ static bat_status choose_columns(const bat_curve_set *set, const bat_motion_curv
 {
     motion_channels given = channels_of(set);
     const point_form *form = form_of(set);
-    bool sampled = options->rate > 0 || bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
+    bool sampled = bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     bool time_missing = given.time == BAT_NO_INDEX && sampled;
     bool velocities_missing = options->velocities && (given.velocity_count == 0 || !has_whole_velocities(&given));
     *result = (result_columns){set->attributes, form, given, set->curves[0].channel_count, {0}, NULL};
@@ -814,14 +823,11 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
         return status;
     if (splined)
         status = smooth_by_spline(set, index, options, &keys, columns, &smooth, error);
-    else if (options->rate > 0)
-        status = bat_hermite_sample_rate(&keys, options->rate, &smooth, error);
     else
         status = bat_hermite_refine(&keys, &options->scheme, &smooth, error);
-    bool refined = !splined && options->rate == 0;
-    if (status == BAT_OK && refined)
+    if (status == BAT_OK && !splined)
         restore_velocities(&keys, &options->scheme, &smooth);
-    else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && refined)
+    else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && !splined)
         error->line = bat_curve_set_line(set, index, error->index);
     if (status == BAT_OK && options->wrap > 0)
         wrap(&set->curves[index], options->wrap, &smooth);

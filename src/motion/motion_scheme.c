@@ -49,7 +49,7 @@ static const entry ENTRIES[] = {
      NULL,
      BAT_MOTION_METHOD_SPLINE},
     {CHOICE_SET("hermite", "order=1",
-                "by points and tangents, order 1 through the points; any space; a rate samples it in time"),
+                "by points and tangents, order 1 through the points; any space"),
      apply_hermite, BAT_MOTION_METHOD_HERMITE},
     {CHOICE_SET("hermite-merrien", "lambda=-0.125,mu=-0.5,base=vertex",
                 "Merrien's scheme by parallel transport, through the points, evenly spaced; any space"),

@@ -111,16 +111,6 @@ static way_result by_refinement(const way_list *list, size_t way, const hermite_
     return result;
 }
 
-static way_result by_sampling(const way_list *list, size_t way, const hermite_pair *pair, double time)
-{
-    const bat_space *space = &list->spaces[way];
-    double points[2 * DIM], tangents[2 * DIM], point[DIM], velocity[DIM] = {0};
-    write_pair(list, way, pair, points, tangents);
-    bat_hermite_curve keys = {.space = space, .points = points, .tangents = tangents, .count = 2};
-    bat_status status = bat_hermite_sample(&keys, &time, 1, point, NULL, NULL);
-    return read_result(list, way, status, point, velocity);
-}
-
 /// Whether two results are the same to AGREED; unit quaternions up to their sign.
 static bool agree(const bat_space *space, const way_result *a, const way_result *b)
 {
@@ -208,25 +198,6 @@ static void check_ways(const way_list *list, uint64_t seed)
     assert_true(done > PAIRS * 9 / 10 && long_legs > PAIRS / 10);
 }
 
-/// Tangents of up to five turns.
-static void check_sampling_ways(const way_list *list, uint64_t seed)
-{
-    const bat_space *space = &list->spaces[0];
-    bat_random random = bat_random_seed(seed);
-    size_t apart = 0;
-    for (size_t trial = 0; trial < PAIRS; trial++)
-    {
-        way_result results[WAYS] = {0};
-        hermite_pair pair = wide_pair(space, &random, 10 * PI * bat_random_uniform(&random));
-        double time = bat_random_uniform(&random);
-        for (size_t way = 0; way < list->count; way++)
-            results[way] = by_sampling(list, way, &pair, time);
-        apart += disagreeing_pairs(space, results, list->count) > 0;
-    }
-    if (apart > 0)
-        fail_msg("%s: the samples of %zu pairs depend on the code", space->name, apart);
-}
-
 static void rotations_average_the_same_in_all_code(void **state)
 {
     (void)state;
@@ -237,7 +208,6 @@ static void rotations_average_the_same_in_all_code(void **state)
     add_way(&list, rigid, 3);
     add_way(&list, bare(&rotation), 0);
     check_ways(&list, 1);
-    check_sampling_ways(&list, 2);
 }
 
 static void spheres_average_the_same_in_all_code(void **state)
@@ -247,7 +217,6 @@ static void spheres_average_the_same_in_all_code(void **state)
     bat_space sphere = bat_sphere(2);
     make_ways(&sphere, &list);
     check_ways(&list, 3);
-    check_sampling_ways(&list, 4);
 }
 
 /// The point at 1/2 is that of De Casteljau's algorithm with shortest geodesics only, written out.
@@ -280,29 +249,6 @@ static void legs_are_shortest_geodesics(void **state)
             }
         check_near(rotation.distance(&rotation, rows[0], point), 0, 1e-6);
     }
-}
-
-/// A cubic has its velocities, or there is none: a third of 9 radians is less than half a turn, a third of 10 is more.
-static void samples_have_their_velocities_or_are_refused(void **state)
-{
-    (void)state;
-    bat_space rotation = bat_rotation(), rigid;
-    double points[8] = {1, 0, 0, 0, 1, 0, 0, 0}, velocities[6] = {0, 0, 9, 0, 0, 9}, time = 1e-6, point[7];
-    bat_hermite_curve keys = {.space = &rotation, .points = points, .tangents = velocities, .count = 2};
-    bat_error error;
-    check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, NULL), BAT_OK);
-    check_near(2 * atan2(point[3], point[0]), 9e-6, 1e-9);
-    velocities[5] = 10;
-    check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, &error), BAT_CUT_LOCUS);
-    assert_non_null(strstr(error.text, "past the cut locus"));
-    // Translations have no cut locus, whatever the injectivity radius of the product.
-    check_status(bat_rigid(1, &rigid, NULL), BAT_OK);
-    double poses[14] = {0, 0, 0, 1, 0, 0, 0, 500, 0, 0, 1, 0, 0, 0}, twists[12] = {900, 0, 0, 0, 0, 9, 900, 0, 0, 0, 0, 9};
-    keys = (bat_hermite_curve){.space = &rigid, .points = poses, .tangents = twists, .count = 2};
-    check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, NULL), BAT_OK);
-    check_near(point[0], 900e-6, 1e-8);
-    twists[5] = -10;
-    check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, NULL), BAT_CUT_LOCUS);
 }
 
 /// Straight lines have their length and no turn; a reversed pair has another length: L_H is not symmetric.
@@ -349,7 +295,7 @@ static void lengths_of_pairs(void **state)
 static void missing_functions_are_named(void **state)
 {
     (void)state;
-    double points[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, tangents[12] = {0, 1, 0, 0, 0, 1, 1, 0, 0}, time = 0.5, out[12];
+    double points[12] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, tangents[12] = {0, 1, 0, 0, 0, 1, 1, 0, 0}, out[12];
     bat_space sphere = bat_sphere(2), lacking[7];
     const char *const names[7] = {"fault", "project", "distance", "log", "exp", "transport", "inner"};
     for (size_t i = 0; i < 7; i++)
@@ -376,7 +322,6 @@ static void missing_functions_are_named(void **state)
                      BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_normalize(&keys, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_refine(&keys, NULL, &fine, &errors[count++]), BAT_INVALID_ARGUMENT);
-        check_status(bat_hermite_sample(&keys, &time, 1, out, NULL, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_hermite_estimate_tangents(&keys, 2, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(bat_motion_spline_make(&keys, NULL, &spline, &errors[count++]), BAT_INVALID_ARGUMENT);
         check_status(
@@ -402,7 +347,7 @@ static void directions_are_not_velocities(void **state)
 {
     (void)state;
     bat_space plane = bat_euclidean(2);
-    double points[6] = {0, 0, 2, 0, 3, 5}, tangents[6], times[3] = {0, 1, 3}, time = 0.5, point[2];
+    double points[6] = {0, 0, 2, 0, 3, 5}, tangents[6], times[3] = {0, 1, 3}, point[2];
     bat_hermite_curve keys = {.space = &plane, .points = points, .tangents = tangents, .count = 3}, fine;
     bat_motion_spline *spline;
     bat_error error;
@@ -410,21 +355,20 @@ static void directions_are_not_velocities(void **state)
     assert_int_equal(keys.kind, BAT_HERMITE_TANGENTS_DIRECTIONS);
     check_status(bat_hermite_refine(&keys, NULL, &fine, &error), BAT_OK);
     assert_int_equal(fine.kind, BAT_HERMITE_TANGENTS_DIRECTIONS);
-    check_status(bat_hermite_sample(&fine, &time, 1, point, NULL, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_motion_spline_make(&fine, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
     bat_hermite_free(&fine);
     keys.times = times;
-    check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, &error), BAT_INVALID_ARGUMENT);
-    assert_non_null(strstr(error.text, "not velocities"));
-    check_status(bat_hermite_sample_rate(&keys, 4, &fine, &error), BAT_INVALID_ARGUMENT);
     check_status(bat_motion_spline_make(&keys, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
+    assert_non_null(strstr(error.text, "not velocities"));
     check_status(bat_hermite_estimate_tangents(&keys, 2, &error), BAT_OK);
     assert_int_equal(keys.kind, BAT_HERMITE_TANGENTS_VELOCITIES);
-    check_status(bat_hermite_sample(&keys, &time, 1, point, NULL, &error), BAT_OK);
+    check_status(bat_motion_spline_make(&keys, NULL, &spline, &error), BAT_OK);
+    bat_motion_spline_free(spline);
     bat_hermite_refine_options how = bat_hermite_refine_defaults();
     how.kind = BAT_HERMITE_KIND_TRANSPORT;
     check_status(bat_hermite_refine(&keys, &how, &fine, &error), BAT_OK);
     assert_int_equal(fine.kind, BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES);
-    check_status(bat_hermite_sample(&fine, &time, 1, point, NULL, &error), BAT_INVALID_ARGUMENT);
+    check_status(bat_motion_spline_make(&fine, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "by the index"));
     bat_hermite_free(&fine);
     double half[2] = {0.5, 0}, unit[2] = {1, 0}, out[2];
@@ -437,7 +381,6 @@ int main(void)
         cmocka_unit_test(rotations_average_the_same_in_all_code),
         cmocka_unit_test(spheres_average_the_same_in_all_code),
         cmocka_unit_test(legs_are_shortest_geodesics),
-        cmocka_unit_test(samples_have_their_velocities_or_are_refused),
         cmocka_unit_test(lengths_of_pairs),
         cmocka_unit_test(missing_functions_are_named),
         cmocka_unit_test(directions_are_not_velocities),

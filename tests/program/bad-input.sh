@@ -169,7 +169,7 @@ keyframe 'keymatrix\.in\.csv:3: .*not a rotation' keymatrix.in.csv rotation 10
 keyframe 'tensor\.in\.csv:3: .*positive definite' tensor.in.csv spd 10
 keyframe 'short\.in\.tum:3: 7 columns' short.in.tum rigid 10
 keyframe 'not rotation' short.in.tum rotation 10
-keyframe 'too many' keygood.in.csv rotation 1e300
+keyframe 'would be made' keygood.in.csv rotation 1e300
 refused 1 'out\.csv: .*rigid' curve keygood.in.csv --rate 10 -o out.csv --to tum
 refused 2 '--rate is 0, but must be finite and above 0' curve keygood.in.csv --rate 0 -o out.csv
 refused 2 'exclude' curve keygood.in.csv --rate 10 --levels 3 -o out.csv
