@@ -267,7 +267,11 @@ static int measure_part(curve_job *job, const bat_curve_set *coarse, const bat_c
     curve_totals before, after;
     if (coarse->count == 0)
         return EXIT_DONE;
-    int code = measure_fairness(job, coarse, &before);
+    // Half a turn has no shortest geodesic to measure.
+    bool turned = job->is_motion && findings->moved.turned > 0;
+    int code = turned ? EXIT_DONE : measure_fairness(job, coarse, &before);
+    if (turned)
+        before = (curve_totals){findings->moved.keys, NAN, NAN, NAN};
     if (code == EXIT_DONE)
         code = measure_fairness(job, fine, &after);
     if (code != EXIT_DONE)
@@ -596,6 +600,16 @@ static json_t *report_peaks(const curve_job *job, bool as_json)
                        (int)(strcmp(job->coarse.space->name, "rigid") == 0), (int)limited);
 }
 
+/// Rotations that go another way than the shortest.
+static json_t *report_turned(const curve_job *job, bool as_json)
+{
+    return report_part(
+        as_json,
+        "turns: {turned} interval[!one?s] of rotations go[one?es] another way than the shortest, as velocities, "
+        "rotation vectors or angles tell\n",
+        "turned:z -one:b", job->findings.moved.turned, (int)(job->findings.moved.turned == 1));
+}
+
 /// Given velocities that the keys contradict.
 static json_t *report_conflict(const curve_job *job, bool as_json)
 {
@@ -670,6 +684,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     bool noisy = findings->moved.sigma > 0 || findings->moved.angle_sigma > 0 || job->motion.spline.sigma < 0;
     json_t *noise = noisy ? report_noise(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
+    json_t *turned = findings->moved.turned > 0 ? report_turned(job, json) : json_null();
     json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
     json_t *peaks = findings->moved.duration > 0 ? report_peaks(job, json) : json_null();
     json_t *smoothed = job->refine.smooth != 0 ? report_smooth(job, json) : json_null();
@@ -701,17 +716,18 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
                           "mean_nn:n hausdorff:n -many:b", findings->mean_nn, findings->hausdorff, (int)many);
     if (!json)
         return NULL;
-    char keys[240];
-    (void)snprintf(keys, sizeof keys,
-                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
-                   "conflict:o? noise:o? peaks:o? "
-                   "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
-                   job->motion.times != NULL ? "times"
-                   : job->motion.rate > 0    ? "rate"
-                                             : "levels",
-                   findings->done.map ? "map" : "simple");
+    char keys[280];
+    (void)snprintf(
+        keys, sizeof keys,
+        "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? turned:o? "
+        "conflict:o? noise:o? peaks:o? "
+        "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
+        job->motion.times != NULL ? "times"
+        : job->motion.rate > 0    ? "rate"
+                                  : "levels",
+        findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, held, conflict, noise, peaks,
+                         findings->written.left_out, findings->written.lost, outliers, held, turned, conflict, noise, peaks,
                          smoothed, crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight, projection,
                          distance);
 }

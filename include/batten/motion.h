@@ -39,7 +39,7 @@ typedef struct bat_motion_report
     size_t outlier;   ///< the first of them, and its curve; BAT_NO_INDEX for none
     size_t outlier_curve;
     double outlier_time; ///< its time
-    size_t held;         ///< see bat_motion_keys::held
+    size_t held, turned; ///< see bat_motion_keys
     /// How far given velocities are from the mean ones between keys, over all curves: root mean squares, relative to those
     /// of the latter. Near 1 or above, they have other units or another frame; 0 without given velocities.
     double conflict;

@@ -71,7 +71,12 @@ typedef struct bat_motion_spline_options
     /// tell, which is none for fewer than 12. 0: through the keys; default 0. Not for closed motions and for given
     /// velocities; ends are natural where they are automatic.
     double sigma;
-    double angle_sigma;           ///< of the rotations of rigid motions, in radians; default 0
+    double angle_sigma; ///< of the rotations of rigid motions, in radians; default 0
+    /// Rotations and rigid motions: count - 1 rows, of closed motions count, of 3 numbers: about how the body turns from
+    /// each key to the next, as a rotation vector in its frame. The motion takes the nearest of all ways there, so that half
+    /// a turn and more are known. NaN: by velocities where both keys have them, else the shortest way. Null: NaN; default
+    /// null
+    const double *turns;
     bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_NONE
     /// Limits of the length of velocities and accelerations; 0: none. The motion gets new times then: the fastest ones along
     /// its path within the limits (time-optimal path parameterization: Pham and Pham 2018). Open motions begin and end at
@@ -138,6 +143,7 @@ typedef struct bat_motion_keys
     /// Intervals far shorter than those beside them, with a far greater or smaller speed, whose keys have the velocity of
     /// the motion around both; acceleration jumps there. Counted for each factor. 0 for BAT_MOTION_SHAPE_SMOOTH.
     size_t held;
+    size_t turned; ///< intervals whose rotations go another way than the shortest
 } bat_motion_keys;
 
 /// What a spline holds, valid until bat_motion_spline_free().

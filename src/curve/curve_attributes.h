@@ -62,6 +62,7 @@ struct bat_curve_attributes
     char **notes;   ///< note_count sentences about the reading; see bat_curve_set_note()
     size_t note_count;
     int64_t time_origin; ///< whole seconds since 1970 that times, a channel, count from; see bat_curve_set_time_origin()
+    bool turned;         ///< signs of quaternions tell the way of about half a turn; see builder_continue_signs()
     int time_decimals;   ///< of seconds that the unit of the file's times has: 3, 6, 9; 0 for seconds
     char time_text[ATTRIBUTES_TIME_SIZE]; ///< a time of the file, where times were dates and are written as such; else empty
 };

@@ -86,6 +86,9 @@ size_t quaternion_place(const bat_space *space);
 /// Choose the sign of a quaternion that is nearer to `before`.
 void quaternion_continue(const double *before, double *quaternion);
 
+/// Quaternions whose scalar product is nearer to 0 are rotations about half a turn apart, within some 6 degrees.
+#define QUATERNION_ABOUT_HALF 0.05
+
 /// Describe the columns that a quaternion or a rotation matrix lacks, in up to `size` bytes, where no space is named and
 /// some of its columns exist. False if nothing is missing. `form` is what the columns were taken for; null for plain
 /// coordinates.

@@ -9,6 +9,7 @@
 #include "curve/curve_attributes.h"
 #include "linalg/vector.h"
 #include "space/builtin.h"
+#include "space/quaternion.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -168,11 +169,36 @@ static bat_status take_velocities(const bat_curve *curve, const point_form *form
     return BAT_OK;
 }
 
-/// Neighbours must have one shortest geodesic, and be distinct where distance is the parameter. Names both lines.
-static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const bat_hermite_curve *keys, bool distinct,
-                                   bat_error *error)
+/// Whether the way from a key to the next is known though they are half a turn apart: the file told it, or both have angular
+/// velocities. `*turn` receives what the file told, else NaN.
+static bool knows_turn(const bat_curve_set *set, const bat_hermite_curve *keys, bool given, size_t key, double turn[3])
 {
     const bat_space *space = keys->space;
+    size_t place = quaternion_place(space), n = space->tangent_dim, next = key + 1 < keys->count ? key + 1 : 0;
+    turn[0] = turn[1] = turn[2] = NAN;
+    if (place == BAT_NO_INDEX)
+        return false;
+    const double *p = keys->points + key * space->point_dim + place, *q = keys->points + next * space->point_dim + place;
+    double dot = quaternion_dot(p, q);
+    if (set->attributes != NULL && set->attributes->turned && fabs(dot) < QUATERNION_ABOUT_HALF)
+    {
+        quaternion_step step = quaternion_step_between(p, q);
+        double sign = dot < 0 ? -1 : 1, sine = sqrt(step.squared_sine), angle = 2 * atan2(sine, dot);
+        turn[0] = sign * angle * step.x / sine;
+        turn[1] = sign * angle * step.y / sine;
+        turn[2] = sign * angle * step.z / sine;
+        return true;
+    }
+    size_t last = n - 1; // an angular velocity
+    return given && !isnan(keys->tangents[key * n + last]) && !isnan(keys->tangents[next * n + last]);
+}
+
+/// Neighbours must have one shortest geodesic, and be distinct where distance is the parameter. Names both lines.
+static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const bat_hermite_curve *keys, bool splined,
+                                   bool given, bool distinct, bat_error *error)
+{
+    const bat_space *space = keys->space;
+    double turn[3];
     double log[BAT_SPACE_MAX_DIM];
     for (size_t i = keys->closed ? 0 : 1; i < keys->count; i++)
     {
@@ -180,7 +206,7 @@ static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const
         const double *p = keys->points + before * space->point_dim, *q = keys->points + i * space->point_dim;
         bool repeats = distinct && !(space->distance(space, p, q) > 0);
         bool unique = repeats || space->log(space, p, q, log) == BAT_OK;
-        if (!repeats && unique)
+        if (!repeats && (unique || (splined && knows_turn(set, keys, given, before, turn))))
             continue;
         size_t lines[] = {bat_curve_set_line(set, curve, before), bat_curve_set_line(set, curve, i)};
         char where[64] = "";
@@ -189,8 +215,11 @@ static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const
         if (repeats)
             return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu repeats point %zu%s", i, before, where);
         return error_set(error, BAT_CUT_LOCUS, i, 0, "points %zu and %zu%s %s", before, i, where,
-                         quaternion_place(space) != BAT_NO_INDEX ? "are half a turn apart: the way to turn is not unique"
-                                                                 : "have no unique shortest geodesic");
+                         quaternion_place(space) != BAT_NO_INDEX
+                             ? "are half a turn apart: the way to turn is not unique, and no angular "
+                               "velocities, rotation vectors or roll, pitch and yaw "
+                               "tell it"
+                             : "have no unique shortest geodesic");
     }
     return BAT_OK;
 }
@@ -301,10 +330,10 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
                                0);
     if (status == BAT_OK)
         status = unwrap(options->wrap, keys, error);
-    if (status == BAT_OK)
-        status = check_neighbours(set, curve, keys, takes_directions(method, options), error);
     if (status == BAT_OK && given)
         status = take_velocities(from, form_of(set), channels, keys, error);
+    if (status == BAT_OK)
+        status = check_neighbours(set, curve, keys, splined, given, takes_directions(method, options), error);
     keys->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     return status == BAT_OK ? make_tangents(keys, given, method, options, error) : status;
 }
@@ -412,7 +441,19 @@ static bat_status make_spline(const bat_curve_set *set, size_t curve, const bat_
                               const bat_hermite_curve *keys, bat_motion_spline **spline, bat_error *error)
 {
     bat_error fault;
-    return tell_line(set, curve, bat_motion_spline_make(keys, &options->spline, spline, &fault), &fault, error);
+    bat_motion_spline_options how = options->spline;
+    double *turns = NULL;
+    if (set->attributes != NULL && set->attributes->turned && how.turns == NULL)
+    {
+        how.turns = turns = memory_array(keys->count, 3 * sizeof *turns);
+        if (turns == NULL)
+            return error_memory(error, keys->count * 3 * sizeof *turns);
+        for (size_t i = 0; i < keys->count; i++)
+            (void)knows_turn(set, keys, false, i, turns + 3 * i);
+    }
+    bat_status status = bat_motion_spline_make(keys, &how, spline, &fault);
+    free(turns);
+    return tell_line(set, curve, status, &fault, error);
 }
 
 bat_status bat_motion_data(const bat_curve_set *set, size_t curve, const bat_motion_curves_options *options,
@@ -760,6 +801,7 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
     bat_motion_keys keys = bat_motion_spline_keys(spline);
     report->keys += keys.count;
     report->held += keys.held;
+    report->turned += keys.turned;
     report->sigma = fmax(report->sigma, keys.sigma);
     report->angle_sigma = fmax(report->angle_sigma, keys.angle_sigma);
     for (size_t i = 0; report->threshold > 0 && i < keys.count; i++)

@@ -13,6 +13,7 @@
 #include "motion/spline_system.h"
 #include "motion/spline_timing.h"
 #include "space/builtin.h"
+#include "space/quaternion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,6 +28,12 @@ enum
     /// Arithmetic operations of a point, roughly.
     OPERATIONS = 300
 };
+
+static const double FULL_TURN = 6.28318530717958647693;
+/// Half angles nearer to 0 or to half a turn than this have no direction of their own.
+static const double SAME = 1e-9;
+/// Velocities agree with keys within this angle, in at least this share of the intervals that have both.
+static const double AGREED = 1, MOST_AGREE = 0.9;
 
 struct bat_motion_spline
 {
@@ -47,7 +54,7 @@ struct bat_motion_spline
     double sigmas[2];      ///< of the noise: of all but rotations of rigid motions, and of these
     double *records;       ///< intervals x record_size
     size_t record_size;
-    size_t held;          ///< intervals, over all factors
+    size_t held, turned;  ///< intervals, over all factors
     bool limited;         ///< the times are those of `timing`
     spline_timing timing; ///< within limits of speed and acceleration
 };
@@ -200,10 +207,65 @@ static void scatter(const double *columns, size_t count, size_t stride, size_t a
         memcpy(rows + i * stride + at, columns + i * size, size * sizeof *columns);
 }
 
-static void continue_signs(const spline_factor *f, size_t count, double *points)
+static void continue_signs(const spline_factor *f, size_t count, double *points, const double *ways)
 {
     for (size_t i = 1; i < count && f->kind == FACTOR_ROTATION; i++)
-        quaternion_continue(points + 4 * (i - 1), points + 4 * i);
+    {
+        double end[4];
+        const double *before = points + 4 * (i - 1), *way = ways != NULL ? ways + 3 * (i - 1) : NULL;
+        bool turned = way != NULL && !isnan(way[0]);
+        if (turned)
+            quaternion_turn(before, way[0], way[1], way[2], end);
+        quaternion_continue(turned ? end : before, points + 4 * i);
+    }
+}
+
+/// The way from p to q that is nearest to a wanted rotation vector. Returns its distance from that.
+static double nearest_way(const double *p, const double *q, const double *wanted, double *way, bool *shortest)
+{
+    quaternion_step step = quaternion_step_between(p, q);
+    double sine = sqrt(step.squared_sine), angle = 2 * atan2(sine, step.cosine), length = sqrt(vector_square(3, wanted));
+    bool same = sine < SAME;
+    const double axis[] = {same ? wanted[0] : step.x, same ? wanted[1] : step.y, same ? wanted[2] : step.z};
+    double scale = same ? length : sine, along = scale > 0 ? vector_dot(3, axis, wanted) / scale : 0;
+    double turns = round((along - angle) / FULL_TURN), apart = 0;
+    for (size_t c = 0; c < 3; c++)
+    {
+        way[c] = scale > 0 ? (angle + turns * FULL_TURN) * axis[c] / scale : 0;
+        apart += (way[c] - wanted[c]) * (way[c] - wanted[c]);
+    }
+    *shortest = turns == 0 && step.cosine > SAME;
+    return sqrt(apart);
+}
+
+/// The ways that are not the shortest, by what is told of them: turns, or velocities that agree with the keys. NaN for
+/// others.
+static void find_ways(const bat_hermite_curve *keys, const double *turns, const spline_system *system, double *ways,
+                      size_t *turned)
+{
+    double total = 0, agreed = 0;
+    *turned = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < system->intervals; i++)
+        {
+            size_t next = i + 1 == system->count ? 0 : i + 1;
+            const double *p = system->points + 4 * i, *q = system->points + 4 * next, *turn = turns + 3 * i;
+            const double *v = system->velocities + 3 * i, *w = system->velocities + 3 * next;
+            double *way = ways + 3 * i, wanted[3];
+            bool told = turns != NULL && !isnan(turn[0]), moves = keys->tangents != NULL && system->fixed[i] == KEY_GIVEN;
+            bool shortest = true, known = told || (moves && system->fixed[next] == KEY_GIVEN);
+            for (size_t c = 0; c < 3; c++)
+                wanted[c] = told ? turn[c] : system->lengths[i] * (v[c] + w[c]) / 2;
+            double apart = known ? nearest_way(p, q, wanted, way, &shortest) : 0;
+            bool agrees = known && apart < AGREED;
+            total += pass == 0 && known && !told;
+            agreed += pass == 0 && agrees && !told;
+            // Velocities of another unit or frame agree with few keys.
+            bool takes = pass == 1 && !shortest && (told || (agrees && agreed >= MOST_AGREE * total));
+            *turned += takes;
+            for (size_t c = 0; c < 3 && !takes; c++)
+                way[c] = NAN;
+        }
 }
 
 /// Whether keys can be smoothed.
@@ -289,12 +351,14 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
     system.velocities = memory_array(spline->count, n * sizeof *points);
     system.points = points;
     bool allocated = spline_system_allocate(&system) && points != NULL && system.velocities != NULL;
+    double *ways = f->kind == FACTOR_ROTATION ? memory_array(spline->intervals, 3 * sizeof *ways) : NULL;
+    allocated = allocated && (ways != NULL || f->kind != FACTOR_ROTATION);
     bat_status status = allocated ? BAT_OK : error_memory(error, spline->count * dim * sizeof *points);
     if (status == BAT_OK)
     {
         gather(keys->points, spline->count, all, f->point_at, dim, points);
         memset(system.velocities, 0, spline->count * n * sizeof *system.velocities);
-        continue_signs(f, spline->count, points);
+        continue_signs(f, spline->count, points, NULL);
         double sigma = sigma_of(spline, options, index);
         if (sigma != 0)
         {
@@ -305,12 +369,20 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
             scatter(system.slopes, spline->intervals, spline->space.tangent_dim, f->tangent_at, n, spline->wander);
             spline->sigmas[space_is_rigid(&spline->space) && index > 0] = sigma;
             scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->uncertainties);
-            continue_signs(f, spline->count, points);
+            continue_signs(f, spline->count, points, NULL);
         }
-        scatter(points, spline->count, all, f->point_at, dim, spline->points);
         memset(system.velocities, 0, spline->count * n * sizeof *system.velocities);
         if (keys->tangents != NULL && status == BAT_OK)
             status = take_velocities(keys->tangents + f->tangent_at, spline->space.tangent_dim, &system, error);
+        if (ways != NULL && status == BAT_OK)
+        {
+            size_t turned;
+            find_ways(keys, options->turns, &system, ways, &turned);
+            continue_signs(f, spline->count, points, ways);
+            system.ways = turned > 0 ? ways : NULL;
+            spline->turned += turned;
+        }
+        scatter(points, spline->count, all, f->point_at, dim, spline->points);
         if (status == BAT_OK)
             status = prepare_system(&system, options, spline, error);
     }
@@ -319,6 +391,7 @@ static bat_status prepare_factor(const bat_hermite_curve *keys, const bat_motion
         scatter(system.velocities, spline->count, spline->space.tangent_dim, f->tangent_at, n, spline->velocities);
     spline_system_free(&system);
     free(points);
+    free(ways);
     free(system.velocities);
     return status;
 }
@@ -775,5 +848,6 @@ bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
                              .uncertainties = spline->uncertainties,
                              .sigma = spline->sigmas[0],
                              .angle_sigma = spline->sigmas[1],
-                             .held = spline->held};
+                             .held = spline->held,
+                             .turned = spline->turned};
 }

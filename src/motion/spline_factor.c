@@ -19,6 +19,8 @@ enum
     PULL_STEPS = 2
 };
 
+static const double FULL_TURN = 6.28318530717958647693;
+
 /// The step of differences. Formulas of sixth order have an error of its sixth power over 140 and 560, below 1e-11 of the
 /// derivatives that they leave out, and rounding of 1e-16 over its square.
 static const double STEP = 1.0 / 32;
@@ -111,6 +113,16 @@ static void rotation_push(const double *c, const double *w, double *pushed)
     cross(c, once, twice);
     for (int i = 0; i < 3; i++)
         pushed[i] = w[i] - t.a * once[i] + t.b * twice[i];
+}
+
+void spline_rotate(const double *e, const double *v, double *rotated)
+{
+    double x = vector_dot(3, e, e), once[3], twice[3];
+    spline_turning t = spline_turning_of(x);
+    cross(e, v, once);
+    cross(e, once, twice);
+    for (int i = 0; i < 3; i++)
+        rotated[i] = v[i] + (1 - t.b * x) * once[i] + t.a * twice[i];
 }
 
 static void rotation_pull(const spline_turning *t, const double *c, const double *v, double *pulled)
@@ -358,11 +370,38 @@ size_t spline_factor_record_size(const spline_factor *f)
     return (f->kind == FACTOR_FLAT ? 0 : f->space.point_dim) + 4 * f->space.tangent_dim;
 }
 
-bat_status spline_middle(const spline_factor *f, const double *p, const double *q, double *middle, double *log_p,
-                         double *log_q)
+/// The share of a long way of the middle. The differential of exp is singular at whole turns.
+static double middle_share(const double *way)
+{
+    static const double SHARES[] = {0.5, 0.4, 0.3}, FAR = 0.1;
+    double turns = sqrt(vector_dot(3, way, way)) / FULL_TURN;
+    for (size_t i = 0; i < sizeof SHARES / sizeof *SHARES; i++)
+    {
+        double before = SHARES[i] * turns, after = turns - before;
+        bool near =
+            (before > 0.5 && fabs(before - round(before)) < FAR) || (after > 0.5 && fabs(after - round(after)) < FAR);
+        if (!near)
+            return SHARES[i];
+    }
+    return 0.5;
+}
+
+bat_status spline_middle(const spline_factor *f, const double *p, const double *q, const double *way, double *middle,
+                         double *log_p, double *log_q)
 {
     const bat_space *space = &f->space;
     size_t n = space->tangent_dim;
+    if (way != NULL && !isnan(way[0]))
+    {
+        double share = middle_share(way);
+        for (size_t i = 0; i < n; i++)
+        {
+            log_p[i] = -share * way[i];
+            log_q[i] = way[i] + log_p[i];
+        }
+        quaternion_turn(p, -log_p[0], -log_p[1], -log_p[2], middle);
+        return BAT_OK;
+    }
     if (f->kind == FACTOR_FLAT)
     {
         for (size_t i = 0; i < n; i++)
@@ -519,11 +558,10 @@ static void flat_run(size_t n, const double *c, const double *shares, size_t cou
 /// Whether the rotation vectors of an interval are shorter than 2 pi, by the sum of their coefficients' lengths.
 static bool is_short(const double *c)
 {
-    const double full_turn = 6.28318530717958647693;
     double bound = 0;
     for (size_t k = 0; k < 4; k++)
         bound += sqrt(vector_dot(3, c + 3 * k, c + 3 * k));
-    return bound < full_turn;
+    return bound < FULL_TURN;
 }
 
 /// Coordinates of quaternions, one array each, so that no store is scattered. Right for rotation vectors up to 2 pi.

@@ -344,24 +344,21 @@ static bool is_jolt(const spline_system *system, size_t interval)
 /// Give both keys of a jolt the velocity of the parabola through the keys around it, as if they were one.
 static bat_status set_velocities(spline_system *system, size_t interval)
 {
-    const bat_space *space = &system->factor->space;
-    size_t n = space->tangent_dim, dim = space->point_dim;
+    size_t n = system->factor->space.tangent_dim, first = interval, second = (interval + 1) % system->count;
     size_t before = interval_beside(system, interval, -1), after = interval_beside(system, interval, 1);
-    size_t first = interval, second = (interval + 1) % system->count, beyond = (after + 1) % system->count;
-    const double *p = system->points + first * dim, *q = system->points + second * dim;
     double h = system->lengths[before], next = system->lengths[after], back[DIM], forth[DIM], moved[DIM];
-    bat_status status = space->log(space, p, system->points + before * dim, back);
+    bat_status status = spline_chord(system, before, AT_END, back);
     if (status == BAT_OK)
-        status = space->log(space, q, system->points + beyond * dim, forth);
+        status = spline_chord(system, after, AT_BEGIN, forth);
     if (status == BAT_OK)
-        status = spline_transport(system, q, p, forth, moved);
+        status = spline_transport(system, interval, AT_END, AT_BEGIN, forth, moved);
     if (status != BAT_OK)
         return status;
     double *velocity = system->velocities + first * n;
     for (size_t c = 0; c < n; c++)
-        velocity[c] = (moved[c] * h / next - back[c] * next / h) / (h + next);
+        velocity[c] = (moved[c] * h / next + back[c] * next / h) / (h + next);
     system->fixed[first] = system->fixed[second] = KEY_GIVEN;
-    return spline_transport(system, p, q, velocity, system->velocities + second * n);
+    return spline_transport(system, interval, AT_BEGIN, AT_END, velocity, system->velocities + second * n);
 }
 
 bat_status spline_system_hold(spline_system *system, size_t *held)

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -52,7 +53,7 @@ bool spline_system_allocate(spline_system *system)
     system->slopes = memory_array(system->intervals, 2 * n * sizeof(double));
     system->accelerations = memory_array(system->intervals, 2 * n * sizeof(double));
     bool turns = system->factor->kind == FACTOR_ROTATION;
-    system->turnings = turns ? memory_array(system->intervals, sizeof *system->turnings) : NULL;
+    system->turnings = turns ? memory_array(system->intervals, 2 * sizeof *system->turnings) : NULL;
     system->residuals = memory_array(system->count, n * sizeof(double));
     system->rows = memory_array(system->count, 3 * sizeof(double));
     system->fixed = calloc(system->count, sizeof *system->fixed);
@@ -110,14 +111,30 @@ static double norm_at(const spline_system *system, size_t key, const double *vec
     return sqrt(fmax(space->inner(space, point_of(system, key), vector, vector), 0));
 }
 
-bat_status spline_transport(const spline_system *system, const double *p, const double *q, const double *vector,
-                            double *transported)
+bat_status spline_transport(const spline_system *system, size_t interval, spline_place from, spline_place to,
+                            const double *vector, double *transported)
 {
     const bat_space *space = &system->factor->space;
-    if (system->factor->kind != FACTOR_FLAT)
-        return space->transport(space, p, q, vector, transported);
-    memcpy(transported, vector, size_of(system) * sizeof *vector);
-    return BAT_OK;
+    const double *logs = system->logs + 2 * interval * size_of(system);
+    const double *places[] = {point_of(system, interval), point_of(system, key_after(system, interval)),
+                              middle_of(system, interval)};
+    double half[3] = {0};
+    switch (system->factor->kind)
+    {
+    case FACTOR_FLAT:
+        memcpy(transported, vector, size_of(system) * sizeof *vector);
+        return BAT_OK;
+    case FACTOR_ROTATION: // turns by half of the way, back
+        for (size_t c = 0; c < 3; c++)
+            half[c] = ((from != AT_MIDDLE ? logs[3 * from + c] : 0) - (to != AT_MIDDLE ? logs[3 * to + c] : 0)) / 2;
+        spline_rotate(half, vector, transported);
+        return BAT_OK;
+    case FACTOR_CURVED:
+    case FACTOR_TENSOR:
+    case FACTOR_ANY:
+        break;
+    }
+    return space->transport(space, places[from], places[to], vector, transported);
 }
 
 static bat_status fail(const spline_system *system, bat_status status, size_t key, bat_error *error)
@@ -133,14 +150,15 @@ bat_status spline_system_measure(spline_system *system, bat_error *error)
     {
         double *log_p = at_end(system, system->logs, i, 0), *log_q = at_end(system, system->logs, i, 1);
         bat_status status = spline_middle(system->factor, point_of(system, i), point_of(system, key_after(system, i)),
+                                          system->ways != NULL ? system->ways + i * size_of(system) : NULL,
                                           system->middles + i * space->point_dim, log_p, log_q);
         if (status == BAT_CUT_LOCUS)
             return error_set(error, status, key_after(system, i), 0, "points %zu and %zu have no unique shortest geodesic",
                              i, key_after(system, i));
         if (status != BAT_OK)
             return fail(system, status, i, error);
-        if (system->turnings != NULL)
-            system->turnings[i] = spline_turning_of(log_q[0] * log_q[0] + log_q[1] * log_q[1] + log_q[2] * log_q[2]);
+        for (size_t end = 0; end < 2 && system->turnings != NULL; end++)
+            system->turnings[2 * i + end] = spline_turning_of(vector_square(3, end == 0 ? log_p : log_q));
         // First slopes: those of the geodesic.
         for (size_t end = 0; end < 2; end++)
             for (size_t c = 0; c < size_of(system); c++)
@@ -149,9 +167,9 @@ bat_status spline_system_measure(spline_system *system, bat_error *error)
     return BAT_OK;
 }
 
-static const spline_turning *turning_of(const spline_system *system, size_t interval)
+static const spline_turning *turning_of(const spline_system *system, size_t interval, size_t end)
 {
-    return system->turnings != NULL ? &system->turnings[interval] : NULL;
+    return system->turnings != NULL ? &system->turnings[2 * interval + end] : NULL;
 }
 
 /// Slopes of an interval from the velocities at its ends.
@@ -166,7 +184,7 @@ static bat_status pull_slopes(spline_system *system, size_t i)
             wanted[c] = system->lengths[i] * velocity[c];
         bat_status status =
             spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end), point_of(system, key),
-                        wanted, turning_of(system, i), at_end(system, system->slopes, i, end));
+                        wanted, turning_of(system, i, end), at_end(system, system->slopes, i, end));
         if (status != BAT_OK)
             return status;
     }
@@ -198,7 +216,7 @@ static bat_status accelerate(spline_system *system, size_t i)
         const double *q = point_of(system, end == 0 ? i : key_after(system, i));
         tangent_jet jet = {at_end(system, system->logs, i, end), at_end(system, system->slopes, i, end), second[end], third};
         bat_status status =
-            spline_acceleration(system->factor, middle_of(system, i), &jet, q, turning_of(system, i), acceleration);
+            spline_acceleration(system->factor, middle_of(system, i), &jet, q, turning_of(system, i, end), acceleration);
         if (status != BAT_OK)
             return status;
         for (size_t c = 0; c < size_of(system); c++)
@@ -207,14 +225,14 @@ static bat_status accelerate(spline_system *system, size_t i)
     return BAT_OK;
 }
 
-/// The third derivative of an interval's cubic by time, transported to a key at one of its ends.
-static bat_status jerk_at(const spline_system *system, size_t i, size_t key, double *jerk)
+/// The third derivative of an interval's cubic by time, transported to one of its ends.
+static bat_status jerk_at(const spline_system *system, size_t i, spline_place end, double *jerk)
 {
     double second[2][DIM], third[DIM], h = system->lengths[i];
     bend(system, i, second[0], second[1], third);
     for (size_t c = 0; c < size_of(system); c++)
         third[c] /= h * h * h;
-    return spline_transport(system, middle_of(system, i), point_of(system, key), third, jerk);
+    return spline_transport(system, i, AT_MIDDLE, end, third, jerk);
 }
 
 static bool is_closed(const spline_system *system)
@@ -239,11 +257,11 @@ static bat_status measure_roughness(const spline_system *system, double *roughne
             const double *b = at_end(system, system->logs, i, 0), *a = at_end(system, system->logs, i, 1);
             for (size_t c = 0; c < n; c++)
                 mean[c] = (a[c] - b[c]) / system->lengths[i];
-            bat_status status = spline_transport(system, middle_of(system, i), p, mean, rate[side]);
+            bat_status status = spline_transport(system, i, AT_MIDDLE, side == 0 ? AT_END : AT_BEGIN, mean, rate[side]);
             if (status != BAT_OK)
                 return status;
         }
-        bat_status status = k > 1 ? spline_transport(system, point_of(system, k - 1), p, acceleration, last) : BAT_OK;
+        bat_status status = k > 1 ? spline_transport(system, k - 1, AT_BEGIN, AT_END, acceleration, last) : BAT_OK;
         if (status != BAT_OK)
             return status;
         for (size_t c = 0; c < n; c++)
@@ -318,9 +336,10 @@ static void fill_rows(spline_system *system, bat_motion_ends ends)
 static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool first, double *residual)
 {
     const double *h = system->lengths;
-    size_t n = size_of(system), key = first ? 0 : system->count - 1, next = first ? 1 : key - 1;
+    size_t n = size_of(system), key = first ? 0 : system->count - 1;
+    spline_place here = first ? AT_BEGIN : AT_END, there = first ? AT_END : AT_BEGIN; // of the first interval or the last
     size_t edge = first ? 0 : key - 1, beyond = first ? 1 : key - 2;
-    double jerk[DIM], other[DIM], sum[DIM], sign = first ? 1 : -1;
+    double jerk[DIM], other[DIM], sum[DIM] = {0}, sign = first ? 1 : -1;
     end_row kind = row_of_end(system, ends, first);
     if (kind == ROW_NATURAL)
     {
@@ -335,21 +354,21 @@ static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool
         const double *velocity = of_key(system, system->velocities, key);
         for (size_t c = 0; c < n; c++)
             sum[c] = (a[c] - b[c]) / h[edge];
-        bat_status status = spline_transport(system, middle_of(system, edge), point_of(system, key), sum, residual);
+        bat_status status = spline_transport(system, edge, AT_MIDDLE, here, sum, residual);
         for (size_t c = 0; c < n; c++)
             residual[c] -= velocity[c];
         return status;
     }
     if (kind == ROW_PARABOLA)
     {
-        bat_status status = jerk_at(system, edge, key, jerk);
+        bat_status status = jerk_at(system, edge, here, jerk);
         for (size_t c = 0; c < n; c++)
             residual[c] = -jerk[c] * h[edge] * h[edge] / 6;
         return status;
     }
-    bat_status status = jerk_at(system, edge, next, jerk);
+    bat_status status = jerk_at(system, edge, there, jerk);
     if (status == BAT_OK)
-        status = jerk_at(system, beyond, next, other);
+        status = jerk_at(system, beyond, here, other);
     if (status != BAT_OK)
         return status;
     const double *inner = at_end(system, system->accelerations, edge, first ? 1 : 0);
@@ -357,7 +376,7 @@ static bat_status end_residual(spline_system *system, bat_motion_ends ends, bool
     double scale = 1 / (6 * (1 / h[edge] + 1 / h[beyond]));
     for (size_t c = 0; c < n; c++)
         sum[c] = scale * ((other[c] - jerk[c]) + sign * 3 / h[beyond] * (outer[c] - inner[c]));
-    return spline_transport(system, point_of(system, next), point_of(system, key), sum, residual);
+    return spline_transport(system, edge, there, here, sum, residual);
 }
 
 static bat_status fill_residuals(spline_system *system, bat_motion_ends ends, size_t *failed)
@@ -409,8 +428,8 @@ static bat_status correct(spline_system *system, double *diagonal, size_t *faile
         double factor = row[0] / diagonal[k - 1];
         double *residual = of_key(system, system->residuals, k);
         *failed = k;
-        bat_status status = spline_transport(system, point_of(system, k - 1), point_of(system, k),
-                                             of_key(system, system->residuals, k - 1), moved);
+        bat_status status =
+            spline_transport(system, k - 1, AT_BEGIN, AT_END, of_key(system, system->residuals, k - 1), moved);
         if (status != BAT_OK)
             return status;
         diagonal[k] -= factor * row[-1];
@@ -424,8 +443,8 @@ static bat_status correct(spline_system *system, double *diagonal, size_t *faile
         if (k + 1 < system->count && row[2] != 0)
         {
             *failed = k;
-            bat_status status = spline_transport(system, point_of(system, k + 1), point_of(system, k),
-                                                 of_key(system, system->residuals, k + 1), moved);
+            bat_status status =
+                spline_transport(system, k, AT_END, AT_BEGIN, of_key(system, system->residuals, k + 1), moved);
             if (status != BAT_OK)
                 return status;
             for (size_t c = 0; c < n; c++)
@@ -492,27 +511,33 @@ static bat_status iterate(spline_system *system, bat_motion_ends ends, double *d
     return error_remedy(error, BAT_NO_CONVERGENCE, "shape", "limited does without");
 }
 
+bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord)
+{
+    const bat_space *space = &system->factor->space;
+    size_t n = size_of(system), from = end == AT_BEGIN ? interval : key_after(system, interval);
+    size_t to = end == AT_BEGIN ? key_after(system, interval) : interval;
+    const double *logs = system->logs + 2 * interval * n;
+    bool turns = system->factor->kind == FACTOR_ROTATION; // the same at both ends
+    bat_status status = turns ? BAT_OK : space->log(space, point_of(system, from), point_of(system, to), chord);
+    for (size_t c = 0; c < n; c++)
+        chord[c] = turns ? logs[n + c] - logs[c] : end == AT_BEGIN ? chord[c] : -chord[c];
+    return status;
+}
+
 /// Mean velocities before and after a key, at the key; zeros where there is no interval.
 static bat_status chords_of(const spline_system *system, size_t key, double *before, double *after, bool *has_before,
                             bool *has_after)
 {
-    const bat_space *space = &system->factor->space;
-    size_t last = system->intervals - 1;
+    size_t interval = key > 0 ? key - 1 : system->intervals - 1;
     *has_before = key > 0 || is_closed(system);
     *has_after = key < system->intervals;
-    bat_status status = BAT_OK;
-    if (*has_before)
-    {
-        size_t interval = key > 0 ? key - 1 : last;
-        status = space->log(space, point_of(system, key), point_of(system, interval), before);
-        for (size_t c = 0; c < size_of(system); c++)
-            before[c] /= -system->lengths[interval];
-    }
+    bat_status status = *has_before ? spline_chord(system, interval, AT_END, before) : BAT_OK;
     if (status == BAT_OK && *has_after)
+        status = spline_chord(system, key, AT_BEGIN, after);
+    for (size_t c = 0; c < size_of(system); c++)
     {
-        status = space->log(space, point_of(system, key), point_of(system, key_after(system, key)), after);
-        for (size_t c = 0; c < size_of(system); c++)
-            after[c] /= system->lengths[key];
+        before[c] /= *has_before ? system->lengths[interval] : 1;
+        after[c] /= *has_after ? system->lengths[key] : 1;
     }
     return status;
 }
@@ -575,7 +600,7 @@ static double excess_of(const spline_system *system, size_t i)
 /// The slopes at the keys of parabolas through three keys, where the global system has no solution: limits begin with them.
 static bat_status estimate(spline_system *system, bat_error *error)
 {
-    double before[DIM], after[DIM];
+    double before[DIM] = {0}, after[DIM] = {0};
     for (size_t k = 0; k < system->count; k++)
     {
         bool has_before, has_after;
@@ -639,7 +664,7 @@ static bat_status limit(spline_system *system, bool all, bat_error *error)
 {
     const bat_space *space = &system->factor->space;
     size_t n = size_of(system), last = system->intervals - 1;
-    double before[DIM], after[DIM], *excess = system->residuals; // of interval i at i * n
+    double before[DIM] = {0}, after[DIM] = {0}, *excess = system->residuals; // of interval i at i * n
     for (size_t k = 0; k < system->count; k++)
     {
         bool has_before, has_after;

@@ -53,9 +53,14 @@ size_t spline_factors(const bat_space *space, spline_factor *factors, size_t lim
 /// The numbers of an interval: m, and the coefficients of the powers of s in c. FACTOR_FLAT has no m, but a constant.
 size_t spline_factor_record_size(const spline_factor *f);
 
-/// The middle m of two keys, and their logarithms there.
-bat_status spline_middle(const spline_factor *f, const double *p, const double *q, double *middle, double *log_p,
-                         double *log_q);
+/// The middle m of two keys, or of the way from p to q that is not the shortest, and their logarithms there.
+///
+/// @param way of rotations: the rotation vector of the way; NaN, or null: the shortest
+bat_status spline_middle(const spline_factor *f, const double *p, const double *q, const double *way, double *middle,
+                         double *log_p, double *log_q);
+
+/// Rotate v by the rotation vector e.
+void spline_rotate(const double *e, const double *v, double *rotated);
 
 /// The differential of exp_m at c, of a vector; `q` is exp_m(c).
 bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
@@ -95,13 +100,14 @@ typedef struct spline_system
     size_t intervals;      ///< count when closed, else count - 1
     const double *points;  ///< count x point_dim
     const double *lengths; ///< of the intervals in time
+    const double *ways;    ///< of intervals, FACTOR_ROTATION: see spline_middle(); null where all are the shortest
     double *velocities;    ///< count x tangent_dim: those of KEY_GIVEN, and zeros, which the system solves
     // Work space, by interval; pairs are of its beginning and its end.
     double *middles;          ///< point_dim
     double *logs;             ///< 2 x tangent_dim: the keys, seen from the middle
     double *slopes;           ///< 2 x tangent_dim: derivatives of the cubic by its share
     double *accelerations;    ///< 2 x tangent_dim, at the keys
-    spline_turning *turnings; ///< FACTOR_ROTATION; of either end, else null
+    spline_turning *turnings; ///< 2, FACTOR_ROTATION, else null
     // By key.
     double *residuals;    ///< tangent_dim
     double *rows;         ///< 3: lower, diagonal, upper
@@ -126,9 +132,20 @@ bat_status spline_system_measure(spline_system *system, bat_error *error);
 bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_motion_shape shape,
                                const double *begin_velocity, const double *end_velocity, bat_error *error);
 
-/// Transport a vector of a factor from p to q.
-bat_status spline_transport(const spline_system *system, const double *p, const double *q, const double *vector,
-                            double *transported);
+/// The places of an interval that have tangent vectors.
+typedef enum spline_place
+{
+    AT_BEGIN,
+    AT_END,
+    AT_MIDDLE
+} spline_place;
+
+/// Transport a vector along the geodesic of an interval.
+bat_status spline_transport(const spline_system *system, size_t interval, spline_place from, spline_place to,
+                            const double *vector, double *transported);
+
+/// The whole way of an interval at one of its ends, as the velocity of its geodesic that takes a unit of time.
+bat_status spline_chord(const spline_system *system, size_t interval, spline_place end, double *chord);
 
 /// Fix the velocities of keys that are far nearer in time than their neighbours are, where their step is far faster or
 /// slower than those around it: they are those of the motion around both.

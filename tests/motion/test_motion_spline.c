@@ -15,7 +15,8 @@ enum
     DIM = 16
 };
 
-static const double TURN = 6.28318530717958647693;
+#define TURN 6.28318530717958647693
+#define TURN_4 (TURN / 4)
 
 /// A smooth closed curve of period 2 pi.
 typedef struct smooth_curve
@@ -711,6 +712,105 @@ static void clamped_ends_take_velocities(void **state)
     }
 }
 
+/// Turns about an axis that are longer than half of one: by velocities, in rotations and in poses, and by rotation vectors.
+static void long_turns_go_as_told(void **state)
+{
+    (void)state;
+    bat_space rotation = bat_rotation(), rigid;
+    check_status(bat_rigid(1, &rigid, NULL), BAT_OK);
+    static const double RATES[] = {TURN_4 * 2, TURN_4 * 3, TURN_4 * 4, TURN_4 * 7, TURN_4 * 8, TURN_4 * 12 + 0.1};
+    for (size_t r = 0; r < 2 * (sizeof RATES / sizeof *RATES); r++)
+    {
+        bool moves = r % 2 == 1;
+        double rate = RATES[r / 2], points[4 * 7], velocities[4 * 6], turns[4 * 3], point[7], v[6], a[6];
+        size_t at = moves ? 3 : 0, dim = moves ? 7 : 4, n = moves ? 6 : 3;
+        for (size_t i = 0; i < 4; i++)
+        {
+            const double pose[] = {(double)i,
+                                   0,
+                                   0,
+                                   cos(rate * (double)i / 2),
+                                   0.6 * sin(rate * (double)i / 2),
+                                   0,
+                                   0.8 * sin(rate * (double)i / 2)};
+            const double motion[] = {1, 0, 0, 0.6 * rate, 0, 0.8 * rate};
+            memcpy(points + i * dim, pose + 3 - at, dim * sizeof *points);
+            memcpy(velocities + i * n, motion + 3 - at, n * sizeof *velocities);
+            memcpy(turns + 3 * i, motion + 3, 3 * sizeof *turns);
+        }
+        bat_hermite_curve given = {.space = moves ? &rigid : &rotation, .points = points, .count = 4};
+        for (int how = 0; how < 2; how++)
+        {
+            bat_motion_spline_options options = bat_motion_spline_defaults();
+            given.tangents = how == 0 ? velocities : NULL;
+            options.turns = how == 0 ? NULL : turns;
+            bat_motion_spline *spline = must_make(&given, &options);
+            assert_int_equal(bat_motion_spline_keys(spline).turned, 3);
+            for (double time = 0; time < 3; time += 0.09)
+            {
+                check_status(bat_motion_spline_at(spline, time, point, v, a, NULL), BAT_OK);
+                check_near(fabs(point[at]), fabs(cos(rate * time / 2)), 1e-11);
+                check_near(v[at], 0.6 * rate, 1e-9);
+                check_near(v[at + 2], 0.8 * rate, 1e-9);
+                check_near(a[at + 1], 0, 1e-8);
+            }
+            bat_motion_spline_free(spline);
+        }
+        // Velocities in degrees agree with no turn, and half a turn stays unknown.
+        bat_motion_spline *spline = NULL;
+        for (size_t i = 0; i < 4 * n; i++)
+            velocities[i] *= 60;
+        given.tangents = velocities;
+        if (r < 2)
+            check_status(bat_motion_spline_make(&given, NULL, &spline, NULL), BAT_CUT_LOCUS);
+    }
+}
+
+/// Continuous accelerations through half turns and longer ones whose axes change, and the same keys.
+static void told_turns_are_smooth(void **state)
+{
+    (void)state;
+    bat_space rotation = bat_rotation();
+    bat_random random = bat_random_seed(5);
+    enum
+    {
+        TURNS = 9
+    };
+    double points[4 * TURNS], turns[3 * TURNS], point[4], sides[2][2][3];
+    rotation.random_point(&rotation, &random, points);
+    for (size_t i = 0; i < TURNS; i++)
+    {
+        double axis[] = {0.3 * bat_random_normal(&random), 0.3 * bat_random_normal(&random), 1}, turned[4],
+               *turn = turns + 3 * i;
+        double angle = i == 3 ? TURN_4 * 2 : TURN_4 * (1.5 + bat_random_uniform(&random));
+        double length = sqrt(axis[0] * axis[0] + axis[1] * axis[1] + 1);
+        for (int c = 0; c < 3; c++)
+            turn[c] = axis[c] * angle / length;
+        check_status(rotation.exp(&rotation, points + 4 * i, turn, turned), BAT_OK);
+        if (i + 1 < TURNS)
+            memcpy(points + 4 * (i + 1), turned, sizeof turned);
+    }
+    bat_hermite_curve given = {.space = &rotation, .points = points, .count = TURNS};
+    bat_motion_spline_options options = bat_motion_spline_defaults();
+    options.turns = turns;
+    bat_motion_spline *spline = must_make(&given, &options);
+    assert_true(bat_motion_spline_keys(spline).turned >= 3);
+    for (size_t i = 1; i + 1 < TURNS; i++)
+    {
+        for (int side = 0; side < 2; side++)
+            check_status(bat_motion_spline_at(spline, (double)i + (side == 0 ? -1e-9 : 1e-9), point, sides[side][0],
+                                              sides[side][1], NULL),
+                         BAT_OK);
+        check_near(rotation.distance(&rotation, point, points + 4 * i), 0, 1e-7);
+        for (int c = 0; c < 3; c++)
+        {
+            check_near(sides[0][0][c], sides[1][0][c], 1e-6);
+            check_near(sides[0][1][c], sides[1][1][c], 1e-5);
+        }
+    }
+    bat_motion_spline_free(spline);
+}
+
 static void bad_keys_are_refused(void **state)
 {
     (void)state;
@@ -788,6 +888,8 @@ int main(void)
         cmocka_unit_test(keys_come_back_bit_for_bit),
         cmocka_unit_test(times_outside_are_refused_or_extrapolated),
         cmocka_unit_test(clamped_ends_take_velocities),
+        cmocka_unit_test(long_turns_go_as_told),
+        cmocka_unit_test(told_turns_are_smooth),
         cmocka_unit_test(bad_keys_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,6 +4,8 @@
 #include "curve/curve_attributes.h"
 #include "curve/point_form.h"
 
+#include <math.h>
+
 /// @file
 /// Points and channels of curves, appended one by one and checked against their space.
 
@@ -67,11 +69,21 @@ bool builder_line(curve_builder *builder, size_t line)
     return ARRAY_ADD(builder->lines, builder->line_capacity, builder->line_count, line);
 }
 
-void builder_continue_signs(curve_builder *builder)
+void builder_continue_signs(curve_builder *builder, bool told)
 {
     size_t dim = builder->space.point_dim, place = quaternion_place(&builder->space);
+    bool turned = false; // the point before
     for (size_t i = 1; place != BAT_NO_INDEX && i < builder->point_count; i++)
-        quaternion_continue(builder->points + (i - 1) * dim + place, builder->points + i * dim + place);
+    {
+        const double *before = builder->points + (i - 1) * dim + place;
+        double *quaternion = builder->points + i * dim + place, product = 0;
+        for (size_t c = 0; c < 4; c++)
+            product += before[c] * quaternion[c];
+        bool turns = told && fabs(product) < QUATERNION_ABOUT_HALF ? turned : product < 0;
+        for (size_t c = 0; c < 4 && turns; c++)
+            quaternion[c] = 0 - quaternion[c]; // avoids -0
+        turned = turns;
+    }
 }
 
 bool builder_returns(const curve_builder *builder)

@@ -48,8 +48,9 @@ bool builder_corner(curve_builder *builder, bool corner);
 /// Store the line of the last point. False when out of memory.
 bool builder_line(curve_builder *builder, size_t line);
 
-/// Choose the signs of the current curve's quaternions, so that each is nearest to its predecessor.
-void builder_continue_signs(curve_builder *builder);
+/// Choose the signs of the current curve's quaternions, so that each is nearest to its predecessor; but where `told`,
+/// rotations about half a turn apart keep their signs to each other, which tell the way.
+void builder_continue_signs(curve_builder *builder, bool told);
 
 /// Whether the last point of the current curve equals the first, with its channels, but up to the sign of a quaternion.
 bool builder_returns(const curve_builder *builder);

@@ -403,7 +403,9 @@ static bat_status end_curve(csv_reader *reader, bat_error *error)
         return BAT_OK;
     int wanted = reader->options->closed;
     bool closed = wanted < 0 ? reader->closed : wanted > 0;
-    builder_continue_signs(builder);
+    const point_form *form = reader->attributes->csv->form;
+    reader->attributes->turned = reader->options->euler != NULL || (form != NULL && form->rotation == ROTATION_VECTOR);
+    builder_continue_signs(builder, reader->attributes->turned);
     while (closed && builder_returns(builder) && cells_return(reader))
     {
         builder_drop_last(builder);

@@ -215,6 +215,7 @@ static bat_status read_translated(pose_translation *work, bat_curve_set *set, ba
     bat_curve_read_options options = *work->options;
     options.format = work->reader;
     options.motion = true;
+    options.euler = work->order[0] != '\0' ? work->order : NULL;
     if (work->format == BAT_CURVE_FORMAT_EUROC && options.time_unit == BAT_TIME_UNIT_AUTO)
         options.time_unit = BAT_TIME_UNIT_NANOSECONDS;
     bat_status status = csv_read(work->as_it_is ? work->source : &made, &options, set, error);
