@@ -163,7 +163,10 @@ static const option_spec MOTION_VERB_OPTIONS[] = {
      "finds "
      "both",
      NO_FIELD},
-    {"uncertainty", NULL, METHOD, 0, "with --sigma: write velocities and the standard deviations of the motion",
+    {"gyro", "FILE", METHOD, IS_READ,
+     "spline: rates of a gyroscope between the keyframes, a table of times and rates about x, y and z (rad/s)",
+     TEXT(curve_job, gyro_file)},
+    {"uncertainty", NULL, METHOD, 0, "with --sigma or --gyro: write velocities and the standard deviations of the motion",
      FLAG(curve_job, motion.uncertainty)},
     {"outliers", "RULE", METHOD, 0, "with --sigma: {}; default kept; those of huber count less, those of tukey do not count",
      CHOICE(curve_job, motion.spline.outliers, bat_motion_outliers_family)},
@@ -312,7 +315,7 @@ static const char *const FOR_CURVES[] = {"fairness",     "model",  "snap", "best
                                          "corner-angle", "smooth", NULL};
 
 /// Those of splines: of `batten motion`, and of `batten curve`.
-static const char *const FOR_SPLINES[] = {"times",    "ends",      "extrapolate",      "sigma", "uncertainty",
+static const char *const FOR_SPLINES[] = {"times",    "ends",      "extrapolate",      "sigma", "gyro", "uncertainty",
                                           "outliers", "max-speed", "max-acceleration", NULL};
 static const char *const FOR_SAMPLES[] = {"times", NULL};
 

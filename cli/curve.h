@@ -57,7 +57,10 @@ typedef struct curve_job
     bat_motion_curves_options motion;
     const char *times_file; ///< of a motion; null for none
     double *times;          ///< what it holds
-    const char *scheme;     ///< its name; when the user gave none, null until the space is known
+    const char *gyro_file;  ///< of a motion; null for none
+    double *gyro_times, *gyro_rates;
+    bat_motion_gyro gyro; ///< what it holds
+    const char *scheme;   ///< its name; when the user gave none, null until the space is known
     bat_curve_picture_options draw;
     size_t poses;                    ///< in pictures of motions; 0: by the motion
     char units[2][32];               ///< of lengths and times in pictures of motions; empty: by the file

@@ -199,6 +199,11 @@ static int read_curves(curve_job *job)
         bat_motion_times_read(job->times_file, &job->coarse, &job->times, &job->motion.time_count, report_error()) != BAT_OK)
         return report_bad_input(job->call.given, job->times_file, report_error());
     job->motion.times = job->times;
+    if (job->gyro_file != NULL && bat_motion_rates_read(job->gyro_file, &job->coarse, &job->gyro_times, &job->gyro_rates,
+                                                        &job->gyro.count, report_error()) != BAT_OK)
+        return report_bad_input(job->call.given, job->gyro_file, report_error());
+    job->gyro = (bat_motion_gyro){job->gyro_times, job->gyro_rates, job->gyro.count};
+    job->motion.spline.gyro = job->gyro_file != NULL ? &job->gyro : NULL;
     if (job->scheme == NULL)
         choose_scheme(job);
     int code = EXIT_DONE;
@@ -600,6 +605,18 @@ static json_t *report_peaks(const curve_job *job, bool as_json)
                        (int)(strcmp(job->coarse.space->name, "rigid") == 0), (int)limited);
 }
 
+/// What keyframes and a gyroscope tell of each other.
+static json_t *report_gyro(const curve_job *job, bool as_json)
+{
+    const bat_motion_gyro_report *gyro = &job->findings.moved.gyro;
+    const double *bias = gyro->bias, *sigma = gyro->bias_sigma;
+    return report_part(as_json,
+                       "gyroscope: bias {bias_x:.4g}, {bias_y:.4g}, {bias_z:.4g} rad/s, +- {sigma_x:.2g}, {sigma_y:.2g}, "
+                       "{sigma_z:.2g}; noise of its angle {walk:.3g} rad a root of a second\n",
+                       "bias_x:n bias_y:n bias_z:n sigma_x:n sigma_y:n sigma_z:n walk:n", bias[0], bias[1], bias[2],
+                       sigma[0], sigma[1], sigma[2], gyro->walk);
+}
+
 /// Rotations that go another way than the shortest.
 static json_t *report_turned(const curve_job *job, bool as_json)
 {
@@ -684,6 +701,7 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
     bool noisy = findings->moved.sigma > 0 || findings->moved.angle_sigma > 0 || job->motion.spline.sigma < 0;
     json_t *noise = noisy ? report_noise(job, json) : json_null();
     json_t *held = findings->moved.held > 0 ? report_held(job, json) : json_null();
+    json_t *gyro = job->gyro_file != NULL ? report_gyro(job, json) : json_null();
     json_t *turned = findings->moved.turned > 0 ? report_turned(job, json) : json_null();
     json_t *conflict = findings->moved.conflict > CONFLICT ? report_conflict(job, json) : json_null();
     json_t *peaks = findings->moved.duration > 0 ? report_peaks(job, json) : json_null();
@@ -716,20 +734,20 @@ static json_t *report_findings(const curve_job *job, json_t *amount, bool json)
                           "mean_nn:n hausdorff:n -many:b", findings->mean_nn, findings->hausdorff, (int)many);
     if (!json)
         return NULL;
-    char keys[280];
-    (void)snprintf(
-        keys, sizeof keys,
-        "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? turned:o? "
-        "conflict:o? noise:o? peaks:o? "
-        "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
-        job->motion.times != NULL ? "times"
-        : job->motion.rate > 0    ? "rate"
-                                  : "levels",
-        findings->done.map ? "map" : "simple");
+    char keys[300];
+    (void)snprintf(keys, sizeof keys,
+                   "space:s scheme:s %s:o curves:z given:o refined:o notes:o? left_out:z? lost:s? outliers:o? held:o? "
+                   "gyro:o? turned:o? "
+                   "conflict:o? noise:o? peaks:o? "
+                   "smoothed:o? %s:o? corners:o? left_straight:o? projection:s? distance:o?",
+                   job->motion.times != NULL ? "times"
+                   : job->motion.rate > 0    ? "rate"
+                                             : "levels",
+                   findings->done.map ? "map" : "simple");
     return report_object(keys, fine->space->name, job->scheme, amount, fine->count, given, refined, notes_json(fine),
-                         findings->written.left_out, findings->written.lost, outliers, held, turned, conflict, noise, peaks,
-                         smoothed, crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight, projection,
-                         distance);
+                         findings->written.left_out, findings->written.lost, outliers, held, gyro, turned, conflict, noise,
+                         peaks, smoothed, crossings, corners ? json_integer((json_int_t)kept) : json_null(), straight,
+                         projection, distance);
 }
 
 int curve_report(void *of)
@@ -806,4 +824,6 @@ void curve_end(void *of)
     bat_curve_set_free(&job->fine);
     bat_curve_model_free(job->model);
     free(job->times);
+    free(job->gyro_times);
+    free(job->gyro_rates);
 }

@@ -45,6 +45,7 @@ typedef struct bat_motion_report
     double conflict;
     /// The greatest lengths of velocities, accelerations, and changes of the acceleration in the time between samples
     /// (jerk), at the samples that are written; of rigid motions those of translations, then those of rotations.
+    bat_motion_gyro_report gyro; ///< of the last curve
     double peaks[2][3];
     double duration, given_duration; ///< of the longest motion; they differ where there are limits
 } bat_motion_report;
@@ -155,6 +156,14 @@ BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_m
 ///         BAT_FILE_ACCESS or BAT_NO_MEMORY; `times` is untouched on failure
 BAT_API bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count,
                                          bat_error *error);
+
+/// Read the rates of a gyroscope for bat_motion_gyro: a table whose first columns are a time, as above, and the angular
+/// rates about x, y and z in the body's frame, in radians a second. Other columns do not matter.
+///
+/// @param rates receives `count` x 3 numbers; release them with free(), too
+/// @return as bat_motion_times_read()
+BAT_API bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates,
+                                         size_t *count, bat_error *error);
 
 BAT_C_END
 

@@ -58,6 +58,23 @@ typedef enum bat_motion_outliers
 /// The rules for outliers by name.
 extern BAT_API const bat_family bat_motion_outliers_family;
 
+/// Angular rates of a gyroscope that turns with the body, in its frame, in radians a unit of time.
+typedef struct bat_motion_gyro
+{
+    const double *times; ///< count, increasing, over the time of the keys
+    const double *rates; ///< count x 3
+    size_t count;
+} bat_motion_gyro;
+
+/// What keys and a gyroscope tell of each other.
+typedef struct bat_motion_gyro_report
+{
+    double bias[3];       ///< what the rates are too great by, all the time
+    double bias_sigma[3]; ///< its standard deviations
+    double walk;          ///< the noise of the integrated rates about an axis, in radians a root of time
+    double sigma;         ///< the noise of the keys' rotations, given or estimated
+} bat_motion_gyro_report;
+
 /// Options of splines. Begin with bat_motion_spline_defaults().
 typedef struct bat_motion_spline_options
 {
@@ -77,7 +94,11 @@ typedef struct bat_motion_spline_options
     /// a turn and more are known. NaN: by velocities where both keys have them, else the shortest way. Null: NaN; default
     /// null
     const double *turns;
-    bat_motion_outliers outliers; ///< with sigma; default BAT_MOTION_OUTLIERS_NONE
+    /// Open motions of rotations or rigid motions, 6 keys at least: the rates between the keys, which have noise and an
+    /// unknown constant bias, fused with the keys' rotations, whose noise is `angle_sigma`, or `sigma` for rotations alone;
+    /// 0 or automatic: what both tell. The spline has keys at the times of the rates, too. Null: none; default null
+    const bat_motion_gyro *gyro;
+    bat_motion_outliers outliers; ///< with sigma, of translations with a gyroscope; default BAT_MOTION_OUTLIERS_NONE
     /// Limits of the length of velocities and accelerations; 0: none. The motion gets new times then: the fastest ones along
     /// its path within the limits (time-optimal path parameterization: Pham and Pham 2018). Open motions begin and end at
     /// rest where accelerations are limited. What rests, or moves without a limit, keeps its duration at least. Of rigid
@@ -143,7 +164,8 @@ typedef struct bat_motion_keys
     /// Intervals far shorter than those beside them, with a far greater or smaller speed, whose keys have the velocity of
     /// the motion around both; acceleration jumps there. Counted for each factor. 0 for BAT_MOTION_SHAPE_SMOOTH.
     size_t held;
-    size_t turned; ///< intervals whose rotations go another way than the shortest
+    bat_motion_gyro_report gyro; ///< zeros without a gyroscope
+    size_t turned;               ///< intervals whose rotations go another way than the shortest
 } bat_motion_keys;
 
 /// What a spline holds, valid until bat_motion_spline_free().

@@ -393,7 +393,8 @@ static bat_status check_columns(const bat_curve_set *set, const bat_motion_curve
             return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                              "motions have no corners: a column of corners has no place");
     bool degrees = set->attributes != NULL && set->attributes->degrees;
-    if (options->uncertainty && options->spline.sigma == 0 && options->spline.angle_sigma == 0)
+    if (options->uncertainty && options->spline.sigma == 0 && options->spline.angle_sigma == 0 &&
+        options->spline.gyro == NULL)
         return error_option(error, "uncertainty", "is of smoothed motions: sigma smooths");
     if ((options->velocities || options->uncertainty) && (is_nameless(set) || degrees))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "files have no columns for velocities in the space %s%s",
@@ -681,6 +682,7 @@ static bat_status count_samples(const bat_motion_spline *spline, const bat_hermi
     size_t intervals = keys->closed ? keys->count : keys->count - 1;
     double wanted = (double)options->time_count;
     bat_motion_keys range = bat_motion_spline_keys(spline);
+    intervals = keys->closed ? range.count : range.count - 1; // with a gyroscope there are more than keyframes
     if (options->rate > 0)
     {
         double steps = (range.end - range.begin) * options->rate;
@@ -699,7 +701,8 @@ static void fill_times(const bat_motion_spline *spline, const bat_hermite_curve 
                        const bat_motion_curves_options *options, bat_hermite_curve *smooth)
 {
     double begin = bat_motion_spline_keys(spline).begin, end = bat_motion_spline_keys(spline).end;
-    size_t parts = (size_t)1 << options->scheme.levels, intervals = keys->closed ? keys->count : keys->count - 1;
+    size_t parts = (size_t)1 << options->scheme.levels,
+           intervals = bat_motion_spline_keys(spline).count - (keys->closed ? 0 : 1);
     for (size_t i = 0; i < smooth->count; i++)
     {
         size_t key = i / parts, part = i % parts;
@@ -802,6 +805,7 @@ static void add_report(const bat_motion_spline *spline, size_t curve, bat_motion
     report->keys += keys.count;
     report->held += keys.held;
     report->turned += keys.turned;
+    report->gyro = keys.gyro;
     report->sigma = fmax(report->sigma, keys.sigma);
     report->angle_sigma = fmax(report->angle_sigma, keys.angle_sigma);
     for (size_t i = 0; report->threshold > 0 && i < keys.count; i++)

@@ -10,6 +10,7 @@
 #include "curve/point_form.h"
 #include "linalg/vector.h"
 #include "motion/hermite_average.h"
+#include "motion/spline_gyro.h"
 #include "motion/spline_system.h"
 #include "motion/spline_timing.h"
 #include "space/builtin.h"
@@ -54,7 +55,8 @@ struct bat_motion_spline
     double sigmas[2];      ///< of the noise: of all but rotations of rigid motions, and of these
     double *records;       ///< intervals x record_size
     size_t record_size;
-    size_t held, turned;  ///< intervals, over all factors
+    size_t held, turned; ///< intervals, over all factors
+    bat_motion_gyro_report gyro;
     bool limited;         ///< the times are those of `timing`
     spline_timing timing; ///< within limits of speed and acceleration
 };
@@ -795,6 +797,106 @@ double spline_time_at(const bat_motion_spline *spline, size_t interval, double s
     return share == 0 ? from : from + (to - from) * share;
 }
 
+// Gyroscopes
+
+/// Translations of rigid motions at times, with velocities and standard deviations of columns 0 to 3.
+static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                               const gyro_fusion *fused, bat_hermite_curve *made, double *deviations, bat_error *error)
+{
+    const bat_space space = bat_euclidean(3);
+    bat_motion_spline_options how = *options;
+    how.angle_sigma = how.max_speed = how.max_acceleration = how.max_angular_speed = how.max_angular_acceleration = 0;
+    how.outliers = how.sigma != 0 ? how.outliers : BAT_MOTION_OUTLIERS_NONE;
+    how.turns = how.begin_velocity = how.end_velocity = NULL;
+    how.ends = how.ends == BAT_MOTION_ENDS_CLAMPED ? BAT_MOTION_ENDS_AUTO : how.ends;
+    how.gyro = NULL;
+    double *rows = memory_array(keys->count, 3 * sizeof *rows), point[3], velocity[3];
+    if (rows == NULL)
+        return error_memory(error, keys->count * 3 * sizeof *rows);
+    gather(keys->points, keys->count, 7, 0, 3, rows);
+    bat_hermite_curve moved = {.space = &space, .points = rows, .times = keys->times, .count = keys->count};
+    bat_motion_spline *spline = NULL;
+    bat_status status = bat_motion_spline_make(&moved, &how, &spline, error);
+    free(rows);
+    for (size_t i = 0; i < fused->count && status == BAT_OK; i++)
+    {
+        status = bat_motion_spline_at(spline, fused->times[i], point, velocity, NULL, error);
+        if (status == BAT_OK)
+            status = bat_motion_spline_uncertainty(spline, &fused->times[i], 1, deviations + 6 * i, error);
+        memcpy(made->points + 7 * i, point, sizeof point);
+        memcpy(made->tangents + 6 * i, velocity, sizeof velocity);
+    }
+    made->closing_time = spline != NULL ? spline->sigmas[0] : 0;
+    bat_motion_spline_free(spline);
+    return status;
+}
+
+/// The spline through fused rotations, and through translations at the same times.
+static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
+                             bat_motion_spline **spline, bat_error *error)
+{
+    bool rigid = space_is_rigid(keys->space);
+    size_t dim = keys->space->point_dim, n = keys->space->tangent_dim, count = keys->count;
+    const char *fault = !rigid && !space_is_rotation(keys->space) ? "is for rotations and rigid motions"
+                        : keys->closed                            ? "does not go with closed motions"
+                        : keys->tangents != NULL                  ? "does not go with given velocities"
+                                                                  : NULL;
+    if (fault != NULL)
+        return error_option(error, "gyro", "%s", fault);
+    gyro_fusion fused = {0};
+    double *times = memory_array(count, sizeof *times), *rotations = memory_array(count, 4 * sizeof *rotations);
+    bat_status status = times != NULL && rotations != NULL ? BAT_OK : error_memory(error, count * 4 * sizeof *rotations);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        times[i] = keys->times != NULL ? keys->times[i] : (double)i;
+    if (status == BAT_OK)
+    {
+        gather(keys->points, count, dim, dim - 4, 4, rotations);
+        status =
+            gyro_fuse(times, rotations, count, options->gyro, rigid ? options->angle_sigma : options->sigma, &fused, error);
+    }
+    bat_hermite_curve given = *keys, made = {.space = keys->space, .times = fused.times, .count = fused.count};
+    double *deviations = calloc(fused.count + 1, n * sizeof *deviations);
+    given.times = times;
+    made.points = memory_array(fused.count + 1, dim * sizeof(double));
+    made.tangents = memory_array(fused.count + 1, n * sizeof(double));
+    if (status == BAT_OK && (made.points == NULL || made.tangents == NULL || deviations == NULL))
+        status = error_memory(error, fused.count * dim * sizeof(double));
+    if (status == BAT_OK && rigid)
+        status = move_between(&given, options, &fused, &made, deviations, error);
+    bat_motion_spline_options how = *options;
+    how.sigma = how.angle_sigma = 0;
+    how.outliers = BAT_MOTION_OUTLIERS_NONE;
+    how.turns = NULL;
+    how.gyro = NULL;
+    double sigma = made.closing_time;
+    made.closing_time = 0;
+    for (size_t i = 0; i < fused.count && status == BAT_OK; i++)
+    {
+        memcpy(made.points + i * dim + dim - 4, fused.rotations + 4 * i, 4 * sizeof(double));
+        for (size_t c = n - 3; c < n; c++)
+        {
+            made.tangents[i * n + c] = NAN;
+            deviations[i * n + c] = fused.deviations[i];
+        }
+    }
+    if (status == BAT_OK)
+        status = bat_motion_spline_make(&made, &how, spline, error);
+    if (status == BAT_OK)
+    {
+        memcpy((*spline)->uncertainties, deviations, fused.count * n * sizeof *deviations);
+        (*spline)->gyro = fused.report;
+        (*spline)->sigmas[0] = rigid ? sigma : fused.report.sigma;
+        (*spline)->sigmas[1] = rigid ? fused.report.sigma : 0;
+    }
+    gyro_fusion_free(&fused);
+    free(deviations);
+    free(made.points);
+    free(made.tangents);
+    free(times);
+    free(rotations);
+    return status;
+}
+
 bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
                                   bat_motion_spline **spline, bat_error *error)
 {
@@ -805,8 +907,8 @@ bat_status bat_motion_spline_make(const bat_hermite_curve *keys, const bat_motio
     options = options != NULL ? options : &defaults;
     if (status == BAT_OK)
         status = check_sigma(keys, options, error);
-    if (status != BAT_OK)
-        return status;
+    if (status != BAT_OK || options->gyro != NULL)
+        return status != BAT_OK ? status : make_fused(keys, options, spline, error);
     bat_motion_spline *made = calloc(1, sizeof *made);
     double *lengths = memory_array(keys->count, sizeof *lengths);
     status = made != NULL && lengths != NULL ? BAT_OK : error_memory(error, keys->count * sizeof *lengths);
@@ -849,5 +951,6 @@ bat_motion_keys bat_motion_spline_keys(const bat_motion_spline *spline)
                              .sigma = spline->sigmas[0],
                              .angle_sigma = spline->sigmas[1],
                              .held = spline->held,
+                             .gyro = spline->gyro,
                              .turned = spline->turned};
 }

@@ -581,6 +581,25 @@ static void files_of_times_are_read(void **state)
     assert_int_equal(count, 3);
     assert_true(times[0] == -1 && times[1] == 0.5 && times[2] == 1000);
     free(times);
+    // Rates of EuRoC: nanoseconds, names in a comment, and accelerations that do not matter.
+    double *rates;
+    for (int bad_row = 0; bad_row < 2; bad_row++)
+    {
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        (void)fputs("#timestamp [ns],w_RS_S_x [rad s^-1],y,z,a\n1403636579758555392,1,2,3,9\n", file);
+        (void)fputs(bad_row ? "1403636579763555392,4,5\n" : "1403636579763555392,4,-5,6e-1,9\n", file);
+        assert_int_equal(fclose(file), 0);
+        bat_status status = bat_motion_rates_read(path, NULL, &times, &rates, &count, &error);
+        assert_int_equal(status, bad_row ? BAT_BAD_FILE : BAT_OK);
+        if (bad_row)
+            assert_int_equal(error.line, 3);
+    }
+    assert_int_equal(count, 2);
+    assert_true(fabs(times[1] - times[0] - 0.005) < 1e-6);
+    assert_true(rates[0] == 1 && rates[4] == -5 && rates[5] == 0.6);
+    free(times);
+    free(rates);
     (void)remove(path);
 }
 

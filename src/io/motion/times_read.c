@@ -10,10 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+/// Rates beside a time.
+#define RATES 3
+
 typedef struct time_list
 {
     double *times;
     size_t count, capacity;
+    bool with_rates;
+    double *rates; ///< count x RATES
+    size_t rate_count, rate_capacity;
     int64_t origin;
     int decimals; ///< of the unit; 0: by the size
 } time_list;
@@ -40,43 +46,81 @@ static const char *read_time(const time_list *list, const char *begin, const cha
     return fault;
 }
 
-static bat_status add_line(time_list *list, const text_line *line, bat_error *error)
+static bat_status add_line(time_list *list, const file_text *text, const text_line *line, bat_error *error)
 {
-    const char *begin = line->begin, *end = line->end;
-    char excerpt[EXCERPT_SIZE], before[NUMBER_DIGITS_SIZE], digits[NUMBER_DIGITS_SIZE];
-    double time;
-    bool title = list->count == 0 && end - begin == 4 && strncmp(begin, "time", 4) == 0;
-    if (begin == end || *begin == '#' || title)
+    csv_field fields[BAT_SPACE_MAX_DIM] = {{line->begin, line->end}};
+    char excerpt[EXCERPT_SIZE], before[NUMBER_DIGITS_SIZE], digits[NUMBER_DIGITS_SIZE], separator = csv_find_separator(line);
+    double time, rate;
+    size_t found = 1;
+    if (line->begin == line->end || *line->begin == '#')
         return BAT_OK;
-    const char *fault = read_time(list, begin, end, &time);
+    const char *fault = list->with_rates ? csv_split(text, line, separator, fields, &found) : NULL;
+    if (fault == NULL && found < (list->with_rates ? 1 + RATES : 1))
+        fault = "a row has a time and three rates";
     if (fault != NULL)
-        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' is not a time (%s): a line has one number",
-                         text_excerpt(excerpt, begin, end), fault);
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", fault);
+    const char *begin = fields[0].begin, *end = fields[0].end;
+    if (list->count == 0 &&
+        (list->with_rates ? !number_resembles(begin, end) : end - begin == 4 && strncmp(begin, "time", 4) == 0))
+        return BAT_OK;
+    fault = read_time(list, begin, end, &time);
+    if (fault != NULL)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' is not a time (%s)%s",
+                         text_excerpt(excerpt, begin, end), fault, list->with_rates ? "" : ": a line has one number");
     if (list->count > 0 && !(time > list->times[list->count - 1]))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "the time %s does not come after %s",
                          number_digits(time, digits), number_digits(list->times[list->count - 1], before));
-    return ARRAY_ADD(list->times, list->capacity, list->count, time) ? BAT_OK
-                                                                     : error_memory(error, list->count * sizeof time);
+    bool comma = false, good = ARRAY_ADD(list->times, list->capacity, list->count, time);
+    for (size_t c = 1; good && list->with_rates && c <= RATES; c++)
+    {
+        fault = csv_read_number(fields[c], separator, &rate, &comma);
+        if (fault != NULL)
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "'%s' %s",
+                             text_excerpt(excerpt, fields[c].begin, fields[c].end), fault);
+        good = ARRAY_ADD(list->rates, list->rate_capacity, list->rate_count, rate);
+    }
+    return good ? BAT_OK : error_memory(error, list->count * sizeof time);
+}
+
+static bat_status read_list(const char *path, const bat_curve_set *set, time_list *list, bat_error *error)
+{
+    file_text text = {0};
+    list->origin = set != NULL ? bat_curve_set_time_origin(set) : 0;
+    list->decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0;
+    bat_status status = file_text_read(path, NULL, &text, error);
+    text_line line = text_line_start(&text);
+    while (status == BAT_OK && text_line_next(&text, &line))
+        status = add_line(list, &text, &line, error);
+    if (status == BAT_OK && list->count == 0)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has no times");
+    file_text_free(&text);
+    if (status == BAT_OK)
+        return BAT_OK;
+    free(list->times);
+    free(list->rates);
+    return status;
 }
 
 bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count, bat_error *error)
 {
-    file_text text = {0};
-    time_list list = {.origin = set != NULL ? bat_curve_set_time_origin(set) : 0,
-                      .decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0};
-    bat_status status = file_text_read(path, NULL, &text, error);
-    text_line line = text_line_start(&text);
-    while (status == BAT_OK && text_line_next(&text, &line))
-        status = add_line(&list, &line, error);
-    if (status == BAT_OK && list.count == 0)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has no times");
-    file_text_free(&text);
-    if (status == BAT_OK)
-    {
-        *times = list.times;
-        *count = list.count;
-    }
-    else
-        free(list.times);
-    return status;
+    time_list list = {.with_rates = false};
+    bat_status status = read_list(path, set, &list, error);
+    if (status != BAT_OK)
+        return status;
+    *times = list.times;
+    *count = list.count;
+    return BAT_OK;
+}
+
+bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates, size_t *count,
+                                 bat_error *error)
+{
+    time_list list = {.with_rates = true};
+    bat_status status = read_list(path, set, &list, error);
+    if (status != BAT_OK)
+        return status;
+    *times = list.times;
+    *rates = list.rates;
+    *count = list.count;
+    return BAT_OK;
 }
