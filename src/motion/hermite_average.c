@@ -183,7 +183,8 @@ bat_status bat_hermite_average(const bat_space *space, const double *p0, const d
     return status;
 }
 
-bat_status hermite_average_row(const refine_kernel *kernel, const double *a, const double *b, double *average)
+/// bat_hermite_average() of two rows at 1/2, with the mean of their times.
+static bat_status average_row(const refine_kernel *kernel, const double *a, const double *b, double *average)
 {
     const bat_space *space = kernel->space;
     size_t n = space->point_dim, width = n + space->tangent_dim;
@@ -195,13 +196,13 @@ bat_status hermite_average_row(const refine_kernel *kernel, const double *a, con
     return status;
 }
 
-static bat_status average_any(const refine_kernel *kernel, const double *rows, size_t count, double *averages, size_t stride,
-                              size_t *fault)
+bat_status hermite_row_average(const refine_kernel *kernel, const double *rows, size_t count, double *averages,
+                               size_t stride, size_t *fault)
 {
     for (size_t i = 0; i < count; i++)
     {
         const double *row = rows + i * kernel->dim;
-        bat_status status = hermite_average_row(kernel, row, row + kernel->dim, averages + i * stride);
+        bat_status status = average_row(kernel, row, row + kernel->dim, averages + i * stride);
         if (status != BAT_OK)
         {
             *fault = i;
@@ -209,11 +210,4 @@ static bat_status average_any(const refine_kernel *kernel, const double *rows, s
         }
     }
     return BAT_OK;
-}
-
-row_average *hermite_row_average(const bat_space *space)
-{
-    if (space_is_sphere(space))
-        return hermite_average_sphere;
-    return space_is_rotation(space) ? hermite_average_rotation : average_any;
 }

@@ -50,14 +50,6 @@ bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const do
                               double weight, hermite_legs legs, double *before, double *after);
 
 /// Rows of a point, a direction and, where the kernel is timed, a time: averages by bat_hermite_average() at 1/2.
-row_average *hermite_row_average(const bat_space *space);
-
-/// hermite_row_average() for points on the unit sphere of R^3, by vector code.
-row_average hermite_average_sphere;
-/// Likewise for rotations, whose unit quaternions are a sphere with antipodes made one.
-row_average hermite_average_rotation;
-
-/// bat_hermite_average() of two rows at 1/2, with the mean of their times.
-bat_status hermite_average_row(const refine_kernel *kernel, const double *a, const double *b, double *average);
+row_average hermite_row_average;
 
 #endif

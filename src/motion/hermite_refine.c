@@ -290,7 +290,7 @@ static refine_kernel make_kernel(const hermite_plan *plan)
     const bat_space *space = plan->coarse->space;
     return options->kind == BAT_HERMITE_KIND_TRANSPORT
                ? kernel_hermite_transport(space, plan->dim, &options->mask, options->base)
-               : kernel_lane_riesenfeld(space, plan->dim, options->order, hermite_row_average(space));
+               : kernel_lane_riesenfeld(space, plan->dim, options->order, hermite_row_average);
 }
 
 static bat_status lay_out(hermite_plan *plan, bat_error *error)
