@@ -36,6 +36,9 @@ extern "Python"
     bat_status batten_log(const bat_space *, const double *, const double *, double *);
     bat_status batten_exp(const bat_space *, const double *, const double *, double *);
     bat_status batten_transport(const bat_space *, const double *, const double *, const double *, double *);
+    bat_status batten_exp_rows(const bat_space *, const double *, const double *, size_t, double *);
+    bat_status batten_log_rows(const bat_space *, const double *, const double *, size_t, double *);
+    bat_status batten_transport_rows(const bat_space *, const double *, const double *, const double *, size_t, double *);
     double batten_inner(const bat_space *, const double *, const double *, const double *);
 }
 """

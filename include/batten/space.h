@@ -53,6 +53,12 @@ struct bat_space
     /// Optional: the point at share `t` of the shortest geodesic from `p` to `q` (any real t, 0 gives p, 1 gives q).
     /// Null means exp(t log).
     bat_status (*geodesic)(const bat_space *space, const double *p, const double *q, double t, double *point);
+    /// Optional: exp(), log() and transport() of `count` rows, for functions whose call is what costs. A failure need not
+    /// tell the row: rows are then done one by one.
+    bat_status (*exp_rows)(const bat_space *space, const double *p, const double *tangents, size_t count, double *q);
+    bat_status (*log_rows)(const bat_space *space, const double *p, const double *q, size_t count, double *tangents);
+    bat_status (*transport_rows)(const bat_space *space, const double *p, const double *q, const double *tangents,
+                                 size_t count, double *transported);
     /// Optional, oriented surfaces only: the signed exterior angle at `p` of the geodesic polyline `before`, `p`, `after`,
     /// in [-pi, pi], positive for a left turn.
     double (*exterior_angle)(const bat_space *space, const double *before, const double *p, const double *after);

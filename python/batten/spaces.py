@@ -71,12 +71,15 @@ class Space:
         elif not {"exp", "log"} <= set(functions) or point_dim < 1:
             raise TypeError("a space of your own needs exp, log and point_dim")
         else:
+            self._single: dict[str, bool] = {}
             self._handle, self._name = ffi.new_handle(self), ffi.new("char[]", name.encode())
             tangent_dim = tangent_dim or point_dim
             self.struct[0] = {
                 "name": self._name, "dimension": dimension or tangent_dim, "point_dim": point_dim,
                 "tangent_dim": tangent_dim, "injectivity": injectivity, "weight": weight, "parameters": self._handle,
-                **{name: getattr(lib, f"batten_{name}") for name in _GIVEN}}  # fmt: skip
+                **{name: getattr(lib, f"batten_{name}") for name in (*_GIVEN, "exp_rows", "log_rows", "transport_rows")}}  # fmt: skip
+            if "inner" not in functions:
+                self.struct.inner = lib.bat_euclidean(tangent_dim).inner
             call(lib.bat_space_check, self.struct, ffi.NULL, 0)
         self.point_dim, self.tangent_dim = self.struct.point_dim, self.struct.tangent_dim
 
@@ -85,6 +88,18 @@ class Space:
 
     def __repr__(self) -> str:
         return f"Space({self.name!r}, {self.point_dim})"
+
+    def _transport(self, p: Floats, q: Floats, v: Floats) -> Any:
+        """The user's transport, or one step of the pole ladder, of one row or many."""
+        if "transport" in self.functions:
+            return self.functions["transport"](p, q, v)
+        exp, log = self.functions["exp"], self.functions["log"]
+        # Transport is linear: the vector gets a length at which the ladder neither rounds nor passes the cut locus.
+        length = np.linalg.norm(v, axis=-1, keepdims=True)
+        step = min(1.0, self.struct.injectivity / 8) / np.where(length > 0, length, 1.0)
+        middle, ahead = exp(p, np.asarray(log(p, q)) / 2), exp(p, step * v)
+        made = np.asarray(log(q, exp(ahead, 2 * np.asarray(log(ahead, middle))))) / -step
+        return np.where(length > 0, made, v)
 
     def _batch(self, function: Callable[..., Any], widths: str, result: str, *arrays: ArrayLike) -> Floats:
         """Call a batch function with rows that are broadcast. Widths: p of points, t of tangents, 1 of numbers."""
@@ -214,6 +229,48 @@ def _log(space: Any, p: Any, q: Any, tangent: Any) -> int:
     return _put(_own(space).functions["log"](_row(space, p), _row(space, q)), tangent, space.tangent_dim)
 
 
+def _rows(space: Any, numbers: Any, count: int, kind: str = "point_dim") -> Floats:
+    width = getattr(space, kind)
+    return np.frombuffer(ffi.buffer(numbers, 8 * width * count), np.float64).reshape(count, width).copy()
+
+
+def _put_rows(space: Space, name: str, one: Callable[..., Any], given: tuple[Floats, ...], result: Any, width: int) -> int:
+    """Call a function with many rows; where it takes single ones alone, the library calls it row by row."""
+    if space._single.get(name, False):
+        return int(lib.BAT_UNSUPPORTED)
+    try:
+        made = np.asarray(one(*given), np.float64)
+        good = made.shape == (len(given[0]), width) and bool(np.isfinite(made).all())
+        if good and name not in space._single:
+            last = np.asarray(one(*(rows[-1] for rows in given)), np.float64).reshape(-1)
+            good = np.allclose(last, made[-1], rtol=1e-12, atol=1e-12 * abs(made).max())
+            space._single[name] = not good
+    except Exception:
+        good = False
+    if not good:
+        return int(lib.BAT_UNSUPPORTED)
+    ffi.memmove(result, np.ascontiguousarray(made), made.nbytes)
+    return 0
+
+
+@_callback("exp_rows")
+def _exp_rows(space: Any, p: Any, tangents: Any, count: int, q: Any) -> int:
+    own, given = _own(space), (_rows(space, p, count), _rows(space, tangents, count, "tangent_dim"))
+    return _put_rows(own, "exp", own.functions["exp"], given, q, space.point_dim)
+
+
+@_callback("log_rows")
+def _log_rows(space: Any, p: Any, q: Any, count: int, tangents: Any) -> int:
+    own, given = _own(space), (_rows(space, p, count), _rows(space, q, count))
+    return _put_rows(own, "log", own.functions["log"], given, tangents, space.tangent_dim)
+
+
+@_callback("transport_rows")
+def _transport_rows(space: Any, p: Any, q: Any, tangents: Any, count: int, made: Any) -> int:
+    own, given = _own(space), (_rows(space, p, count), _rows(space, q, count), _rows(space, tangents, count, "tangent_dim"))
+    return _put_rows(own, "transport", own._transport, given, made, space.tangent_dim)
+
+
 @_callback("inner")
 def _inner(space: Any, p: Any, u: Any, v: Any) -> float:
     u, v = _row(space, u, "tangent_dim"), _row(space, v, "tangent_dim")
@@ -239,16 +296,8 @@ def _project(space: Any, coordinates: Any, point: Any) -> int:
 
 @_callback("transport")
 def _transport(space: Any, p: Any, q: Any, tangent: Any, made: Any) -> int:
-    functions, p, q, v = _own(space).functions, _row(space, p), _row(space, q), _row(space, tangent, "tangent_dim")
-    if "transport" in functions:
-        return _put(functions["transport"](p, q, v), made, space.tangent_dim)
-    if not v.any():
-        return _put(v, made, space.tangent_dim)
-    exp, log = functions["exp"], functions["log"]
-    # Transport is linear: the vector gets a length at which the ladder neither rounds nor passes the cut locus.
-    step = min(1.0, space.injectivity / 8) / (np.linalg.norm(v) or 1.0)
-    middle, ahead = exp(p, np.asarray(log(p, q)) / 2), exp(p, step * v)
-    return _put(np.asarray(log(q, exp(ahead, 2 * np.asarray(log(ahead, middle))))) / -step, made, space.tangent_dim)
+    made_of = _own(space)._transport(_row(space, p), _row(space, q), _row(space, tangent, "tangent_dim"))
+    return _put(made_of, made, space.tangent_dim)
 
 
 @_callback("fault")

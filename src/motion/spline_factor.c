@@ -234,6 +234,22 @@ static bat_status curved_acceleration(const spline_factor *f, const double *midd
 
 // Any space
 
+double spline_place_of(size_t place)
+{
+    return PLACES[place] * STEP;
+}
+
+void spline_differences(size_t n, const double *rows, double *first, double *second)
+{
+    memset(first, 0, n * sizeof *first);
+    memset(second, 0, n * sizeof *second);
+    for (size_t k = 0; k < SPLINE_PLACES; k++)
+    {
+        add(n, FIRST[k] / STEP, rows + k * n, first);
+        add(n, SECOND[k] / (STEP * STEP), rows + k * n, second);
+    }
+}
+
 /// Derivatives at q of exp_m(c(s)): differences of logarithms, which are normal coordinates at q. Either may be null.
 static bat_status any_rates(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
                             double *velocity, double *acceleration)

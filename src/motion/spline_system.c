@@ -69,6 +69,7 @@ void spline_system_free(spline_system *system)
     free(system->slopes);
     free(system->accelerations);
     free(system->turnings);
+    free(system->charts);
     free(system->residuals);
     free(system->rows);
     free(system->fixed);
@@ -134,7 +135,9 @@ bat_status spline_transport(const spline_system *system, size_t interval, spline
     case FACTOR_ANY:
         break;
     }
-    return space->transport(space, places[from], places[to], vector, transported);
+    return spline_chart_transport(system, interval, from, to, vector, transported)
+               ? BAT_OK
+               : space->transport(space, places[from], places[to], vector, transported);
 }
 
 static bat_status fail(const spline_system *system, bat_status status, size_t key, bat_error *error)
@@ -164,12 +167,24 @@ bat_status spline_system_measure(spline_system *system, bat_error *error)
             for (size_t c = 0; c < size_of(system); c++)
                 at_end(system, system->slopes, i, end)[c] = log_q[c] - log_p[c];
     }
-    return BAT_OK;
+    bool charted = system->factor->kind == FACTOR_ANY && size_of(system) <= CHART_DIM;
+    return charted ? spline_charts_make(system, error) : BAT_OK;
 }
 
 static const spline_turning *turning_of(const spline_system *system, size_t interval, size_t end)
 {
     return system->turnings != NULL ? &system->turnings[2 * interval + end] : NULL;
+}
+
+static const spline_chart_end *chart_of(const spline_system *system, size_t interval, size_t end)
+{
+    return system->charts != NULL ? &system->charts[interval].ends[end] : NULL;
+}
+
+static void multiply(size_t n, const double *matrix, const double *vector, double *product)
+{
+    for (size_t c = 0; c < n; c++)
+        product[c] = vector_dot(n, matrix + c * n, vector);
 }
 
 /// Slopes of an interval from the velocities at its ends.
@@ -182,6 +197,12 @@ static bat_status pull_slopes(spline_system *system, size_t i)
         const double *velocity = of_key(system, system->velocities, key);
         for (size_t c = 0; c < size_of(system); c++)
             wanted[c] = system->lengths[i] * velocity[c];
+        const spline_chart_end *chart = chart_of(system, i, end);
+        if (chart != NULL)
+        {
+            multiply(size_of(system), chart->pull, wanted, at_end(system, system->slopes, i, end));
+            continue;
+        }
         bat_status status =
             spline_pull(system->factor, middle_of(system, i), at_end(system, system->logs, i, end), point_of(system, key),
                         wanted, turning_of(system, i, end), at_end(system, system->slopes, i, end));
@@ -214,9 +235,20 @@ static bat_status accelerate(spline_system *system, size_t i)
     {
         double *acceleration = at_end(system, system->accelerations, i, end);
         const double *q = point_of(system, end == 0 ? i : key_after(system, i));
-        tangent_jet jet = {at_end(system, system->logs, i, end), at_end(system, system->slopes, i, end), second[end], third};
-        bat_status status =
-            spline_acceleration(system->factor, middle_of(system, i), &jet, q, turning_of(system, i, end), acceleration);
+        const double *first = at_end(system, system->slopes, i, end);
+        tangent_jet jet = {at_end(system, system->logs, i, end), first, second[end], third};
+        const spline_chart_end *chart = chart_of(system, i, end);
+        if (chart != NULL)
+            multiply(size_of(system), chart->push, second[end], acceleration);
+        for (size_t j = 0; chart != NULL && j < size_of(system) * size_of(system); j++)
+            for (size_t c = 0; c < size_of(system); c++)
+            {
+                size_t k = j / size_of(system), l = j % size_of(system);
+                acceleration[c] += chart->bend[k][l][c] * first[k] * first[l];
+            }
+        bat_status status = chart != NULL ? BAT_OK
+                                          : spline_acceleration(system->factor, middle_of(system, i), &jet, q,
+                                                                turning_of(system, i, end), acceleration);
         if (status != BAT_OK)
             return status;
         for (size_t c = 0; c < size_of(system); c++)
@@ -776,7 +808,7 @@ bat_status spline_system_solve(spline_system *system, bat_motion_ends ends, bat_
 
 bat_status spline_system_finish(spline_system *system, bat_error *error)
 {
-    int steps = system->factor->kind == FACTOR_ANY ? FINISH_STEPS : 1;
+    int steps = system->factor->kind == FACTOR_ANY && system->charts == NULL ? FINISH_STEPS : 1;
     for (size_t i = 0; i < system->intervals; i++)
         for (int step = 0; step < steps; step++)
         {

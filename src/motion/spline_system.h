@@ -84,6 +84,29 @@ bat_status spline_factor_at(const spline_factor *f, const double *record, double
 bat_status spline_factor_run(const spline_factor *f, const double *record, const double *shares, size_t count,
                              double *points, size_t stride);
 
+/// Differences: the places on a line, in units of its parameter, and the derivatives of a function that is 0 at 0.
+#define SPLINE_PLACES 6
+double spline_place_of(size_t place);
+/// @param rows SPLINE_PLACES x n values
+void spline_differences(size_t n, const double *rows, double *first, double *second);
+
+/// Spaces of a user up to this dimension have charts.
+#define CHART_DIM 6
+#define CHART_WAYS 4
+
+/// exp_m at one logarithm: the differential, its inverse, and the covariant acceleration as a bilinear form of velocities.
+typedef struct spline_chart_end
+{
+    double push[CHART_DIM * CHART_DIM], pull[CHART_DIM * CHART_DIM], bend[CHART_DIM][CHART_DIM][CHART_DIM];
+} spline_chart_end;
+
+/// An interval of FACTOR_ANY: both ends, and parallel transport there and back, and from the middle to the ends.
+typedef struct spline_chart
+{
+    spline_chart_end ends[2];
+    double ways[CHART_WAYS][CHART_DIM * CHART_DIM];
+} spline_chart;
+
 /// What fixes the velocity at a key.
 typedef enum key_state
 {
@@ -108,6 +131,7 @@ typedef struct spline_system
     double *slopes;           ///< 2 x tangent_dim: derivatives of the cubic by its share
     double *accelerations;    ///< 2 x tangent_dim, at the keys
     spline_turning *turnings; ///< 2, FACTOR_ROTATION, else null
+    spline_chart *charts;     ///< FACTOR_ANY of few dimensions, else null
     // By key.
     double *residuals;    ///< tangent_dim
     double *rows;         ///< 3: lower, diagonal, upper
@@ -139,6 +163,12 @@ typedef enum spline_place
     AT_END,
     AT_MIDDLE
 } spline_place;
+
+/// Find the charts, after middles and logarithms.
+bat_status spline_charts_make(spline_system *system, bat_error *error);
+/// spline_transport() by a chart. False without one.
+bool spline_chart_transport(const spline_system *system, size_t interval, spline_place from, spline_place to,
+                            const double *vector, double *transported);
 
 /// Transport a vector along the geodesic of an interval.
 bat_status spline_transport(const spline_system *system, size_t interval, spline_place from, spline_place to,

@@ -174,6 +174,8 @@ void bat_space_distances(const bat_space *space, const double *p, const double *
 bat_status bat_space_logs(const bat_space *space, const double *p, const double *q, size_t count, double *tangents,
                           bat_error *error)
 {
+    if (space->log_rows != NULL && space->log_rows(space, p, q, count, tangents) == BAT_OK)
+        return BAT_OK;
     for (size_t i = 0; i < count; i++)
     {
         size_t row = i * space->point_dim;
@@ -187,6 +189,8 @@ bat_status bat_space_logs(const bat_space *space, const double *p, const double 
 bat_status bat_space_exps(const bat_space *space, const double *p, const double *tangents, size_t count, double *q,
                           bat_error *error)
 {
+    if (space->exp_rows != NULL && space->exp_rows(space, p, tangents, count, q) == BAT_OK)
+        return BAT_OK;
     for (size_t i = 0; i < count; i++)
     {
         size_t row = i * space->point_dim;
@@ -200,6 +204,8 @@ bat_status bat_space_exps(const bat_space *space, const double *p, const double 
 bat_status bat_space_transports(const bat_space *space, const double *p, const double *q, const double *tangents,
                                 size_t count, double *transported, bat_error *error)
 {
+    if (space->transport_rows != NULL && space->transport_rows(space, p, q, tangents, count, transported) == BAT_OK)
+        return BAT_OK;
     for (size_t i = 0; i < count; i++)
     {
         size_t row = i * space->point_dim, tangent_row = i * space->tangent_dim;

@@ -112,10 +112,18 @@ static bat_status slow_log(const bat_space *space, const double *p, const double
     return sphere.log(&sphere, p, q, tangent);
 }
 
-/// All kinds of spaces: ours, a product of products, and a user's.
+static bat_status slow_turn(const bat_space *space, const double *p, const double *q, double *tangent)
+{
+    const bat_space rotation = bat_rotation();
+    (void)space;
+    return rotation.log(&rotation, p, q, tangent);
+}
+
+/// All kinds of spaces: ours, a product of products, and a user's, with tangent vectors of as many numbers as dimensions
+/// too.
 typedef struct all_spaces
 {
-    bat_space spaces[10], factors[2], nested[2];
+    bat_space spaces[11], factors[2], nested[2];
     bat_product_factors outer, inner;
     size_t count;
 } all_spaces;
@@ -141,6 +149,9 @@ static void make_spaces(all_spaces *all)
     *space = bat_sphere(2);
     space->name = "user's";
     space++->log = slow_log;
+    *space = bat_rotation();
+    space->name = "user's turns";
+    space++->log = slow_turn;
     all->count = (size_t)(space - all->spaces);
 }
 
