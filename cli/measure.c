@@ -49,8 +49,6 @@ static const option_spec OPTIONS[] = {
     {"from", "FORMAT", INPUT, 0, "the format of the files, see `batten list formats`; default: by their endings or contents",
      NO_FIELD},
     {"mesh", NULL, INPUT, COMMON, "take the files as meshes; default: by their endings or contents", NO_FIELD},
-    {"triangulate", NULL, INPUT, 0, "cut faces of meshes of more than three corners into triangles",
-     FLAG(measure_job, read_mesh.triangulate)},
     {"geodesic", NULL, METHOD, COMMON, "geodesic distances; default: straight ones between coordinates, as published",
      FLAG(measure_job, measure.geodesic)},
     {"to-segments", NULL, METHOD, COMMON, "distances to the other curve's edges instead of its points",
@@ -354,6 +352,8 @@ static bool check_meshes(measure_job *job)
     static const char *const FOR_TWO[] = {"at-vertices", "samples", "accuracy", "picture", NULL};
     const arguments *given = job->call.given;
     job->compare.threads = job->call.threads;
+    job->read_mesh.triangulate = true;
+    job->read_mesh.strict = job->paths[1] == NULL; // a summary counts what a repair would change
     if (argument_first(given, FOR_CURVES) != NULL)
         return usage_refused(given, "--%s is for curves, but %s is a mesh", argument_first(given, FOR_CURVES),
                              job->call.input);
@@ -376,7 +376,7 @@ static void begin(void *to)
 
 static bool check(void *of)
 {
-    static const char *const of_meshes[] = {"at-vertices", "samples", "accuracy", "picture", "triangulate", NULL};
+    static const char *const of_meshes[] = {"at-vertices", "samples", "accuracy", "picture", NULL};
     measure_job *job = of;
     const arguments *given = job->call.given;
     for (size_t i = 0; i < given->positional_count; i++)
@@ -390,8 +390,7 @@ static bool check(void *of)
     const usage_rule rules[] = {
         {argument(given, "closed") != NULL && argument(given, "open") != NULL, "--closed and --open exclude each other"},
         {job->measure.geodesic && job->measure.to_segments, "--geodesic and --to-segments exclude each other"},
-        {argument_first(given, of_meshes) != NULL,
-         "--at-vertices, --samples, --accuracy, --picture and --triangulate are for meshes"},
+        {argument_first(given, of_meshes) != NULL, "--at-vertices, --samples, --accuracy and --picture are for meshes"},
         {job->paths[1] == NULL && (job->measure.geodesic || job->measure.to_segments),
          "--geodesic and --to-segments need a second file to measure the distance from"},
     };

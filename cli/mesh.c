@@ -43,11 +43,16 @@ typedef struct mesh_job
 
 static const option_spec FILE_OPTIONS[] = {
     {"triangulate", NULL, INPUT, COMMON, "cut polygons of IN into triangles", FLAG(mesh_job, read.triangulate)},
-    {"repair", NULL, INPUT, COMMON, "split edges of more than two faces and vertices of several fans first",
+    {"repair", NULL, INPUT, COMMON,
+     "join equal vertices, drop what is degenerate or not finite, orient the faces, split what is no manifold",
      FLAG(mesh_job, read.repair)},
+    {"fill-holes", "N", INPUT, COMMON, "repair, and close holes of up to N edges",
+     WHOLE(mesh_job, read.fill_holes, 1, BAT_MESH_MAX_HOLE)},
+    {"strict", NULL, INPUT, 0, "refuse a mesh that needs a repair; default: do what is harmless, and say so",
+     FLAG(mesh_job, read.strict)},
     {"weld", "D", INPUT, 0,
-     "join vertices of IN within the distance D; 0: none; default: 1e-7 of the diagonal for STL and triangles with vertices "
-     "of their own",
+     "join vertices of IN within the distance D; 0: none; default: 1e-7 of the diagonal for STL, triangles with vertices "
+     "of their own and with --repair",
      NUMBER(mesh_job, read.weld)},
     {"max-points", "N", INPUT, 0,
      "the most points that compression and copies in IN may make; default: 2^20, and one for each byte",

@@ -281,6 +281,7 @@ static bat_status read_shape(const char *path, bool repair, bat_mesh *shape, bat
     bat_mesh_connectivity connectivity;
     options.triangulate = true;
     options.repair = repair;
+    options.strict = !repair;
     bat_status status = bat_mesh_read(path, &options, shape, error);
     if (status == BAT_OK)
         status = bat_mesh_connect(shape, &connectivity, error);

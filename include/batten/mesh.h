@@ -230,9 +230,11 @@ typedef struct bat_mesh_repair_report
     size_t split_vertices;     ///< vertices of several fans, which became several vertices
     size_t added_vertices;     ///< by how many vertices those became more
     size_t unused_vertices;    ///< dropped: no face was left that has them
+    size_t filled_holes;       ///< of bat_mesh_fill_holes(), where a reader calls it
 } bat_mesh_repair_report;
 
-/// The number of places that were repaired: faces dropped or turned, edges cut and vertices split.
+/// The number of places that were repaired: faces dropped or turned, edges cut, vertices split and holes
+/// filled.
 BAT_API size_t bat_mesh_repair_places(const bat_mesh_repair_report *report);
 
 /// Make a mesh that bat_mesh_connect() accepts, without changing a position. Faces with a repeated vertex and repeated faces
@@ -263,6 +265,20 @@ BAT_API bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_repor
 /// @return BAT_OK; BAT_INVALID_ARGUMENT for the distance; the failures of bat_mesh_check() but for degenerate faces;
 ///         BAT_NO_MEMORY; results are untouched on failure
 BAT_API bat_status bat_mesh_weld(const bat_mesh *mesh, double distance, size_t *merged, bat_mesh *welded, bat_error *error);
+
+/// The most edges of a hole that bat_mesh_fill_holes() fills.
+#define BAT_MESH_MAX_HOLE 2000
+
+/// Close boundary loops of at most `max_edges` edges by the triangles of least area between their vertices (Barequet and
+/// Sharir, 1995). A loop all of whose triangulations need an edge that the mesh has elsewhere stays open. New faces follow
+/// after all others; they have texture coordinates and a label of the faces beside the hole.
+///
+/// @param max_edges up to BAT_MESH_MAX_HOLE; time grows with its cube
+/// @param filled    receives the number of filled holes; may be null
+/// @param closed    receives the mesh; release it with bat_mesh_free()
+/// @return BAT_OK; BAT_INVALID_ARGUMENT; the failures of bat_mesh_connect(); results are untouched on failure
+BAT_API bat_status bat_mesh_fill_holes(const bat_mesh *mesh, size_t max_edges, size_t *filled, bat_mesh *closed,
+                                       bat_error *error);
 
 /// Cut the polygons of a mesh into triangles, as bat_mesh_read() does: quads along the better diagonal, convex polygons as a
 /// fan, others by ear clipping. Triangles have the labels of their polygons. A mesh of triangles is copied.

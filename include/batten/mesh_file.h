@@ -44,18 +44,23 @@ BAT_API void bat_mesh_notes_free(bat_mesh_notes *notes);
 typedef struct bat_mesh_read_options
 {
     bat_mesh_format format; ///< default BAT_MESH_FORMAT_AUTO
-    /// Cut polygons of more than three corners into triangles instead of refusing them, as bat_mesh_triangulate(). Default
-    /// false.
-    bool triangulate;
-    /// Keep faces that have the same vertex twice, for bat_mesh_repair() to drop, instead of refusing them; default false.
+    /// Refuse a mesh that is not as bat_mesh_connect() and its neighbours need it. Without it, the default, what is harmless
+    /// is made right, with notes: polygons are cut as by bat_mesh_triangulate(), unless `polygons` keeps them; triangles
+    /// that are no manifold go through bat_mesh_repair(); values that are not finite become 0. Default false.
+    bool strict;
+    bool triangulate; ///< cut polygons of more than three corners into triangles, as bat_mesh_triangulate(); default false
+    /// Keep faces that have the same vertex twice, for bat_mesh_repair(), instead of refusing or dropping them; then only
+    /// `repair` repairs. Default false.
     bool keep_degenerate;
-    bool repair;                     ///< bat_mesh_repair() the mesh; default false
-    bat_mesh_repair_report *repairs; ///< receives what was repaired, all 0 without `repair`; may be null, the default
+    /// Repair all: drop vertices that are not finite and their faces, bat_mesh_weld(), bat_mesh_repair(). Default false.
+    bool repair;
+    size_t fill_holes;               ///< with it `repair`, then bat_mesh_fill_holes() of so many edges; 0: none, the default
+    bat_mesh_repair_report *repairs; ///< receives what was repaired; may be null, the default
     bat_mesh_notes *notes;           ///< notes of a successful reading are appended; may be null, the default
     bool polygons; ///< keep polygons of more than three corners as they are, unless `triangulate` cuts them; default false
     /// bat_mesh_weld() triangles by this distance, before a repair. 0: do not. -1, the default: by 1e-7 of the diagonal,
-    /// where the file is STL, or not 3MF and every triangle has vertices of its own without values; where no triangle loses
-    /// a corner.
+    /// with `repair`, and where the file is STL, or not 3MF and every triangle has vertices of its own without values;
+    /// without `repair` where no triangle loses a corner.
     double weld;
     bat_limits limits; ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
 } bat_mesh_read_options;
@@ -73,7 +78,7 @@ extern BAT_API const bat_options_table bat_mesh_read_fields;
 /// @param mesh    receives the mesh; release it with bat_mesh_free()
 /// @param error   `line` is the failing line in formats with lines; `index` the failing vertex or face of the file
 /// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED, BAT_FILE_ACCESS, BAT_BAD_FILE, BAT_TOO_LARGE or BAT_NO_MEMORY;
-///         with `repair` what bat_mesh_repair() returns, which takes triangles; `mesh` is untouched on failure
+///         what bat_mesh_repair() and bat_mesh_fill_holes() return; `mesh` is untouched on failure
 BAT_API bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error);
 /// The same from `size` bytes, which need no final zero. BAT_MESH_FORMAT_AUTO goes by the content.
 BAT_API bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,

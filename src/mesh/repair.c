@@ -596,7 +596,7 @@ bat_status bat_mesh_repair(const bat_mesh *broken, bat_mesh_repair_report *repor
 size_t bat_mesh_repair_places(const bat_mesh_repair_report *report)
 {
     return report->degenerate_faces + report->duplicate_faces + report->flipped_faces + report->nonmanifold_edges +
-           report->unorientable_edges + report->split_vertices;
+           report->unorientable_edges + report->split_vertices + report->filled_holes;
 }
 
 // Merging of vertices that coincide or, with a distance, lie near an earlier vertex that remains.

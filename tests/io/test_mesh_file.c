@@ -256,6 +256,77 @@ static void test_reading_can_repair(void **state)
     bat_mesh_free(&repaired);
 }
 
+static bat_mesh_read_options noting(bat_mesh_notes *notes)
+{
+    bat_mesh_read_options options = bat_mesh_read_defaults();
+    options.format = BAT_MESH_FORMAT_OBJ;
+    options.notes = notes;
+    return options;
+}
+
+/// What is harmless is repaired with a note for each kind; strict reading refuses it.
+static void test_harmless_repairs(void **state)
+{
+    (void)state;
+    static const struct
+    {
+        const char *text, *note;
+        size_t faces;
+    } cases[] = {
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n", "repaired: 1 faces were turned over", 2},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 3\n", "repaired: 1 faces with a vertex twice", 1},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n", "polygons were cut into 2 triangles", 2},
+        {"v 0 0 0 1 1 1\nv 1 0 0 1 nan 1\nv 0 1 0 1 1 -inf\nf 1 2 3\n", "2 values that are not finite", 1},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 1 0\nf 1 2 3\n", "1 vertices that are not finite were dropped, with 0 faces", 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+    {
+        bat_mesh_notes notes = {0};
+        bat_mesh_read_options options = noting(&notes);
+        bat_mesh mesh;
+        bat_mesh_connectivity links;
+        size_t size = strlen(cases[i].text);
+        assert_int_equal(bat_mesh_read_memory(cases[i].text, size, &options, &mesh, NULL), BAT_OK);
+        assert_int_equal(mesh.face_count, cases[i].faces);
+        assert_int_equal(bat_mesh_connect(&mesh, &links, NULL), BAT_OK);
+        assert_int_equal(notes.count, 1);
+        if (strstr(notes.texts[0], cases[i].note) == NULL)
+            fail_msg("%s", notes.texts[0]);
+        bat_mesh_notes_free(&notes);
+        bat_mesh_connectivity_free(&links);
+        bat_mesh_free(&mesh);
+        options.strict = true;
+        bat_status status = bat_mesh_read_memory(cases[i].text, size, &options, &mesh, NULL);
+        if (status == BAT_OK) // reading is no judge of manifolds
+        {
+            assert_int_equal(bat_mesh_connect(&mesh, &links, NULL), BAT_NOT_MANIFOLD);
+            bat_mesh_free(&mesh);
+        }
+        bat_mesh_notes_free(&notes);
+    }
+}
+
+/// Vertices of faces that are not finite go with a repair alone. Vertices and creases behind them are renumbered.
+static void test_positions_that_are_not_finite(void **state)
+{
+    (void)state;
+    static const char TEXT[] = "v nan 0 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 2 3 4\nt crease 2/1/0 1 2 3\n";
+    bat_mesh_read_options options = noting(NULL);
+    bat_mesh mesh;
+    bat_error error;
+    assert_int_equal(bat_mesh_read_memory(TEXT, sizeof TEXT - 1, &options, &mesh, &error), BAT_BAD_FILE);
+    assert_non_null(strstr(error_words(&error), "vertex 0, counted from 0, is not finite; repair drops it"));
+    options.repair = true;
+    assert_int_equal(bat_mesh_read_memory(TEXT, sizeof TEXT - 1, &options, &mesh, &error), BAT_OK);
+    const uint32_t corners[] = {0, 1, 2};
+    assert_int_equal(mesh.vertex_count, 3);
+    assert_int_equal(mesh.face_count, 1);
+    assert_memory_equal(mesh.faces, corners, sizeof corners);
+    assert_int_equal(mesh.crease_count, 1);
+    assert_int_equal(mesh.creases[0].a + mesh.creases[0].b, 1);
+    bat_mesh_free(&mesh);
+}
+
 // A prism over a pentagon and a roof: faces of three, four and five corners, two groups, and texture coordinates.
 #define PRISM                                                                                                               \
     "v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 2 0\nv -1 1 0\nv 0 0 1\nv 2 0 1\nv 3 1 1\nv 1 2 1\nv -1 1 1\nv 1 1 2\n"                 \
@@ -335,7 +406,7 @@ static void test_bad_polygons(void **state)
         bat_mesh mesh = {0};
         bat_error error = {0};
         options.format = BAT_MESH_FORMAT_OBJ;
-        options.polygons = true;
+        options.polygons = options.strict = true;
         options.repair = cases[i].repair;
         assert_int_not_equal(bat_mesh_read_memory(cases[i].text, strlen(cases[i].text), &options, &mesh, &error), BAT_OK);
         if (strstr(error_words(&error), cases[i].says) == NULL)
@@ -354,6 +425,8 @@ int main(void)
                                        cmocka_unit_test(test_locales),
                                        cmocka_unit_test(test_real_meshes),
                                        cmocka_unit_test(test_polygons),
+                                       cmocka_unit_test(test_harmless_repairs),
+                                       cmocka_unit_test(test_positions_that_are_not_finite),
                                        cmocka_unit_test(test_bad_polygons)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

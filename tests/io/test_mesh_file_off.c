@@ -51,6 +51,16 @@ static void test_polygons(void **state)
     assert_bad("OFF\n3 1 0\n" TRIANGLE "\n3 0 1 1\n", OFF, 7, "face 0 has vertex 1, counted from 0, twice");
 }
 
+static void test_faces_of_several_lines(void **state)
+{
+    (void)state;
+    bat_mesh mesh = must_read("OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0\n1 # one\n2\n3 2 1 0 255 0 0\n", OFF);
+    const uint32_t corners[] = {0, 1, 2, 2, 1, 0};
+    assert_int_equal(mesh.face_count, 2);
+    assert_memory_equal(mesh.faces, corners, sizeof corners);
+    bat_mesh_free(&mesh);
+}
+
 static void test_bad_files(void **state)
 {
     (void)state;
@@ -112,8 +122,8 @@ static void test_round_trip(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_headers_and_comments), cmocka_unit_test(test_colours),
-                                       cmocka_unit_test(test_polygons), cmocka_unit_test(test_bad_files),
-                                       cmocka_unit_test(test_round_trip)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_headers_and_comments),   cmocka_unit_test(test_colours),   cmocka_unit_test(test_polygons),
+        cmocka_unit_test(test_faces_of_several_lines), cmocka_unit_test(test_bad_files), cmocka_unit_test(test_round_trip)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -435,14 +435,96 @@ static void test_a_soup_becomes_a_solid(void **state)
     bat_mesh_free(&soup);
 }
 
+/// The flat grid of n x n squares without the squares from `low` to below `high` in both directions.
+static bat_mesh make_frame(size_t n, size_t low, size_t high)
+{
+    size_t side = n + 1, count = 0;
+    bat_mesh mesh = {.positions = calloc(side * side, 3 * sizeof(double)),
+                     .faces = malloc(n * n * 6 * sizeof(uint32_t)),
+                     .vertex_count = side * side};
+    for (size_t v = 0; v < side * side; v++)
+    {
+        mesh.positions[3 * v] = (double)(v % side);
+        mesh.positions[3 * v + 1] = (double)(v / side);
+    }
+    for (size_t i = 0; i < n * n; i++)
+    {
+        size_t x = i % n, y = i / n;
+        if (x >= low && x < high && y >= low && y < high)
+            continue;
+        uint32_t a = (uint32_t)(y * side + x), b = a + 1, c = a + (uint32_t)side, d = c + 1;
+        const uint32_t made[6] = {a, b, d, a, d, c};
+        memcpy(mesh.faces + 6 * count++, made, sizeof made);
+    }
+    mesh.face_count = 2 * count;
+    return mesh;
+}
+
+/// A flat hole is covered once: the area is that of the square, and all faces look up. Longer loops stay open.
+static void test_holes(void **state)
+{
+    (void)state;
+    bat_mesh frame = make_frame(8, 2, 6), closed;
+    bat_mesh_connectivity links;
+    size_t filled = 7;
+    assert_int_equal(bat_mesh_fill_holes(&frame, 15, &filled, &closed, NULL), BAT_OK);
+    assert_int_equal(filled, 0);
+    assert_int_equal(closed.face_count, frame.face_count);
+    bat_mesh_free(&closed);
+    assert_int_equal(bat_mesh_fill_holes(&frame, 16, &filled, &closed, NULL), BAT_OK);
+    assert_int_equal(filled, 1);
+    assert_int_equal(closed.face_count, frame.face_count + 14);
+    assert_int_equal(bat_mesh_connect(&closed, &links, NULL), BAT_OK);
+    assert_int_equal(links.boundary_edge_count, 32);
+    bat_mesh_connectivity_free(&links);
+    double area = 0;
+    for (size_t f = 0; f < closed.face_count; f++)
+    {
+        const double *a = closed.positions + 3 * closed.faces[3 * f], *b = closed.positions + 3 * closed.faces[3 * f + 1],
+                     *c = closed.positions + 3 * closed.faces[3 * f + 2];
+        double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        assert_true(twice >= 0);
+        area += twice / 2;
+    }
+    assert_true(fabs(area - 64) < 1e-12);
+    bat_mesh_free(&closed);
+    assert_int_equal(bat_mesh_fill_holes(&frame, BAT_MESH_MAX_HOLE + 1, NULL, &closed, NULL), BAT_INVALID_ARGUMENT);
+    bat_mesh_free(&frame);
+}
+
+/// A tetrahedron without two faces: the one way to close its hole repeats no edge. Of the other diagonal there is one.
+static void test_hole_with_an_edge_across(void **state)
+{
+    (void)state;
+    const uint32_t faces[] = {0, 1, 2, 0, 2, 3};
+    bat_mesh mesh = mesh_of(faces, 2, 4), closed;
+    bat_mesh_connectivity links;
+    size_t filled;
+    assert_int_equal(bat_mesh_fill_holes(&mesh, 4, &filled, &closed, NULL), BAT_OK);
+    assert_int_equal(filled, 1);
+    assert_int_equal(bat_mesh_connect(&closed, &links, NULL), BAT_OK);
+    assert_int_equal(links.boundary_edge_count, 0);
+    assert_int_equal(links.edge_count, 6);
+    bat_mesh_connectivity_free(&links);
+    bat_mesh_free(&mesh);
+    bat_mesh_free(&closed);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good_meshes_stay),      cmocka_unit_test(test_faces_that_are_dropped),
-        cmocka_unit_test(test_faces_are_turned),      cmocka_unit_test(test_solids_at_one_edge),
-        cmocka_unit_test(test_pages_of_a_book),       cmocka_unit_test(test_hourglass),
-        cmocka_unit_test(test_moebius_strip),         cmocka_unit_test(test_random_soups),
-        cmocka_unit_test(test_what_is_carried_along), cmocka_unit_test(test_what_cannot_be_repaired),
-        cmocka_unit_test(test_welding_as_by_hand),    cmocka_unit_test(test_a_soup_becomes_a_solid)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_good_meshes_stay),
+                                       cmocka_unit_test(test_faces_that_are_dropped),
+                                       cmocka_unit_test(test_faces_are_turned),
+                                       cmocka_unit_test(test_solids_at_one_edge),
+                                       cmocka_unit_test(test_pages_of_a_book),
+                                       cmocka_unit_test(test_hourglass),
+                                       cmocka_unit_test(test_moebius_strip),
+                                       cmocka_unit_test(test_random_soups),
+                                       cmocka_unit_test(test_what_is_carried_along),
+                                       cmocka_unit_test(test_what_cannot_be_repaired),
+                                       cmocka_unit_test(test_welding_as_by_hand),
+                                       cmocka_unit_test(test_a_soup_becomes_a_solid),
+                                       cmocka_unit_test(test_holes),
+                                       cmocka_unit_test(test_hole_with_an_edge_across)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

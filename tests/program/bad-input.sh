@@ -134,7 +134,7 @@ printf '{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSI
 printf '{"asset":{"version":"2.0"},"nodes":[{"children":[1]},{"children":[1]}]}' > cycle.in.gltf
 printf 'glTF\002\000\000\000\377\000\000\000\000\000\000\000JSON' > short.in.glb
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > one.in.obj
-refused 1 'quad\.in\.obj:5: face 0 has 4 corners; --triangulate cuts it' mesh quad.in.obj --scheme loop -o out.csv --to obj
+refused 1 'quad\.in\.obj:5: face 0 has 4 corners; --triangulate cuts it' mesh quad.in.obj --strict --scheme loop -o out.csv --to obj
 refused 1 'bare\.in\.gltf: there is no accessor 0' mesh bare.in.gltf -o out.csv --to obj
 refused 1 'cycle\.in\.gltf: node 1: .*descendant' mesh cycle.in.gltf -o out.csv --to obj
 refused 1 'short\.in\.glb: the file has 20 bytes, but its header tells 255' mesh short.in.glb -o out.csv --to obj
@@ -371,7 +371,7 @@ refused 1 'fewer than the 999 wanted' decimate mesh.in.obj -o out.csv --to obj -
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
 refused 2 '--min-quality is 2, but must be from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
-refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' decimate fins.in.obj -o out.csv --to obj --vertices 3
+refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' decimate fins.in.obj --strict -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 
 refused 2 'missing' mesh
@@ -385,9 +385,9 @@ refused 2 '0 to 180' mesh mesh.in.obj -o out.csv --crease-angle 181
 refused 2 'whole number' mesh mesh.in.obj -o out.csv --levels 33
 refused 2 'exclude each other' mesh mesh.in.obj -o out.csv --to obj --json --quiet
 refused 1 'more faces or vertices' mesh mesh.in.obj -o out.csv --to obj --levels 32
-refused 1 'repeated.in.obj:4: face 0 has vertex 1, counted from 0, twice; --repair drops the face$' decimate repeated.in.obj -o out.csv --to obj --vertices 3
-refused 1 'repeated.in.obj:4: face 0 has vertex 1 twice; --repair drops the face$' mesh repeated.in.obj -o out.csv --to obj
-refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' mesh fins.in.obj -o out.csv --to obj
+refused 1 'repeated.in.obj:4: face 0 has vertex 1, counted from 0, twice; --repair drops the face$' decimate repeated.in.obj --strict -o out.csv --to obj --vertices 3
+refused 1 'repeated.in.obj:4: face 0 has vertex 1 twice; --repair drops the face$' mesh repeated.in.obj --strict -o out.csv --to obj
+refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' mesh fins.in.obj --strict -o out.csv --to obj
 refused 2 'needs --picture' mesh mesh.in.obj -o out.csv --to obj --beside loop
 refused 2 'there is no mesh scheme' mesh mesh.in.obj --picture out.png --beside chaikin
 refused 1 'none.in.obj: cannot open' mesh none.in.obj -o out.csv --to obj

@@ -103,10 +103,9 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\nf 1 2 3\n' > thin.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.obj
 printf '1,0,0\n0,2,0\n' > long.csv
 awk '{ print } NR == 5 { print }' cloud.xyz > twice.xyz
-nothing 1 'square.obj:5: .*; --triangulate cuts' mesh square.obj --scheme loop -o out.obj
-nothing 1 'square.obj:5: .*; --triangulate cuts' measure square.obj
-nothing 1 'thin.obj:4: .*; --repair drops' decimate thin.obj -o out.obj --vertices 3
-nothing 1 'fins.obj: .*; --repair cuts' mesh fins.obj -o out.obj
+nothing 1 'square.obj:5: .*; --triangulate cuts' mesh square.obj --strict --scheme loop -o out.obj
+nothing 1 'thin.obj:4: .*; --repair drops' decimate thin.obj --strict -o out.obj --vertices 3
+nothing 1 'fins.obj: .*; --repair cuts' mesh fins.obj --strict -o out.obj
 nothing 1 'long.csv:2: .*; --project moves' curve long.csv --space sphere -o out.csv
 nothing 1 'twice.xyz:6: .*repeats' surface twice.xyz --strict -o out.obj
 nothing 1 'huge.obj: the first mesh: vertex 1' measure huge.obj mesh.obj

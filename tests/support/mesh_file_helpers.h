@@ -85,6 +85,7 @@ static inline bat_mesh_read_options reading_as(bat_mesh_format format)
 {
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.format = format;
+    options.strict = true;
     options.weld = 0;
     return options;
 }

@@ -2,6 +2,8 @@
 
 #include "base/file_bytes.h"
 
+#include <math.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 /// @file
@@ -122,6 +124,22 @@ bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat
     scan_skip_blanks(scan);
     return error_set(error, BAT_BAD_FILE, index, scan->line, "'%s' %s", text_excerpt(excerpt, scan->at, scan_word_end(scan)),
                      fault);
+}
+
+bool scan_not_finite(word_scan *scan, double *value)
+{
+    static const char *const WORDS[] = {"nan", "inf", "infinity", "nan(ind)", "1.#ind", "1.#qnan", "1.#inf"};
+    scan_skip_blanks(scan);
+    const char *begin = scan->at, *end = scan_word_end(scan);
+    begin += begin < end && (*begin == '-' || *begin == '+');
+    for (size_t i = 0; i < sizeof WORDS / sizeof *WORDS; i++)
+        if ((size_t)(end - begin) == strlen(WORDS[i]) && strncasecmp(begin, WORDS[i], strlen(WORDS[i])) == 0)
+        {
+            scan->at = end;
+            *value = NAN;
+            return true;
+        }
+    return false;
 }
 
 bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, bat_error *error)

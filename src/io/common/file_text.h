@@ -105,6 +105,10 @@ static inline bool scan_number(word_scan *scan, double *value)
     return true;
 }
 
+/// Read the next word of the line where it is a number that is not finite, such as nan or -inf; the value is NaN. False,
+/// without moving, when it is not.
+bool scan_not_finite(word_scan *scan, double *value);
+
 /// Read decimal digits as a number below `limit` <= 2^60. False, without moving, when there is none.
 static inline bool scan_digits_below(word_scan *scan, uint64_t limit, uint64_t *value)
 {

@@ -1,8 +1,11 @@
 #include "io/mesh/builder.h"
 
 #include "base/error.h"
+#include "base/memory.h"
 #include "mesh/check.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /// @file
@@ -329,17 +332,135 @@ static bat_mesh take_mesh(mesh_builder *builder)
     return mesh;
 }
 
+// Numbers that are not finite.
+
+/// Set numbers that are not finite to 0. Returns how many there were.
+static size_t clear_numbers(double *numbers, size_t count)
+{
+    size_t cleared = 0;
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(numbers[i]))
+        {
+            numbers[i] = 0;
+            cleared++;
+        }
+    return cleared;
+}
+
+static bool is_finite_at(const bat_mesh *mesh, size_t vertex)
+{
+    const double *at = mesh->positions + 3 * vertex;
+    return isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
+}
+
+/// Drop the faces with a vertex that is not finite.
+static void drop_faces(bat_mesh *mesh)
+{
+    size_t faces = 0;
+    uint32_t corners = 0;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        uint32_t begin = mesh->offsets[f], end = mesh->offsets[f + 1];
+        bool whole = true;
+        for (uint32_t i = begin; i < end; i++)
+            whole = whole && is_finite_at(mesh, mesh->faces[i]);
+        for (uint32_t i = begin; i < end && whole; i++, corners++)
+        {
+            mesh->faces[corners] = mesh->faces[i];
+            if (mesh->texture_faces != NULL)
+                mesh->texture_faces[corners] = mesh->texture_faces[i];
+        }
+        if (!whole)
+            continue;
+        if (mesh->face_labels != NULL)
+            mesh->face_labels[faces] = mesh->face_labels[f];
+        mesh->offsets[++faces] = corners;
+    }
+    mesh->face_count = faces;
+}
+
+/// Drop the vertices that are not finite. No face has one.
+/// @param number workspace: vertex_count
+static void drop_vertices(bat_mesh *mesh, uint32_t *number)
+{
+    size_t kept = 0, channels = mesh->channel_count, creases = 0, marks = 0;
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+    {
+        number[v] = is_finite_at(mesh, v) ? (uint32_t)kept : BAT_MESH_NONE;
+        if (number[v] == BAT_MESH_NONE)
+            continue;
+        memmove(mesh->positions + 3 * kept, mesh->positions + 3 * v, 3 * sizeof *mesh->positions);
+        if (channels > 0)
+            memmove(mesh->channels + channels * kept, mesh->channels + channels * v, channels * sizeof *mesh->channels);
+        kept++;
+    }
+    for (size_t i = 0; mesh->face_count > 0 && i < mesh->offsets[mesh->face_count]; i++)
+        mesh->faces[i] = number[mesh->faces[i]];
+    for (size_t i = 0; i < mesh->crease_count; i++)
+    {
+        bat_mesh_crease crease = mesh->creases[i];
+        if (number[crease.a] != BAT_MESH_NONE && number[crease.b] != BAT_MESH_NONE)
+            mesh->creases[creases++] = (bat_mesh_crease){number[crease.a], number[crease.b], crease.sharpness};
+    }
+    for (size_t i = 0; i < mesh->corner_count; i++)
+        if (number[mesh->corners[i].vertex] != BAT_MESH_NONE)
+            mesh->corners[marks++] = (bat_mesh_corner){number[mesh->corners[i].vertex], mesh->corners[i].sharpness};
+    mesh->vertex_count = kept;
+    mesh->crease_count = creases;
+    mesh->corner_count = marks;
+}
+
+/// Set values and texture coordinates that are not finite to 0, and drop such vertices. Vertices of faces are dropped by a
+/// repair alone, with their faces.
+static bat_status clean_numbers(bat_mesh *mesh, const bat_mesh_read_options *options, bat_error *error)
+{
+    size_t cleared = clear_numbers(mesh->channels, mesh->vertex_count * mesh->channel_count) +
+                     clear_numbers(mesh->texture, 2 * mesh->texture_count),
+           vertices = mesh->vertex_count, faces = mesh->face_count, corners = faces > 0 ? mesh->offsets[faces] : 0;
+    bat_status status = BAT_OK;
+    if (cleared > 0)
+        status = mesh_note(options->notes, error, "%zu values that are not finite were set to 0", cleared);
+    size_t bad = 0;
+    for (size_t v = 0; v < vertices; v++)
+        bad += !is_finite_at(mesh, v);
+    if (bad == 0 || status != BAT_OK)
+        return status;
+    for (size_t i = 0; i < corners && !options->repair; i++)
+        if (!is_finite_at(mesh, mesh->faces[i]))
+            return error_remedy(
+                error,
+                error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "vertex %u, counted from 0, is not finite", mesh->faces[i]),
+                "repair", "drops it and its faces");
+    uint32_t *number = memory_array(vertices, sizeof *number);
+    if (number == NULL)
+        return error_memory(error, vertices * sizeof *number);
+    drop_faces(mesh);
+    drop_vertices(mesh, number);
+    free(number);
+    if (faces > 0 && mesh->face_count == 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "every face has a vertex that is not finite");
+    return mesh_note(options->notes, error, "%zu vertices that are not finite were dropped, with %zu faces", bad,
+                     faces - mesh->face_count);
+}
+
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
-    bool keep = options->polygons && !options->triangulate && !options->repair;
-    bat_status status = check_all(builder, options->triangulate || keep, error);
+    bool all_triangles = builder->corner_count == 3 * builder->mesh.face_count;
+    bool keep =
+        options->polygons && !options->triangulate && !options->repair && !(all_triangles && options->keep_degenerate);
+    size_t given = builder->mesh.face_count;
+    bat_status status = check_all(builder, options->triangulate || keep || !options->strict, error);
     if (status != BAT_OK)
     {
         mesh_builder_free(builder);
         return status;
     }
     bat_mesh made = take_mesh(builder);
-    status = keep ? keep_polygons(&made, error) : cut_faces(&made, options->keep_degenerate, error);
+    status = clean_numbers(&made, options, error);
+    if (status == BAT_OK)
+        status = keep ? keep_polygons(&made, error) : cut_faces(&made, options->keep_degenerate, error);
+    if (status == BAT_OK && !keep && !options->triangulate && made.face_count > given)
+        status = mesh_note(options->notes, error, "polygons were cut into %zu triangles", made.face_count);
     if (status == BAT_OK)
         *mesh = made;
     else

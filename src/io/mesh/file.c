@@ -107,6 +107,7 @@ static bat_status mesh_read_options_check(const void *opaque, bat_error *error)
 {
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_mesh_read_options, format, bat_mesh_format_family),
+        OPTION_FIELD(bat_mesh_read_options, fill_holes, OPTION_SIZE, 0, BAT_MESH_MAX_HOLE),
         OPTION_FIELD(bat_mesh_read_options, weld, OPTION_NUMBER, -1, INFINITY),
     };
     return OPTIONS_CHECK(opaque, FIELDS, error);
@@ -189,11 +190,11 @@ static bat_status choose_format(const file_text *text, bat_mesh_format wanted, b
 }
 
 /// The distance by which to weld a mesh that was read; 0 for none.
-static double weld_distance(const bat_mesh *mesh, bat_mesh_format format, double wanted)
+static double weld_distance(const bat_mesh *mesh, bat_mesh_format format, bool repair, double wanted)
 {
     static const double share = 1e-7; // of the diagonal: single precision
     bool soup = format != BAT_MESH_FORMAT_3MF && mesh->vertex_count == 3 * mesh->face_count && mesh->channel_count == 0;
-    if (wanted >= 0 || (format != BAT_MESH_FORMAT_STL && !soup))
+    if (wanted >= 0 || (format != BAT_MESH_FORMAT_STL && !soup && !repair))
         return fmax(0, wanted);
     double square = 0;
     for (size_t c = 0; c < 3; c++)
@@ -213,7 +214,7 @@ static double weld_distance(const bat_mesh *mesh, bat_mesh_format format, double
 static bat_status weld(bat_mesh_format format, const bat_mesh_read_options *options, bat_mesh *mesh, bat_mesh_notes *notes,
                        bat_error *error)
 {
-    double distance = mesh->offsets == NULL ? weld_distance(mesh, format, options->weld) : 0;
+    double distance = mesh->offsets == NULL ? weld_distance(mesh, format, options->repair, options->weld) : 0;
     size_t merged;
     bat_mesh welded;
     if (!(distance > 0) || !isfinite(distance))
@@ -231,44 +232,90 @@ static bat_status weld(bat_mesh_format format, const bat_mesh_read_options *opti
                       : BAT_OK;
 }
 
-/// Read a mesh whose file's ending stands for `format`, weld it, and repair it where that is asked for.
-static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *options,
+/// Note each kind of repair.
+static bat_status note_repairs(const bat_mesh_repair_report *report, bat_mesh_notes *notes, bat_error *error)
+{
+    const struct
+    {
+        size_t count;
+        const char *what;
+    } parts[] = {{report->degenerate_faces, "faces with a vertex twice were dropped"},
+                 {report->duplicate_faces, "repeated faces were dropped"},
+                 {report->flipped_faces, "faces were turned over"},
+                 {report->nonmanifold_edges, "edges of more than two faces were cut"},
+                 {report->unorientable_edges, "edges whose faces cannot be oriented alike were cut"},
+                 {report->split_vertices, "vertices of several fans were split"},
+                 {report->unused_vertices, "vertices without a face were dropped"},
+                 {report->filled_holes, "holes were filled"}};
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts && status == BAT_OK; i++)
+        if (parts[i].count > 0)
+            status = mesh_note(notes, error, "repaired: %zu %s", parts[i].count, parts[i].what);
+    return status;
+}
+
+/// Whether a mesh of triangles is no manifold of triangles with three different vertices.
+static bool is_broken(const bat_mesh *mesh)
+{
+    bat_mesh_connectivity links;
+    bat_status status = mesh->offsets == NULL ? bat_mesh_connect(mesh, &links, NULL) : BAT_UNSUPPORTED;
+    if (status == BAT_OK)
+        bat_mesh_connectivity_free(&links);
+    return status == BAT_NOT_MANIFOLD || status == BAT_INVALID_POINT;
+}
+
+/// Repair a mesh that was read, and fill its holes.
+static bat_status repair(const bat_mesh_read_options *options, bat_mesh *mesh, bat_mesh_repair_report *report,
+                         bat_mesh_notes *notes, bat_error *error)
+{
+    bat_mesh made;
+    if (!options->repair && (options->strict || options->keep_degenerate || !is_broken(mesh)))
+        return BAT_OK;
+    bat_status status = bat_mesh_repair(mesh, report, &made, error);
+    if (status != BAT_OK)
+        return status;
+    bat_mesh_free(mesh);
+    *mesh = made;
+    if (options->fill_holes > 0)
+        status = bat_mesh_fill_holes(mesh, options->fill_holes, &report->filled_holes, &made, error);
+    if (status == BAT_OK && options->fill_holes > 0)
+    {
+        bat_mesh_free(mesh);
+        *mesh = made;
+    }
+    return status == BAT_OK ? note_repairs(report, notes, error) : status;
+}
+
+/// Read a mesh whose file's ending stands for `format`, weld it, and repair it where that is asked for or harmless.
+static bat_status read_text(const file_text *text, bat_mesh_format format, const bat_mesh_read_options *given,
                             bat_mesh *mesh, bat_error *error)
 {
-    bat_mesh_read_options lenient = *options;
+    bat_mesh_read_options options = *given, lenient;
     bat_mesh_repair_report report = {0};
     bat_mesh_notes notes = {0};
-    bat_mesh read = {0}, repaired;
-    lenient.keep_degenerate = options->keep_degenerate || options->repair;
-    lenient.notes = options->notes != NULL ? &notes : NULL;
-    bat_status status = choose_format(text, options->format, &format, lenient.notes, error);
+    bat_mesh read = {0};
+    options.repair = given->repair || given->fill_holes > 0;
+    lenient = options;
+    lenient.keep_degenerate = options.keep_degenerate || options.repair || !options.strict;
+    lenient.notes = options.notes != NULL ? &notes : NULL;
+    bat_status status = choose_format(text, options.format, &format, lenient.notes, error);
     if (status == BAT_OK)
         status = row_of(format)->read(text, &lenient, &read, error);
     if (status == BAT_OK)
-    {
-        status = weld(format, options, &read, lenient.notes, error);
-        if (status != BAT_OK)
-            bat_mesh_free(&read);
-    }
-    if (status == BAT_OK && options->repair)
-    {
-        status = bat_mesh_repair(&read, &report, &repaired, error);
-        bat_mesh_free(&read);
-        if (status == BAT_OK)
-            read = repaired;
-    }
+        status = weld(format, &options, &read, lenient.notes, error);
     if (status == BAT_OK)
-    {
-        status = mesh_notes_move(&notes, options->notes, error);
-        if (status != BAT_OK)
-            bat_mesh_free(&read);
-    }
+        status = repair(&options, &read, &report, lenient.notes, error);
+    if (status == BAT_OK)
+        status = mesh_notes_move(&notes, options.notes, error);
     bat_mesh_notes_free(&notes);
     if (status != BAT_OK)
+    {
+        bat_mesh_free(&read);
         return status;
+    }
     *mesh = read;
-    if (options->repairs != NULL)
-        *options->repairs = report;
+    if (options.repairs != NULL)
+        *options.repairs = report;
     return BAT_OK;
 }
 

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /// @file
@@ -193,6 +194,7 @@ typedef struct obj_reader
     word_scan scan;
     obj_labels labels;
     size_t colours; ///< the number of colour values of every vertex
+    bool lenient;   ///< numbers need not be finite
 } obj_reader;
 
 /// BAT_BAD_FILE at the current line, for the vertex or face of this index.
@@ -201,7 +203,7 @@ static bat_status fault(const obj_reader *reader, size_t index, const char *text
     return error_set(error, BAT_BAD_FILE, index, reader->scan.line, "%s", text);
 }
 
-/// Read all numbers of the line, at least `min_count` and at most `max_count`.
+/// Read all numbers of the line, at least `min_count` and at most `max_count`. Where `lenient`, they need not be finite.
 static bat_status read_numbers(obj_reader *reader, size_t index, size_t min_count, size_t max_count, double *numbers,
                                size_t *count, const char *what, bat_error *error)
 {
@@ -209,7 +211,8 @@ static bat_status read_numbers(obj_reader *reader, size_t index, size_t min_coun
     {
         if (*count == max_count)
             return fault(reader, index, what, error);
-        if (!scan_number(&reader->scan, &numbers[*count]))
+        if (!scan_number(&reader->scan, &numbers[*count]) &&
+            !(reader->lenient && scan_not_finite(&reader->scan, &numbers[*count])))
             return scan_number_fault(&reader->scan, index, what, error);
     }
     return *count < min_count ? fault(reader, index, what, error) : BAT_OK;
@@ -292,19 +295,20 @@ static bool skip_slash(word_scan *scan)
     return slash;
 }
 
-/// Read `v`, `v/vt`, `v//vn` or `v/vt/vn`; normals are ignored. Returns null, or an error text.
+/// Read `v`, `v/vt`, `v//vn` or `v/vt/vn`; normals are ignored, and slashes may end a corner. Returns null, or an error
+/// text.
 static const char *read_corner(obj_reader *reader, uint32_t *vertex, uint32_t *texture)
 {
     word_scan *scan = &reader->scan;
     uint32_t normal;
     *texture = BAT_MESH_NONE;
     const char *wrong = read_index(scan, reader->builder.mesh.vertex_count, vertex);
-    if (wrong == NULL && skip_slash(scan))
+    if (wrong == NULL && skip_slash(scan) && !scan_word_ends(scan, scan->at))
     {
         bool skips = skip_slash(scan);
         if (!skips)
             wrong = read_index(scan, reader->builder.mesh.texture_count, texture);
-        if (wrong == NULL && (skips || skip_slash(scan)))
+        if (wrong == NULL && (skips || skip_slash(scan)) && !scan_word_ends(scan, scan->at))
             wrong = read_index(scan, BAT_MESH_NONE, &normal);
     }
     if (wrong == NULL && !scan_word_ends(scan, scan->at))
@@ -507,10 +511,51 @@ static size_t line_of_face(const file_text *text, size_t face)
     return scan.line;
 }
 
-static bat_status read_obj(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
-                           bat_error *error)
+/// The size of a break of the line within a statement: a backslash at the end of a line that is no comment. 0 for none.
+static size_t continuation_at(const char *at, const char *end, const char *line)
 {
-    obj_reader reader = {.builder.faceless = faceless, .scan = word_scan_start(text->data, text->size)};
+    size_t size = *at != '\\' || end - at < 2                      ? 0
+                  : at[1] == '\n'                                  ? 2
+                  : end - at > 2 && at[1] == '\r' && at[2] == '\n' ? 3
+                                                                   : 0;
+    while (line < at && (*line == ' ' || *line == '\t'))
+        line++;
+    return *line == '#' ? 0 : size;
+}
+
+/// Join lines that a backslash continues. The breaks follow at the end of the joined line, so that later lines keep their
+/// numbers. `*joined` stays null where there are none.
+static bat_status join_lines(const file_text *text, char **joined, bat_error *error)
+{
+    const char *end = text->data + text->size, *line = text->data;
+    if (memchr(text->data, '\\', text->size) == NULL)
+        return BAT_OK;
+    char *out = malloc(text->size + 1);
+    if (out == NULL)
+        return error_memory(error, text->size);
+    *joined = out;
+    size_t breaks = 0;
+    for (const char *at = text->data; at < end;)
+    {
+        size_t size = continuation_at(at, end, line);
+        bool ends = *at == '\n';
+        breaks += size > 0;
+        *out++ = size > 0 ? ' ' : *at;
+        at += size > 0 ? size : 1;
+        for (; ends && breaks > 0; breaks--)
+            *out++ = '\n';
+        line = ends ? at : line;
+    }
+    *out = '\0';
+    return BAT_OK;
+}
+
+static bat_status read_joined(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                              bat_error *error)
+{
+    obj_reader reader = {.builder.faceless = faceless,
+                         .scan = word_scan_start(text->data, text->size),
+                         .lenient = options->repair || !options->strict};
     bat_status status;
     do
         status = read_statement(&reader, error);
@@ -529,6 +574,21 @@ static bat_status read_obj(const file_text *text, const bat_mesh_read_options *o
         found.line = line_of_face(text, found.index);
     if (status != BAT_OK && error != NULL)
         *error = found;
+    return status;
+}
+
+static bat_status read_obj(const file_text *given, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
+                           bat_error *error)
+{
+    char *joined = NULL;
+    bat_status joining = join_lines(given, &joined, error);
+    if (joining != BAT_OK)
+        return joining;
+    file_text text = *given;
+    if (joined != NULL)
+        text = (file_text){joined, strlen(joined), given->points, given->path};
+    bat_status status = read_joined(&text, options, faceless, mesh, error);
+    free(joined);
     return status;
 }
 

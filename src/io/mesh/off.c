@@ -18,6 +18,7 @@ typedef struct off_reader
 {
     mesh_builder builder;
     word_scan scan;
+    bool lenient;                          ///< numbers of vertices need not be finite
     bool textured, coloured, with_normals; ///< the data of each vertex, from the header word
     size_t colours;                        ///< numbers of a colour, 3 or 4; 0 before the first vertex
     size_t vertices, faces;                ///< from the header
@@ -130,7 +131,7 @@ static bat_status read_vertex(off_reader *reader, bat_error *error)
         if (count == MAX_NUMBERS)
             return error_set(error, BAT_BAD_FILE, index, scan->line, "vertex %zu has more than %d numbers", index,
                              MAX_NUMBERS);
-        if (!scan_number(scan, &numbers[count]))
+        if (!scan_number(scan, &numbers[count]) && !(reader->lenient && scan_not_finite(scan, &numbers[count])))
             return scan_number_fault(scan, index, "a number is missing", error);
     }
     return take_vertex(reader, numbers, count, error);
@@ -163,10 +164,11 @@ static bat_status read_face(off_reader *reader, bat_error *error)
         return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends at face %zu of %zu", index, reader->faces);
     if (!scan_count(scan, BAT_MESH_NONE, &size))
         return scan_word_fault(scan, index, "is not the number of a face's corners", error);
+    size_t line = scan->line;
     for (uint64_t i = 0; i < size; i++)
     {
-        if (scan_line_done(scan))
-            return error_set(error, BAT_BAD_FILE, index, scan->line, "face %zu has %zu of its %zu corners", index, (size_t)i,
+        if (!scan_next_content(scan)) // a face may take several lines
+            return error_set(error, BAT_BAD_FILE, index, line, "face %zu has %zu of its %zu corners", index, (size_t)i,
                              (size_t)size);
         if (!scan_count(scan, reader->vertices, &vertex))
             return scan_word_fault(scan, index, "is not the number, from 0, of a vertex", error);
@@ -203,24 +205,25 @@ static bat_status read_elements(off_reader *reader, bat_error *error)
     return status;
 }
 
-/// The line of a face, by counting lines with content.
+/// The line of a face, by reading up to it; needed only for errors.
 static size_t line_of_face(off_reader *reader, const file_text *text, size_t face)
 {
-    reader->scan = word_scan_start(text->data, text->size);
     bat_error ignored;
+    reader->scan = word_scan_start(text->data, text->size);
     mesh_builder_free(&reader->builder);
-    if (read_header(reader, &ignored) != BAT_OK)
-        return 0;
-    for (size_t i = 0; i < reader->vertices + face + 1 && scan_next_content(&reader->scan); i++)
-        if (i < reader->vertices + face)
-            (void)scan_next_line(&reader->scan);
+    bat_status status = read_header(reader, &ignored);
+    for (size_t i = 0; i < reader->vertices && status == BAT_OK; i++)
+        status = read_vertex(reader, &ignored);
+    for (size_t i = 0; i < face && status == BAT_OK; i++)
+        status = read_face(reader, &ignored);
+    (void)scan_next_content(&reader->scan);
     mesh_builder_free(&reader->builder);
-    return reader->scan.line;
+    return status == BAT_OK ? reader->scan.line : 0;
 }
 
 bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
-    off_reader reader = {.scan = word_scan_start(text->data, text->size)};
+    off_reader reader = {.scan = word_scan_start(text->data, text->size), .lenient = options->repair || !options->strict};
     bat_status status = read_header(&reader, error);
     if (status == BAT_OK)
         status = read_elements(&reader, error);

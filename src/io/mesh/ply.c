@@ -241,7 +241,8 @@ static bool fits_type(ply_type type, double value)
 static bool read_word(ply_source *source, ply_type type, double *value)
 {
     word_scan scan = source->scan;
-    if (!scan_number(&scan, value) || !fits_type(type, *value))
+    bool lenient = source->lenient && type >= PLY_FLOAT32;
+    if (!(scan_number(&scan, value) && fits_type(type, *value)) && !(lenient && scan_not_finite(&scan, value)))
         return false;
     source->scan = scan;
     return true;
@@ -255,7 +256,7 @@ bool ply_number(ply_source *source, ply_type type, double *value)
     if ((size_t)(source->scan.end - source->scan.at) < size)
         return false;
     double number = number_of(type, gather(source->scan.at, size, source->encoding == PLY_BIG_ENDIAN));
-    if (!isfinite(number))
+    if (!isfinite(number) && !source->lenient)
         return false;
     *value = number;
     source->scan.at += size;

@@ -89,9 +89,11 @@ typedef struct ply_source
 {
     ply_encoding encoding;
     word_scan scan; ///< `at` is the next byte for every encoding
+    bool lenient;   ///< numbers need not be finite
 } ply_source;
 
-/// Read the next number. False when it is missing, invalid, not finite or, in text, out of the range of its type.
+/// Read the next number. False when it is missing, invalid, not finite (unless `lenient`) or, in text, out of the range of
+/// its type.
 bool ply_number(ply_source *source, ply_type type, double *value);
 
 /// Skip `count` numbers. False when there are fewer.

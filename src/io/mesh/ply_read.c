@@ -24,6 +24,7 @@ typedef struct ply_reader
 {
     ply_header header;
     ply_source source;
+    bool lenient; ///< numbers of vertices need not be finite
     mesh_builder builder;
     size_t vertices; ///< from the header
     ply_place *places;
@@ -93,6 +94,15 @@ static bat_status end_row(ply_reader *reader, size_t row, bat_error *error)
     if (reader->source.encoding != PLY_TEXT || scan_line_done(&reader->source.scan))
         return BAT_OK;
     return scan_word_fault(&reader->source.scan, row, "is superfluous on this line", error);
+}
+
+/// Read a number of a vertex, which need not be finite where that is allowed.
+static bool lenient_number(ply_reader *reader, ply_type type, double *value)
+{
+    reader->source.lenient = reader->lenient;
+    bool there = ply_number(&reader->source, type, value);
+    reader->source.lenient = false;
+    return there;
 }
 
 /// Read the length of a list. False when it is invalid or negative.
@@ -278,7 +288,7 @@ static bat_status read_vertices(ply_reader *reader, const ply_element *element, 
             double value;
             if (place->column == NO_COLUMN)
                 status = skip_property(reader, element, row, property, error);
-            else if (ply_number(&reader->source, property->type, &value))
+            else if (lenient_number(reader, property->type, &value))
                 reader->row[place->column] = value / place->scale;
             else
                 status = number_fault(reader, element, row, property, error);
@@ -493,7 +503,9 @@ static bat_status note_losses(const ply_reader *reader, bat_mesh_notes *notes, b
 static bat_status read_ply(const file_text *text, const bat_mesh_read_options *options, bool faceless, bat_mesh *mesh,
                            bat_error *error)
 {
-    ply_reader reader = {.builder.faceless = faceless, .source.scan = word_scan_start(text->data, text->size)};
+    ply_reader reader = {.builder.faceless = faceless,
+                         .source.scan = word_scan_start(text->data, text->size),
+                         .lenient = options->repair || !options->strict};
     bat_status status = read_all(&reader, error);
     if (status == BAT_OK)
     {

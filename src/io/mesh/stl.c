@@ -21,7 +21,13 @@ enum
 /// Add a corner. Corners with equal coordinates become one vertex.
 static bool add_corner(mesh_builder *builder, const double point[3])
 {
-    uint32_t vertex = mesh_builder_merge(builder, point);
+    bool finite = isfinite(point[0]) && isfinite(point[1]) && isfinite(point[2]);
+    uint32_t vertex = finite ? mesh_builder_merge(builder, point) : (uint32_t)builder->mesh.vertex_count;
+    double *other = finite ? NULL : mesh_builder_vertex(builder);
+    if (other != NULL)
+        memcpy(other, point, 3 * sizeof *other);
+    if (!finite && other == NULL)
+        return false;
     return vertex != BAT_MESH_NONE && mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
 }
 
@@ -68,7 +74,7 @@ bool mesh_stl_resembles(const file_text *text)
     return is_binary(text) || begins_as_text(text);
 }
 
-static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes, size_t index, bat_error *error)
+static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes, size_t index, bool repair, bat_error *error)
 {
     for (size_t c = 0; c < 3; c++)
     {
@@ -76,8 +82,10 @@ static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes,
         for (size_t k = 0; k < 3; k++)
         {
             point[k] = little_float(bytes + NORMAL_SIZE + 4 * (3 * c + k));
-            if (!isfinite(point[k]))
-                return error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index);
+            if (!isfinite(point[k]) && !repair)
+                return error_remedy(
+                    error, error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index),
+                    "repair", "drops the triangle");
         }
         if (!add_corner(builder, point))
             return mesh_builder_no_memory(builder, error);
@@ -85,7 +93,7 @@ static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes,
     return mesh_builder_end_face(builder, 3) ? BAT_OK : mesh_builder_no_memory(builder, error);
 }
 
-static bat_status read_binary(mesh_builder *builder, const file_text *text, bat_error *error)
+static bat_status read_binary(mesh_builder *builder, const file_text *text, bool repair, bat_error *error)
 {
     if (text->size < HEADER_SIZE + COUNT_SIZE)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
@@ -100,7 +108,7 @@ static bat_status read_binary(mesh_builder *builder, const file_text *text, bat_
         return mesh_builder_no_memory(builder, error);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < count && status == BAT_OK; i++)
-        status = read_binary_triangle(builder, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, error);
+        status = read_binary_triangle(builder, text->data + HEADER_SIZE + COUNT_SIZE + i * TRIANGLE_SIZE, i, repair, error);
     return status;
 }
 
@@ -185,7 +193,7 @@ bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *opt
 {
     mesh_builder builder = {0};
     bool binary = is_binary(text) || !begins_as_text(text);
-    bat_status status = binary ? read_binary(&builder, text, error) : read_text(&builder, text, error);
+    bat_status status = binary ? read_binary(&builder, text, options->repair, error) : read_text(&builder, text, error);
     if (status != BAT_OK)
     {
         mesh_builder_free(&builder);

@@ -231,7 +231,7 @@ static bat_status source_read(cloud_source *source, bat_error *error)
     if (row->read != NULL)
         return row->read(source->text, listing, error);
     bat_mesh_read_options options = bat_mesh_read_defaults();
-    options.triangulate = true;
+    options.triangulate = options.strict = true;
     bat_status status = row->read_mesh(source->text, &options, mesh, error);
     if (status != BAT_OK || mesh->face_count > 0)
         return status;

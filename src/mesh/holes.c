@@ -1,0 +1,206 @@
+#include "base/error.h"
+#include "base/memory.h"
+#include "linalg/vector.h"
+#include "mesh/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// Filling of holes: boundary loops of few edges get the triangles of least area (Barequet and Sharir, "Filling gaps in the
+/// boundary of a polyhedron", 1995), by dynamic programming over all triangulations of a loop.
+
+/// A loop of `count` boundary half-edges, and the tables of its triangulations.
+typedef struct hole
+{
+    const bat_mesh *mesh;
+    const bat_mesh_connectivity *links;
+    uint32_t *half_edges; ///< in the order of the loop
+    size_t count;
+    double *cost;    ///< count x count: least cost of the part of the loop between two vertices; infinite for none
+    uint32_t *apex;  ///< count x count: the third vertex of the triangle on the chord between two vertices
+    uint32_t *place; ///< vertex_count: the place in the loop, or BAT_MESH_NONE
+} hole;
+
+static uint32_t vertex_of(const hole *at, size_t i)
+{
+    return at->mesh->faces[at->half_edges[i]];
+}
+
+/// The area of a triangle, and a little of its squared edges: of equal areas the better shapes win.
+static double cost_of(const hole *at, size_t i, size_t j, size_t k)
+{
+    static const double share = 1e-3;
+    const size_t corners[3] = {i, j, k};
+    double edge[3][3], normal[3], squares = 0;
+    for (size_t c = 0; c < 3; c++)
+    {
+        const double *a = at->mesh->positions + 3 * (size_t)vertex_of(at, corners[c]),
+                     *b = at->mesh->positions + 3 * (size_t)vertex_of(at, corners[(c + 1) % 3]);
+        for (size_t x = 0; x < 3; x++)
+            edge[c][x] = b[x] - a[x];
+        squares += vector3_dot(edge[c], edge[c]);
+    }
+    vector3_cross(edge[0], edge[1], normal);
+    return sqrt(vector3_dot(normal, normal)) / 2 + share * squares;
+}
+
+/// Follow the loop from a boundary half-edge, up to `most` edges. `seen` marks its half-edges; returns their number.
+static size_t follow_loop(hole *at, uint32_t begin, size_t most, unsigned char *seen)
+{
+    size_t count = 0;
+    uint32_t h = begin;
+    do
+    {
+        seen[h] = 1;
+        if (count < most)
+            at->half_edges[count] = h;
+        count++;
+        h = at->links->first[at->mesh->faces[bat_mesh_next(h)]];
+    } while (h != begin);
+    return count;
+}
+
+/// Forbid chords that are edges of the mesh already.
+static void forbid_edges(hole *at)
+{
+    for (size_t i = 0; i < at->count; i++)
+        at->place[vertex_of(at, i)] = (uint32_t)i;
+    for (size_t i = 0; i < at->count; i++)
+        for (uint32_t h = at->half_edges[i]; h != BAT_MESH_NONE; h = bat_mesh_next_around(at->links, h))
+        {
+            size_t k = at->place[at->mesh->faces[bat_mesh_next(h)]];
+            if (k != BAT_MESH_NONE && k + 1 != i && i + 1 != k)
+                at->cost[i * at->count + k] = at->cost[k * at->count + i] = NAN;
+        }
+    for (size_t i = 0; i < at->count; i++)
+        at->place[vertex_of(at, i)] = BAT_MESH_NONE;
+}
+
+/// Find the cheapest triangulation of every part of the loop. False when the whole has none.
+static bool find_triangles(hole *at)
+{
+    size_t n = at->count;
+    memset(at->cost, 0, n * n * sizeof *at->cost);
+    forbid_edges(at);
+    for (size_t span = 2; span < n; span++)
+        for (size_t i = 0; i + span < n; i++)
+        {
+            size_t k = i + span;
+            double best = INFINITY;
+            bool whole = span == n - 1; // the edge from the last vertex to the first one is the mesh's own
+            for (size_t j = i + 1; j < k && (whole || !isnan(at->cost[i * n + k])); j++)
+            {
+                double cost = at->cost[i * n + j] + at->cost[j * n + k] + cost_of(at, i, j, k);
+                if (cost < best)
+                {
+                    best = cost;
+                    at->apex[i * n + k] = (uint32_t)j;
+                }
+            }
+            at->cost[i * n + k] = best;
+        }
+    return isfinite(at->cost[n - 1]);
+}
+
+/// Append the triangles of a part of the loop, which run against the loop. `stack` holds the parts that wait.
+static void add_triangles(const hole *at, size_t (*stack)[2], bat_mesh *closed)
+{
+    size_t n = at->count, waiting = 1;
+    stack[0][0] = 0;
+    stack[0][1] = n - 1;
+    while (waiting > 0)
+    {
+        size_t i = stack[--waiting][0], k = stack[waiting][1];
+        if (k < i + 2)
+            continue;
+        size_t j = at->apex[i * n + k], f = closed->face_count++;
+        const size_t corners[3] = {k, j, i};
+        for (size_t c = 0; c < 3; c++)
+        {
+            closed->faces[3 * f + c] = vertex_of(at, corners[c]);
+            if (closed->texture_faces != NULL)
+                closed->texture_faces[3 * f + c] = at->mesh->texture_faces[at->half_edges[corners[c]]];
+        }
+        if (closed->face_labels != NULL)
+            closed->face_labels[f] = at->mesh->face_labels[at->half_edges[i] / 3];
+        stack[waiting][0] = i;
+        stack[waiting++][1] = j;
+        stack[waiting][0] = j;
+        stack[waiting++][1] = k;
+    }
+}
+
+/// Lengthen the arrays of faces.
+static bool reserve_faces(bat_mesh *mesh, size_t count)
+{
+    uint32_t *faces = realloc(mesh->faces, 3 * count * sizeof *faces);
+    mesh->faces = faces != NULL ? faces : mesh->faces;
+    uint32_t *texture = mesh->texture_faces != NULL ? realloc(mesh->texture_faces, 3 * count * sizeof *texture) : NULL;
+    bool room = faces != NULL && (texture != NULL || mesh->texture_faces == NULL);
+    mesh->texture_faces = texture != NULL ? texture : mesh->texture_faces;
+    uint32_t *labels = mesh->face_labels != NULL ? realloc(mesh->face_labels, count * sizeof *labels) : NULL;
+    room = room && (labels != NULL || mesh->face_labels == NULL);
+    mesh->face_labels = labels != NULL ? labels : mesh->face_labels;
+    return room;
+}
+
+/// Fill all loops of at most `most` edges. `closed` is a copy of the mesh.
+static bool fill_loops(hole *at, size_t most, unsigned char *seen, size_t (*stack)[2], size_t *filled, bat_mesh *closed)
+{
+    for (uint32_t h = 0; h < 3 * at->mesh->face_count; h++)
+    {
+        if (at->links->twin[h] != BAT_MESH_NONE || seen[h])
+            continue;
+        at->count = follow_loop(at, h, most, seen);
+        if (at->count < 3 || at->count > most || !find_triangles(at))
+            continue;
+        if (!reserve_faces(closed, closed->face_count + at->count - 2))
+            return false;
+        add_triangles(at, stack, closed);
+        ++*filled;
+    }
+    return true;
+}
+
+bat_status bat_mesh_fill_holes(const bat_mesh *mesh, size_t max_edges, size_t *filled, bat_mesh *closed, bat_error *error)
+{
+    bat_mesh_connectivity links;
+    bat_mesh made = {0};
+    bat_status status = mesh_check_triangles(mesh, error);
+    if (status == BAT_OK && max_edges > BAT_MESH_MAX_HOLE)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "holes of more than %d edges are not filled",
+                           BAT_MESH_MAX_HOLE);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(mesh, &links, error);
+    if (status != BAT_OK)
+        return status;
+    size_t n = links.boundary_edge_count < max_edges ? links.boundary_edge_count : max_edges, count = 0;
+    memory_pool pool = {0};
+    hole at = {.mesh = mesh, .links = &links};
+    at.half_edges = memory_pool_array(&pool, n + 1, sizeof *at.half_edges);
+    at.cost = memory_pool_array(&pool, n * n + 1, sizeof *at.cost);
+    at.apex = memory_pool_array(&pool, n * n + 1, sizeof *at.apex);
+    at.place = memory_pool_array(&pool, mesh->vertex_count, sizeof *at.place);
+    unsigned char *seen = memory_pool_zeros(&pool, 3 * mesh->face_count, 1);
+    size_t(*stack)[2] = memory_pool_array(&pool, n + 2, sizeof *stack);
+    status = pool.missing == 0 ? bat_mesh_copy(mesh, &made, error) : error_memory(error, pool.missing);
+    if (status == BAT_OK)
+    {
+        memset(at.place, 0xff, mesh->vertex_count * sizeof *at.place);
+        if (!fill_loops(&at, n, seen, stack, &count, &made))
+            status = error_memory(error, 3 * made.face_count * sizeof *made.faces);
+    }
+    if (status == BAT_OK)
+    {
+        *closed = made;
+        if (filled != NULL)
+            *filled = count;
+    }
+    else
+        bat_mesh_free(&made);
+    memory_pool_free(&pool);
+    bat_mesh_connectivity_free(&links);
+    return status;
+}
