@@ -10,6 +10,8 @@
 
 static const int MAX_LEVELS = 32;
 
+#define MAX_LODS 16
+
 /// The job of `batten mesh` and `batten decimate`, which make a mesh of a mesh.
 typedef struct mesh_job
 {
@@ -39,6 +41,16 @@ typedef struct mesh_job
     const char *map_file; ///< null where not wanted
     bat_mesh_map *map;    ///< null when none was needed
     double distance;      ///< with --tolerance: the proven bound on the distance of the two surfaces
+    bool transfer;
+    const char *bake_text;     ///< null for none
+    char *bake_parts;          ///< a copy, cut
+    const char *bake_files[3]; ///< of BAKED; null for none
+    bat_mesh_bake_options bake;
+    bat_mesh_baked baked;
+    const char *lods_text; ///< null for none
+    double lod_shares[MAX_LODS], lod_distances[MAX_LODS];
+    bat_mesh lods[MAX_LODS];
+    size_t lod_count;
 } mesh_job;
 
 static const option_spec FILE_OPTIONS[] = {
@@ -78,6 +90,8 @@ static void begin(void *to)
     job->read.notes = job->write.notes = &job->notes;
     job->refine = bat_mesh_refine_defaults();
     job->decimate = bat_mesh_decimate_defaults();
+    job->bake = bat_mesh_bake_defaults();
+    job->bake.normal = false;
 }
 
 /// Finish the options of the files. False after a message.
@@ -92,7 +106,14 @@ static int write_mesh(void *of, const char *path)
 {
     mesh_job *job = of;
     bat_mesh_write_options options = job->write;
-    options.vertex_normals = job->limit_normals;
+    options.vertex_normals = job->limit_normals != NULL ? job->limit_normals : job->baked.normals;
+    options.tangents = job->bake.normal;
+    if (job->lod_count > 0)
+    {
+        options.lods = job->lods;
+        options.lod_distances = job->lod_distances;
+        options.lod_count = job->lod_count;
+    }
     return report_status(job->call.given, job->call.output, bat_mesh_write(path, &job->made, &options, report_error()));
 }
 
@@ -126,6 +147,10 @@ static void end(void *of)
     bat_mesh_notes_free(&job->notes);
     bat_mesh_model_free(job->model);
     bat_mesh_map_free(job->map);
+    bat_mesh_baked_free(&job->baked);
+    free(job->bake_parts);
+    for (size_t i = 0; i < MAX_LODS; i++)
+        bat_mesh_free(&job->lods[i]);
 }
 
 // Refinement
@@ -429,8 +454,61 @@ static const option_spec DECIMATE_OPTIONS[] = {
      NUMBER(mesh_job, decimate.boundary_weight)},
     {"map", "FILE", RESULT, COMMON | IS_WRITTEN, "write the bijective map between IN and OUT, a safetensors file",
      TEXT(mesh_job, map_file)},
+    {"transfer", NULL, METHOD, COMMON,
+     "carry colours, values, labels and normals of IN through the map, by area; without it the vertices that remain keep "
+     "theirs",
+     FLAG(mesh_job, transfer)},
+    {"bake", "KIND=FILE,...", RESULT, COMMON,
+     "bake normal, color and occlusion of IN into PNG files, by the texture of OUT or an atlas; OUT as glTF holds them, too",
+     TEXT(mesh_job, bake_text)},
+    {"size", "N", RESULT, 0, "the texels along a side of baked images; default 1024",
+     WHOLE(mesh_job, bake.unwrap.size, 16, 16384)},
+    {"lods", "R,...", RESULT, COMMON,
+     "write a chain of levels of detail into a glTF file: shares of the faces, as 1,0.5,0.25", TEXT(mesh_job, lods_text)},
     END_OF_OPTIONS,
 };
+
+static const char *const BAKED[3] = {"normal", "color", "occlusion"};
+
+/// --bake: kinds, each with `=` and a file, or alone. False after a message.
+static bool read_bake(mesh_job *job)
+{
+    bool *const wanted[3] = {&job->bake.normal, &job->bake.colour, &job->bake.occlusion};
+    char *next;
+    job->bake_parts = job->bake_text != NULL ? strdup(job->bake_text) : NULL;
+    for (char *kind = job->bake_parts != NULL ? strtok_r(job->bake_parts, ",", &next) : NULL; kind != NULL;
+         kind = strtok_r(NULL, ",", &next))
+    {
+        char *part = strchr(kind, '=');
+        if (part != NULL)
+            *part++ = '\0';
+        size_t k = 0;
+        while (k < 3 && strcmp(BAKED[k], kind) != 0)
+            k++;
+        if (k == 3 || (part != NULL && *part == '\0'))
+            return argument_refused(job->call.given, "bake",
+                                    "kinds of normal, color and occlusion, as normal=n.png,color=c.png");
+        *wanted[k] = true;
+        job->bake_files[k] = part;
+    }
+    return true;
+}
+
+/// --lods: numbers with commas between them. False after a message.
+static bool read_lods(mesh_job *job)
+{
+    const char *at = job->lods_text;
+    for (char *end; at != NULL && *at != '\0'; at = *end == ',' ? end + 1 : end)
+    {
+        double share = strtod(at, &end);
+        bool good = end != at && (*end == ',' || *end == '\0') && job->lod_count < MAX_LODS && share > 0 &&
+                    share <= (job->lod_count > 0 ? job->lod_shares[job->lod_count - 1] : 1);
+        if (!good)
+            return argument_refused(job->call.given, "lods", "decreasing shares of the faces from at most 1, as 1,0.5,0.25");
+        job->lod_shares[job->lod_count++] = share;
+    }
+    return true;
+}
 
 /// The option that says where to stop; null after a message.
 static const char *find_target(const arguments *given)
@@ -448,6 +526,8 @@ static const char *find_target(const arguments *given)
         }
         found = TARGETS[i];
     }
+    if (argument(given, "lods") != NULL)
+        return found == NULL ? "lods" : (usage_error(given, "--%s and --lods exclude each other", found), NULL);
     if (found == NULL)
         (void)usage_error(given, "--vertices N, --faces N, --ratio R or --tolerance E is missing");
     return found;
@@ -480,11 +560,54 @@ static bool check_decimation(void *of)
         return usage_refused(given, "-o OUT is missing");
     if (argument(given, "seed") != NULL && argument(given, "random") == NULL)
         return usage_refused(given, "--seed needs --random K");
-    if (find_target(given) == NULL || !read_tolerance(given, options))
+    if (find_target(given) == NULL || !read_tolerance(given, options) || !read_bake(job) || !read_lods(job))
         return false;
+    static const char *const of_one[] = {"map", "transfer", "bake", NULL};
+    if (job->lod_count > 0 && argument_first(given, of_one) != NULL)
+        return usage_refused(given, "--%s needs one mesh, and --lods makes several", argument_first(given, of_one));
+    if (argument(given, "size") != NULL && job->bake_text == NULL)
+        return usage_refused(given, "--size needs --bake");
     if (argument(given, "ratio") != NULL && !(options->ratio > 0 && options->ratio <= 1))
         return argument_refused(given, "ratio", "above 0 and at most 1");
     return usage_accepts(given, bat_options_check(&bat_mesh_decimate_fields, options, report_error())) && check_files(job);
+}
+
+/// Make the chain of --lods: its first mesh is the result.
+static int make_lods(mesh_job *job, const bat_mesh_decimate_options *options)
+{
+    int code = report_status(
+        job->call.given, job->call.input,
+        bat_mesh_lods(&job->given, job->lod_shares, job->lod_count, options, job->lods, job->lod_distances, report_error()));
+    if (code != EXIT_DONE)
+        return code;
+    job->made = job->lods[0];
+    memmove(job->lods, job->lods + 1, (MAX_LODS - 1) * sizeof *job->lods);
+    job->lods[MAX_LODS - 1] = (bat_mesh){0};
+    memmove(job->lod_distances, job->lod_distances + 1, (MAX_LODS - 1) * sizeof *job->lod_distances);
+    job->lod_count--;
+    return EXIT_DONE;
+}
+
+/// Bake the images, write their files, and make them the material of the result.
+static int bake(mesh_job *job)
+{
+    const bat_mesh_image *const images[3] = {&job->baked.normal, &job->baked.colour, &job->baked.occlusion};
+    job->bake.threads = job->call.threads;
+    int code = report_status(job->call.given, job->call.input,
+                             bat_mesh_bake(job->map, &job->given, &job->made, &job->bake, &job->baked, report_error()));
+    for (size_t k = 0; k < 3 && code == EXIT_DONE; k++)
+    {
+        const char *path;
+        if (job->bake_files[k] == NULL)
+            continue;
+        code = report_status(NULL, job->bake_files[k],
+                             bat_outputs_add(job->call.files.files, job->bake_files[k], &path, report_error()));
+        if (code == EXIT_DONE)
+            code = report_status(NULL, job->bake_files[k], bat_mesh_image_write(path, images[k], report_error()));
+    }
+    if (code == EXIT_DONE)
+        code = report_status(NULL, job->call.output, bat_mesh_baked_attach(&job->baked, &job->made, report_error()));
+    return code;
 }
 
 static int make_decimation(void *of)
@@ -495,13 +618,19 @@ static int make_decimation(void *of)
     bat_mesh_decimate_options options = job->decimate;
     options.progress = report_progress("decimating");
     options.distance = &job->distance;
-    bat_mesh_map **map = job->map_file != NULL ? &job->map : NULL;
+    if (job->lod_count > 0)
+        return make_lods(job, &options);
+    bat_mesh_map **map = job->map_file != NULL || job->transfer || job->bake_text != NULL ? &job->map : NULL;
     int code = report_status(job->call.given, job->call.input,
                              bat_mesh_decimate(&job->given, &options, &job->made, map, report_error()));
-    if (code != EXIT_DONE || map == NULL)
-        return code;
-    return report_status(NULL, job->map_file,
-                         bat_mesh_map_write(output_path(&job->call.files, "map"), *map, report_error()));
+    if (code == EXIT_DONE && job->map_file != NULL)
+        code = report_status(NULL, job->map_file,
+                             bat_mesh_map_write(output_path(&job->call.files, "map"), *map, report_error()));
+    if (code == EXIT_DONE && job->transfer)
+        code = report_status(
+            job->call.given, job->call.input,
+            bat_mesh_transfer(*map, &job->given, &job->made, job->normals ? &job->limit_normals : NULL, report_error()));
+    return code == EXIT_DONE && job->bake_text != NULL ? bake(job) : code;
 }
 
 /// Whether the result has as few vertices or faces as wanted.
@@ -512,6 +641,8 @@ static bool is_reached(const mesh_job *job)
         return job->made.vertex_count <= options->vertices;
     if (options->faces > 0)
         return job->made.face_count <= options->faces;
+    if (job->lods_text != NULL)
+        return true;
     return options->tolerance > 0 || (double)job->made.face_count <= fmax(1, options->ratio * (double)job->given.face_count);
 }
 
@@ -530,12 +661,15 @@ static int report_decimation(void *of)
         job->call.json,
         "{fine.vertices} vertices, {fine.faces} faces -> {coarse.vertices} vertices, {coarse.faces} faces\n"
         "[distance?no point of either surface is farther than {distance:.6g} from the other\n]"
+        "[texels?baked {texels} texels[charts? in {charts} charts][normal_turn?; normals within {normal_turn:.3g} "
+        "degrees]\n]"
         "[!reached?no further collapse passes the checks; lower --min-quality or --min-normal\n]",
         "fine.vertices:z fine.faces:z coarse.vertices:z coarse.faces:z method:s target:s wanted:n reached:b distance:n "
-        "repaired:z map:s notes:o",
+        "repaired:z map:s texels:z charts:z normal_turn:n notes:o",
         fine->vertex_count, fine->face_count, coarse->vertex_count, coarse->face_count,
         bat_choice_name(&bat_mesh_decimate_method_family, (int)how->method), find_target(job->call.given), wanted,
         (int)is_reached(job), how->tolerance > 0 ? job->distance : NAN, bat_mesh_repair_places(&job->repairs), job->map_file,
+        job->baked.texels, job->baked.charts, job->bake.normal ? job->baked.max_turn * 57.29577951308232 : NAN,
         notes_json(&job->notes));
 }
 

@@ -29,6 +29,7 @@
 #include "batten/mesh_decimate.h"
 #include "batten/mesh_measure.h"
 #include "batten/mesh_refine.h"
+#include "batten/mesh_transfer.h"
 
 // Scans and spline surfaces
 #if BAT_HAS_SURFACES

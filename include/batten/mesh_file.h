@@ -106,7 +106,12 @@ typedef struct bat_mesh_write_options
     /// vertex_count x 3 normals to write instead, such as those of bat_mesh_limit_normals(); null: none, the default. Zero
     /// normals become those of `normals`, or of BAT_MESH_NORMALS_ANGLE.
     const double *vertex_normals;
-    bat_mesh_notes *notes; ///< notes of a successful writing are appended; may be null, the default
+    bool tangents; ///< bat_mesh_tangents(), beside vertex normals and texture coordinates; glTF only; default false
+    /// Coarser meshes of the same shape, the finest first: levels of detail of one node (MSFT_lod); glTF only. Default null.
+    const bat_mesh *lods;
+    size_t lod_count;            ///< default 0
+    const double *lod_distances; ///< of `lods`, from the mesh, which `extras` tell; null: none, the default
+    bat_mesh_notes *notes;       ///< notes of a successful writing are appended; may be null, the default
 } bat_mesh_write_options;
 
 /// The options' default values.

@@ -1,7 +1,7 @@
 #ifndef BATTEN_MESH_PICTURE_H
 #define BATTEN_MESH_PICTURE_H
 
-#include "batten/mesh.h"
+#include "batten/mesh_transfer.h"
 
 BAT_C_BEGIN
 
@@ -72,6 +72,15 @@ extern BAT_API const bat_options_table bat_mesh_picture_fields;
 ///         BAT_NO_MEMORY; BAT_FILE_ACCESS
 BAT_API bat_status bat_mesh_picture_write(const char *path, const bat_mesh_picture_panel *panels, size_t count,
                                           const bat_mesh_picture_options *options, bat_error *error);
+
+/// Write an image as PNG. The file appears whole or not at all.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT for an image without pixels, BAT_FILE_ACCESS or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, bat_error *error);
+
+/// Make baked images the material of all faces, for writing to glTF: `material_json` and the labels' materials. The colours'
+/// bytes are taken for sRGB, as they are shown.
+/// @return BAT_OK or BAT_NO_MEMORY
+BAT_API bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, bat_error *error);
 
 BAT_C_END
 

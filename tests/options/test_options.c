@@ -491,6 +491,44 @@ static bat_status call_mesh_decimate(const void *options, digest *result, bat_er
     return status;
 }
 
+static bat_status call_mesh_unwrap(const void *options, digest *result, bat_error *error)
+{
+    bat_mesh mesh = mesh_torus(12, 8);
+    size_t charts;
+    mark(&charts, sizeof charts);
+    bat_status status = bat_mesh_unwrap(&mesh, options, &charts, error);
+    if (status == BAT_OK)
+        *result = digest_of(mesh.texture, mesh.texture_count * 2 * sizeof *mesh.texture) + charts;
+    else
+    {
+        check_marked(&charts, sizeof charts);
+        assert_null(mesh.texture);
+    }
+    bat_mesh_free(&mesh);
+    return status;
+}
+
+static bat_status call_mesh_bake(const void *options, digest *result, bat_error *error)
+{
+    bat_mesh fine = mesh_torus(12, 8), coarse;
+    bat_mesh_map *map;
+    bat_mesh_baked baked;
+    assert_int_equal(bat_mesh_decimate(&fine, NULL, &coarse, &map, NULL), BAT_OK);
+    mark(&baked, sizeof baked);
+    bat_status status = bat_mesh_bake(map, &fine, &coarse, options, &baked, error);
+    if (status == BAT_OK)
+    {
+        *result = digest_of(baked.normal.pixels, 3 * baked.normal.width * baked.normal.height);
+        bat_mesh_baked_free(&baked);
+    }
+    else
+        check_marked(&baked, sizeof baked);
+    bat_mesh_free(&fine);
+    bat_mesh_free(&coarse);
+    bat_mesh_map_free(map);
+    return status;
+}
+
 static bat_status call_mesh_compare(const void *options, digest *result, bat_error *error)
 {
     bat_mesh first = mesh_icosahedron(), second = mesh_octahedron();
@@ -807,6 +845,8 @@ FAMILY(motion_curves, bat_motion_curves_defaults)
 FAMILY(motion_picture, bat_motion_picture_defaults)
 FAMILY(mesh_refine, bat_mesh_refine_defaults)
 FAMILY(mesh_decimate, bat_mesh_decimate_defaults)
+FAMILY(mesh_unwrap, bat_mesh_unwrap_defaults)
+FAMILY(mesh_bake, bat_mesh_bake_defaults)
 FAMILY(mesh_compare, bat_mesh_compare_defaults)
 FAMILY(mesh_read, bat_mesh_read_defaults)
 FAMILY(mesh_write, bat_mesh_write_defaults)
@@ -925,6 +965,14 @@ static const option_family FAMILIES[] = {
       BAD(mesh_decimate, boundary_weight, BAD_NUMBER, INFINITY), BAD(mesh_decimate, ratio, BAD_NUMBER, 1.5),
       BAD(mesh_decimate, tolerance, BAD_NUMBER, NAN), BAD(mesh_decimate, attributes, BAD_NUMBER, -1),
       BAD(mesh_decimate, method, BAD_INT, 4), BAD(mesh_decimate, threads, BAD_INT, -1)}},
+    {HEAD(mesh_unwrap),
+     {call_mesh_unwrap},
+     {BAD(mesh_unwrap, size, BAD_SIZE, 15), BAD(mesh_unwrap, size, BAD_SIZE, 16385), BAD(mesh_unwrap, padding, BAD_SIZE, 0),
+      BAD(mesh_unwrap, max_angle, BAD_NUMBER, 1.6), BAD(mesh_unwrap, max_angle, BAD_NUMBER, NAN)}},
+    {HEAD(mesh_bake),
+     {call_mesh_bake},
+     {BAD(mesh_bake, rays, BAD_SIZE, 0), BAD(mesh_bake, distance, BAD_NUMBER, 0), BAD(mesh_bake, distance, BAD_NUMBER, NAN),
+      BAD(mesh_bake, threads, BAD_INT, -1), BAD(mesh_bake, unwrap.size, BAD_SIZE, 15)}},
     {HEAD(mesh_compare),
      {call_mesh_compare},
      {BAD(mesh_compare, samples, BAD_SIZE, 0), BAD(mesh_compare, samples, BAD_SIZE, 0x1p41),

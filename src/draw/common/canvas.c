@@ -203,7 +203,7 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
     return BAT_OK;
 }
 
-static bat_status write_file(const char *path, const text_buffer *bytes, bat_error *error)
+bat_status canvas_write(const char *path, const text_buffer *bytes, bat_error *error)
 {
     atomic_file file;
     bat_status status = atomic_file_begin(path, &file, error);
@@ -228,7 +228,7 @@ bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
         return drawing_failed(status, error);
     if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes))
         return error_memory(error, canvas->bytes.size);
-    return write_file(path, &canvas->bytes, error);
+    return canvas_write(path, &canvas->bytes, error);
 }
 
 void canvas_close(draw_canvas *canvas)

@@ -1,12 +1,14 @@
 #include "base/error.h"
 #include "base/json_scan.h"
 #include "base/memory.h"
+#include "batten/mesh_transfer.h"
 #include "io/common/base64.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /// @file
@@ -29,6 +31,7 @@ typedef enum gltf_part
     PART_INDICES,
     PART_POSITIONS,
     PART_NORMALS,
+    PART_TANGENTS,
     PART_TEXTURE,
     PART_COLOURS,
     PART_COUNT
@@ -54,6 +57,8 @@ typedef struct gltf_writer
 
     uint32_t *corners;      ///< face_count x 3, in the order of `faces`: written vertices
     uint32_t *origins;      ///< for each written vertex: its vertex of the mesh
+    uint32_t *sources;      ///< for each written vertex: a corner of the mesh
+    double *tangents;       ///< of the corners; null for none
     uint32_t *textures;     ///< for each written vertex: its texture coordinate
     uint32_t *next;         ///< for each written vertex: the next one of the same vertex of the mesh, or BAT_MESH_NONE
     size_t vertex_count;    ///< of written vertices
@@ -63,10 +68,12 @@ typedef struct gltf_writer
 
     json_t *root;
     text_buffer bytes;
+    size_t first_view; ///< the number of the mesh's first buffer view
 } gltf_writer;
 
 static void writer_free(gltf_writer *writer)
 {
+    free(writer->tangents);
     memory_pool_free(&writer->pool);
     label_table_free(&writer->objects);
     json_decref(writer->root);
@@ -169,6 +176,7 @@ static bool number_vertices(gltf_writer *writer)
     uint32_t *first = memory_array(mesh->vertex_count, sizeof *first);
     writer->corners = memory_pool_array(&writer->pool, corners, sizeof *writer->corners);
     writer->origins = memory_pool_array(&writer->pool, corners, sizeof *writer->origins);
+    writer->sources = memory_pool_array(&writer->pool, corners, sizeof *writer->sources);
     writer->textures = memory_pool_array(&writer->pool, corners, sizeof *writer->textures);
     writer->next = memory_pool_array(&writer->pool, corners, sizeof *writer->next);
     writer->node_vertices = memory_pool_zeros(&writer->pool, writer->node_count + 1, sizeof *writer->node_vertices);
@@ -186,6 +194,7 @@ static bool number_vertices(gltf_writer *writer)
         {
             found = (uint32_t)writer->vertex_count++;
             writer->origins[found] = vertex;
+            writer->sources[found] = (uint32_t)h;
             writer->textures[found] = texture;
             writer->next[found] = first[vertex];
             first[vertex] = found;
@@ -274,6 +283,8 @@ static size_t width_of(const gltf_writer *writer, gltf_part part)
         return (size_t)AXES * WORD;
     case PART_NORMALS:
         return writer->options->vertex_normals != NULL ? (size_t)AXES * WORD : 0;
+    case PART_TANGENTS:
+        return writer->tangents != NULL ? 4 * (size_t)WORD : 0;
     case PART_TEXTURE:
         return writer->mesh->texture_faces != NULL ? 2 * (size_t)WORD : 0;
     case PART_COLOURS:
@@ -299,6 +310,10 @@ static char *put_vertex(const gltf_writer *writer, gltf_part part, size_t i, cha
         for (size_t k = 0; k < AXES; k++)
             out = put_float(out, undefined ? k == 2 : normal[k]);
         break;
+    case PART_TANGENTS:
+        for (size_t k = 0; k < 4; k++)
+            out = put_float(out, writer->tangents[4 * (size_t)writer->sources[i] + k]);
+        break;
     case PART_TEXTURE:
         out = put_float(out, mesh->texture[2 * (size_t)writer->textures[i]]);
         out = put_float(out, 1 - mesh->texture[2 * (size_t)writer->textures[i] + 1]);
@@ -321,14 +336,14 @@ static char *put_vertex(const gltf_writer *writer, gltf_part part, size_t i, cha
 static bat_status fill_bytes(gltf_writer *writer, bat_error *error)
 {
     const bat_mesh *mesh = writer->mesh;
-    size_t corners = 3 * mesh->face_count, label = 0, size = 0;
+    size_t corners = 3 * mesh->face_count, label = 0, size = writer->bytes.size;
     for (gltf_part part = PART_INDICES; part < PART_COUNT; part++)
     {
         writer->begins[part] = size;
         size += part == PART_INDICES ? corners * WORD : writer->vertex_count * width_of(writer, part);
     }
     writer->begins[PART_COUNT] = size;
-    char *out = size < UINT32_MAX ? text_reserve(&writer->bytes, size) : NULL;
+    char *out = size < UINT32_MAX ? text_reserve(&writer->bytes, size - writer->begins[0]) : NULL;
     if (out == NULL)
         return size < UINT32_MAX ? no_memory(writer, error)
                                  : error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
@@ -428,9 +443,9 @@ static json_t *numbers_json(const double *numbers, size_t count)
 static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first, size_t count, json_t **number)
 {
     static const char *const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
-    const size_t components[PART_COUNT] = {1, 3, 3, 2, writer->colours};
+    const size_t components[PART_COUNT] = {1, 3, 3, 4, 2, writer->colours};
     int type = part == PART_INDICES ? GLTF_UINT32 : part == PART_COLOURS && writer->byte_colours ? GLTF_UINT8 : GLTF_FLOAT;
-    size_t width = part == PART_INDICES ? WORD : width_of(writer, part), view = 0;
+    size_t width = part == PART_INDICES ? WORD : width_of(writer, part), view = writer->first_view;
     for (gltf_part before = PART_INDICES; before < part; before++)
         view += writer->begins[before + 1] > writer->begins[before];
     json_t *accessor = json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset",
@@ -576,7 +591,7 @@ static bool set_names(const gltf_writer *writer, const bat_mesh_label *label, js
 /// The attributes that the primitives of a node share.
 static json_t *attributes_of(const gltf_writer *writer, size_t node)
 {
-    static const char *const names[PART_COUNT] = {NULL, "POSITION", "NORMAL", "TEXCOORD_0", "COLOR_0"};
+    static const char *const names[PART_COUNT] = {NULL, "POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"};
     size_t first = writer->node_vertices[node], count = writer->node_vertices[node + 1] - first;
     json_t *attributes = json_object(), *number;
     for (gltf_part part = PART_POSITIONS; part < PART_COUNT && attributes != NULL; part++)
@@ -650,43 +665,121 @@ static bool add_node(const gltf_writer *writer, size_t number, size_t *at, json_
     return index != SIZE_MAX && json_array_append_new(scene, json_integer((json_int_t)index)) == 0;
 }
 
-static bat_status fill_json(gltf_writer *writer, bat_error *error)
+/// Begin the JSON of the file.
+static bat_status begin_json(gltf_writer *writer, bat_error *error)
 {
     const char *files = writer->mesh->material_files;
-    json_t *scene = json_array();
-    size_t at = 0;
     char generator[32];
     (void)snprintf(generator, sizeof generator, "batten %s", bat_version());
     writer->root = json_pack("{s:{s:s, s:s}, s:i}", "asset", "version", "2.0", "generator", generator, "scene", 0);
-    bool room = scene != NULL && writer->root != NULL;
-    bat_status status = room ? add_definitions(writer, error) : no_memory(writer, error);
-    room = status == BAT_OK;
-    for (size_t n = 0; n < writer->node_count && room; n++)
-        room = add_node(writer, n, &at, scene);
-    room = room && add_views(writer) && add_to(writer, "scenes", json_pack("{s:O}", "nodes", scene)) != SIZE_MAX;
-    if (room && files != NULL)
-    {
-        json_t *extras = json_object();
-        room = extras != NULL && set_text(extras, "material_files", files) &&
-               json_object_set(writer->root, "extras", extras) == 0;
-        json_decref(extras);
-    }
-    json_decref(scene);
-    return status == BAT_OK && !room ? no_memory(writer, error) : status;
+    bat_status status = writer->root != NULL ? add_definitions(writer, error) : no_memory(writer, error);
+    if (status != BAT_OK || files == NULL)
+        return status;
+    json_t *extras = json_object();
+    bool room =
+        extras != NULL && set_text(extras, "material_files", files) && json_object_set(writer->root, "extras", extras) == 0;
+    json_decref(extras);
+    return room ? BAT_OK : no_memory(writer, error);
 }
 
-/// Make the JSON and the bytes, but for the buffer's own entry.
-static bat_status writer_fill(gltf_writer *writer, bat_error *error)
+/// Append the mesh to the bytes and the JSON; `nodes` receives the numbers of its nodes.
+static bat_status append_mesh(gltf_writer *writer, json_t *nodes, bat_error *error)
 {
+    size_t at = 0;
     writer->colours = mesh_colours(writer->mesh, writer->colour_places);
     if (!find_nodes(writer) || !order_faces(writer) || !number_vertices(writer))
         return no_memory(writer, error);
     choose_shift(writer);
     writer->byte_colours = writer->colours > 0 && has_byte_colours(writer);
     bat_status status = check_range(writer, error);
+    if (status == BAT_OK && writer->options->tangents && writer->options->vertex_normals != NULL &&
+        writer->mesh->texture_faces != NULL)
+        status = bat_mesh_tangents(writer->mesh, writer->options->vertex_normals, &writer->tangents, error);
     if (status == BAT_OK)
         status = fill_bytes(writer, error);
-    return status == BAT_OK ? fill_json(writer, error) : status;
+    if (status == BAT_OK && writer->root == NULL)
+        status = begin_json(writer, error);
+    writer->first_view = json_array_size(json_object_get(writer->root, "bufferViews"));
+    bool room = status == BAT_OK;
+    for (size_t n = 0; n < writer->node_count && room; n++)
+        room = add_node(writer, n, &at, nodes);
+    room = room && add_views(writer);
+    return status == BAT_OK && !room ? no_memory(writer, error) : status;
+}
+
+/// One node for all nodes of a mesh. SIZE_MAX when out of memory.
+static size_t join_nodes(const gltf_writer *writer, json_t *nodes)
+{
+    if (json_array_size(nodes) == 1)
+        return (size_t)json_integer_value(json_array_get(nodes, 0));
+    return add_to(writer, "nodes", json_pack("{s:o}", "children", json_copy(nodes)));
+}
+
+/// Append a level of detail to the bytes and the JSON of the mesh; `number` receives its node.
+static bat_status append_level(gltf_writer *writer, size_t index, size_t *number, bat_error *error)
+{
+    const bat_mesh_write_options *given = writer->options;
+    bat_mesh_write_options options = *given;
+    gltf_writer level = {.mesh = &given->lods[index], .options = &options, .root = writer->root, .bytes = writer->bytes};
+    double *normals = NULL;
+    json_t *nodes = json_array();
+    bat_status status = nodes != NULL ? BAT_OK : no_memory(writer, error);
+    if (status == BAT_OK && given->vertex_normals != NULL)
+    {
+        normals = memory_array(level.mesh->vertex_count, 3 * sizeof *normals);
+        status = normals != NULL ? bat_mesh_vertex_normals(level.mesh, BAT_MESH_NORMALS_ANGLE, normals, error)
+                                 : no_memory(&level, error);
+        options.vertex_normals = normals;
+    }
+    if (status == BAT_OK)
+        status = append_mesh(&level, nodes, error);
+    writer->bytes = level.bytes;
+    level.root = NULL;
+    level.bytes = (text_buffer){0};
+    *number = status == BAT_OK ? join_nodes(writer, nodes) : SIZE_MAX;
+    if (*number != SIZE_MAX && given->lod_distances != NULL)
+        (void)json_object_set_new(
+            json_array_get(json_object_get(writer->root, "nodes"), *number), "extras",
+            json_pack("{s:f, s:I}", "distance", given->lod_distances[index], "faces", (json_int_t)level.mesh->face_count));
+    json_decref(nodes);
+    free(normals);
+    writer_free(&level);
+    return status == BAT_OK && *number == SIZE_MAX ? no_memory(writer, error) : status;
+}
+
+/// Append all levels of detail of the node that `nodes` then holds alone.
+static bat_status append_levels(gltf_writer *writer, json_t *nodes, bat_error *error)
+{
+    json_t *numbers = json_array();
+    size_t first = join_nodes(writer, nodes), number;
+    bat_status status = numbers != NULL && first != SIZE_MAX ? BAT_OK : no_memory(writer, error);
+    for (size_t i = 0; i < writer->options->lod_count && status == BAT_OK; i++)
+    {
+        status = append_level(writer, i, &number, error);
+        if (status == BAT_OK && json_array_append_new(numbers, json_integer((json_int_t)number)) != 0)
+            status = no_memory(writer, error);
+    }
+    json_t *node = json_array_get(json_object_get(writer->root, "nodes"), first);
+    if (status == BAT_OK &&
+        (json_object_set_new(node, "extensions", json_pack("{s:{s:O}}", "MSFT_lod", "ids", numbers)) != 0 ||
+         add_to(writer, "extensionsUsed", json_string("MSFT_lod")) == SIZE_MAX || json_array_clear(nodes) != 0 ||
+         json_array_append_new(nodes, json_integer((json_int_t)first)) != 0))
+        status = no_memory(writer, error);
+    json_decref(numbers);
+    return status;
+}
+
+/// Make the JSON and the bytes, but for the buffer's own entry.
+static bat_status writer_fill(gltf_writer *writer, bat_error *error)
+{
+    json_t *nodes = json_array();
+    bat_status status = nodes != NULL ? append_mesh(writer, nodes, error) : no_memory(writer, error);
+    if (status == BAT_OK && writer->options->lod_count > 0)
+        status = append_levels(writer, nodes, error);
+    if (status == BAT_OK && add_to(writer, "scenes", json_pack("{s:O}", "nodes", nodes)) == SIZE_MAX)
+        status = no_memory(writer, error);
+    json_decref(nodes);
+    return status;
 }
 
 /// Add the buffer's entry and write the JSON as text.

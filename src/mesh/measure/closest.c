@@ -431,6 +431,65 @@ LANES_CLONES static answer find_nearer(const closest_tree *tree, const double po
     return best;
 }
 
+/// Whether a ray from `origin` meets a box between 0 and `length`. `inverse` holds 1 / direction.
+static bool meets_box(const closest_node *node, int lane, const double *origin, const double *inverse, double length)
+{
+    double begin = 0, end = node->low[0][lane] <= node->high[0][lane] ? length : -1; // unused boxes are empty
+    for (int k = 0; k < 3; k++)
+    {
+        double a = (node->low[k][lane] - origin[k]) * inverse[k], b = (node->high[k][lane] - origin[k]) * inverse[k];
+        begin = fmax(begin, fmin(a, b));
+        end = fmin(end, fmax(a, b));
+    }
+    return begin <= end;
+}
+
+/// Whether a ray meets a triangle (Möller and Trumbore, 1997).
+static bool meets_triangle(const closest_packet *packet, int lane, const double *origin, const double *direction,
+                           double length)
+{
+    double along[3], aside[3], from[3], p[3], q[3];
+    for (int k = 0; k < 3; k++)
+    {
+        along[k] = packet->along[k][lane];
+        aside[k] = packet->aside[k][lane];
+        from[k] = origin[k] - packet->corner[k][lane];
+    }
+    vector3_cross(direction, aside, p);
+    vector3_cross(from, along, q);
+    double volume = vector3_dot(along, p), u = vector3_dot(from, p) / volume, v = vector3_dot(direction, q) / volume,
+           t = vector3_dot(aside, q) / volume;
+    return u >= 0 && v >= 0 && u + v <= 1 && t >= 0 && t <= length; // false for NaN
+}
+
+bool closest_blocked(const closest_tree *tree, const double origin[3], const double direction[3], double length)
+{
+    pending stack[STACK];
+    double scaled[3], inverse[3];
+    int count = 1;
+    stack[0] = (pending){0, 0, tree->root_level};
+    for (int k = 0; k < 3; k++)
+    {
+        scaled[k] = origin[k] * tree->scale;
+        inverse[k] = 1 / direction[k];
+    }
+    while (count > 0)
+    {
+        pending next = stack[--count];
+        for (int i = 0; i < WIDTH; i++)
+        {
+            if (next.level == 0)
+            {
+                if (meets_triangle(&tree->packets[next.index], i, scaled, direction, length * tree->scale))
+                    return true;
+            }
+            else if (meets_box(&tree->nodes[tree->begin[next.level] + next.index], i, scaled, inverse, length * tree->scale))
+                stack[count++] = (pending){0, next.index * WIDTH + (uint32_t)i, next.level - 1};
+        }
+    }
+    return false;
+}
+
 double closest_find(const closest_tree *tree, const double point[3], uint32_t *place)
 {
     const double scaled[3] = {point[0] * tree->scale, point[1] * tree->scale, point[2] * tree->scale};

@@ -72,6 +72,9 @@ double closest_to_place(const closest_tree *tree, const double point[3], uint32_
 /// The closest point of the triangle at a place.
 closest_hit closest_point_at(const closest_tree *tree, const double point[3], uint32_t place);
 
+/// Whether a triangle crosses a ray from a point, between 0 and `length` times its direction.
+bool closest_blocked(const closest_tree *tree, const double origin[3], const double direction[3], double length);
+
 /// The largest absolute value, but at least `min`.
 double closest_largest(const double *values, size_t count, double min);
 /// The power of two that scales `largest` to 1/2 … 1.

@@ -1,0 +1,336 @@
+#include "base/error.h"
+#include "base/memory.h"
+#include "batten/mesh_measure.h"
+#include "batten/mesh_transfer.h"
+#include "linalg/vector.h"
+#include "mesh/check.h"
+#include "mesh/decimate/map.h"
+#include "mesh/hash_table.h"
+#include "mesh/labels.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// @file
+/// Values and labels of a decimated mesh: projections in the mean square over the fine mesh, through the map. Chains of
+/// decimated meshes.
+
+enum
+{
+    SAMPLES = 4, ///< of a fine face: the centres of its midpoint triangles
+    MAX_STEPS = 60
+};
+
+static const double SHARES[SAMPLES][3] = {
+    {1 / 3.0, 1 / 3.0, 1 / 3.0}, {2 / 3.0, 1 / 6.0, 1 / 6.0}, {1 / 6.0, 2 / 3.0, 1 / 6.0}, {1 / 6.0, 1 / 6.0, 2 / 3.0}};
+
+/// The equations (M + D) c = b + D p of one value c at the coarse vertices, with the mass matrix M of the samples, the
+/// values p at the vertices' images, and a small diagonal D.
+typedef struct pull
+{
+    const bat_mesh *fine, *coarse;
+    bat_mesh_point *samples; ///< SAMPLES for each fine face, on the coarse mesh
+    bat_mesh_point *images;  ///< of the coarse vertices, on the fine mesh
+    double *weights;         ///< for each fine face: that of a sample, a part of its area
+    double *diagonal;        ///< of M + D
+    double *anchor;          ///< of D
+    double *numbers[6];      ///< workspace, of the coarse vertices
+} pull;
+
+/// product = (M + D) c
+static void multiply(const pull *all, const double *c, double *product)
+{
+    for (size_t v = 0; v < all->coarse->vertex_count; v++)
+        product[v] = all->anchor[v] * c[v];
+    for (size_t i = 0; i < SAMPLES * all->fine->face_count; i++)
+    {
+        const uint32_t *corner = all->coarse->faces + 3 * (size_t)all->samples[i].face;
+        const double *b = all->samples[i].barycentric;
+        double value = all->weights[i / SAMPLES] * (b[0] * c[corner[0]] + b[1] * c[corner[1]] + b[2] * c[corner[2]]);
+        for (size_t k = 0; k < 3; k++)
+            product[corner[k]] += b[k] * value;
+    }
+}
+
+/// Solve the equations by conjugate gradients; `c` begins with a guess.
+static void solve(pull *all, const double *right, double *c)
+{
+    static const double accuracy = 1e-6;
+    size_t n = all->coarse->vertex_count;
+    double *residual = all->numbers[0], *direction = all->numbers[1], *product = all->numbers[2];
+    double size = 0, first = 0;
+    multiply(all, c, product);
+    for (size_t v = 0; v < n; v++)
+    {
+        residual[v] = right[v] - product[v];
+        direction[v] = residual[v] / all->diagonal[v];
+        size += residual[v] * direction[v];
+        first += right[v] * right[v] / all->diagonal[v];
+    }
+    for (int step = 0; step < MAX_STEPS && size > accuracy * accuracy * first; step++)
+    {
+        multiply(all, direction, product);
+        double along = size / vector_dot(n, direction, product), next = 0;
+        for (size_t v = 0; v < n; v++)
+        {
+            c[v] += along * direction[v];
+            residual[v] -= along * product[v];
+            next += residual[v] * residual[v] / all->diagonal[v];
+        }
+        for (size_t v = 0; v < n; v++)
+            direction[v] = residual[v] / all->diagonal[v] + next / size * direction[v];
+        size = next;
+    }
+}
+
+static double value_at(const bat_mesh *mesh, const double *values, size_t width, size_t face, const double *barycentric)
+{
+    double sum = 0;
+    for (size_t c = 0; c < 3; c++)
+        sum += barycentric[c] * values[width * mesh->faces[3 * face + c]];
+    return sum;
+}
+
+/// Carry one value of the fine vertices. It stays within the range of the samples around each vertex.
+static void pull_values(pull *all, const double *from, double *to, size_t width)
+{
+    size_t n = all->coarse->vertex_count;
+    double *right = all->numbers[3], *low = all->numbers[4], *high = all->numbers[5];
+    for (size_t v = 0; v < n; v++)
+    {
+        double here = value_at(all->fine, from, width, all->images[v].face, all->images[v].barycentric);
+        low[v] = high[v] = here;
+        right[v] = all->anchor[v] * here;
+    }
+    for (size_t i = 0; i < SAMPLES * all->fine->face_count; i++)
+    {
+        double value = value_at(all->fine, from, width, i / SAMPLES, SHARES[i % SAMPLES]);
+        for (size_t k = 0; k < 3; k++)
+        {
+            uint32_t v = all->coarse->faces[3 * (size_t)all->samples[i].face + k];
+            right[v] += all->weights[i / SAMPLES] * all->samples[i].barycentric[k] * value;
+            low[v] = fmin(low[v], value);
+            high[v] = fmax(high[v], value);
+        }
+    }
+    double *c = malloc(n * sizeof *c);
+    for (size_t v = 0; v < n && c != NULL; v++)
+        c[v] = right[v] / all->diagonal[v];
+    if (c != NULL)
+        solve(all, right, c);
+    for (size_t v = 0; v < n; v++)
+        to[width * v] = fmin(high[v], fmax(low[v], c != NULL ? c[v] : right[v] / all->diagonal[v]));
+    free(c);
+}
+
+/// Map the samples and the vertices, and set up the equations.
+static bat_status begin(const bat_mesh_map *map, pull *all, memory_pool *pool, bat_error *error)
+{
+    static const double share = 0.02; // of the diagonal, in D
+    const bat_mesh *fine = all->fine, *coarse = all->coarse;
+    size_t count = SAMPLES * fine->face_count, n = coarse->vertex_count;
+    all->samples = memory_pool_array(pool, count, sizeof *all->samples);
+    all->images = memory_pool_array(pool, n, sizeof *all->images);
+    all->weights = memory_pool_array(pool, fine->face_count, sizeof *all->weights);
+    all->diagonal = memory_pool_zeros(pool, n, sizeof *all->diagonal);
+    all->anchor = memory_pool_array(pool, n, sizeof *all->anchor);
+    for (size_t i = 0; i < sizeof all->numbers / sizeof *all->numbers; i++)
+        all->numbers[i] = memory_pool_array(pool, n, sizeof *all->numbers[i]);
+    bat_status status = memory_pool_check(pool, error);
+    if (status != BAT_OK)
+        return status;
+    double total = 0;
+    for (size_t f = 0; f < fine->face_count; f++)
+    {
+        const double *a = fine->positions + 3 * (size_t)fine->faces[3 * f],
+                     *b = fine->positions + 3 * (size_t)fine->faces[3 * f + 1],
+                     *c = fine->positions + 3 * (size_t)fine->faces[3 * f + 2];
+        double u[3], v[3], normal[3];
+        vector3_subtract(b, a, u);
+        vector3_subtract(c, a, v);
+        vector3_cross(u, v, normal);
+        all->weights[f] = vector3_length(normal);
+        total += all->weights[f];
+        for (size_t s = 0; s < SAMPLES; s++)
+        {
+            all->samples[SAMPLES * f + s].face = (uint32_t)f;
+            memcpy(all->samples[SAMPLES * f + s].barycentric, SHARES[s], sizeof SHARES[s]);
+        }
+    }
+    bat_mesh_point *points;
+    size_t points_count;
+    status = bat_mesh_map_to_coarse(map, all->samples, count, error);
+    if (status == BAT_OK)
+        status = bat_mesh_midpoints(coarse, 0, &points, &points_count, error);
+    if (status != BAT_OK)
+        return status;
+    memcpy(all->images, points, n * sizeof *points);
+    free(points);
+    for (size_t f = 0; f < fine->face_count; f++)
+        all->weights[f] = total > 0 ? all->weights[f] / total : 1;
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < 3; k++)
+            all->diagonal[coarse->faces[3 * (size_t)all->samples[i].face + k]] +=
+                all->weights[i / SAMPLES] * all->samples[i].barycentric[k] * all->samples[i].barycentric[k];
+    for (size_t v = 0; v < n; v++)
+    {
+        all->anchor[v] = share * all->diagonal[v] + 1e-9 / (double)n;
+        all->diagonal[v] += all->anchor[v];
+    }
+    return bat_mesh_map_to_fine(map, all->images, n, error);
+}
+
+/// Give every coarse face the label with most of the fine area in it.
+static bat_status pull_labels(const pull *all, const bat_mesh *coarse, uint32_t *labels, bat_error *error)
+{
+    key_map numbers = {0};
+    size_t count = SAMPLES * all->fine->face_count, used = 0;
+    double *area = memory_array(count, sizeof *area), *most = calloc(coarse->face_count, sizeof *most);
+    bool room = area != NULL && most != NULL;
+    for (size_t i = 0; i < count && room; i++)
+    {
+        uint32_t face = all->samples[i].face, label = all->fine->face_labels[i / SAMPLES];
+        uint32_t *number = key_map_at(&numbers, (uint64_t)face << 32 | label);
+        room = number != NULL;
+        if (!room)
+            break;
+        if (*number == UINT32_MAX)
+        {
+            *number = (uint32_t)used;
+            area[used++] = 0;
+        }
+        area[*number] += all->weights[i / SAMPLES];
+        if (area[*number] > most[face])
+        {
+            most[face] = area[*number];
+            labels[face] = label;
+        }
+    }
+    key_map_free(&numbers);
+    free(area);
+    free(most);
+    return room ? BAT_OK : error_memory(error, count * sizeof *area);
+}
+
+/// Carry the normals of the fine vertices; `normals` receives an array.
+static bat_status pull_normals(pull *all, double **normals, bat_error *error)
+{
+    size_t n = all->coarse->vertex_count;
+    double *from = memory_array(all->fine->vertex_count, 3 * sizeof *from), *to = memory_array(n, 3 * sizeof *to),
+           *own = memory_array(n, 3 * sizeof *own);
+    bat_status status = from != NULL && to != NULL && own != NULL ? BAT_OK : error_memory(error, 3 * n * sizeof *to);
+    if (status == BAT_OK)
+        status = bat_mesh_vertex_normals(all->fine, BAT_MESH_NORMALS_ANGLE, from, error);
+    if (status == BAT_OK)
+        status = bat_mesh_vertex_normals(all->coarse, BAT_MESH_NORMALS_ANGLE, own, error);
+    for (size_t k = 0; k < 3 && status == BAT_OK; k++)
+        pull_values(all, from + k, to + k, 3);
+    for (size_t v = 0; v < n && status == BAT_OK; v++)
+        if (!vector3_normalize(to + 3 * v))
+            memcpy(to + 3 * v, own + 3 * v, 3 * sizeof *to);
+    free(from);
+    free(own);
+    if (status == BAT_OK)
+        *normals = to;
+    else
+        free(to);
+    return status;
+}
+
+/// Carry channels and labels into `made`, which holds nothing else.
+static bat_status pull_all(pull *all, bat_mesh *made, bat_error *error)
+{
+    const bat_mesh *fine = all->fine, *coarse = all->coarse;
+    bat_status status = BAT_OK;
+    if (fine->channel_count > 0)
+        status = channels_make(fine, coarse->vertex_count, made, error);
+    for (size_t k = 0; k < fine->channel_count && status == BAT_OK; k++)
+        pull_values(all, fine->channels + k, made->channels + k, fine->channel_count);
+    if (coarse->face_labels == NULL || coarse->label_count != fine->label_count || status != BAT_OK)
+        return status;
+    made->face_labels = memory_array(coarse->face_count, sizeof *made->face_labels);
+    if (made->face_labels == NULL)
+        return error_memory(error, coarse->face_count * sizeof *made->face_labels);
+    memcpy(made->face_labels, coarse->face_labels, coarse->face_count * sizeof *made->face_labels);
+    return pull_labels(all, coarse, made->face_labels, error);
+}
+
+bat_status bat_mesh_transfer(const bat_mesh_map *map, const bat_mesh *fine, bat_mesh *coarse, double **normals,
+                             bat_error *error)
+{
+    pull all = {.fine = fine, .coarse = coarse};
+    memory_pool pool = {0};
+    bat_mesh made = {0};
+    double *carried = NULL;
+    bat_status status = map_check(map, fine, coarse, error);
+    if (status == BAT_OK)
+        status = begin(map, &all, &pool, error);
+    if (status == BAT_OK)
+        status = pull_all(&all, &made, error);
+    if (status == BAT_OK && normals != NULL)
+        status = pull_normals(&all, &carried, error);
+    if (status == BAT_OK && fine->texture_faces != NULL && coarse->texture_faces == NULL)
+        status = bat_mesh_map_transfer(map, fine, coarse, 0, coarse, error);
+    memory_pool_free(&pool);
+    if (status == BAT_OK)
+    {
+        bat_mesh old = {.channels = coarse->channels,
+                        .channel_names = coarse->channel_names,
+                        .channel_count = coarse->channel_count,
+                        .face_labels = made.face_labels != NULL ? coarse->face_labels : NULL};
+        coarse->channels = made.channels;
+        coarse->channel_names = made.channel_names;
+        coarse->channel_count = made.channel_count;
+        coarse->face_labels = made.face_labels != NULL ? made.face_labels : coarse->face_labels;
+        made = old;
+        if (normals != NULL)
+            *normals = carried;
+    }
+    else
+        free(carried);
+    bat_mesh_free(&made);
+    return status;
+}
+
+// Chains
+
+/// One mesh of a chain, from the one before.
+static bat_status make_level(const bat_mesh *fine, const bat_mesh *before, double share,
+                             const bat_mesh_decimate_options *options, bat_mesh *level, double *distance, bat_error *error)
+{
+    bat_mesh_decimate_options how = *options;
+    bat_mesh_distance measured = {0};
+    how.vertices = 0;
+    how.ratio = how.tolerance = 0;
+    how.faces = (size_t)fmax(1, round(share * (double)fine->face_count));
+    bat_status status = share < 1 ? bat_mesh_decimate(before, &how, level, NULL, error) : bat_mesh_copy(fine, level, error);
+    if (status == BAT_OK && share < 1 && distance != NULL)
+        status = bat_mesh_compare(level, fine, NULL, &measured, error);
+    if (status == BAT_OK && distance != NULL)
+        *distance = measured.hausdorff;
+    return status;
+}
+
+bat_status bat_mesh_lods(const bat_mesh *fine, const double *shares, size_t count, const bat_mesh_decimate_options *options,
+                         bat_mesh *levels, double *distances, bat_error *error)
+{
+    const bat_mesh_decimate_options defaults = bat_mesh_decimate_defaults();
+    for (size_t i = 0; i < count; i++)
+        if (!(shares[i] > 0 && shares[i] <= 1) || (i > 0 && shares[i] >= shares[i - 1]))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0,
+                             "the shares of faces must decrease from at most 1 to above 0, but number %zu is %g", i,
+                             shares[i]);
+    bat_mesh *made = calloc(count + 1, sizeof *made);
+    bat_status status = made != NULL ? BAT_OK : error_memory(error, count * sizeof *made);
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
+        status = make_level(fine, i > 0 ? &made[i - 1] : fine, shares[i], options != NULL ? options : &defaults, &made[i],
+                            distances != NULL ? &distances[i] : NULL, error);
+    for (size_t i = 0; i < count && made != NULL; i++)
+        if (status == BAT_OK)
+            levels[i] = made[i];
+        else
+            bat_mesh_free(&made[i]);
+    free(made);
+    return status;
+}
