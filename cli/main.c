@@ -1,6 +1,7 @@
 #include "verb.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #ifdef __GLIBC__
@@ -77,8 +78,27 @@ static void return_large_arrays(void)
 #endif
 }
 
+#if defined(_OPENMP) && defined(__linux__)
+/// Let threads that wait for others spin for some microseconds only, unless the environment says how they wait. The default
+/// of OpenMP's runtimes, 10 to 200 ms, costs several times the work where other programs have the processors. The runtimes
+/// read this once, before main(), so that the program begins anew.
+static void wait_briefly(char **argv)
+{
+    static const char *const NAMES[] = {"OMP_WAIT_POLICY", "GOMP_SPINCOUNT", "KMP_BLOCKTIME"};
+    for (size_t k = 0; k < sizeof NAMES / sizeof *NAMES; k++)
+        if (getenv(NAMES[k]) != NULL)
+            return;
+    if (setenv("GOMP_SPINCOUNT", "1000", 0) == 0 && setenv("KMP_BLOCKTIME", "0", 0) == 0)
+        (void)execv("/proc/self/exe", argv);
+}
+#endif
+
 int main(int argc, char **argv)
 {
+#if defined(_OPENMP) && defined(__linux__)
+    if (argc > 2)
+        wait_briefly(argv);
+#endif
     return_large_arrays();
     interrupt_catch();
     int code = report_end(run(argc, argv));

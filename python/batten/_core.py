@@ -14,9 +14,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice, parser,
-                             show_signatures as show_signatures, takes as takes, unknown)  # fmt: skip
 from numpy.typing import ArrayLike, NDArray
+
+#: Threads that wait spin for microseconds, not milliseconds that others could use. OpenMP's runtime reads this once.
+_waiting = {"GOMP_SPINCOUNT": "1000", "KMP_BLOCKTIME": "0"}
+_waiting = {} if {"OMP_WAIT_POLICY", *_waiting} & os.environ.keys() else _waiting
+os.environ.update(_waiting)
+from batten._options import (F, family_of as family_of, default_name, ffi as ffi, fields, lib as lib, like as like, no_choice, parser,
+                             show_signatures as show_signatures, takes as takes, unknown)  # fmt: skip  # noqa: E402
+
+for _name in _waiting:
+    del os.environ[_name]
 
 Floats = NDArray[np.float64]
 Rows = ArrayLike | Sequence[object]  # checkers of types take [[0, 0.5], [1, 2]] for a list of objects
