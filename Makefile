@@ -5,7 +5,7 @@
 #   make test       build and run the tests
 #   make smallest   build and test the parts that need the C library alone  (build/smallest)
 #   make python     a wheel and a source distribution of the Python package, tested    (dist)
-#   make docs       a site of all pages, tutorials and the Python reference      (build/site)
+#   make docs       a site of all pages, tutorials, a gallery, both references     (build/site)
 #   make bench      build and run the benchmarks
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs, the papers'
 #                   tables and studies and the gradients in double precision, whose code the others run
@@ -50,7 +50,7 @@ python: dependencies
 	@scripts/python-wheel dist
 
 docs: dependencies
-	@$(call configure,release) && $(call compile,release) --target batten_shared
+	@$(call configure,release) && $(call compile,release) --target batten_shared batten
 	@scripts/docs build/release build/site
 
 bench: all

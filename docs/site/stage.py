@@ -11,6 +11,8 @@ import shutil
 import sys
 from pathlib import Path
 
+import c_reference
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 COPIED = ["docs/**/*.md", "docs/images/**/*", "docs/tutorials/*.py", "weights/*.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "README.md", "LICENSE",
@@ -67,6 +69,7 @@ def main() -> None:
         text = page.read_text()
         page.write_text(re.sub(r"\]\(((?:\.\./)*examples/)\)", r"](\1index.md)", text))
     (folder / "examples/index.md").write_text(examples_page())
+    c_reference.write(ROOT / "include/batten", folder)
     index = folder / "docs/index.md"
     for title, body in sections(index.read_text()):
         (folder / f"{title.lower().replace(' ', '-')}.md").write_text(section_page(title, body))
