@@ -1,5 +1,7 @@
 #include "byte_reader.h"
 
+#include "batten/research/curve_analysis.h"
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /// Analyze a mask within seconds.

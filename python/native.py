@@ -44,13 +44,20 @@ extern "Python"
 """
 
 
+#: The one header of the research library whose functions the package has, too.
+ANALYSIS = "batten/research/curve_analysis.h"
+
+
 def declarations(folder: Path) -> str:
     """The declarations of all headers, as the parser of cffi takes them."""
-    headers = re.findall(r'#include "(batten/[a-z_]+\.h)"', (folder / "batten.h").read_text())
+    headers = re.findall(r'#include "(batten/[a-z_]+\.h)"', (folder / "batten.h").read_text()) + [ANALYSIS]
     ordered: list[str] = []
 
+    def path(name: str) -> Path:
+        return folder.parents[1] / "research" / "include" / name if name == ANALYSIS else folder.parent / name
+
     def visit(name: str) -> None:
-        text = (folder.parent / name).read_text()
+        text = path(name).read_text()
         for other in re.findall(r'#include "(batten/[a-z_]+\.h)"', text):
             visit(other)
         if name not in ordered:
@@ -59,7 +66,7 @@ def declarations(folder: Path) -> str:
     for name in headers:
         if name != "batten/config.h":
             visit(name)
-    text = "\n".join((folder.parent / name).read_text() for name in ordered)
+    text = "\n".join(path(name).read_text() for name in ordered)
     text = re.sub(r"//[^\n]*|/\*.*?\*/", "", text, flags=re.S)
     text = re.sub(r"^static inline [^;{]*\{.*?^\}", "", text, flags=re.S | re.M)
     numbers = re.findall(r"^#define (BAT_\w+) \(?(?:\(size_t\))?(\d+)\)?$", text, flags=re.M)
@@ -76,7 +83,7 @@ def main() -> None:
     ffi = FFI()
     ffi.cdef(declarations(include / "batten") + MORE)
     ragged = (Path(__file__).parent / "ragged.c").read_text()
-    ffi.set_source("batten._native", "#include <batten/batten.h>\n#include <stdlib.h>\n" + ragged)
+    ffi.set_source("batten._native", f"#include <batten/batten.h>\n#include <{ANALYSIS}>\n#include <stdlib.h>\n" + ragged)
     output.parent.mkdir(parents=True, exist_ok=True)
     ffi.emit_c_code(str(output))
 

@@ -13,7 +13,6 @@
 
 // Curves
 #include "batten/curve.h"
-#include "batten/curve_analysis.h"
 #include "batten/curve_map.h"
 #include "batten/curve_measure.h"
 #include "batten/curve_scheme.h"

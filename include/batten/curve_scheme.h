@@ -162,6 +162,23 @@ typedef struct bat_curve_scheme
     const bat_choice *spline;        ///< SPLINE: a row of bat_curve_scheme_family, as bat_curve_scheme_by_name() sets it
 } bat_curve_scheme;
 
+/// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
+typedef struct bat_mask_stencil
+{
+    double weights[BAT_MASK_MAX];
+    size_t count; ///< 0 when there is no such stencil
+    int first;    ///< offset of the first point, may be negative
+} bat_mask_stencil;
+
+/// The stencil that moves points of any level onto the limit curve: the limit at the parameter of point i is the sum over
+/// k of weights[k] p(i + first + k). For an interpolatory mask it is [1]; for Chaikin's [1, 6, 1] / 8.
+///
+/// The weights are values of the basic limit function at the mask's shift plus integers, exact but for rounding of the
+/// shift to 40 binary digits, whatever the shift is.
+/// @return BAT_OK, BAT_INVALID_ARGUMENT for a malformed mask, BAT_NO_CONVERGENCE when the scheme is not proven to converge
+///         by products of 12 steps, or BAT_NO_MEMORY
+BAT_API bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_mask_stencil *stencil, bat_error *error);
+
 /// The linear scheme of a mask, for Euclidean spaces. In other spaces refinement replaces it by its geodesic analogue, where
 /// there is one: midpoints of geodesics for masks of bat_mask_lane_riesenfeld() (bat_curve_scheme_geodesic()), and points at
 /// the same ratios of geodesics for corner cutting, which is a mask whose new points are convex means of two neighbours.

@@ -4,7 +4,7 @@
 #include "batten/research/curve_shapes.h"
 #include "batten/research/curve_study.h"
 
-#include "batten/curve_analysis.h"
+#include "batten/research/curve_analysis.h"
 #include "batten/curve_picture.h"
 #include "batten/space.h"
 

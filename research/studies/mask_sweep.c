@@ -4,9 +4,9 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "curve/analysis/analysis_symbol.h"
 #include "curve/mask.h"
-#include "linalg/dense.h"
+#include "research/analysis/analysis_symbol.h"
+#include "research/analysis/eigen.h"
 
 #include <float.h>
 #include <math.h>

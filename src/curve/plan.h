@@ -1,6 +1,6 @@
 #pragma once
 
-#include "batten/curve_analysis.h"
+#include "batten/curve_scheme.h"
 #include "curve/kernel.h"
 
 /// @file

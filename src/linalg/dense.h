@@ -3,61 +3,13 @@
 #include "batten/base.h"
 
 /// @file
-/// Dense real matrices, row-major and square of side `n` unless said otherwise.
-/// Calls that return a status give BAT_OK, BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where an iteration did not converge.
-
-/// product = a b
-void dense_multiply(size_t n, const double *a, const double *b, double *product);
-/// result = a x
-void dense_apply(size_t n, const double *a, const double *x, double *result);
-/// The Frobenius norm.
-double dense_norm(size_t n, const double *a);
-
-/// The largest modulus of an eigenvalue, as computed: without any allowance for rounding.
-/// @param scratch room for n (n + 2) numbers
-bat_status dense_spectral_radius(size_t n, const double *a, double *scratch, double *radius, bat_error *error);
-
-/// A number that no spectral radius of a matrix within `distance` of `a` (spectral norm) falls below, rounding included.
-///
-/// The eigenvalues of such a matrix lie in discs about the computed eigenvalues of `a`, of radius n distance / s where s is
-/// the cosine between left and right eigenvector; a connected set of k discs holds k of them (Bauer and Fike; Demmel 1997,
-/// theorem 4.5). Defective eigenvalues get large discs, so they weaken the bound but never spoil it.
-bat_status dense_spectral_radius_below(size_t n, const double *a, double distance, double *bound, bat_error *error);
-
-/// The eigenvalue of largest modulus and its right eigenvector of largest entry 1; `imaginary` is zero for a real one.
-bat_status dense_leading_vector(size_t n, const double *a, double *real, double *imaginary, bat_error *error);
-
-/// All eigenvalues, each with the radius within which rounding may have moved it.
-bat_status dense_eigenvalues(size_t n, const double *a, double *real, double *imaginary, double *radius, bat_error *error);
-
-/// An orthonormal basis of the approximate null space of a - (real + i imaginary) I: the right singular vectors of singular
-/// values up to `tolerance`, at least one and at most `limit`.
-/// @param vectors receives up to `limit` rows of n complex numbers (real part, imaginary part)
-bat_status dense_null_space(size_t n, const double *a, double real, double imaginary, double tolerance, size_t limit,
-                            double *vectors, size_t *count, bat_error *error);
+/// Decompositions of small dense matrices, row-major and square of side `n` unless said otherwise. All give BAT_OK,
+/// BAT_NO_MEMORY, or BAT_NO_CONVERGENCE where an iteration did not converge.
 
 /// The left eigenvector x of `eigenvalue`, which must be simple, with sum constraint_i x_i = 1: the least squares solution
 /// of (a^T - eigenvalue I) x = 0 and the constraint.
 bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const double *constraint, double *vector,
                              bat_error *error);
-
-// Decompositions of small dense matrices, on which linalg/dense.h rests.
-// Matrices are row-major and square of side `n` unless said otherwise. All give BAT_OK, BAT_NO_MEMORY, or
-// BAT_NO_CONVERGENCE where an iteration did not converge.
-
-/// The eigenvalues of `a`, which is destroyed. Complex ones stand in pairs, positive imaginary part first.
-bat_status decompose_eigenvalues(size_t n, double *a, double *real, double *imaginary, bat_error *error);
-
-/// The eigenvalues of `a`, which is destroyed, and the right eigenvectors of length 1 as columns; of a complex pair, the
-/// real part of the first one's and its imaginary part share two columns.
-/// @param right  receives n x n
-/// @param cosine receives n cosines between left and right eigenvectors
-bat_status decompose_eigenvectors(size_t n, double *a, double *real, double *imaginary, double *right, double *cosine,
-                                  bat_error *error);
-
-/// The singular values of a complex matrix (real part, imaginary part), which is destroyed, in descending order.
-/// @param adjoint receives n x n complex numbers: V^H of a = U diag(values) V^H
-bat_status decompose_singular(size_t n, double *a, double *values, double *adjoint, bat_error *error);
 
 /// The x of least |a x - b|, where a is rows x columns of full rank with rows >= columns. Destroys `a`.
 /// @param b `rows` numbers; receives x as its first `columns` numbers
@@ -75,3 +27,8 @@ bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_e
 /// The eigenvalues of a symmetric matrix in ascending order; of `a` only the upper triangle is read.
 /// @param a receives the eigenvectors as columns
 bat_status decompose_symmetric(size_t n, double *a, double *values, bat_error *error);
+
+/// The Householder vector of x, with v[0] = 1, in its place: (I - beta v v^T) x is a multiple of the first unit vector.
+double dense_reflector(size_t m, double *v);
+/// Rows `at` and on of an m-row reflector times the columns from `from` to the last.
+void dense_reflect_rows(size_t n, double *a, size_t at, size_t m, const double *v, double beta, size_t from);

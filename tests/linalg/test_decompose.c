@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "linalg/dense.h"
+#include "research/analysis/eigen.h"
 
 #include <float.h>
 #include <math.h>

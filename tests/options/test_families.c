@@ -37,7 +37,6 @@ static const struct
     ROW(bat_curve_map_join),
     ROW(bat_curve_format),
     ROW(bat_curve_projection),
-    ROW(bat_analysis_verdict),
     ROW(bat_motion_scheme),
     ROW(bat_motion_method),
     ROW(bat_hermite_kind),

@@ -5,7 +5,7 @@
 
 #include "check.h"
 
-#include "batten/curve_analysis.h"
+#include "batten/research/curve_analysis.h"
 
 static inline bat_analysis analyze(bat_mask mask)
 {

@@ -2,6 +2,7 @@
 #include "surface/spline/tensor_surface.h"
 
 #include "linalg/dense.h"
+#include "research/analysis/eigen.h"
 #include "surface/spline/hierarchical_space.h"
 
 enum

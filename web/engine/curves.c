@@ -1,5 +1,7 @@
 #include "engine.h"
 
+#include "batten/research/curve_analysis.h"
+
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 #ifndef BATTEN_RESEARCH_MASK_SWEEP_H
 #define BATTEN_RESEARCH_MASK_SWEEP_H
 
-#include "batten/curve_analysis.h"
+#include "batten/research/curve_analysis.h"
 
 BAT_C_BEGIN
 

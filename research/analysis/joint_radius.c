@@ -1,7 +1,7 @@
-#include "linalg/joint_radius.h"
+#include "research/analysis/joint_radius.h"
 
 #include "base/error.h"
-#include "linalg/dense.h"
+#include "research/analysis/eigen.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,8 +1,14 @@
 #pragma once
 
-#include "batten/curve_analysis.h"
 #include "batten/curve_scheme.h"
-#include "linalg/joint_radius.h"
+
+#include <float.h>
+
+/// @file
+/// The limit of a linear scheme at the integers, from its mask, and how fast differences shrink.
+
+/// Rounding of a coefficient that a reader of decimal numbers or a short formula leaves.
+#define COEFFICIENT_ROUNDING (16.0 * DBL_EPSILON)
 
 /// A checked mask without zeros at its ends, and what its Laurent polynomial a(z) = sum a(k) z^k says.
 typedef struct mask_symbol
@@ -40,36 +46,37 @@ static inline size_t limit_matrix_size(const bat_mask *mask)
 /// Entry (i, j) is mask(i - 2 j).
 void limit_matrix(const bat_mask *mask, double *matrix);
 
-/// Fill eigenvalues and eigenvectors of an analysis whose matrix is there. The eigenvalues 1, 1/2, … 2^(1 - n) that the
-/// factor (1 + z)^n brings are taken as exact; the others are those of the quotient's local matrix.
-bat_status limit_eigenvalues(const mask_symbol *symbol, bat_analysis *analysis, bat_error *error);
-
+/// The left eigenvector of the local matrix, scaled so that its product with the points (index - centre)^power is 1; the
+/// power is 1 with `against_index`, else 0.
+bat_status limit_left(const bat_mask *mask, double eigenvalue, bool against_index, bat_mask_stencil *stencil,
+                      bat_error *error);
 /// The stencil of the limit at 0: weight -k is the basic limit function at the integer k. The scheme must converge.
 bat_status limit_point(const mask_symbol *symbol, bat_mask_stencil *stencil, bat_error *error);
-/// The stencil of the derivative there; count 0 unless 1/2 is a simple eigenvalue and only 1 is larger.
-bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_mask_stencil *stencil,
-                         bat_error *error);
 /// The stencil of the limit at the parameter of a point, from limit_point()'s.
 void limit_vertex(const mask_symbol *symbol, const bat_mask_stencil *point, bat_mask_stencil *stencil);
 
-/// The most vertices that an analysis may be told to use.
-#define ANALYSIS_VERTEX_LIMIT 100000
+/// The weight of a point; 0 beyond the stencil.
+double limit_weight(const bat_mask_stencil *stencil, int offset);
 
-/// The two matrices by which a mask of count coefficients takes count - 1 (at least 1) neighbouring values to the next
-/// level: entry (r, c) of matrix e is mask(r - 2 c + count - 1 - e), with the mask's indices counted from 0.
-/// @param matrices a set of two with that dimension
-void smoothness_matrices(const bat_mask *mask, double *matrices);
-static inline size_t smoothness_dimension(const bat_mask *mask)
+/// The largest sum of moduli over a residue class of indices: the maximum norm of subdivision with this arity.
+double mask_operator_norm(const double *coefficients, size_t count, size_t arity);
+
+/// The mask of several subdivision steps taken as one: q(z) q(z^2) … q(z^(2^(steps - 1))).
+typedef struct iterated_mask
 {
-    return mask->count > 1 ? mask->count - 1 : 1;
-}
+    const bat_mask *mask;
+    double *coefficients;
+    double *next;
+    size_t count;
+    size_t arity;
+    double norm_of_step;
+} iterated_mask;
 
-/// Bounds of the joint spectral radius of a mask's matrices, the growth rate of its subdivision operator.
-/// @param stop_below stop as soon as the radius is proven to be below this; 0 for never
-bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_options *options, double stop_below,
-                             joint_radius *radius, bat_error *error);
-
-/// Whether the integer shifts of the basic limit function of (1 + z)^n quotient(z), n >= 1, are proven to be stable: there
-/// is a constant C with max |c_j| <= C max |sum c_j phi(x - j)| for all bounded c. The same is proven for every quotient
-/// whose coefficients differ in sum of moduli by at most `distance`.
-bool smoothness_is_stable(const bat_mask *quotient, double distance);
+bat_status iterated_mask_begin(const bat_mask *mask, iterated_mask *iterated, bat_error *error);
+/// One more step; false when the mask gets too long.
+bool iterated_mask_step(iterated_mask *iterated);
+void iterated_mask_end(iterated_mask *iterated);
+/// min over k <= depth of |S^k|^(1/k) in the maximum norm (Dyn 1992): cheap, and good when nothing else is.
+bat_status mask_iterated_norm(const bat_mask *mask, size_t depth, double *best, bat_error *error);
+/// Multiply a mask by 1 + z.
+void mask_multiply_by_factor(bat_mask *mask);

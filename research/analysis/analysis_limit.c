@@ -1,92 +1,12 @@
-#include "curve/analysis/analysis_symbol.h"
+#include "research/analysis/analysis_symbol.h"
 
 #include "base/error.h"
-#include "linalg/dense.h"
+#include "research/analysis/eigen.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-void limit_matrix(const bat_mask *mask, double *matrix)
-{
-    const ptrdiff_t size = (ptrdiff_t)limit_matrix_size(mask);
-    const ptrdiff_t first = limit_matrix_first(mask);
-    for (ptrdiff_t row = 0; row < size; row++)
-    {
-        for (ptrdiff_t column = 0; column < size; column++)
-        {
-            const ptrdiff_t index = (first + row) - 2 * (first + column) - mask->first;
-            matrix[row * size + column] = index >= 0 && index < (ptrdiff_t)mask->count ? mask->coefficients[index] : 0.0;
-        }
-    }
-}
-
-/// Rounding of the weights, in units of epsilon, their count and the largest: limit points, and tangents.
-#define POINT_ROUNDING 4.0
-#define TANGENT_ROUNDING 64.0
-
-/// Set weights at rounding level to zero and leave out those at the ends.
-static void clean_stencil(bat_mask_stencil *stencil, double rounding)
-{
-    double largest = 0.0;
-    for (size_t k = 0; k < stencil->count; k++)
-        largest = fmax(largest, fabs(stencil->weights[k]));
-    const double tolerance = rounding * DBL_EPSILON * (double)stencil->count * largest;
-    size_t begin = stencil->count;
-    size_t end = 0;
-    for (size_t k = 0; k < stencil->count; k++)
-    {
-        if (fabs(stencil->weights[k]) <= tolerance)
-            stencil->weights[k] = 0.0;
-        else
-        {
-            begin = k < begin ? k : begin;
-            end = k + 1;
-        }
-    }
-    if (begin >= end)
-        return;
-    memmove(stencil->weights, stencil->weights + begin, (end - begin) * sizeof *stencil->weights);
-    memset(stencil->weights + (end - begin), 0, (BAT_MASK_MAX - (end - begin)) * sizeof *stencil->weights);
-    stencil->first += (int)begin;
-    stencil->count = end - begin;
-}
-
-static void scale_to_sum_one(bat_mask_stencil *stencil)
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < stencil->count; k++)
-        sum += stencil->weights[k];
-    for (size_t k = 0; k < stencil->count; k++)
-        stencil->weights[k] /= sum;
-}
-
-/// The left eigenvector of the local matrix, scaled so that its product with the points (index - centre)^power is 1.
-static bat_status left_stencil(const bat_mask *mask, double eigenvalue, bool against_index, bat_mask_stencil *stencil,
-                               bat_error *error)
-{
-    const size_t size = limit_matrix_size(mask);
-    *stencil = (bat_mask_stencil){.count = size, .first = limit_matrix_first(mask)};
-    double *matrix = memory_array(size * size, sizeof *matrix);
-    if (matrix == NULL)
-        return error_memory(error, size * size * sizeof *matrix);
-    limit_matrix(mask, matrix);
-    double constraint[BAT_MASK_MAX];
-    for (size_t i = 0; i < size; i++)
-        constraint[i] = against_index ? (double)i - 0.5 * (double)(size - 1) : 1.0;
-    const bat_status status = dense_left_vector(size, matrix, eigenvalue, constraint, stencil->weights, error);
-    free(matrix);
-    clean_stencil(stencil, against_index ? TANGENT_ROUNDING : POINT_ROUNDING);
-    return status;
-}
-
-bat_status limit_point(const mask_symbol *symbol, bat_mask_stencil *stencil, bat_error *error)
-{
-    const bat_status status = left_stencil(&symbol->mask, 1.0, false, stencil, error);
-    scale_to_sum_one(stencil);
-    return status;
-}
 
 bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis, bat_mask_stencil *stencil,
                          bat_error *error)
@@ -100,63 +20,7 @@ bat_status limit_tangent(const mask_symbol *symbol, const bat_analysis *analysis
         analysis->eigenvalue_count < 3 || hypot(values[2].real, values[2].imaginary) < 0.5 * (1.0 - BAT_ANALYSIS_EQUALITY);
     if (values[0].multiplicity != 1 || !is_half || !is_alone)
         return BAT_OK;
-    return left_stencil(&symbol->mask, 0.5, true, stencil, error);
-}
-
-static double weight_at(const bat_mask_stencil *stencil, int offset)
-{
-    const int k = offset - stencil->first;
-    return k >= 0 && k < (int)stencil->count ? stencil->weights[k] : 0.0;
-}
-
-/// values(k) <- sum over l of a(2 k - l + digit) values(l), which takes phi(t + k) to phi((t + digit) / 2 + k).
-static void prepend_digit(const bat_mask *mask, unsigned digit, double *values)
-{
-    const ptrdiff_t size = (ptrdiff_t)mask->count - 1;
-    double next[BAT_MASK_MAX];
-    for (ptrdiff_t k = 0; k < size; k++)
-    {
-        next[k] = 0.0;
-        for (ptrdiff_t l = 0; l < size; l++)
-        {
-            const ptrdiff_t index = 2 * k - l + (ptrdiff_t)digit;
-            if (index >= 0 && index <= size)
-                next[k] += mask->coefficients[index] * values[l];
-        }
-    }
-    memcpy(values, next, (size_t)size * sizeof *values);
-}
-
-void limit_vertex(const mask_symbol *symbol, const bat_mask_stencil *point, bat_mask_stencil *stencil)
-{
-    static const int DIGITS = 40;
-    const bat_mask *mask = &symbol->mask;
-    const size_t size = mask->count - 1;
-    double whole = floor(symbol->shift);
-    uint64_t fraction = (uint64_t)llround(ldexp(symbol->shift - whole, DIGITS));
-    if (fraction == (uint64_t)1 << DIGITS)
-    {
-        whole += 1.0;
-        fraction = 0;
-    }
-
-    // phi(t + k) for k = first … last - 1 and t = 0, then t with the binary digits of the fraction, the last digit first.
-    double values[BAT_MASK_MAX];
-    for (size_t k = 0; k < size; k++)
-        values[k] = weight_at(point, -(mask->first + (int)k));
-    for (size_t digit = 0; digit < DIGITS && fraction != 0; digit++)
-    {
-        const uint64_t low = fraction & (((uint64_t)1 << (digit + 1)) - 1);
-        if (low != 0)
-            prepend_digit(mask, (unsigned)(fraction >> digit) & 1u, values);
-    }
-
-    // The limit at i + shift weighs point i + m by phi(shift - m), and shift - m = t + k for m = whole - k.
-    *stencil = (bat_mask_stencil){.count = size, .first = (int)whole - symbol->last + 1};
-    for (size_t m = 0; m < size; m++)
-        stencil->weights[m] = values[size - 1 - m];
-    clean_stencil(stencil, POINT_ROUNDING);
-    scale_to_sum_one(stencil);
+    return limit_left(&symbol->mask, 0.5, true, stencil, error);
 }
 
 /// Check a mask and prove that its scheme converges, then find the limit stencil at the integers.
@@ -176,16 +40,6 @@ static bat_status convergent_point(const bat_mask *mask, mask_symbol *symbol, ba
             "the scheme is not known to converge, so it has no limit points (growth of differences between %.6g and %.6g)",
             radius.lower, radius.upper);
     return limit_point(symbol, point, error);
-}
-
-bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_mask_stencil *stencil, bat_error *error)
-{
-    mask_symbol symbol;
-    bat_mask_stencil point;
-    const bat_status status = convergent_point(mask, &symbol, &point, error);
-    if (status == BAT_OK)
-        limit_vertex(&symbol, &point, stencil);
-    return status;
 }
 
 /// values at level + 1 from those at `level`: phi(x) = sum over k of a(k) phi(2 x - k).
@@ -230,7 +84,7 @@ bat_status bat_mask_basis(const bat_mask *mask, size_t level, bat_basis *basis, 
         return error_memory(error, 2 * count * sizeof *values);
     }
     for (size_t k = 0; k <= degree; k++)
-        values[k] = weight_at(&point, -(symbol.mask.first + (int)k));
+        values[k] = limit_weight(&point, -(symbol.mask.first + (int)k));
     for (size_t done = 0; done < level; done++)
     {
         refine_basis(&symbol.mask, done, values, finer);

@@ -1,5 +1,5 @@
-#ifndef BATTEN_CURVE_ANALYSIS_H
-#define BATTEN_CURVE_ANALYSIS_H
+#ifndef BATTEN_RESEARCH_CURVE_ANALYSIS_H
+#define BATTEN_RESEARCH_CURVE_ANALYSIS_H
 
 #include "batten/curve_scheme.h"
 
@@ -44,14 +44,6 @@ typedef struct bat_mask_analyze_options
 BAT_API bat_mask_analyze_options bat_mask_analyze_defaults(void);
 /// Its table, for bat_options_check().
 extern BAT_API const bat_options_table bat_mask_analyze_fields;
-
-/// Weights of neighbouring points: the sum over k of weights[k] p(i + first + k).
-typedef struct bat_mask_stencil
-{
-    double weights[BAT_MASK_MAX];
-    size_t count; ///< 0 when there is no such stencil
-    int first;    ///< offset of the first point, may be negative
-} bat_mask_stencil;
 
 /// An eigenvalue of the local subdivision matrix, with all its eigenvectors.
 typedef struct bat_analysis_eigenvalue
@@ -136,15 +128,6 @@ BAT_API bool bat_analysis_derivative_exponent(const bat_analysis *analysis, size
 /// The mask that refines the differences of an order, a(z) / (1 + z)^order: with d_i = p_i - p_(i-1) for order 1.
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT for a malformed mask or an order above the multiplicity of 1 + z
 BAT_API bat_status bat_mask_difference(const bat_mask *mask, size_t order, bat_mask *difference, bat_error *error);
-
-/// The stencil that moves points of any level onto the limit curve: the limit at the parameter of point i is the sum over
-/// k of weights[k] p(i + first + k). For an interpolatory mask it is [1]; for Chaikin's [1, 6, 1] / 8.
-///
-/// The weights are values of the basic limit function at the mask's shift plus integers, exact but for rounding of the
-/// shift to 40 binary digits, whatever the shift is.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT for a malformed mask, BAT_NO_CONVERGENCE when the scheme is not proven to converge
-///         (by the default options), or BAT_NO_MEMORY
-BAT_API bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_mask_stencil *stencil, bat_error *error);
 
 /// Values of the basic limit function, the limit of the data 1 at point 0 and 0 elsewhere, in the index parametrization.
 typedef struct bat_basis

@@ -2,6 +2,8 @@
 
 #include "analysis_helpers.h"
 
+#include "batten/research/curve_analysis.h"
+
 static void chaikin_is_the_quadratic_spline(void **state)
 {
     (void)state;

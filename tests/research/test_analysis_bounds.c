@@ -2,6 +2,8 @@
 
 #include "analysis_helpers.h"
 
+#include "batten/research/curve_analysis.h"
+
 static void shifts_and_zeros_change_nothing_else(void **state)
 {
     (void)state;

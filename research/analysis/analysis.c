@@ -1,112 +1,20 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/option.h"
-#include "curve/analysis/analysis_symbol.h"
 #include "curve/mask.h"
+#include "research/analysis/analysis_symbol.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// Rounding of a coefficient that a reader of decimal numbers or a short formula leaves.
-#define COEFFICIENT_ROUNDING (16.0 * DBL_EPSILON)
-
-/// Constants are reproduced when the coefficients of even index sum to 1, and those of odd index too.
-static bat_status check_sums(const bat_mask *mask, bat_error *error)
-{
-    double sums[2] = {0.0, 0.0};
-    double size = 1.0;
-    for (size_t k = 0; k < mask->count; k++)
-    {
-        sums[(unsigned)(mask->first + (int)k) % 2] += mask->coefficients[k];
-        size += fabs(mask->coefficients[k]);
-    }
-    for (size_t parity = 0; parity < 2; parity++)
-    {
-        if (!(fabs(sums[parity] - 1.0) <= 4.0 * COEFFICIENT_ROUNDING * size))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the mask's coefficients of %s index sum to %.12g, not 1", parity == 0 ? "even" : "odd",
-                             sums[parity]);
-    }
-    return BAT_OK;
-}
-
-static void multiply_by_factor(bat_mask *mask)
-{
-    for (size_t k = mask->count; k > 0; --k)
-        mask->coefficients[k] = (k < mask->count ? mask->coefficients[k] : 0.0) + mask->coefficients[k - 1];
-    ++mask->count;
-}
-
-/// The first `count` coefficients of the series a(z) / (1 + z)^n, from the mask's low end (step 1) or high end (step -1).
-static void divide_series(const double *start, ptrdiff_t step, size_t n, size_t count, double *series)
-{
-    for (size_t k = 0; k < count; k++)
-        series[k] = start[(ptrdiff_t)k * step];
-    for (size_t division = 0; division < n; division++)
-        for (size_t k = 1; k < count; k++)
-            series[k] -= series[k - 1];
-}
-
-bool symbol_divide(const bat_mask *mask, size_t n, bat_mask *quotient, double *remainder)
-{
-    *quotient = (bat_mask){.count = mask->count - n, .first = mask->first};
-    const size_t upper = quotient->count / 2;
-    const size_t lower = quotient->count - upper;
-    double series[BAT_MASK_MAX];
-    divide_series(mask->coefficients, 1, n, lower, quotient->coefficients);
-    divide_series(mask->coefficients + mask->count - 1, -1, n, upper, series);
-    for (size_t k = 0; k < upper; k++)
-        quotient->coefficients[quotient->count - 1 - k] = series[k];
-
-    bat_mask product = *quotient;
-    bat_mask size = *quotient;
-    for (size_t k = 0; k < size.count; k++)
-        size.coefficients[k] = fabs(size.coefficients[k]);
-    for (size_t factor = 0; factor < n; factor++)
-    {
-        multiply_by_factor(&product);
-        multiply_by_factor(&size);
-    }
-    const double tolerance = COEFFICIENT_ROUNDING + 2.0 * (double)n * DBL_EPSILON;
-    *remainder = 0.0;
-    for (size_t k = 0; k < mask->count; k++)
-    {
-        const double difference = fabs(mask->coefficients[k] - product.coefficients[k]);
-        *remainder = fmax(*remainder, difference);
-        if (!(difference <= tolerance * size.coefficients[k]))
-            return false;
-    }
-    return true;
-}
-
-bat_status symbol_make(const bat_mask *mask, mask_symbol *result, bat_error *error)
-{
-    bat_status status = mask_check(mask, error);
-    if (status == BAT_OK)
-        status = check_sums(mask, error);
-    if (status != BAT_OK)
-        return status;
-
-    *result = (mask_symbol){.mask = mask_trimmed(mask)};
-    const bat_mask *trimmed = &result->mask;
-    result->last = trimmed->first + (int)trimmed->count - 1;
-    for (size_t k = 0; k < trimmed->count; k++)
-        result->shift += 0.5 * (trimmed->first + (int)k) * trimmed->coefficients[k];
-    // check_sums() has seen a(-1) = 0, so one factor is there even where this test is a little stricter.
-    result->multiplicity = trimmed->count - 1;
-    while (!symbol_divide(trimmed, result->multiplicity, &result->quotient, &result->remainder) && result->multiplicity > 1)
-        --result->multiplicity;
-    return BAT_OK;
-}
-
 /// a(z) / (1 + z)^order, the mask that refines differences of that order; `order` up to the multiplicity.
 static bat_mask symbol_difference(const mask_symbol *symbol, size_t order)
 {
     bat_mask mask = symbol->quotient;
     for (size_t factor = order; factor < symbol->multiplicity; factor++)
-        multiply_by_factor(&mask);
+        mask_multiply_by_factor(&mask);
     return mask;
 }
 
@@ -144,9 +52,6 @@ static size_t symbol_reproduction_degree(const mask_symbol *symbol)
     return degree;
 }
 
-/// The longest iterated mask that is written out.
-#define ITERATED_LIMIT ((size_t)1 << 17)
-
 void smoothness_matrices(const bat_mask *mask, double *matrices)
 {
     const size_t n = smoothness_dimension(mask);
@@ -165,101 +70,6 @@ void smoothness_matrices(const bat_mask *mask, double *matrices)
     }
 }
 
-/// The largest sum of moduli over a residue class of indices: the maximum norm of subdivision with this arity.
-static double operator_norm(const double *coefficients, size_t count, size_t arity)
-{
-    double norm = 0.0;
-    for (size_t residue = 0; residue < arity && residue < count; residue++)
-    {
-        double sum = 0.0;
-        for (size_t i = residue; i < count; i += arity)
-            sum += fabs(coefficients[i]);
-        norm = fmax(norm, sum);
-    }
-    return norm;
-}
-
-/// The mask of several subdivision steps taken as one: q(z) q(z^2) … q(z^(2^(steps - 1))).
-typedef struct iterated_mask
-{
-    const bat_mask *mask;
-    double *coefficients;
-    double *next;
-    size_t count;
-    size_t arity;
-    double norm_of_step;
-} iterated_mask;
-
-static void iterated_mask_end(iterated_mask *iterated)
-{
-    free(iterated->coefficients);
-    free(iterated->next);
-}
-
-static bat_status iterated_mask_begin(const bat_mask *mask, iterated_mask *iterated, bat_error *error)
-{
-    const size_t room = ITERATED_LIMIT + 2 * mask->count;
-    *iterated = (iterated_mask){.mask = mask,
-                                .coefficients = memory_array(room, sizeof(double)),
-                                .next = memory_array(room, sizeof(double)),
-                                .count = 1,
-                                .arity = 1,
-                                .norm_of_step = operator_norm(mask->coefficients, mask->count, 2)};
-    if (iterated->coefficients == NULL || iterated->next == NULL)
-    {
-        iterated_mask_end(iterated);
-        return error_memory(error, room * sizeof(double));
-    }
-    iterated->coefficients[0] = 1.0;
-    return BAT_OK;
-}
-
-/// One more step; false when the mask gets too long.
-static bool iterated_mask_step(iterated_mask *iterated)
-{
-    const size_t count = iterated->count + (iterated->mask->count - 1) * iterated->arity;
-    if (count > ITERATED_LIMIT)
-        return false;
-    memset(iterated->next, 0, count * sizeof *iterated->next);
-    for (size_t k = 0; k < iterated->mask->count; k++)
-    {
-        const double factor = iterated->mask->coefficients[k];
-        double *target = iterated->next + k * iterated->arity;
-        for (size_t i = 0; i < iterated->count; i++)
-            target[i] += factor * iterated->coefficients[i];
-    }
-    double *swap = iterated->coefficients;
-    iterated->coefficients = iterated->next;
-    iterated->next = swap;
-    iterated->count = count;
-    iterated->arity *= 2;
-    return true;
-}
-
-/// What rounding may have done to the operator norm after `steps`.
-static double iterated_mask_rounding(const iterated_mask *iterated, size_t steps)
-{
-    return (double)(steps * (iterated->mask->count + 1)) * DBL_EPSILON * pow(iterated->norm_of_step, (double)steps);
-}
-
-/// min over k <= depth of |S^k|^(1/k) in the maximum norm (Dyn 1992): cheap, and good when nothing else is.
-static bat_status iterated_norm(const bat_mask *mask, size_t depth, double *best, bat_error *error)
-{
-    iterated_mask iterated;
-    const bat_status status = iterated_mask_begin(mask, &iterated, error);
-    if (status != BAT_OK)
-        return status;
-    *best = HUGE_VAL;
-    for (size_t steps = 1; steps <= depth && iterated_mask_step(&iterated); steps++)
-    {
-        const double norm = operator_norm(iterated.coefficients, iterated.count, iterated.arity);
-        const double bound = norm + (steps == 1 ? 0.0 : iterated_mask_rounding(&iterated, steps));
-        *best = fmin(*best, pow(bound, 1.0 / (double)steps) * (1.0 + 4.0 * DBL_EPSILON));
-    }
-    iterated_mask_end(&iterated);
-    return BAT_OK;
-}
-
 /// Whether the subdivision operator of the mask times `factor` has powers of norm at most 1, looking at the first `depth`.
 static bat_status smoothness_is_bounded(const bat_mask *mask, double factor, size_t depth, bool *bounded, bat_error *error)
 {
@@ -273,7 +83,7 @@ static bat_status smoothness_is_bounded(const bat_mask *mask, double factor, siz
     {
         power *= factor;
         *bounded =
-            power * operator_norm(iterated.coefficients, iterated.count, iterated.arity) <= 1.0 + BAT_ANALYSIS_EQUALITY;
+            power * mask_operator_norm(iterated.coefficients, iterated.count, iterated.arity) <= 1.0 + BAT_ANALYSIS_EQUALITY;
     }
     iterated_mask_end(&iterated);
     return BAT_OK;
@@ -283,7 +93,7 @@ bat_status smoothness_radius(const bat_mask *mask, const bat_mask_analyze_option
                              joint_radius *radius, bat_error *error)
 {
     double known_upper;
-    bat_status status = iterated_norm(mask, options->depth, &known_upper, error);
+    bat_status status = mask_iterated_norm(mask, options->depth, &known_upper, error);
     if (status != BAT_OK)
         return status;
     matrix_set set;

@@ -2,6 +2,8 @@
 
 #include "analysis_helpers.h"
 
+#include "batten/research/curve_analysis.h"
+
 static void limit_stencils_agree_with_refinement(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-#include "linalg/joint_radius.h"
+#include "research/analysis/joint_radius.h"
 
 #include "base/error.h"
 #include "linalg/blas.h"

@@ -1,4 +1,4 @@
-#include "linalg/dense.h"
+#include "research/analysis/eigen.h"
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -219,29 +219,6 @@ bat_status dense_null_space(size_t n, const double *a, double real, double imagi
         }
         ++*count;
     }
-    free(memory);
-    return status;
-}
-
-bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const double *constraint, double *vector,
-                             bat_error *error)
-{
-    const size_t numbers = (n + 1) * (n + 1);
-    double *memory = memory_array(numbers, sizeof *memory);
-    if (memory == NULL)
-        return error_memory(error, numbers * sizeof *memory);
-    double *right = memory + (n + 1) * n;
-    for (size_t i = 0; i < n; i++)
-    {
-        for (size_t j = 0; j < n; j++)
-            memory[i * n + j] = a[j * n + i] - (i == j ? eigenvalue : 0.0);
-        right[i] = 0.0;
-    }
-    memcpy(memory + n * n, constraint, n * sizeof *memory);
-    right[n] = 1.0;
-    const bat_status status = decompose_least_squares(n + 1, n, memory, right, error);
-    if (status == BAT_OK)
-        memcpy(vector, right, n * sizeof *vector);
     free(memory);
     return status;
 }
