@@ -248,44 +248,27 @@ static json_t *report_mesh_measure(const bat_measure *at, const char *base, doub
 {
     const void *value = base + at->offset;
     const double *numbers = value;
-    if (!as_json)
-        (void)printf("%-38s ", at->title);
-    switch (at->form)
-    {
-    case BAT_MEASURE_FORM_COUNT:
-    case BAT_MEASURE_FORM_SIGNED:
-    case BAT_MEASURE_FORM_GENUS:
-        if (as_json)
-            return at->form == BAT_MEASURE_FORM_GENUS && *(const int64_t *)value < 0
-                       ? json_null()
-                       : json_integer((json_int_t) * (const int64_t *)value);
-        if (at->form == BAT_MEASURE_FORM_GENUS && *(const int64_t *)value < 0)
-            (void)printf("          none\n");
-        else
-            (void)printf("%14lld\n", (long long)*(const int64_t *)value);
-        break;
-    case BAT_MEASURE_FORM_FLAG:
-        if (as_json)
-            return json_boolean(*(const bool *)value);
-        (void)printf("%14s\n", *(const bool *)value ? "yes" : "no");
-        break;
-    case BAT_MEASURE_FORM_POINT:
-        if (as_json)
-            return report_numbers(numbers, 3);
+    bool whole =
+        at->form == BAT_MEASURE_FORM_COUNT || at->form == BAT_MEASURE_FORM_SIGNED || at->form == BAT_MEASURE_FORM_GENUS;
+    bool flag = at->form == BAT_MEASURE_FORM_FLAG, point = at->form == BAT_MEASURE_FORM_POINT;
+    int64_t count = whole ? *(const int64_t *)value : 0;
+    bool none = at->form == BAT_MEASURE_FORM_GENUS ? count < 0 : at->form == BAT_MEASURE_FORM_NUMBER && isnan(*numbers);
+    if (as_json)
+        return whole   ? (none ? json_null() : json_integer((json_int_t)count))
+               : flag  ? json_boolean(*(const bool *)value)
+               : point ? report_numbers(numbers, 3)
+                       : report_number(*numbers);
+    (void)printf("%-38s ", at->title);
+    if (none || flag)
+        (void)printf("%14s\n", none ? "none" : *(const bool *)value ? "yes" : "no");
+    else if (whole)
+        (void)printf("%14lld\n", (long long)count);
+    else if (point)
         (void)printf("%14.8g %14.8g %14.8g\n", numbers[0], numbers[1], numbers[2]);
-        break;
-    case BAT_MEASURE_FORM_NUMBER:
-    case BAT_MEASURE_FORM_LENGTH:
-        if (as_json)
-            return report_number(*numbers);
-        if (at->form == BAT_MEASURE_FORM_LENGTH)
-            (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
-        else if (isnan(*numbers))
-            (void)printf("          none\n");
-        else
-            (void)printf("%14.8g\n", *numbers);
-        break;
-    }
+    else if (at->form == BAT_MEASURE_FORM_LENGTH)
+        (void)printf("%14.8g %14.8g\n", *numbers, *numbers / diagonal);
+    else
+        (void)printf("%14.8g\n", *numbers);
     return NULL;
 }
 

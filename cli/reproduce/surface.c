@@ -396,57 +396,62 @@ static int study_fits(scan_study *study, const published_fit fits[2], const bat_
     return code;
 }
 
-int reproduce_surface_nefertiti(const reproduce_job *job)
+/// A result: scans, each with one patch, and two adaptive fits.
+typedef struct fit_result
 {
-    static const char *const FILES[] = {"nefertiti-532.xyz",  "nefertiti-1043.xyz", "nefertiti-2062.xyz",
-                                        "nefertiti-3253.xyz", "nefertiti-6024.xyz", "nefertiti-8818.xyz"};
-    static const published_fit FITS[] = {{"nefertiti", {2, 2}, 5300, 9.32e-4, 6.32e-4, false},
-                                         {"no-restarts", {2, 2}, 5300, 9.32e-4, 6.32e-4, true}};
+    const char *scans[6]; ///< the last one is also fitted
+    const char *cloud;    ///< what is fitted where there are no scans; null: the shapes that the fits name
+    const char *units;
+    published_fit fits[2];
+} fit_result;
+
+static int reproduce_fits(const reproduce_job *job, const fit_result *what)
+{
     scan_study study;
     bat_cloud cloud = {0};
+    const char *fitted = what->cloud;
     int code = study_begin(job, &study);
-    if (code == EXIT_DONE)
+    if (code == EXIT_DONE && what->scans[0] != NULL)
         report_head(&study.clouds, "one biquadratic patch through each cloud: mean squared error in its unit box\n\npoints "
                                    "method                         mse milliseconds\n");
-    for (size_t i = 0; i < sizeof FILES / sizeof FILES[0] && code == EXIT_DONE; i++)
-        code = study_scan(&study, FILES[i]);
-    if (code == EXIT_DONE)
-    {
+    for (size_t i = 0; i < sizeof what->scans / sizeof *what->scans && what->scans[i] != NULL && code == EXIT_DONE; i++)
+        code = study_scan(&study, fitted = what->scans[i]);
+    if (code == EXIT_DONE && what->scans[0] != NULL)
         report_head(
             &study.clouds,
             "\nFigure 12 of the paper, in words: uniform and inverse-distance errors are in general much higher than\n"
             "shape-preserving and learned ones, which are similar; learned is the fastest of all.\n\n");
-        code = read_cloud(&study, FILES[sizeof FILES / sizeof FILES[0] - 1], &cloud);
-    }
+    if (code == EXIT_DONE && fitted != NULL)
+        code = read_cloud(&study, fitted, &cloud);
     if (code == EXIT_DONE)
-        code = study_fits(&study, FITS, &cloud, "the file's units");
+        code = study_fits(&study, what->fits, fitted != NULL ? &cloud : NULL, what->units);
     bat_cloud_free(&cloud);
     return study_end(&study, code);
+}
+
+int reproduce_surface_nefertiti(const reproduce_job *job)
+{
+    static const fit_result WHAT = {.scans = {"nefertiti-532.xyz", "nefertiti-1043.xyz", "nefertiti-2062.xyz",
+                                              "nefertiti-3253.xyz", "nefertiti-6024.xyz", "nefertiti-8818.xyz"},
+                                    .units = "the file's units",
+                                    .fits = {{"nefertiti", {2, 2}, 5300, 9.32e-4, 6.32e-4, false},
+                                             {"no-restarts", {2, 2}, 5300, 9.32e-4, 6.32e-4, true}}};
+    return reproduce_fits(job, &WHAT);
 }
 
 int reproduce_surface_face(const reproduce_job *job)
 {
-    static const published_fit FITS[] = {{"face", {3, 3}, 2700, 0, 6.86e-5, false},
-                                         {"face", {4, 4}, 2800, 0, 6.08e-5, false}};
-    scan_study study;
-    bat_cloud cloud = {0};
-    int code = study_begin(job, &study);
-    if (code == EXIT_DONE)
-        code = read_cloud(&study, "face-9283.xyz", &cloud);
-    if (code == EXIT_DONE)
-        code = study_fits(&study, FITS, &cloud, "the file's units");
-    bat_cloud_free(&cloud);
-    return study_end(&study, code);
+    static const fit_result WHAT = {
+        .cloud = "face-9283.xyz",
+        .units = "the file's units",
+        .fits = {{"face", {3, 3}, 2700, 0, 6.86e-5, false}, {"face", {4, 4}, 2800, 0, 6.08e-5, false}}};
+    return reproduce_fits(job, &WHAT);
 }
 
 int reproduce_surface_shapes(const reproduce_job *job)
 {
-    static const published_fit FITS[] = {{"hull", {5, 2}, 4100, 0, 3.38e-6, false},
-                                         {"blade", {5, 2}, 2450, 0, 5.61e-6, false}};
-    scan_study study;
-    int code = study_begin(job, &study);
-    if (code == EXIT_DONE)
-        code = study_fits(&study, FITS, NULL,
-                          "the units of the shapes, which are ours; the published ones are of other shapes");
-    return study_end(&study, code);
+    static const fit_result WHAT = {
+        .units = "the units of the shapes, which are ours; the published ones are of other shapes",
+        .fits = {{"hull", {5, 2}, 4100, 0, 3.38e-6, false}, {"blade", {5, 2}, 2450, 0, 5.61e-6, false}}};
+    return reproduce_fits(job, &WHAT);
 }

@@ -36,8 +36,7 @@ static size_t symbol_reproduction_degree(const mask_symbol *symbol)
     size_t degree = 0;
     for (size_t k = 1; k < symbol->multiplicity; k++)
     {
-        double moment = 0.0;
-        double size = 0.0;
+        double moment = 0.0, size = 0.0;
         for (size_t i = 0; i < symbol->mask.count; i++)
         {
             const double term = symbol->mask.coefficients[i] * binomial(symbol->mask.first + (double)i - middle, k);
@@ -134,10 +133,7 @@ static double min_modulus(const bat_mask *q, size_t cell, double distance)
     const double pi = 3.14159265358979323846;
     const double angle = 2.0 * pi * ((double)cell + 0.5) / CELLS;
     const double middle = 0.5 * (double)(q->count - 1);
-    double real = 0.0;
-    double imaginary = 0.0;
-    double size = 0.0;
-    double slope = 0.0;
+    double real = 0.0, imaginary = 0.0, size = 0.0, slope = 0.0;
     for (size_t k = 0; k < q->count; k++)
     {
         real += q->coefficients[k] * cos((double)k * angle);
@@ -162,8 +158,7 @@ static bool keeps_company(const bool *alive, size_t cell)
 {
     const size_t after[2] = {2 * cell % CELLS, (2 * cell + 1) % CELLS};
     const size_t before[2] = {cell / 2, cell / 2 + CELLS / 2};
-    bool has_after = false;
-    bool has_before = false;
+    bool has_after = false, has_before = false;
     for (size_t i = 0; i < 2; i++)
     {
         has_after = has_after || (after[i] != cell && alive[after[i]]);
@@ -194,8 +189,7 @@ static bool has_cycle(bool *alive)
 
 bool smoothness_is_stable(const bat_mask *quotient, double distance)
 {
-    bool may_vanish[CELLS];
-    bool alive[CELLS];
+    bool may_vanish[CELLS], alive[CELLS];
     for (size_t cell = 0; cell < CELLS; cell++)
         may_vanish[cell] = min_modulus(quotient, cell, distance) <= 0.0;
     for (size_t cell = 0; cell < CELLS; cell++)

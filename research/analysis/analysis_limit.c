@@ -166,8 +166,7 @@ static bat_analysis_eigenvalue eigenvalue_of_group(const disc *discs, size_t cou
 {
     bat_analysis_eigenvalue value = {0};
     double radius = 0.0;
-    size_t exact_count = 0;
-    size_t exact = 0;
+    size_t exact_count = 0, exact = 0;
     for (size_t i = 0; i < count; i++)
     {
         if (discs[i].group != group)

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "linalg/blas.h"
 #include "linalg/dense.h"
+#include "linalg/vector.h"
 
 #include <complex.h>
 #include <float.h>
@@ -40,14 +41,6 @@ static double largest_modulus(size_t count, const double *numbers)
     for (size_t i = 0; i < count; i++)
         largest = fmax(largest, fabs(numbers[i]));
     return largest;
-}
-
-static bool all_finite(size_t count, const double *numbers)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(numbers[i]))
-            return false;
-    return true;
 }
 
 /// The first `rows` rows of the columns `at` and on times a reflector.
@@ -164,7 +157,7 @@ static size_t block_begin(const schur *s, size_t high)
 /// From a matrix in t to its Schur form.
 static bat_status make_schur(const schur *s, double *scratch, bat_error *error)
 {
-    if (!all_finite(s->n * s->n, s->t))
+    if (!vector_is_finite(s->n * s->n, s->t))
         return no_convergence(error);
     for (size_t i = 0; s->q != NULL && i < s->n * s->n; i++)
         s->q[i] = i % (s->n + 1) == 0;

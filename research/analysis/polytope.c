@@ -280,8 +280,7 @@ static void map_vertex(size_t n, const double *matrix, const double *vertex, dou
 {
     for (size_t i = 0; i < n; i++)
     {
-        double sum = 0.0;
-        double size = 0.0;
+        double sum = 0.0, size = 0.0;
         for (size_t j = 0; j < n; j++)
         {
             const double term = matrix[i * n + j] * vertex[j];

@@ -8,6 +8,7 @@
 #include "curve/corner.h"
 #include "curve/parametric.h"
 #include "curve/topology/draw_back.h"
+#include "linalg/vector.h"
 
 #include <limits.h>
 #include <math.h>
@@ -328,10 +329,9 @@ static bat_status run_source(const pieces *all, const piece *part, refine_source
     bat_status status =
         stop_run(source, all->levels + part->edge, part->edges, !part->closed, all->threads, progress, fine, error);
     refine_source_free(source);
-    bool finite = true;
-    for (size_t i = 0; i < part->count * dim && status == BAT_OK; i++)
-        finite = finite && isfinite(fine[i]);
-    return finite ? status : error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "new points are too large for doubles");
+    return status != BAT_OK || vector_is_finite(part->count * dim, fine)
+               ? status
+               : error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "new points are too large for doubles");
 }
 
 /// The same from rows.

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "linalg/blas.h"
 #include "linalg/symmetric.h"
+#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -11,14 +12,6 @@
 static bat_status no_convergence(bat_error *error)
 {
     return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a dense eigenvalue problem did not converge");
-}
-
-static bool all_finite(size_t count, const double *numbers)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(numbers[i]))
-            return false;
-    return true;
 }
 
 double dense_reflector(size_t m, double *v)
@@ -53,7 +46,7 @@ bat_status decompose_least_squares(size_t rows, size_t columns, double *a, doubl
     double *v = memory_array(rows, sizeof *v);
     if (v == NULL)
         return error_memory(error, rows * sizeof *v);
-    bool regular = all_finite(rows * columns, a) && all_finite(rows, b);
+    bool regular = vector_is_finite(rows * columns, a) && vector_is_finite(rows, b);
     for (size_t k = 0; k < columns && regular; k++)
     {
         for (size_t i = k; i < rows; i++)
@@ -104,7 +97,7 @@ bat_status decompose_symmetric(size_t n, double *a, double *values, bat_error *e
         }
     }
     free(vectors);
-    return all_finite(n, values) ? BAT_OK : no_convergence(error);
+    return vector_is_finite(n, values) ? BAT_OK : no_convergence(error);
 }
 
 // Linear systems by elimination with row exchanges, P a = L U, a block of columns at a time: the products of blocks are
@@ -195,9 +188,9 @@ bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_e
     if (regular)
         decompose_substitute(n, columns, a, pivots, b);
     free(pivots);
-    for (size_t i = 0; i < n * columns && regular; i++)
-        regular = isfinite(b[i]);
-    return regular ? BAT_OK : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a linear system is singular");
+    return regular && vector_is_finite(n * columns, b)
+               ? BAT_OK
+               : error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "a linear system is singular");
 }
 
 bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const double *constraint, double *vector,

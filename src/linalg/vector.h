@@ -28,6 +28,14 @@ static inline double vector_square(size_t n, const double *v)
     return vector_dot(n, v, v);
 }
 
+static inline bool vector_is_finite(size_t n, const double *v)
+{
+    for (size_t i = 0; i < n; i++)
+        if (!isfinite(v[i]))
+            return false;
+    return true;
+}
+
 // Vectors of three numbers.
 
 static inline double vector3_dot(const double a[3], const double b[3])

@@ -1,23 +1,19 @@
 #include "base/error.h"
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 // Points are a translation and a quaternion, tangents a velocity in the fixed frame and a rotation vector in the body's.
 
 static const int TRANSLATION = 3;
 
-static bool is_finite(const double *v)
-{
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
 static const char *fault(const bat_space *space, const double *point)
 {
-    return is_finite(point) ? rotation_fault(space, point + TRANSLATION) : "not finite";
+    return vector_is_finite(3, point) ? rotation_fault(space, point + TRANSLATION) : "not finite";
 }
 
 static bat_status project(const bat_space *space, const double *coordinates, double *point)
 {
-    if (!is_finite(coordinates))
+    if (!vector_is_finite(3, coordinates))
         return BAT_INVALID_POINT;
     for (int i = 0; i < TRANSLATION; i++)
         point[i] = coordinates[i];
@@ -41,7 +37,8 @@ static bat_status exponential(const bat_space *space, const double *p, const dou
 {
     for (int i = 0; i < TRANSLATION; i++)
         q[i] = p[i] + tangent[i];
-    return is_finite(q) ? rotation_exp(space, p + TRANSLATION, tangent + TRANSLATION, q + TRANSLATION) : BAT_INVALID_POINT;
+    return vector_is_finite(3, q) ? rotation_exp(space, p + TRANSLATION, tangent + TRANSLATION, q + TRANSLATION)
+                                  : BAT_INVALID_POINT;
 }
 
 static bat_status transport(const bat_space *space, const double *p, const double *q, const double *tangent,
@@ -70,8 +67,8 @@ static bat_status geodesic(const bat_space *space, const double *p, const double
 {
     for (int i = 0; i < TRANSLATION; i++)
         point[i] = (1 - t) * p[i] + t * q[i];
-    return is_finite(point) ? rotation_geodesic(space, p + TRANSLATION, q + TRANSLATION, t, point + TRANSLATION)
-                            : BAT_INVALID_POINT;
+    return vector_is_finite(3, point) ? rotation_geodesic(space, p + TRANSLATION, q + TRANSLATION, t, point + TRANSLATION)
+                                      : BAT_INVALID_POINT;
 }
 
 bat_status bat_rigid(double translation_weight, bat_space *space, bat_error *error)

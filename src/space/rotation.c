@@ -1,3 +1,4 @@
+#include "linalg/vector.h"
 #include "space/builtin.h"
 
 #include "base/error.h"
@@ -138,14 +139,6 @@ static bat_status matrix_fault(bat_error *error, const char *what)
     return error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "the matrix is %s", what);
 }
 
-static bool matrix_is_finite(const double *m)
-{
-    for (int i = 0; i < 9; i++)
-        if (!isfinite(m[i]))
-            return false;
-    return true;
-}
-
 static double largest_off_orthogonal(const double *m)
 {
     double largest = 0;
@@ -173,7 +166,7 @@ static void make_scalar_positive(double *quaternion)
 /// 4 q q^T of a rotation matrix has, in each column, a multiple of q; the longest column loses nothing (Shepperd 1978).
 bat_status bat_rotation_from_matrix(const double *m, double *quaternion, bat_error *error)
 {
-    if (!matrix_is_finite(m))
+    if (!vector_is_finite(9, m))
         return matrix_fault(error, "not finite");
     if (!(largest_off_orthogonal(m) <= ORTHOGONALITY_TOLERANCE))
         return matrix_fault(error, "not orthogonal");
@@ -197,7 +190,7 @@ bat_status bat_rotation_from_matrix(const double *m, double *quaternion, bat_err
 /// The quaternion q that makes trace(R(q)^T m) = q^T K q largest.
 bat_status bat_rotation_nearest(const double *matrix, double *quaternion, bat_error *error)
 {
-    if (!matrix_is_finite(matrix))
+    if (!vector_is_finite(9, matrix))
         return matrix_fault(error, "not finite");
     double largest = 0, m[9], vectors[16];
     for (int i = 0; i < 9; i++)

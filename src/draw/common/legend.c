@@ -197,8 +197,7 @@ double legend_height(cairo_t *cairo, const legend_item *items, size_t count, dou
 {
     if (count == 0)
         return 0.0;
-    double sum;
-    double widest;
+    double sum, widest;
     measure(cairo, items, count, width, &sum, &widest);
     size_t columns = columns_of(sum, widest, count, width);
     size_t rows = (count + columns - 1) / columns;
@@ -239,8 +238,7 @@ void legend_draw(cairo_t *cairo, const legend_item *items, size_t count, double 
 {
     if (count == 0)
         return;
-    double sum;
-    double widest;
+    double sum, widest;
     measure(cairo, items, count, width, &sum, &widest);
     size_t columns = columns_of(sum, widest, count, width);
     bool one_row = columns == count;

@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/curve/scene.h"
+#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -8,14 +9,6 @@
 /// @file
 /// The curvature vector at p, with unit tangents a and b towards its neighbours and edges of lengths l_a and l_b, is 2
 /// angle(-a, b) / (l_a + l_b) in the direction of a + b.
-
-static double dot(const double *a, const double *b, size_t n)
-{
-    double sum = 0.0;
-    for (size_t k = 0; k < n; k++)
-        sum += a[k] * b[k];
-    return sum;
-}
 
 /// The Möbius translation (z + w) / (1 + conj(w) z) of the disk, which maps 0 to w.
 static void translate(const double *w, const double *z, double *result)
@@ -42,18 +35,18 @@ static double direction_to(const comb *segments, const double *p, const double *
     }
     else
     {
-        double square = segments->space == VIEW_SPHERE ? dot(p, p, n) : 1.0;
+        double square = segments->space == VIEW_SPHERE ? vector_dot(n, p, p) : 1.0;
         for (size_t k = 0; k < n; k++)
             direction[k] = q[k] - p[k];
-        double radial = segments->space == VIEW_SPHERE ? dot(direction, p, n) / square : 0.0;
+        double radial = segments->space == VIEW_SPHERE ? vector_dot(n, direction, p) / square : 0.0;
         for (size_t k = 0; k < n && radial != 0.0; k++)
             direction[k] -= radial * p[k];
     }
-    double length = sqrt(dot(direction, direction, n));
+    double length = sqrt(vector_dot(n, direction, direction));
     for (size_t k = 0; k < n; k++)
         direction[k] = length > 0.0 ? direction[k] / length : 0.0;
     if (segments->space == VIEW_SPHERE)
-        return atan2(length, dot(p, q, n));
+        return atan2(length, vector_dot(n, p, q));
     return segments->space == VIEW_DISK ? 2.0 * atanh(fmin(length, 1.0 - 1e-16)) : length;
 }
 
@@ -66,8 +59,7 @@ static void set_vector(const comb *segments, const double *before, const double 
     double *a = scratch;
     double *b = scratch + n;
     double mean = 0.5 * (direction_to(segments, p, before, a) + direction_to(segments, p, after, b));
-    double sum = 0.0;
-    double difference = 0.0;
+    double sum = 0.0, difference = 0.0;
     for (size_t k = 0; k < n; k++)
     {
         sum += (a[k] + b[k]) * (a[k] + b[k]);
@@ -129,7 +121,7 @@ bat_status comb_natural_scale(const comb *segments, double usual, double longest
     if (sizes == NULL)
         return error_memory(error, segments->count * sizeof(double));
     for (size_t i = 0; i < segments->count; i++)
-        sizes[i] = sqrt(dot(segments->vectors + i * n, segments->vectors + i * n, n));
+        sizes[i] = sqrt(vector_dot(n, segments->vectors + i * n, segments->vectors + i * n));
     qsort(sizes, segments->count, sizeof(double), ascending);
     double large = sizes[(size_t)(0.95 * (double)(segments->count - 1))];
     double largest = sizes[segments->count - 1];
@@ -143,7 +135,7 @@ void comb_tip(const comb *segments, size_t index, double scale, double *tip)
     size_t n = segments->point_dim;
     const double *p = segments->points + index * n;
     const double *vector = segments->vectors + index * n;
-    double length = sqrt(dot(vector, vector, n));
+    double length = sqrt(vector_dot(n, vector, vector));
     double reach = scale * length;
     double along = length > 0.0 ? scale : 0.0;
     double stay = 1.0;

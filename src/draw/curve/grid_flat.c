@@ -108,10 +108,7 @@ void grid_plane(cairo_t *cairo, const draw_view *view, const scene_frame *frame,
 
 static void box_edge(cairo_t *cairo, const draw_view *view, const scene_frame *frame, unsigned from, unsigned to)
 {
-    double p[3];
-    double q[3];
-    double x;
-    double y;
+    double p[3], q[3], x, y;
     scene_corner(frame, from, p);
     scene_corner(frame, to, q);
     view_place(view, p, &x, &y);
@@ -124,9 +121,7 @@ static void axis_name(cairo_t *cairo, const draw_view *view, const scene_frame *
                       unsigned to)
 {
     static const char *const names[] = {"x", "y", "z"};
-    double p[3];
-    double q[3];
-    double ends[4];
+    double p[3], q[3], ends[4];
     scene_corner(frame, from, p);
     scene_corner(frame, to, q);
     view_place(view, p, &ends[0], &ends[1]);

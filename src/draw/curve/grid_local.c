@@ -99,8 +99,7 @@ typedef struct window_range
 static bool pole_in_window(const scene_frame *frame, double side)
 {
     draw_view view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3};
-    double u;
-    double v;
+    double u, v;
     view_set_globe(&view, frame->map.longitude, frame->map.latitude);
     view_project(&view, (double[3]){0.0, 0.0, side}, &u, &v);
     return u >= frame->map.low[0] && u <= frame->map.high[0] && v >= frame->map.low[1] && v <= frame->map.high[1];

@@ -103,9 +103,7 @@ static void limb_labels(cairo_t *cairo, const draw_view *view, double latitude)
 /// Write the coordinates of the centre in the lower right corner of the globe's square, reduced where space is short.
 static void middle_label(cairo_t *cairo, const draw_view *view, const scene_frame *frame)
 {
-    char east[16];
-    char north[16];
-    char label[64];
+    char east[16], north[16], label[64];
     degree_label(remainder(frame->map.longitude / DEGREE, 360.0), "E", "W", east, sizeof east);
     degree_label(frame->map.latitude / DEGREE, "N", "S", north, sizeof north);
     (void)snprintf(label, sizeof label, "centre %s %s", north, east);
@@ -143,8 +141,7 @@ static void graticule_line(cairo_t *cairo, const draw_view *view, double longitu
     for (int i = 0; i <= STEPS; i++)
     {
         double share = 2.0 * i / STEPS - 1.0;
-        double u;
-        double v;
+        double u, v;
         view_equal_earth(meridian ? longitude * DEGREE : share * TURN / 2.0,
                          meridian ? share * TURN / 4.0 : latitude * DEGREE, &u, &v);
         (i == 0 ? cairo_move_to : cairo_line_to)(cairo, view_x(view, u), view_y(view, v));
@@ -176,8 +173,7 @@ static void map_labels(cairo_t *cairo, const draw_view *view)
 {
     text_use(cairo, TEXT_TICK, false);
     style_use_colour(cairo, COLOUR_MUTED);
-    double u;
-    double v;
+    double u, v;
     double middle = map_middle(view);
     char label[16];
     view_equal_earth(30.0 * DEGREE, -TURN / 4.0, &u, &v);
@@ -212,8 +208,7 @@ static void map_frame(cairo_t *cairo, const draw_view *view)
     for (int i = 0; i < 2 * (STEPS + 1); i++)
     {
         double share = 2.0 * (i <= STEPS ? i : 2 * STEPS + 1 - i) / STEPS - 1.0;
-        double u;
-        double v;
+        double u, v;
         view_equal_earth(i <= STEPS ? TURN / 2.0 : -TURN / 2.0, share * TURN / 4.0, &u, &v);
         (i == 0 ? cairo_move_to : cairo_line_to)(cairo, view_x(view, u), view_y(view, v));
     }

@@ -2,6 +2,8 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
+#include "curve/map/arc_refine.h"
+#include "curve/polygon.h"
 #include "linalg/vector.h"
 
 #include <stdlib.h>
@@ -22,12 +24,6 @@ static const double DEGREE = 3.14159265358979323846 / 180.0;
 #define TALLEST 1.7
 /// The smallest side of a window, in radians: 6 cm on the Earth.
 #define MIN_SIDE 1e-8
-
-/// The angle between two points, accurate when they are near.
-static double angle_between(const double *p, const double *q)
-{
-    return 2.0 * atan2(sqrt(chord_square(p, q)), sqrt(chord_square(p, (double[3]){-q[0], -q[1], -q[2]})));
-}
 
 /// The centre of nearly the smallest ball around the points: Badoiu and Clarkson, "Smaller core-sets for balls" (2003). It
 /// takes at most about 20000 points.
@@ -97,7 +93,7 @@ static void visit_edges(const bat_curve *const *curves, size_t count, void (*tak
         {
             const double *p = curve->points + 3 * (i - 1);
             const double *q = curve->points + 3 * (i < curve->count ? i : 0);
-            double angle = vector3_dot(p, q) < 1.0 - 0.5 * step * step ? angle_between(p, q) : 0.0;
+            double angle = vector3_dot(p, q) < 1.0 - 0.5 * step * step ? chord_angle(p, q) : 0.0;
             double steps = ceil(angle / step);
             for (double s = 1.0; s < steps; s += 1.0)
             {
@@ -210,9 +206,7 @@ static double choose_meridian(const bat_curve *const *curves, size_t count)
     visit_edges(curves, count, include_sector, covered);
     if (!covered[0] || !covered[SECTORS - 1])
         return 0.0;
-    int longest = 0;
-    int end = 0;
-    int run = 0;
+    int longest = 0, end = 0, run = 0;
     for (int i = 0; i < SECTORS; i++)
     {
         run = covered[i] ? 0 : run + 1;
@@ -258,12 +252,6 @@ map_choice map_choose(const bat_curve *const *curves, size_t count, bool polygon
 
 // A hash table of the edges of a panel, and greedy colouring of the features that share edges.
 
-/// An edge in the table; `layer` is BAT_NO_INDEX in an empty place.
-typedef struct edge_place
-{
-    size_t layer, edge;
-} edge_place;
-
 /// Two features that share an edge, a < b, as indices into the sorted features.
 typedef struct feature_pair
 {
@@ -274,7 +262,7 @@ typedef struct network_builder
 {
     const bat_curve_picture_panel *panel;
     size_t point_dim;
-    edge_place *table;
+    edge_place *table; ///< `curve` is a layer, BAT_NO_INDEX in an empty place
     size_t mask;
     size_t *features; ///< sorted, each once
     size_t feature_count;
@@ -282,15 +270,10 @@ typedef struct network_builder
     size_t pair_count, pair_capacity;
 } network_builder;
 
-static size_t edge_count(const bat_curve *curve)
-{
-    return curve->closed && curve->count > 1 ? curve->count : curve->count - 1;
-}
-
 /// The ends of an edge, the lower one first.
 static void edge_ends(const network_builder *builder, edge_place place, const double **p, const double **q)
 {
-    const bat_curve *curve = builder->panel->layers[place.layer].curve;
+    const bat_curve *curve = builder->panel->layers[place.curve].curve;
     *p = curve->points + place.edge * builder->point_dim;
     *q = curve->points + (place.edge + 1 < curve->count ? place.edge + 1 : 0) * builder->point_dim;
     for (size_t k = 0; k < builder->point_dim; k++)
@@ -306,51 +289,26 @@ static void edge_ends(const network_builder *builder, edge_place place, const do
     }
 }
 
-/// Add a point to a hash (FNV-1a by words). -0 counts as 0.
-static uint64_t hash_point(uint64_t hash, const double *point, size_t dim)
-{
-    for (size_t k = 0; k < dim; k++)
-    {
-        double number = point[k] + 0.0;
-        uint64_t bits;
-        memcpy(&bits, &number, sizeof bits);
-        hash = (hash ^ bits) * 1099511628211u;
-        hash ^= hash >> 29;
-    }
-    return hash;
-}
-
 /// Whether layers are drawn in one style.
 static bool same_kind(const bat_curve_picture_layer *a, const bat_curve_picture_layer *b)
 {
     return a->role == b->role && (a->polygon > 0) == (b->polygon > 0) && (a->polygon > 0 || a->colour == b->colour);
 }
 
-static bool same_point(const double *p, const double *q, size_t dim)
-{
-    for (size_t k = 0; k < dim; k++)
-        if (p[k] != q[k])
-            return false;
-    return true;
-}
-
 /// The place of an edge in the table: that of an equal edge, or the empty one that it takes.
 static edge_place *find_edge(const network_builder *builder, edge_place edge)
 {
-    const bat_curve_picture_layer *layer = &builder->panel->layers[edge.layer];
-    const double *p;
-    const double *q;
+    const bat_curve_picture_layer *layer = &builder->panel->layers[edge.curve];
+    const double *p, *q;
     edge_ends(builder, edge, &p, &q);
-    uint64_t hash = 14695981039346656037u + (uint64_t)layer->role;
-    hash = hash_point(hash_point(hash, p, builder->point_dim), q, builder->point_dim);
-    size_t at = (size_t)(hash ^ hash >> 32) & builder->mask;
-    for (; builder->table[at].layer != BAT_NO_INDEX; at = (at + 1) & builder->mask)
+    size_t hash = hash_mix(doubles_hash(p, builder->point_dim), doubles_hash(q, builder->point_dim));
+    size_t at = hash_mix(hash, (uint64_t)layer->role) & builder->mask;
+    for (; builder->table[at].curve != BAT_NO_INDEX; at = (at + 1) & builder->mask)
     {
-        const double *other_p;
-        const double *other_q;
+        const double *other_p, *other_q;
         edge_ends(builder, builder->table[at], &other_p, &other_q);
-        if (same_kind(layer, &builder->panel->layers[builder->table[at].layer]) &&
-            same_point(p, other_p, builder->point_dim) && same_point(q, other_q, builder->point_dim))
+        if (same_kind(layer, &builder->panel->layers[builder->table[at].curve]) &&
+            points_equal(p, other_p, builder->point_dim) && points_equal(q, other_q, builder->point_dim))
             break;
     }
     return &builder->table[at];
@@ -392,12 +350,12 @@ static bool enter_edges(network_builder *builder, map_network *network)
     for (size_t layer = 0; layer < builder->panel->layer_count; layer++)
     {
         const bat_curve_picture_layer *own = &builder->panel->layers[layer];
-        for (size_t edge = 0; edge < edge_count(own->curve); edge++)
+        for (size_t edge = 0; edge < polygon_edges(own->curve->count, own->curve->closed); edge++)
         {
             edge_place *place = find_edge(builder, (edge_place){layer, edge});
-            bool taken = place->layer != BAT_NO_INDEX;
+            bool taken = place->curve != BAT_NO_INDEX;
             network->drawn[network->starts[layer] + edge] = taken ? 0 : 1;
-            if (taken && own->polygon > 0 && !add_pair(builder, layer, place->layer))
+            if (taken && own->polygon > 0 && !add_pair(builder, layer, place->curve))
                 return false;
             if (!taken)
                 *place = (edge_place){layer, edge};
@@ -435,7 +393,7 @@ static size_t collect(network_builder *builder, map_network *network)
     for (size_t i = 0; i < panel->layer_count; i++)
     {
         network->starts[i] = edges;
-        edges += edge_count(panel->layers[i].curve);
+        edges += polygon_edges(panel->layers[i].curve->count, panel->layers[i].curve->closed);
         if (panel->layers[i].polygon > 0)
             builder->features[builder->feature_count++] = panel->layers[i].feature;
     }
@@ -460,7 +418,7 @@ static bool make_table(network_builder *builder, map_network *network, size_t ed
     if (builder->table == NULL || network->drawn == NULL)
         return false;
     for (size_t i = 0; i < size; i++)
-        builder->table[i].layer = BAT_NO_INDEX;
+        builder->table[i].curve = BAT_NO_INDEX;
     return true;
 }
 

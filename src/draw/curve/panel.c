@@ -164,8 +164,7 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
     const bat_curve *curve = panel->drawn->layers[index].curve;
     line_style line = layer_line(panel, index);
     line = side == VIEW_BACK ? behind(line) : line;
-    double x;
-    double y;
+    double x, y;
     bool front = view_place(view, curve->points, &x, &y);
     if (curve->count == 1 && front == (side == VIEW_FRONT))
     {
@@ -180,14 +179,11 @@ static bat_status draw_line(cairo_t *cairo, const draw_view *view, const scene_p
 /// The radius of open circles, smaller for many points.
 static double ring_radius(const draw_view *view, const bat_curve *curve, bool map)
 {
-    double length = 0.0;
-    double last_x;
-    double last_y;
+    double length = 0.0, last_x, last_y;
     view_place(view, curve->points, &last_x, &last_y);
     for (size_t i = 1; i < curve->count; i++)
     {
-        double x;
-        double y;
+        double x, y;
         view_place(view, curve->points + i * view->point_dim, &x, &y);
         length += hypot(x - last_x, y - last_y);
         last_x = x;
@@ -203,12 +199,10 @@ static void draw_rings(cairo_t *cairo, const draw_view *view, const bat_curve *c
 {
     double radius = ring_radius(view, curve, map);
     line_style line = {COLOUR_CONTROL, 1.0, 0.0, 0.0};
-    double last_x = INFINITY;
-    double last_y = INFINITY;
+    double last_x = INFINITY, last_y = INFINITY;
     for (size_t i = 0; i < curve->count; i++)
     {
-        double x;
-        double y;
+        double x, y;
         bool front = view_place(view, curve->points + i * view->point_dim, &x, &y);
         if (front == (side == VIEW_FRONT) && !(hypot(x - last_x, y - last_y) < 0.5 * radius))
         {

@@ -82,8 +82,7 @@ static bat_status collect_legend(const scene *made, legend_item **items, size_t 
 /// The width for the panels of a row, at most that of a usual page.
 static double natural_width(const scene *made)
 {
-    bool wide = false;
-    bool local = false;
+    bool wide = false, local = false;
     for (size_t i = 0; i < made->count; i++)
     {
         bat_curve_projection shown = made->panels[i].frame.map.projection;

@@ -283,8 +283,7 @@ static void clip_share(double from, double step, double low, double high, double
 static bool add_segment(path_simplifier *path, const plot_axis *x, const plot_axis *y, const double p[2], const double q[2],
                         bool joined)
 {
-    double enter = 0.0;
-    double leave = 1.0;
+    double enter = 0.0, leave = 1.0;
     clip_share(p[0], q[0] - p[0], x->start, x->end, &enter, &leave);
     clip_share(p[1], q[1] - p[1], y->end, y->start, &enter, &leave);
     if (enter > leave)
@@ -342,9 +341,7 @@ static void draw_bars(cairo_t *cairo, const bat_chart_series *series, const plot
     double ground = clamp(plot_place(y, 0.0), y->end, y->start);
     for (size_t i = 0; i < series->count; i++)
     {
-        double centre[2];
-        double next[2];
-        double before[2];
+        double centre[2], next[2], before[2];
         place(x, y, series, i, centre);
         place(x, y, series, i + 1 < series->count ? i + 1 : i - 1, next);
         place(x, y, series, i > 0 ? i - 1 : 1, before);
@@ -411,8 +408,7 @@ static void set_axes(cairo_t *cairo, const bat_chart *chart, const double box[4]
 bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
                      plot_axis y, const double box[4], const plot_overlay *overlay, bat_error *error)
 {
-    tick_list across;
-    tick_list upwards;
+    tick_list across, upwards;
     set_axes(cairo, chart, box, &x, &y, &across, &upwards);
     if (options->grid)
         draw_grid(cairo, &x, &y, &across, &upwards);

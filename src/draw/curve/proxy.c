@@ -174,8 +174,7 @@ static double paths_extent(const bat_curve_picture_panel *panel)
     double square = 0.0;
     for (size_t k = 0; k < 3; k++)
     {
-        double low = INFINITY;
-        double high = -INFINITY;
+        double low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < panel->layer_count; i++)
         {
             const bat_curve *curve = panel->layers[i].curve;

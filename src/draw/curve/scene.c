@@ -169,8 +169,7 @@ static void include_place(scene_frame *frame, double u, double v)
 
 static void include_point(scene_frame *frame, const draw_view *view, const double *point)
 {
-    double u;
-    double v;
+    double u, v;
     view_project(view, point, &u, &v);
     include_place(frame, u, v);
     for (int k = 0; k < 3 && view->space == VIEW_SOLID; k++)
@@ -223,8 +222,7 @@ static void comb_lengths(const scene_frame *frame, view_space space, double *usu
 
 static bat_status scale_combs(scene_frame *frame, const scene_panel *panel, bat_error *error)
 {
-    double usual;
-    double longest;
+    double usual, longest;
     comb_lengths(frame, panel->space, &usual, &longest);
     bat_status status = BAT_OK;
     for (size_t i = 0; i < panel->drawn->layer_count && status == BAT_OK; i++)
@@ -247,8 +245,7 @@ static void include_combs(scene_frame *frame, const scene_panel *panel, double *
     {
         for (size_t k = 0; k < panel->combs[i].count; k++)
         {
-            double u;
-            double v;
+            double u, v;
             comb_tip(&panel->combs[i], k, frame->comb_scale, tip);
             view_project(&view, tip, &u, &v);
             include_place(frame, u, v);
@@ -315,8 +312,7 @@ static bat_status set_frame(scene *made, size_t index, bat_error *error)
 {
     scene_panel *panel = &made->panels[index];
     scene_frame frame = empty_frame();
-    size_t first;
-    size_t end;
+    size_t first, end;
     sharing(made, index, &first, &end);
     for (size_t i = first; i < index; i++)
     {

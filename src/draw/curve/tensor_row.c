@@ -29,8 +29,7 @@ static bat_status ellipsoid_of(const bat_curve *curve, size_t index, double unit
 {
     size_t n = curve->space->point_dim == 3 ? 2 : 3;
     const double *packed = curve->points + index * curve->space->point_dim;
-    double matrix[9];
-    double values[3];
+    double matrix[9], values[3];
     for (size_t i = 0; i < n; i++)
         for (size_t j = i; j < n; j++)
             matrix[n * i + j] = *packed++ / unit / unit;

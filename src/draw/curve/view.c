@@ -131,8 +131,7 @@ bool view_project(const draw_view *view, const double *point, double *u, double 
 
 bool view_place(const draw_view *view, const double *point, double *x, double *y)
 {
-    double u;
-    double v;
+    double u, v;
     bool front = view_project(view, point, &u, &v);
     *x = view_x(view, u);
     *y = view_y(view, v);
@@ -141,8 +140,7 @@ bool view_place(const draw_view *view, const double *point, double *x, double *y
 
 static void trace_flat(const draw_view *view, const double *points, size_t count, bool closed, path_simplifier *path)
 {
-    double x;
-    double y;
+    double x, y;
     view_place(view, points, &x, &y);
     simplifier_move(path, x, y);
     for (size_t i = 1; i < count + (closed ? 1 : 0); i++)

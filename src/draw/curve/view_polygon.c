@@ -1,5 +1,6 @@
 #include "draw/common/sheet.h"
 #include "draw/curve/view.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <string.h>
@@ -78,8 +79,7 @@ static void page_line(const ring_tracer *tracer, double u, double v)
 /// Continue straight to a point.
 static void ring_line(ring_tracer *tracer, const double *point)
 {
-    double area_u;
-    double area_v;
+    double area_u, area_v;
     ring_project(tracer, point, &tracer->longitude, &tracer->u, &tracer->v);
     if (tracer->view->kind == VIEW_GLOBE)
         view_equal_area(point, &area_u, &area_v);
@@ -125,11 +125,7 @@ static void ring_step(ring_tracer *tracer, const double *point)
 
 static bool ring_straight(const ring_tracer *tracer, const double *middle, const double *target)
 {
-    double longitude = 0.0;
-    double half_u;
-    double half_v;
-    double whole_u;
-    double whole_v;
+    double longitude = 0.0, half_u, half_v, whole_u, whole_v;
     ring_project(tracer, middle, &longitude, &half_u, &half_v);
     if (tracer->view->kind == VIEW_MAP && fabs(longitude - tracer->longitude) > 0.25 * PI)
         return false;
@@ -145,9 +141,7 @@ static void ring_arc(ring_tracer *tracer, const double *target, int depth)
     double middle[3];
     for (int k = 0; k < 3; k++)
         middle[k] = tracer->point[k] + target[k];
-    double length = sqrt(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2]);
-    for (int k = 0; k < 3; k++)
-        middle[k] /= length;
+    (void)vector3_normalize(middle);
     if (depth == 0 || (square < 0.01 && ring_straight(tracer, middle, target)))
     {
         ring_step(tracer, target);
@@ -206,8 +200,7 @@ static void close_by_pole(ring_tracer *tracer, double start)
     for (int i = 1; i <= 2 * STEPS; i++)
     {
         double share = i <= STEPS ? (double)i / STEPS : (double)(2 * STEPS - i) / STEPS;
-        double u;
-        double v;
+        double u, v;
         if (i == STEPS + 1)
         {
             view_equal_earth(start, -0.5 * PI, &u, &v);

@@ -1,6 +1,8 @@
 #include "draw/curve/view.h"
 
 #include "linalg/dense.h"
+#include "linalg/vector.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -8,13 +10,6 @@
 /// Geodesics on the sphere: on a globe as cut ellipses, on maps by adaptive bisection.
 
 static const double PI = 3.14159265358979323846;
-
-static void normalize(double *vector)
-{
-    double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
-    for (int k = 0; k < 3; k++)
-        vector[k] /= length;
-}
 
 /// The path on one half of a globe. Points are rotated: the third coordinate points to the eye.
 typedef struct globe_tracer
@@ -56,8 +51,7 @@ static void globe_arc(globe_tracer *tracer, const double *target, double step)
 {
     double from[3];
     memcpy(from, tracer->point, sizeof from);
-    double angle = 2.0 * atan2(sqrt(chord_square(from, target)),
-                               sqrt(chord_square(from, (double[3]){-target[0], -target[1], -target[2]})));
+    double angle = chord_angle(from, target);
     double steps = ceil(angle / step);
     for (double i = 1.0; i < steps; i += 1.0)
     {
@@ -175,8 +169,7 @@ static void map_step(map_tracer *tracer, const double *point)
         double z = from[2] + share * (point[2] - from[2]);
         if (x < 0.0)
         {
-            double u;
-            double v;
+            double u, v;
             view_equal_earth(from[1] < 0.0 ? -PI : PI, atan2(z, -x), &u, &v);
             simplifier_line(tracer->path, view_x(view, u), view_y(view, v));
             simplifier_move(tracer->path, view_x(view, -u), view_y(view, v));
@@ -190,10 +183,7 @@ static void map_step(map_tracer *tracer, const double *point)
 /// Whether the arc through the midpoint to `target` is straight in the view.
 static bool map_straight(const map_tracer *tracer, const double *middle, const double *target)
 {
-    double half_u;
-    double half_v;
-    double whole_u;
-    double whole_v;
+    double half_u, half_v, whole_u, whole_v;
     if (tracer->view->kind == VIEW_LOCAL)
     {
         view_equal_area(middle, &half_u, &half_v);
@@ -223,7 +213,7 @@ static void map_arc(map_tracer *tracer, const double *target, int depth)
     double middle[3];
     for (int k = 0; k < 3; k++)
         middle[k] = tracer->point[k] + target[k];
-    normalize(middle);
+    (void)vector3_normalize(middle);
     if (chord_square(tracer->point, target) < 0.01 && map_straight(tracer, middle, target))
     {
         map_step(tracer, target);
@@ -333,9 +323,7 @@ static void oblique_direction(globe_moments *moments, double *direction)
     double values[3];
     if (decompose_symmetric(3, &moments->square[0][0], values, NULL) != BAT_OK)
         return;
-    double normal[3];
-    double axis[3];
-    double along = 0.0;
+    double normal[3], axis[3], along = 0.0;
     for (int k = 0; k < 3; k++)
     {
         double upwards = moments->square[2][0] < 0.0 ? -1.0 : 1.0;

@@ -1,5 +1,6 @@
 #include "io/common/time_text.h"
 #include "io/curve/csv.h"
+#include "linalg/vector.h"
 #include "space/degrees.h"
 
 #include <inttypes.h>
@@ -257,14 +258,6 @@ static char *write_field(char *out, const csv_row *row, size_t column, size_t ce
     return text_reserve(text, (layout->column_count + 1) * (NUMBER_TEXT_SIZE + 1));
 }
 
-static bool all_finite(const double *values, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        if (!isfinite(values[i]))
-            return false;
-    return true;
-}
-
 static void format_row(const csv_row *row, char flag, text_buffer *text)
 {
     const csv_layout *layout = row->layout;
@@ -307,7 +300,7 @@ static bat_status format_rows(const void *context, const row_span *span, text_bu
     {
         const double *point = curve->points + i * dim;
         const double *channels = channel_count > 0 ? curve->channels + i * channel_count : NULL;
-        if (!all_finite(point, dim) || !all_finite(channels, channel_count))
+        if (!vector_is_finite(dim, point) || !vector_is_finite(channel_count, channels))
             return row_not_finite(span, i, error);
         double written[MAX_FORM_COLUMNS];
         if (layout->form != NULL)
@@ -392,7 +385,7 @@ static bat_status format_poses(const void *context, const row_span *span, text_b
         char *out = text_reserve(text, (1 + MAX_POSE_NUMBERS) * (NUMBER_TEXT_SIZE + 1));
         if (out == NULL)
             return BAT_OK; // the sink reports a lack of memory
-        if (!isfinite(time) || !all_finite(numbers, count))
+        if (!isfinite(time) || !vector_is_finite(count, numbers))
             return row_not_finite(span, i, error);
         if (layout->time != BAT_NO_INDEX)
         {

@@ -1,6 +1,7 @@
 #include "io/curve/geojson_shape.h"
 
 #include "io/curve/csv.h"
+#include "linalg/vector.h"
 
 /// @file
 /// Curves as the coordinates of a GeoJSON geometry, cut at the antimeridian where needed.
@@ -14,16 +15,7 @@ static void clear_lines(globe_lines *lines)
 static bool values_finite(const globe_curve *curve, size_t value_count)
 {
     for (size_t i = 0; curve->values != NULL && i < curve->count; i++)
-        for (size_t k = 0; k < value_count; k++)
-            if (!isfinite(curve->values[i * curve->value_stride + k]))
-                return false;
-    return true;
-}
-
-static bool plane_finite(const globe_curve *curve)
-{
-    for (size_t i = 0; i < 2 * curve->count; i++)
-        if (!isfinite(curve->points[i]))
+        if (!vector_is_finite(value_count, curve->values + i * curve->value_stride))
             return false;
     return true;
 }
@@ -99,7 +91,8 @@ static bat_status shape_begin(geojson_shape *shape, const geojson_style *style, 
             ring = ring + 1 < polygons->rings ? ring + 1 : 0;
             polygons += ring == 0;
         }
-        bool finite = style->globe ? globe_curve_show(&style->grid, &shape->curves[i]) : plane_finite(&shape->curves[i]);
+        bool finite = style->globe ? globe_curve_show(&style->grid, &shape->curves[i])
+                                   : vector_is_finite(2 * shape->curves[i].count, shape->curves[i].points);
         if (!finite || !values_finite(&shape->curves[i], shape->value_count))
             return error_set(error, BAT_INVALID_POINT, first + i, 0, "a point of curve %zu is not finite", first + i);
         if (style->globe && lines && !shows_extent(&shape->curves[i], false))

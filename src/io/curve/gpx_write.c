@@ -1,6 +1,7 @@
 #include "io/curve/gpx.h"
 
 #include "io/gis/gis.h"
+#include "linalg/vector.h"
 
 /// @file
 /// Writer of GPX: a file of GPX again, or a new one.
@@ -60,9 +61,8 @@ static bool append_point(gpx_writer *writer, const char *name, size_t size, cons
 {
     text_buffer *text = &writer->text;
     size_t dim = writer->set->space->point_dim;
-    for (size_t i = 0; i < dim; i++)
-        if (!isfinite(point[i]))
-            return false;
+    if (!vector_is_finite(dim, point))
+        return false;
     text_append_string(text, "<");
     text_append(text, name, size);
     if (dim == 2)
