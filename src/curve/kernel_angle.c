@@ -112,10 +112,12 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
     const bat_curve_scheme *scheme = data->scheme;
     size_t dim = kernel->dim;
     double sign = scheme->sign == BAT_CURVE_ANGLE_SIGN_OUTWARD ? -1 : 1;
-    for (size_t j = 0; j < pairs; j++)
+    bat_status status = BAT_OK;
+    for (size_t j = 0; j < pairs && status == BAT_OK; j++)
     {
         const double *p = points + j * dim;
         double angle[EDGE_VERTICES], slope;
+        *fault = j;
         for (size_t i = 0; i < EDGE_VERTICES; i++)
             angle[i] = space->exterior_angle(space, p + i * dim - 2 * dim, p + i * dim - dim, p + i * dim);
         if (scheme->turns)
@@ -131,14 +133,9 @@ static bat_status run_any(const refine_kernel *kernel, const double *points, siz
         else
             slope = slope_of(angle, scheme->tension, sign);
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
-        bat_status status = space->apex(space, p, p + dim, atan(slope), fine + (2 * j + 1) * dim);
-        if (status != BAT_OK)
-        {
-            *fault = j;
-            return status;
-        }
+        status = space->apex(space, p, p + dim, atan(slope), fine + (2 * j + 1) * dim);
     }
-    return BAT_OK;
+    return status;
 }
 
 /// The mean absolute exterior angle at the points first … end - 1, 0 when there are none.

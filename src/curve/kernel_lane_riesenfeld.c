@@ -71,18 +71,15 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
     if (data_of(kernel)->order == 1)
         return insert_averages(kernel, points, 2 * pairs, fine, fault);
     size_t dim = kernel->dim, most = block_pairs(kernel);
-    for (size_t done = 0; done < pairs; done += most)
+    bat_status status = BAT_OK;
+    for (size_t done = 0; done < pairs && status == BAT_OK; done += most)
     {
         size_t count = pairs - done < most ? pairs - done : most;
         *fault = 0;
-        bat_status status = run_block(kernel, points + done * dim, count, fine + 2 * done * dim, scratch, fault);
-        if (status != BAT_OK)
-        {
-            *fault += done;
-            return status;
-        }
+        status = run_block(kernel, points + done * dim, count, fine + 2 * done * dim, scratch, fault);
+        *fault += done;
     }
-    return BAT_OK;
+    return status;
 }
 
 refine_kernel kernel_lane_riesenfeld(const bat_space *space, size_t dim, size_t order, row_average *average)
@@ -107,18 +104,15 @@ static bat_status average_points(const refine_kernel *kernel, const double *rows
 {
     size_t dim = kernel->dim;
     double middle[BAT_SPACE_MAX_DIM];
-    for (size_t i = 0; i < count; i++)
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         const double *row = rows + i * dim;
-        bat_status status = bat_space_geodesic(kernel->space, row, row + dim, 0.5, middle);
-        if (status != BAT_OK)
-        {
-            *fault = i;
-            return status;
-        }
-        memcpy(averages + i * stride, middle, dim * sizeof *middle);
+        *fault = i;
+        status = bat_space_geodesic(kernel->space, row, row + dim, 0.5, middle);
+        memcpy(averages + i * stride, middle, status == BAT_OK ? dim * sizeof *middle : 0);
     }
-    return BAT_OK;
+    return status;
 }
 
 /// Whether a mask is that of bat_mask_lane_riesenfeld() of some order.
@@ -167,22 +161,18 @@ static bat_status cut_edges(const refine_kernel *kernel, const double *points, s
 {
     const cutting_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
-    for (size_t i = 0; i < 2 * pairs; i++)
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < 2 * pairs && status == BAT_OK; i++)
     {
         const cut *wanted = &data->cuts[i & 1];
         const double *from = points + ((ptrdiff_t)(i / 2) + wanted->start) * (ptrdiff_t)dim;
-        bat_status status = BAT_OK;
+        *fault = i / 2;
         if (wanted->ratio > 0)
             status = bat_space_geodesic(kernel->space, from, from + dim, wanted->ratio, fine + i * dim);
         else
             memcpy(fine + i * dim, from, dim * sizeof *fine);
-        if (status != BAT_OK)
-        {
-            *fault = i / 2;
-            return status;
-        }
     }
-    return BAT_OK;
+    return status;
 }
 
 /// Corner cutting: both new points lie on geodesics between neighbours.

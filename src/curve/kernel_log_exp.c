@@ -50,47 +50,29 @@ typedef struct log_exp_data
 } log_exp_data;
 _Static_assert(sizeof(log_exp_data) <= KERNEL_DATA, "a kernel has room for its data");
 
+/// Edge by edge. Masks that keep no point make both new points of an edge; the base of those that belong to a vertex is the
+/// vertex.
 static bat_status run_any(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
                           void *scratch BAT_UNUSED, size_t *fault)
 {
     const log_exp_data *data = kernel_data_of(kernel);
     size_t dim = kernel->dim;
-    for (size_t j = 0; j < pairs; j++)
-    {
-        const double *p = points + j * dim;
-        memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
-        bat_status status = new_vertex(kernel->space, &data->odd, data->base, p, fine + (2 * j + 1) * dim);
-        if (status != BAT_OK)
-        {
-            *fault = j;
-            return status;
-        }
-    }
-    return BAT_OK;
-}
-
-/// Masks that keep no point: both new points of an edge are made. The base of those that belong to a vertex is the vertex.
-static bat_status run_smoothing(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
-                                void *scratch BAT_UNUSED, size_t *fault)
-{
-    const log_exp_data *data = kernel_data_of(kernel);
-    size_t dim = kernel->dim;
-    bool has_vertices = ((kernel->first + kernel->last) & 1) == 0;
-    bat_curve_base odd_base = data->base, even_base = has_vertices ? BAT_CURVE_BASE_VERTEX : odd_base;
-    for (size_t j = 0; j < pairs; j++)
+    bool smooths = data->even.count > 0, has_vertices = ((kernel->first + kernel->last) & 1) == 0;
+    bat_curve_base even_base = has_vertices ? BAT_CURVE_BASE_VERTEX : data->base;
+    bat_status status = BAT_OK;
+    for (size_t j = 0; j < pairs && status == BAT_OK; j++)
     {
         const double *p = points + j * dim;
         double *made = fine + 2 * j * dim;
-        bat_status status = new_vertex(kernel->space, &data->even, even_base, p, made);
+        *fault = j;
+        if (smooths)
+            status = new_vertex(kernel->space, &data->even, even_base, p, made);
+        else
+            memcpy(made, p, dim * sizeof *p);
         if (status == BAT_OK)
-            status = new_vertex(kernel->space, &data->odd, odd_base, p, made + dim);
-        if (status != BAT_OK)
-        {
-            *fault = j;
-            return status;
-        }
+            status = new_vertex(kernel->space, &data->odd, data->base, p, made + dim);
     }
-    return BAT_OK;
+    return status;
 }
 
 /// One block of edges on the sphere, by coordinates: the stencils' points, base points, sums of logarithms, new points.
@@ -244,26 +226,20 @@ static void sphere_store(const sphere_block *block, size_t first, size_t edges, 
 static bat_status sphere_finish(const refine_kernel *kernel, const sphere_block *block, size_t edges, double *fine,
                                 size_t *fault)
 {
-    for (size_t j = 0; j < edges; j++)
+    bat_status status = BAT_OK;
+    for (size_t j = 0; j < edges && status == BAT_OK; j++)
     {
+        *fault = j;
         if (!(block->margin[j] > 0))
-        {
-            *fault = j;
-            return BAT_CUT_LOCUS;
-        }
-        if (!(block->squared_length[j] <= SQUARED_PI))
+            status = BAT_CUT_LOCUS;
+        else if (!(block->squared_length[j] <= SQUARED_PI))
         {
             double tangent[3] = {block->sum_x[j], block->sum_y[j], block->sum_z[j]};
             double base[3] = {block->base_x[j], block->base_y[j], block->base_z[j]};
-            bat_status status = kernel->space->exp(kernel->space, base, tangent, fine + 6 * j + 3);
-            if (status != BAT_OK)
-            {
-                *fault = j;
-                return status;
-            }
+            status = kernel->space->exp(kernel->space, base, tangent, fine + 6 * j + 3);
         }
     }
-    return BAT_OK;
+    return status;
 }
 
 static bat_status run_sphere(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
@@ -275,7 +251,8 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
     ptrdiff_t low = (1 - kernel->last) / 2, high = (1 - kernel->first) / 2;
     size_t first = (size_t)-low;
     sphere_block block;
-    for (size_t done = 0; done < pairs; done += BLOCK)
+    bat_status status = BAT_OK;
+    for (size_t done = 0; done < pairs && status == BAT_OK; done += BLOCK)
     {
         size_t edges = pairs - done < BLOCK ? pairs - done : BLOCK;
         sphere_load(&block, points + 3 * ((ptrdiff_t)done + low), edges + (size_t)(high - low));
@@ -292,14 +269,10 @@ static bat_status run_sphere(const refine_kernel *kernel, const double *points, 
         }
         sphere_exponentials(&block, edges);
         sphere_store(&block, first, edges, fine + 6 * done);
-        bat_status status = sphere_finish(kernel, &block, edges, fine + 6 * done, fault);
-        if (status != BAT_OK)
-        {
-            *fault += done;
-            return status;
-        }
+        status = sphere_finish(kernel, &block, edges, fine + 6 * done, fault);
+        *fault += done;
     }
-    return BAT_OK;
+    return status;
 }
 
 /// The support is that of the mask, widened to both sides alike until it holds both ends of the edge.
@@ -315,7 +288,7 @@ static refine_kernel smoothing_kernel(const bat_space *space, const bat_curve_sc
         .dim = space->point_dim,
         .first = first - grow,
         .last = last + grow,
-        .run = run_smoothing,
+        .run = run_any,
     };
     log_exp_data *data = kernel_data(&kernel);
     *data = (log_exp_data){even, odd, scheme->base};

@@ -120,26 +120,22 @@ static bat_status run(const refine_kernel *kernel, const double *points, size_t 
         lengths[1] = space->distance(space, points - dim, points);
         lengths[2] = space->distance(space, points, points + dim);
     }
-    for (size_t j = 0; j < pairs; j++)
+    bat_status status = BAT_OK;
+    for (size_t j = 0; j < pairs && status == BAT_OK; j++)
     {
         const double *p = points + j * dim;
         double *made = fine + (2 * j + 1) * dim;
+        *fault = j;
         lengths[0] = lengths[1];
         lengths[1] = lengths[2];
         lengths[2] = uniform ? 0 : space->distance(space, p + dim, p + 2 * dim);
         displacement d = displacement_of(data, lengths);
         memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
-        bat_status status =
-            data->euclidean ? insert_numbers(&d, p, dim, dim, made) : insert_point(space, &d, data->base, p, dim, made);
+        status = data->euclidean ? insert_numbers(&d, p, dim, dim, made) : insert_point(space, &d, data->base, p, dim, made);
         if (status == BAT_OK && !data->euclidean && dim > point_dim)
             status = insert_numbers(&d, p + point_dim, dim, dim - point_dim, made + point_dim);
-        if (status != BAT_OK)
-        {
-            *fault = j;
-            return status;
-        }
     }
-    return BAT_OK;
+    return status;
 }
 
 refine_kernel kernel_four_point(const bat_space *space, size_t channel_count, const bat_curve_scheme *scheme)

@@ -78,10 +78,12 @@ static bat_status insert_block(const refine_kernel *kernel, const double *points
         where->insert(&block, edges);
         angle_block_store(&block, points, dim, edges, fine);
     }
-    for (size_t j = 0; j < edges; j++)
+    bat_status status = BAT_OK;
+    for (size_t j = 0; j < edges && status == BAT_OK; j++)
     {
-        bat_status status = isnan(block.slope[j]) ? BAT_INVALID_POINT : BAT_OK;
         const double *p = points + j * dim;
+        *fault = j;
+        status = isnan(block.slope[j]) ? BAT_INVALID_POINT : BAT_OK;
         if (status == BAT_OK && where != NULL)
             status = block.margin[j] > 0 ? BAT_OK : where->missing;
         else if (status == BAT_OK)
@@ -89,13 +91,8 @@ static bat_status insert_block(const refine_kernel *kernel, const double *points
             memcpy(fine + 2 * j * dim, p, dim * sizeof *p);
             status = kernel->space->apex(kernel->space, p, p + dim, atan(block.slope[j]), fine + (2 * j + 1) * dim);
         }
-        if (status != BAT_OK)
-        {
-            *fault = j;
-            return status;
-        }
     }
-    return BAT_OK;
+    return status;
 }
 
 static bat_status run_rule(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
@@ -105,7 +102,8 @@ static bat_status run_rule(const refine_kernel *kernel, const double *points, si
     const bat_curve_angle_rule *rule = data->scheme->rule;
     size_t dim = kernel->dim, reach = rule->reach;
     rule_run *run = scratch;
-    for (size_t done = 0; done < pairs; done += BAT_CURVE_ANGLE_RULE_EDGES)
+    bat_status status = BAT_OK;
+    for (size_t done = 0; done < pairs && status == BAT_OK; done += BAT_CURVE_ANGLE_RULE_EDGES)
     {
         size_t edges = pairs - done < BAT_CURVE_ANGLE_RULE_EDGES ? pairs - done : BAT_CURVE_ANGLE_RULE_EDGES;
         const double *here = points + done * dim;
@@ -119,19 +117,14 @@ static bat_status run_rule(const refine_kernel *kernel, const double *points, si
                                           .level = kernel->level,
                                           .first = rule->levels > 0 ? (here - data->root) / (ptrdiff_t)dim : 0};
         rule->angles(rule, &view, run->insertion, run->scratch);
-        for (size_t j = 0; j < edges; j += ANGLE_BLOCK_EDGES)
+        for (size_t j = 0; j < edges && status == BAT_OK; j += ANGLE_BLOCK_EDGES)
         {
             size_t count = edges - j < ANGLE_BLOCK_EDGES ? edges - j : ANGLE_BLOCK_EDGES;
-            bat_status status =
-                insert_block(kernel, here + j * dim, run->insertion + j, count, fine + 2 * (done + j) * dim, fault);
-            if (status != BAT_OK)
-            {
-                *fault += done + j;
-                return status;
-            }
+            status = insert_block(kernel, here + j * dim, run->insertion + j, count, fine + 2 * (done + j) * dim, fault);
+            *fault += done + j;
         }
     }
-    return BAT_OK;
+    return status;
 }
 
 /// The mean length of the edges first … end - 1, 0 when there are none.

@@ -147,15 +147,9 @@ void legend_fill_bars(cairo_t *cairo, draw_colour colour)
     cairo_stroke(cairo);
 }
 
-static bool same_colour(draw_colour a, draw_colour b)
-{
-    return a.red == b.red && a.green == b.green && a.blue == b.blue;
-}
-
 static bool same_look(const legend_item *a, const legend_item *b)
 {
-    bool same_line = a->line.width == b->line.width && a->line.dash == b->line.dash && a->line.gap == b->line.gap;
-    return strcmp(a->label, b->label) == 0 && a->mark == b->mark && same_line && same_colour(a->line.colour, b->line.colour);
+    return strcmp(a->label, b->label) == 0 && a->mark == b->mark && style_same_line(&a->line, &b->line);
 }
 
 void legend_add(legend_item *items, size_t *count, legend_item item)

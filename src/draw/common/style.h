@@ -21,6 +21,13 @@ typedef struct line_style
     double gap;  ///< the length of a gap
 } line_style;
 
+static inline bool style_same_line(const line_style *a, const line_style *b)
+{
+    const draw_colour *p = &a->colour, *q = &b->colour;
+    return p->red == q->red && p->green == q->green && p->blue == q->blue && a->width == b->width && a->dash == b->dash &&
+           a->gap == b->gap;
+}
+
 static const draw_colour COLOUR_BACKGROUND = {1.0, 1.0, 1.0};
 static const draw_colour COLOUR_FOREGROUND = {0.16, 0.18, 0.21};
 static const draw_colour COLOUR_MUTED = {0.38, 0.41, 0.45};

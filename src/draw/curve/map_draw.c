@@ -203,13 +203,6 @@ static void add_runs(line_group *group, const bat_curve *curve, const unsigned c
     }
 }
 
-static bool same_line(const line_style *a, const line_style *b)
-{
-    const draw_colour *p = &a->colour, *q = &b->colour;
-    return p->red == q->red && p->green == q->green && p->blue == q->blue && a->width == b->width && a->dash == b->dash &&
-           a->gap == b->gap;
-}
-
 bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_panel *panel, bat_curve_layer_role role,
                           bat_error *error)
 {
@@ -225,7 +218,7 @@ bat_status map_draw_lines(cairo_t *cairo, const draw_view *view, const scene_pan
             continue;
         line_style line = map_line(panel, i);
         line.width *= layer->polygon > 0 && view->borders > 0 ? view->borders : 1;
-        bool same = same_line(&line, &group.line);
+        bool same = style_same_line(&line, &group.line);
         if (!same)
             flush(&group);
         group.line = line;
