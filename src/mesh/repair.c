@@ -1,5 +1,3 @@
-#include "batten/mesh.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"

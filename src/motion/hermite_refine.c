@@ -1,5 +1,3 @@
-#include "batten/motion_hermite.h"
-
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -199,10 +197,9 @@ static bat_status make_pair(const refine_kernel *kernel, const double *rows, dou
     return status;
 }
 
-static bat_status run_transport(const refine_kernel *kernel, const double *points, size_t pairs, double *fine, void *scratch,
-                                size_t *fault)
+static bat_status run_transport(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
+                                void *scratch BAT_UNUSED, size_t *fault)
 {
-    (void)scratch;
     for (size_t j = 0; j < pairs; j++)
     {
         bat_status status = make_pair(kernel, points + j * kernel->dim, fine + 2 * j * kernel->dim);

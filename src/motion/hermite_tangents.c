@@ -1,5 +1,3 @@
-#include "batten/motion_hermite.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "motion/hermite_average.h"

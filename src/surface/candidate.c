@@ -9,10 +9,8 @@
 #include "surface/candidate.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
-#include "surface/cloud/neighbours.h"
 #include "surface/fit/points.h"
 
 #include <math.h>

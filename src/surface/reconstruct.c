@@ -6,18 +6,13 @@
 /// part is parameterized and fitted for each k. The other points get the parameters of their feet on the selected surface,
 /// and the last fit is to all points.
 
-#include "batten/surface.h"
-
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
 #include "surface/candidate.h"
 #include "surface/cloud/boundary.h"
-#include "surface/cloud/neighbours.h"
-#include "surface/cloud/part.h"
 
 #include <math.h>
 #include <stdlib.h>

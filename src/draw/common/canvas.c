@@ -6,7 +6,6 @@
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <strings.h>
 

@@ -2,8 +2,6 @@
 
 #include "base/error.h"
 
-#include <math.h>
-
 /// @file
 /// Layout of a page: heights of rows from their boxes, scaled to a prescribed height.
 

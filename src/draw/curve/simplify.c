@@ -1,7 +1,5 @@
 #include "draw/curve/view.h"
 
-#include <math.h>
-
 /// @file
 /// The wedge of admissible directions, updated point by point.
 

@@ -2,7 +2,6 @@
 #include "draw/curve/view.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

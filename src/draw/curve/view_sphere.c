@@ -3,7 +3,6 @@
 #include "linalg/dense.h"
 #include "linalg/vector.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
-#include "batten/base.h"
 #include "draw/common/legend.h"
 #include "linalg/vector.h"
 

@@ -1,10 +1,6 @@
 #include "io/curve/wkt.h"
 
-#include "base/error.h"
-#include "io/common/number_text.h"
-
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// Well-known binary (ISO 19125-1) in hexadecimal digits, as databases print it. It is read as the well-known text of the

@@ -1,13 +1,9 @@
 #include "io/common/json.h"
-#include "io/common/number_text.h"
 #include "io/common/xml_parse.h"
 #include "io/common/zip.h"
 #include "io/mesh/builder.h"
-#include "io/mesh/formats.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 /// @file
 /// Reader of 3MF: 3MF Consortium, "3D Manufacturing Format: Core Specification" 1.3. The meshes of the objects that the
@@ -524,9 +520,8 @@ static void on_begin(void *context, const XML_Char *name, const XML_Char **attri
     reader->skipped = 1;
 }
 
-static void on_end(void *context, const XML_Char *name)
+static void on_end(void *context, const XML_Char *name BAT_UNUSED)
 {
-    (void)name;
     reader_3mf *reader = context;
     if (reader->skipped > 0)
     {
@@ -557,9 +552,8 @@ static void on_relation(void *context, const XML_Char *name, const XML_Char **at
         fail_memory(reader, strlen(target));
 }
 
-static bat_status parse_piece(void *context, const char *bytes, size_t size, bool last, bat_error *error)
+static bat_status parse_piece(void *context, const char *bytes, size_t size, bool last, bat_error *error BAT_UNUSED)
 {
-    (void)error;
     return xml_piece(context, bytes, size, last);
 }
 

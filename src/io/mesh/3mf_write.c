@@ -1,13 +1,8 @@
-#include "base/error.h"
 #include "base/json_scan.h"
-#include "base/memory.h"
-#include "io/common/number_text.h"
 #include "io/common/zip.h"
 #include "io/mesh/formats.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Writer of 3MF: an object for each name of an object where these share no vertices, else one object. Base materials have

@@ -1,15 +1,9 @@
-#include "batten/mesh_file.h"
-
 #include "base/atomic_file.h"
 #include "base/choice.h"
-#include "base/error.h"
 #include "base/option.h"
-#include "base/text_buffer.h"
-#include "io/common/number_text.h"
 #include "io/mesh/formats.h"
 
 #include <math.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

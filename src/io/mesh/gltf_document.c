@@ -1,17 +1,11 @@
 #include "io/mesh/gltf.h"
 
-#include "base/error.h"
 #include "base/file_bytes.h"
-#include "base/json_scan.h"
-#include "base/memory.h"
 #include "io/common/base64.h"
-#include "io/common/number_text.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// The JSON of a glTF file, and its buffers: the binary chunk, data URIs, or files beside it.

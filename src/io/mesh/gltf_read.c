@@ -1,12 +1,8 @@
 #include "io/mesh/gltf.h"
 
-#include "base/error.h"
 #include "io/mesh/builder.h"
-#include "io/mesh/formats.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 /// @file
 /// Reader of glTF 2.0: the triangles of all meshes of a scene, in the scene's coordinates.

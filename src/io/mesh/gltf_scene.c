@@ -1,14 +1,9 @@
 #include "io/mesh/gltf.h"
 
-#include "base/array_grow.h"
-#include "base/error.h"
 #include "io/common/base64.h"
 #include "io/mesh/formats.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// The nodes of a scene and their transforms (glTF 2.0, section 3.5).

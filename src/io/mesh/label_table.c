@@ -1,9 +1,6 @@
 #include "io/mesh/formats.h"
 
-#include "base/array_grow.h"
 #include "base/hash.h"
-
-#include <string.h>
 
 /// @file
 /// Labels by the hashes of their names.

@@ -1,11 +1,9 @@
 #include "io/mesh/ply.h"
 
-#include "base/error.h"
 #include "base/json_scan.h"
 #include "io/common/json.h"
 
 #include <math.h>
-#include <string.h>
 
 /// @file
 /// The header of a PLY file, and numbers as text or bytes.

@@ -1,4 +1,3 @@
-#include "io/mesh/builder.h"
 #include "io/mesh/ply.h"
 
 /// @file

@@ -1,5 +1,3 @@
-#include "base/error.h"
-#include "io/mesh/formats.h"
 #include "io/mesh/ply.h"
 #include "mesh/sides.h"
 

@@ -1,12 +1,8 @@
 #include "io/mesh/formats.h"
 
-#include "base/error.h"
 #include "mesh/sides.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// What writers and readers of meshes share: the names of colours, and notes.

@@ -1,8 +1,4 @@
-#include "base/error.h"
-#include "io/common/file_text.h"
-#include "io/common/number_text.h"
 #include "io/mesh/builder.h"
-#include "io/mesh/formats.h"
 
 #include <math.h>
 #include <strings.h>

@@ -1,10 +1,5 @@
 #include "io/motion/pose_translation.h"
 
-#include "io/common/number_text.h"
-
-#include <stdio.h>
-#include <string.h>
-
 const char *pose_time_copy(csv_field cell, char separator, text_buffer *text)
 {
     iso_time iso;

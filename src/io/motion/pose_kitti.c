@@ -1,12 +1,7 @@
-#include "base/error.h"
 #include "batten/motion.h"
-#include "batten/space.h"
-#include "io/common/number_text.h"
 #include "io/motion/pose_translation.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 /// @file
 /// KITTI's rows of matrices.

@@ -1,10 +1,6 @@
-#include "io/common/number_text.h"
-#include "io/common/time_text.h"
 #include "io/motion/pose_translation.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 /// @file
 /// Tables of poses with the names of columns.

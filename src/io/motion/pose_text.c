@@ -1,14 +1,7 @@
-#include "io/curve/formats.h"
-
-#include "curve/curve_attributes.h"
-#include "io/common/number_text.h"
 #include "io/motion/pose_translation.h"
 
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// Rows that must agree before a text without names is taken for a trajectory.
 static const int PROBED_ROWS = 100;

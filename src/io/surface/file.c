@@ -1,21 +1,13 @@
 #include "base/atomic_file.h"
 
 #include "base/choice.h"
-#include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
-#include "batten/cloud_file.h"
 #include "batten/mesh_file.h"
-#include "io/common/block_writer.h"
-#include "io/common/file_text.h"
-#include "io/common/number_text.h"
 #include "io/surface/cloud_formats.h"
 #include "io/surface/formats.h"
 #include "surface/spline/tensor_surface.h"
 
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Reading and writing of spline surfaces in any format.

@@ -1,14 +1,10 @@
-#include "base/error.h"
 #include "base/json_scan.h"
-#include "base/memory.h"
-#include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "surface/spline/hierarchical_space.h"
 #include "surface/spline/tensor_surface.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 
 /// @file
 /// The JSON format of spline surfaces: degrees, spans, boxes of refined cells, functions and control points.
@@ -443,10 +439,9 @@ static void append_control(text_buffer *text, const bat_spline_surface *surface)
     text_append_string(text, "]\n}\n");
 }
 
-bat_status surface_json_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
-                              bat_error *error)
+bat_status surface_json_write(const bat_spline_surface *surface, const bat_surface_write_options *options BAT_UNUSED,
+                              text_sink *sink, bat_error *error)
 {
-    (void)options;
     text_buffer text = {0};
     append_head(&text, surface);
     bat_status status = append_boxes(&text, surface->space, error);

@@ -1,12 +1,6 @@
 #include "io/surface/formats.h"
 #include "surface/spline/hierarchical_space.h"
 
-#include "base/error.h"
-#include "base/memory.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 /// @file
 /// Hierarchical spline spaces from the boxes of refined cells in files.
 

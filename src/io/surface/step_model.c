@@ -1,7 +1,5 @@
 #include "base/error.h"
-#include "base/memory.h"
 #include "io/surface/step.h"
-#include "surface/spline/tensor_surface.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,11 +1,7 @@
-#include "base/error.h"
-#include "io/common/number_text.h"
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
-#include "surface/spline/tensor_surface.h"
 
 #include <stdarg.h>
-#include <stdio.h>
 
 /// @file
 /// A spline surface as an open shell of B-spline faces, in the schema AP242 of ISO 10303: the clear-text encoding of ISO

@@ -3,7 +3,6 @@
 
 #include "base/error.h"
 #include "io/common/number_text.h"
-#include "surface/trim/trimming.h"
 
 #include <math.h>
 #include <stdlib.h>

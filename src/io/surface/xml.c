@@ -1,10 +1,6 @@
 /// @file
 /// G+Smo's XML format, for B-spline, HB-spline and THB-spline surfaces.
 
-#include "base/memory.h"
-#include "base/text_buffer.h"
-#include "io/common/file_text.h"
-#include "io/common/number_text.h"
 #include "io/common/xml_parse.h"
 #include "io/surface/formats.h"
 #include "surface/spline/hierarchical_space.h"
@@ -12,7 +8,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 
 typedef struct xml_numbers
 {
@@ -548,10 +543,9 @@ static void append_trim(text_buffer *text, const bat_spline_trim *trim)
         }
 }
 
-bat_status surface_xml_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
-                             bat_error *error)
+bat_status surface_xml_write(const bat_spline_surface *surface, const bat_surface_write_options *options BAT_UNUSED,
+                             text_sink *sink, bat_error *error)
 {
-    (void)options;
     text_buffer text = {0};
     text_append_string(&text, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<xml>\n");
     bat_status status = append_basis(&text, surface, error);

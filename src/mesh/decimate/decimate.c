@@ -1,19 +1,14 @@
-#include "batten/mesh_decimate.h"
-
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
 #include "mesh/check.h"
-#include "mesh/decimate/collapse.h"
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,5 @@
-#include "linalg/vector.h"
 #include "mesh/decimate/map.h"
 
-#include <math.h>
 #include <string.h>
 
 /// @file

@@ -4,7 +4,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -278,7 +277,7 @@ static uint32_t carry(const bat_mesh_map *map, uint32_t entry, bool to_fine, dou
 }
 
 /// Ask for the points and entries of a collapse before they are needed.
-static void prefetch_collapse(const bat_mesh_map *map, uint32_t entry)
+static void prefetch_collapse(const bat_mesh_map *map BAT_UNUSED, uint32_t entry BAT_UNUSED)
 {
 #if defined(__GNUC__)
     const map_collapse *collapse = &map->steps[entry].collapse;
@@ -291,18 +290,14 @@ static void prefetch_collapse(const bat_mesh_map *map, uint32_t entry)
     for (size_t at = 0; at < step_bytes; at += CACHE_LINE)
         __builtin_prefetch(steps + at);
 #else
-    (void)map;
-    (void)entry;
 #endif
 }
 
-static void prefetch_step(const bat_mesh_map *map, uint32_t entry)
+static void prefetch_step(const bat_mesh_map *map BAT_UNUSED, uint32_t entry BAT_UNUSED)
 {
 #if defined(__GNUC__)
     __builtin_prefetch(&map->steps[entry]);
 #else
-    (void)map;
-    (void)entry;
 #endif
 }
 

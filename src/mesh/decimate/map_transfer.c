@@ -1,13 +1,9 @@
-#include "batten/mesh_decimate.h"
-
 #include "base/error.h"
-#include "base/memory.h"
 #include "mesh/check.h"
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

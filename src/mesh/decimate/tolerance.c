@@ -1,7 +1,6 @@
 #include "mesh/decimate/collapse_error.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 
 #include <stdlib.h>

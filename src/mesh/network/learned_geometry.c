@@ -1,15 +1,10 @@
 #include "mesh/network/learned_network.h"
 
-#include "base/error.h"
-#include "base/lanes.h"
-#include "base/memory.h"
 #include "base/threads.h"
 #include "linalg/vector.h"
 #include "mesh/refine/level.h"
 
 #include <float.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum
 {

@@ -1,12 +1,7 @@
 #include "mesh/network/learned_network.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /// @file
 /// Forward pass of the network on blocks of vertices, half-flaps and edges. Products of vertex states are computed once for

@@ -1,14 +1,10 @@
 #include "mesh/network/learned_network.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "learn/weights.h"
 #include "mesh/measure/closest.h"
 #include "mesh/refine/level.h"
 #include "mesh/refine/sharpness.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 // Creases and corners
 
@@ -180,15 +176,14 @@ static bat_status refine(const bat_mesh_rule *rule, const bat_mesh *coarse, cons
 
 static const bat_mesh_rule RULE = {.levels = LEARNED_LEVELS_OF_MESH, .bounded = true, .refine = refine};
 
-static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
+static bat_status make(const learn_source *source BAT_UNUSED, learn_parameters *parameters, bat_error *error)
 {
-    (void)source;
     return mesh_learned_make(parameters, error);
 }
 
-static bat_status pack(const learn_source *source, const learn_parameters *parameters, void **network, bat_error *error)
+static bat_status pack(const learn_source *source BAT_UNUSED, const learn_parameters *parameters, void **network,
+                       bat_error *error)
 {
-    (void)source;
     mesh_learned *made = malloc(sizeof *made);
     bat_status status = made == NULL ? error_memory(error, sizeof *made) : mesh_learned_pack(parameters, made, error);
     if (status == BAT_OK)

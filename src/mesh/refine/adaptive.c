@@ -5,7 +5,6 @@
 #include "base/memory.h"
 #include "linalg/vector.h"
 #include "mesh/labels.h"
-#include "mesh/refine/level.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,13 +1,8 @@
-#include "batten/mesh_refine.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/labels.h"
 #include "mesh/refine/brake.h"
-#include "mesh/refine/level.h"
 #include "mesh/refine/plan.h"
-#include "mesh/refine/scheme.h"
-#include "mesh/refine/sharpness.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -18,8 +18,6 @@
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/delaunay.h"
-#include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

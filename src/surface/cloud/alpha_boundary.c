@@ -12,7 +12,6 @@
 #include "base/memory.h"
 #include "base/progress.h"
 #include "base/threads.h"
-#include "batten/mesh.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
 

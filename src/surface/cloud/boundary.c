@@ -7,7 +7,6 @@
 #include "surface/cloud/boundary.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "base/progress.h"
 #include "base/threads.h"
 #include "linalg/vector.h"
 #include "surface/cloud/part.h"

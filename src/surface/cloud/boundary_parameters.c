@@ -11,10 +11,8 @@
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
-#include "batten/cloud.h"
 #include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
 /// Clouds: memory, validity checks, and conversion of a triangle mesh with one boundary loop (a topological disk, V - E + F
 /// = 1).
 
-#include "batten/cloud.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/hash_table.h"

@@ -1,8 +1,6 @@
 /// @file
 /// Renumbering of clouds in spatial order; see neighbours.h.
 
-#include "surface/cloud/neighbours.h"
-
 #include "base/error.h"
 #include "base/memory.h"
 #include "surface/cloud/local_plane.h"

@@ -9,13 +9,9 @@
 
 #include "base/choice.h"
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/option.h"
 #include "base/progress.h"
-#include "batten/surface_fit.h"
 #include "surface/fit/loop.h"
-#include "surface/fit/system.h"
-#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -291,9 +287,8 @@ static double share_done(const fit_loop *loop)
 }
 
 /// Report progress; false to cancel. Serves as the progress callback of the search for lambda; its argument is ignored.
-static bool loop_report(void *context, double unused)
+static bool loop_report(void *context, double unused BAT_UNUSED)
 {
-    (void)unused;
     fit_loop *loop = context;
     const bat_progress *progress = &loop->options->progress;
     loop->reported = fmax(loop->reported, share_done(loop));

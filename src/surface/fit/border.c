@@ -4,7 +4,6 @@
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,10 +7,7 @@
 
 #include "surface/fit/system.h"
 
-#include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
-#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,11 +8,8 @@
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
-#include "base/memory.h"
-#include "surface/spline/hierarchical_space.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

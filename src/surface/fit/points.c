@@ -2,10 +2,7 @@
 /// Sums over the points of all processes of a fit; see points.h. All of it is collection on rank 0 and broadcast from there,
 /// so that every sum has one order.
 
-#include "surface/fit/points.h"
-
 #include "base/error.h"
-#include "base/progress.h"
 #include "base/threads.h"
 #include "surface/fit/loop.h"
 

@@ -9,10 +9,8 @@
 #include "surface/fit/system.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
 #include "linalg/multifrontal.h"
-#include "surface/spline/hierarchical_space.h"
 
 #include <limits.h>
 #include <math.h>
@@ -370,9 +368,8 @@ static void integrate_side(const plate_context *plate, const hierarchical_cell *
             integrals->of[order][k] *= scale;
 }
 
-static void fill_thin_plate(const void *context, size_t index, double *scratch, double *matrix, double *right)
+static void fill_thin_plate(const void *context, size_t index, double *scratch, double *matrix, double *right BAT_UNUSED)
 {
-    (void)right;
     const plate_context *plate = context;
     const hierarchical_cell *cell = &plate->space->cells[index];
     size_t width = (size_t)plate->space->options.degree[0] + 1, height = (size_t)plate->space->options.degree[1] + 1;

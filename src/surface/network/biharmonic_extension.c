@@ -7,13 +7,8 @@
 #include "surface/network/chart_network.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/dense.h"
 #include "linalg/vector.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum
 {

@@ -4,15 +4,11 @@
 #include "surface/network/chart_network.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "learn/blas.h"
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum
 {
@@ -128,9 +124,8 @@ static size_t outputs_of(size_t layer)
     return layer + 1 == CHART_LAYERS ? (size_t)CHART_MOVES : (size_t)CHART_WIDTH;
 }
 
-static bat_status make(const learn_source *source, learn_parameters *parameters, bat_error *error)
+static bat_status make(const learn_source *source BAT_UNUSED, learn_parameters *parameters, bat_error *error)
 {
-    (void)source;
     for (size_t layer = 0; layer < CHART_LAYERS; layer++)
     {
         char name[LEARN_NAME_SIZE];

@@ -5,14 +5,10 @@
 #include "surface/network/chart_network.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/dense.h"
 #include "linalg/vector.h"
 
 #include <cblas.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum
 {

@@ -8,12 +8,9 @@
 /// ratio of the singular values of A measures the stretch.
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "base/threads.h"
-#include "batten/cloud_parameterize.h"
 #include "linalg/vector.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 #include "surface/parameterize/weights.h"
 
 #include <math.h>

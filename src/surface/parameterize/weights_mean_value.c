@@ -7,7 +7,6 @@
 #include "surface/parameterize/weights.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

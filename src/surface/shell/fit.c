@@ -15,7 +15,6 @@
 #include "mesh/sides.h"
 #include "surface/fit/system.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

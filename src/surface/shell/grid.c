@@ -20,7 +20,6 @@
 #include "linalg/vector.h"
 #include "mesh/sides.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,8 +3,6 @@
 
 #include "surface/shell/shell.h"
 
-#include <math.h>
-
 #define OUTSIDE_CELLS 200 ///< most cells along the longest side of the grid that finds the outside
 #define OUTSIDE_MARGIN 8
 #define OUTSIDE_REACH 32 ///< steps

@@ -16,7 +16,6 @@
 #include "mesh/refine/sharpness.h"
 #include "mesh/sides.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

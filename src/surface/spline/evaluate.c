@@ -180,8 +180,8 @@ typedef struct cell_points
     size_t *begin;  ///< cells + 1
 } cell_points;
 
-static bat_status cell_points_make(const bat_hierarchical_space *space, const double *parameters, size_t count, int threads,
-                                   cell_points *points, bat_error *error)
+static bat_status cell_points_make(const bat_hierarchical_space *space, const double *parameters, size_t count,
+                                   int threads BAT_UNUSED, cell_points *points, bat_error *error)
 {
     *points = (cell_points){0};
     points->cell = memory_pool_array(&points->pool, count, sizeof *points->cell);
@@ -190,7 +190,6 @@ static bat_status cell_points_make(const bat_hierarchical_space *space, const do
     bat_status status = memory_pool_check(&points->pool, error);
     if (status != BAT_OK)
         return status;
-    (void)threads;
 #pragma omp parallel for num_threads(threads) schedule(static)
     for (size_t i = 0; i < count; i++)
         points->cell[i] = (uint32_t)bat_hierarchical_space_locate(space, parameters[2 * i], parameters[2 * i + 1]);

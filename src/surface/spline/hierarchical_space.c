@@ -8,7 +8,6 @@
 #include "base/option.h"
 
 #include <limits.h>
-#include <stdint.h>
 #include <stdlib.h>
 
 static const size_t FINEST = BAT_HIERARCHICAL_MAX_LEVELS - 1;

@@ -3,7 +3,6 @@
 /// and A2.3):
 ///     B_i,p(t) = (t - t_i) / (t_i+p - t_i) B_i,p-1(t) + (t_i+p+1 - t) / (t_i+p+1 - t_i+1) B_i+1,p-1(t).
 
-#include "batten/spline.h"
 #include "surface/spline/tensor_surface.h"
 
 #include "base/error.h"

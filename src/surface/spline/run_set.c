@@ -5,8 +5,6 @@
 
 #include "base/array_grow.h"
 
-#include "batten/spline.h"
-
 void run_set_free(run_set *set)
 {
     free(set->runs);

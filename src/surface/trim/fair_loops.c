@@ -11,7 +11,6 @@
 #include "surface/trim/trimming.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 #include "linalg/vector.h"
 
 #include <float.h>

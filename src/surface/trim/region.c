@@ -5,7 +5,6 @@
 #include "surface/trim/trimming.h"
 
 #include "base/error.h"
-#include "base/memory.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -12,7 +12,6 @@
 #include "mesh/hash_table.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/delaunay.h"
-#include "surface/spline/tensor_surface.h"
 
 #include <math.h>
 #include <stdlib.h>
