@@ -123,34 +123,19 @@ bat_status error_prefix(bat_error *error, bat_status status, const char *format,
 
 const char *bat_status_name(bat_status status)
 {
-    switch (status)
-    {
-    case BAT_OK:
-        return "ok";
-    case BAT_INVALID_ARGUMENT:
-        return "invalid argument";
-    case BAT_INVALID_POINT:
-        return "invalid point";
-    case BAT_CUT_LOCUS:
-        return "cut locus";
-    case BAT_UNSUPPORTED:
-        return "unsupported";
-    case BAT_NO_CONVERGENCE:
-        return "no convergence";
-    case BAT_TOO_LARGE:
-        return "too large";
-    case BAT_NO_MEMORY:
-        return "no memory";
-    case BAT_BAD_FILE:
-        return "bad file";
-    case BAT_FILE_ACCESS:
-        return "file access";
-    case BAT_CANCELLED:
-        return "cancelled";
-    case BAT_NOT_MANIFOLD:
-        return "not manifold";
-    }
-    return "unknown status";
+    static const char *const NAMES[] = {[BAT_OK] = "ok",
+                                        [BAT_INVALID_ARGUMENT] = "invalid argument",
+                                        [BAT_INVALID_POINT] = "invalid point",
+                                        [BAT_CUT_LOCUS] = "cut locus",
+                                        [BAT_UNSUPPORTED] = "unsupported",
+                                        [BAT_NO_CONVERGENCE] = "no convergence",
+                                        [BAT_TOO_LARGE] = "too large",
+                                        [BAT_NO_MEMORY] = "no memory",
+                                        [BAT_BAD_FILE] = "bad file",
+                                        [BAT_FILE_ACCESS] = "file access",
+                                        [BAT_CANCELLED] = "cancelled",
+                                        [BAT_NOT_MANIFOLD] = "not manifold"};
+    return (size_t)status < sizeof NAMES / sizeof *NAMES && NAMES[status] != NULL ? NAMES[status] : "unknown status";
 }
 
 #define TEXT_OF(x) #x

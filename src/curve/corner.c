@@ -84,11 +84,7 @@ static bat_status find_turns(const bat_curve *curve, double *turns, bat_error *e
     return BAT_OK;
 }
 
-static int compare_directions(const void *left, const void *right)
-{
-    const edge_direction *a = left, *b = right;
-    return a->angle != b->angle ? (a->angle < b->angle ? -1 : 1) : (a->edge > b->edge) - (a->edge < b->edge);
-}
+DEFINE_ORDER(compare_directions, edge_direction, angle, edge)
 
 /// Find the directions of all edges modulo a right angle, sorted.
 static void find_directions(corner_search *search)

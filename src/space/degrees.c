@@ -28,26 +28,10 @@ static void degrees_sine_cosine(double degrees, double *sine, double *cosine)
     static const double radians_per_degree = 0.017453292519943295769236907684886;
     double quarter = nearbyint(degrees / 90.0);
     double rest = (degrees - 90.0 * quarter) * radians_per_degree;
-    double s = sin(rest), c = cos(rest);
-    switch ((int)quarter & 3)
-    {
-    case 0:
-        *sine = s;
-        *cosine = c;
-        break;
-    case 1:
-        *sine = c;
-        *cosine = -s;
-        break;
-    case 2:
-        *sine = -s;
-        *cosine = -c;
-        break;
-    default:
-        *sine = -c;
-        *cosine = s;
-        break;
-    }
+    const double s = sin(rest), c = cos(rest), turned[] = {s, c, -s, -c};
+    int quarters = (int)quarter & 3;
+    *sine = turned[quarters];
+    *cosine = turned[(quarters + 1) & 3];
 }
 
 void degrees_to_point(double longitude, double latitude, double point[3])

@@ -321,12 +321,7 @@ static int compare_sizes(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-static int compare_pairs(const void *a, const void *b)
-{
-    const feature_pair *p = a;
-    const feature_pair *q = b;
-    return p->b != q->b ? (p->b > q->b) - (p->b < q->b) : (p->a > q->a) - (p->a < q->a);
-}
+DEFINE_ORDER(compare_pairs, feature_pair, b, a)
 
 static size_t feature_index(const network_builder *builder, size_t layer)
 {

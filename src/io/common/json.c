@@ -92,31 +92,17 @@ static void append_integer(text_buffer *text, json_int_t value)
 
 void json_text(text_buffer *text, const json_t *value)
 {
-    switch (json_typeof(value))
-    {
-    case JSON_OBJECT:
+    json_type type = json_typeof(value);
+    if (type == JSON_OBJECT)
         append_object(text, value);
-        break;
-    case JSON_ARRAY:
+    else if (type == JSON_ARRAY)
         append_array(text, value);
-        break;
-    case JSON_STRING:
+    else if (type == JSON_STRING)
         json_text_string(text, json_string_value(value), json_string_length(value));
-        break;
-    case JSON_INTEGER:
+    else if (type == JSON_INTEGER)
         append_integer(text, json_integer_value(value));
-        break;
-    case JSON_REAL:
+    else if (type == JSON_REAL)
         append_real(text, json_real_value(value));
-        break;
-    case JSON_TRUE:
-        text_append_string(text, "true");
-        break;
-    case JSON_FALSE:
-        text_append_string(text, "false");
-        break;
-    case JSON_NULL:
-        text_append_string(text, "null");
-        break;
-    }
+    else
+        text_append_string(text, type == JSON_TRUE ? "true" : type == JSON_FALSE ? "false" : "null");
 }

@@ -346,13 +346,7 @@ typedef struct border
     memory_pool pool;           ///< of all arrays but the chains
 } border;
 
-static int compare_crossings(const void *a, const void *b)
-{
-    const border_crossing *p = a, *q = b;
-    if (p->latitude != q->latitude)
-        return p->latitude < q->latitude ? -1 : 1;
-    return (p->ending > q->ending) - (p->ending < q->ending);
-}
+DEFINE_ORDER(compare_crossings, border_crossing, latitude, ending)
 
 static bool border_allocate(border *edge)
 {

@@ -458,20 +458,9 @@ bat_status geojson_read_coordinates(geojson_reader *reader, geometry_kind kind, 
     reader->number_count = 0;
     reader->position_count = 0;
     reader->aliases = false;
-    bat_status status;
-    switch (kind)
-    {
-    case GEOMETRY_LINE:
-        status = read_part(reader, scan);
-        break;
-    case GEOMETRY_LINES:
-        status = read_parts(reader, scan, &unused);
-        break;
-    case GEOMETRY_POLYGON:
-        status = read_polygon(reader, scan);
-        break;
-    default:
-        status = read_polygons(reader, scan);
-    }
+    bat_status status = kind == GEOMETRY_LINE      ? read_part(reader, scan)
+                        : kind == GEOMETRY_LINES   ? read_parts(reader, scan, &unused)
+                        : kind == GEOMETRY_POLYGON ? read_polygon(reader, scan)
+                                                   : read_polygons(reader, scan);
     return status == BAT_OK ? complete_geometry(reader, first_curve, first_polygon) : status;
 }

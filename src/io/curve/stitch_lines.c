@@ -247,13 +247,7 @@ typedef struct line_end
     size_t line;
 } line_end;
 
-static int compare_ends(const void *a, const void *b)
-{
-    const line_end *p = a, *q = b;
-    if (p->latitude != q->latitude)
-        return p->latitude < q->latitude ? -1 : 1;
-    return (p->line > q->line) - (p->line < q->line);
-}
+DEFINE_ORDER(compare_ends, line_end, latitude, line)
 
 /// Join a line to the next one of the file where they meet, else to the first line that it meets.
 static bool find_joins(line_job *job)
