@@ -1,5 +1,4 @@
-#ifndef MESH_HASH_TABLE_H
-#define MESH_HASH_TABLE_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -55,5 +54,3 @@ uint32_t point_table_find(const point_table *table, const double point[3]);
 
 /// The smallest index of a point within the distance `cell`, for a table with a grid; BAT_MESH_NONE for none.
 uint32_t point_table_near(const point_table *table, const double point[3]);
-
-#endif

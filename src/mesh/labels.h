@@ -1,5 +1,4 @@
-#ifndef MESH_LABELS_H
-#define MESH_LABELS_H
+#pragma once
 
 #include "batten/mesh.h"
 
@@ -31,5 +30,3 @@ void channels_bound(const bat_mesh *from, bat_mesh *to);
 /// @param to receives channels, which it must not have yet; bat_mesh_free() releases what was made, also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status channels_make(const bat_mesh *from, size_t vertices, bat_mesh *to, bat_error *error);
-
-#endif

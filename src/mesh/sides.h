@@ -1,5 +1,4 @@
-#ifndef MESH_SIDES_H
-#define MESH_SIDES_H
+#pragma once
 
 #include "batten/mesh.h"
 
@@ -72,5 +71,3 @@ static inline uint32_t sides_previous(const mesh_sides *sides, uint32_t half_edg
 /// @param count the number of faces
 bat_status sides_connect(const mesh_sides *sides, const uint32_t *faces, size_t count, size_t vertex_count,
                          bat_mesh_connectivity *connectivity, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MOTION_HERMITE_AVERAGE_H
-#define MOTION_HERMITE_AVERAGE_H
+#pragma once
 
 #include "batten/motion_hermite.h"
 #include "curve/kernel.h"
@@ -51,5 +50,3 @@ bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const do
 
 /// Rows of a point, a direction and, where the kernel is timed, a time: averages by bat_hermite_average() at 1/2.
 row_average hermite_row_average;
-
-#endif

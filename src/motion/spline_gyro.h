@@ -1,5 +1,4 @@
-#ifndef MOTION_SPLINE_GYRO_H
-#define MOTION_SPLINE_GYRO_H
+#pragma once
 
 #include "batten/motion_spline.h"
 
@@ -20,5 +19,3 @@ typedef struct gyro_fusion
 bat_status gyro_fuse(const double *times, const double *keys, size_t count, const bat_motion_gyro *gyro, double sigma,
                      gyro_fusion *fusion, bat_error *error);
 void gyro_fusion_free(gyro_fusion *fusion);
-
-#endif

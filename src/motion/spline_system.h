@@ -1,5 +1,4 @@
-#ifndef MOTION_SPLINE_SYSTEM_H
-#define MOTION_SPLINE_SYSTEM_H
+#pragma once
 
 #include "batten/motion_spline.h"
 #include "batten/space.h"
@@ -217,5 +216,3 @@ double spline_time_at(const bat_motion_spline *spline, size_t interval, double s
 
 /// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
 double motion_outliers_threshold(bat_motion_outliers outliers);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MOTION_SPLINE_TIMING_H
-#define MOTION_SPLINE_TIMING_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -58,5 +57,3 @@ double spline_timing_share(const spline_timing *timing, size_t interval, double 
 
 /// The new time at a share of an interval.
 double spline_timing_time(const spline_timing *timing, size_t interval, double share);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_CANDIDATE_H
-#define SURFACE_CANDIDATE_H
+#pragma once
 
 #include "batten/cloud.h"
 #include "batten/surface.h"
@@ -109,5 +108,3 @@ bat_status reconstruction_tell_one_sided(bat_error *error);
 /// Move the best candidate to the result.
 bat_status reconstruction_store(reconstruction *work, bat_error *error);
 void reconstruction_free(reconstruction *work);
-
-#endif

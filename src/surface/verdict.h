@@ -1,5 +1,4 @@
-#ifndef SURFACE_VERDICT_H
-#define SURFACE_VERDICT_H
+#pragma once
 
 #include "batten/surface.h"
 #include "surface/cloud/local_plane.h"
@@ -37,5 +36,3 @@ void cloud_geometry_free(cloud_geometry *geometry);
 bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surface *surface, const double *parameters,
                          const double *distances, size_t count, const bat_surface_fit_options *options,
                          bat_surface_verdict *verdict, bat_error *error);
-
-#endif

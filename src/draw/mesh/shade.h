@@ -1,5 +1,4 @@
-#ifndef DRAW_MESH_SHADE_H
-#define DRAW_MESH_SHADE_H
+#pragma once
 
 #include "batten/mesh.h"
 #include "batten/mesh_picture.h"
@@ -138,5 +137,3 @@ typedef struct shade_task
 /// Draw into pixels of four bytes, cairo's ARGB32 (premultiplied, in native byte order), with rows `stride` bytes apart.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status mesh_shade(const shade_task *task, unsigned char *pixels, size_t stride, bat_error *error);
-
-#endif

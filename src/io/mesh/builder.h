@@ -1,5 +1,4 @@
-#ifndef IO_MESH_BUILDER_H
-#define IO_MESH_BUILDER_H
+#pragma once
 
 #include "base/array_grow.h"
 #include "batten/mesh_file.h"
@@ -65,5 +64,3 @@ bat_status mesh_builder_no_memory(const mesh_builder *builder, bat_error *error)
 /// @return BAT_OK; BAT_BAD_FILE with the index of the invalid face, if any; BAT_TOO_LARGE; BAT_NO_MEMORY
 bat_status mesh_builder_finish(mesh_builder *builder, const bat_mesh_read_options *options, bat_mesh *mesh,
                                bat_error *error);
-
-#endif

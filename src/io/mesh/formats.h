@@ -1,5 +1,4 @@
-#ifndef IO_MESH_FORMATS_H
-#define IO_MESH_FORMATS_H
+#pragma once
 
 #include "batten/mesh_file.h"
 #include "io/common/block_writer.h"
@@ -66,5 +65,3 @@ char *label_name_copy(label_name name);
 /// The number of the label with these names, copied by label_name_copy(); a new one is added. BAT_MESH_NONE: out of memory.
 uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_NAMES]);
 void label_table_free(label_table *table);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_MESH_GLTF_H
-#define IO_MESH_GLTF_H
+#pragma once
 
 #include "batten/mesh_file.h"
 #include "io/common/file_text.h"
@@ -135,5 +134,3 @@ bat_status gltf_instances_find(const gltf_document *document, gltf_instance **in
 /// @return as gltf_view_find(); the results are untouched on failure
 bat_status gltf_materials_read(gltf_document *document, char ***names, size_t *count, char **json, bat_mesh_notes *notes,
                                bat_error *error);
-
-#endif

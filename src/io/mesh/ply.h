@@ -1,5 +1,4 @@
-#ifndef IO_MESH_PLY_H
-#define IO_MESH_PLY_H
+#pragma once
 
 #include "base/array_grow.h"
 #include "base/text_buffer.h"
@@ -114,5 +113,3 @@ bat_status ply_labels_read(const char *header, size_t size, mesh_builder *builde
 
 /// Append the comments of a mesh.
 void ply_labels_write(const bat_mesh *mesh, text_buffer *text);
-
-#endif

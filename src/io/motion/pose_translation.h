@@ -1,5 +1,4 @@
-#ifndef IO_MOTION_POSE_TRANSLATION_H
-#define IO_MOTION_POSE_TRANSLATION_H
+#pragma once
 
 #include "base/error.h"
 #include "base/text_buffer.h"
@@ -130,5 +129,3 @@ bool pose_find_header(pose_translation *work, text_line *head, pose_header *name
 /// Whether a table needs translation: not one that the CSV reader knows, unless its times are none in seconds.
 bool pose_wants_table(const pose_translation *work, const pose_header *names, csv_field time);
 bat_status pose_translate_table(pose_translation *work, const text_line *head, pose_header *names, bat_error *error);
-
-#endif

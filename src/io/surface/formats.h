@@ -1,5 +1,4 @@
-#ifndef IO_SURFACE_FORMATS_H
-#define IO_SURFACE_FORMATS_H
+#pragma once
 
 #include "batten/shell.h"
 #include "batten/spline.h"
@@ -58,5 +57,3 @@ static inline uint64_t surface_level_cells(const bat_hierarchical_options *optio
 /// BAT_UNSUPPORTED for regions that divide cells of the previous level; BAT_TOO_LARGE; BAT_NO_MEMORY
 bat_status surface_space_make(const bat_hierarchical_options *options, const surface_box *boxes, size_t count, size_t line,
                               size_t functions, bat_hierarchical_space **space, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef IO_SURFACE_STEP_H
-#define IO_SURFACE_STEP_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/shell.h"
@@ -130,5 +129,3 @@ bat_status step_model_make(const bat_spline_surface *surface, step_model *model,
 /// The same of a shell: a patch of each face, of splines whose first derivatives are continuous.
 bat_status shell_model_make(const bat_shell *shell, step_model *model, bat_error *error);
 void step_model_free(step_model *model);
-
-#endif

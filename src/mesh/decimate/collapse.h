@@ -1,5 +1,4 @@
-#ifndef MESH_DECIMATE_COLLAPSE_H
-#define MESH_DECIMATE_COLLAPSE_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/mesh.h"
@@ -145,5 +144,3 @@ static inline bool edge_queue_has(const edge_queue *queue, uint32_t edge)
 {
     return queue->place[edge] != EDGE_QUEUE_ABSENT;
 }
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MESH_DECIMATE_COLLAPSE_ERROR_H
-#define MESH_DECIMATE_COLLAPSE_ERROR_H
+#pragma once
 
 #include "base/memory.h"
 #include "mesh/decimate/collapse.h"
@@ -217,5 +216,3 @@ void tolerance_free(tolerance *all);
 bool tolerance_allows(tolerance *all, const error_vertex *vertices, const collapse_ring *ring, const double *position);
 /// Give the samples of the ring of the last tolerance_allows() to their new faces.
 void tolerance_apply(tolerance *all, const collapse_ring *ring);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MESH_DECIMATE_MAP_H
-#define MESH_DECIMATE_MAP_H
+#pragma once
 
 #include "batten/mesh_decimate.h"
 #include "linalg/vector.h"
@@ -146,5 +145,3 @@ bat_status map_inspect(const bat_mesh_map *map, bat_error *error);
 /// Check that the map belongs to these meshes; either may be null.
 /// @return BAT_OK or BAT_INVALID_ARGUMENT
 bat_status map_check(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, bat_error *error);
-
-#endif

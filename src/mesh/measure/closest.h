@@ -1,5 +1,4 @@
-#ifndef MESH_MEASURE_CLOSEST_H
-#define MESH_MEASURE_CLOSEST_H
+#pragma once
 
 #include "batten/mesh.h"
 
@@ -79,5 +78,3 @@ bool closest_blocked(const closest_tree *tree, const double origin[3], const dou
 double closest_largest(const double *values, size_t count, double min);
 /// The power of two that scales `largest` to 1/2 … 1.
 double closest_scale(double largest);
-
-#endif

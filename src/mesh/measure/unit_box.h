@@ -1,5 +1,4 @@
-#ifndef MESH_MEASURE_UNIT_BOX_H
-#define MESH_MEASURE_UNIT_BOX_H
+#pragma once
 
 #include <math.h>
 #include <stddef.h>
@@ -36,5 +35,3 @@ static inline double unit_box_out(const unit_box *box, size_t i, double coordina
 {
     return box->low[i % 3] + box->size * coordinate;
 }
-
-#endif

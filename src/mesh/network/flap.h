@@ -1,5 +1,4 @@
-#ifndef MESH_NETWORK_FLAP_H
-#define MESH_NETWORK_FLAP_H
+#pragma once
 
 #include "batten/mesh.h"
 
@@ -49,5 +48,3 @@ typedef struct mesh_levels
 bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t count, int threads,
                             mesh_levels *levels, bat_error *error);
 void mesh_levels_free(mesh_levels *levels);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MESH_NETWORK_LEARNED_NETWORK_H
-#define MESH_NETWORK_LEARNED_NETWORK_H
+#pragma once
 
 #include "batten/mesh_refine.h"
 #include "learn/model.h"
@@ -225,5 +224,3 @@ extern const learn_networks mesh_networks;
 
 /// Read a model, a row's rule being a bat_mesh_rule whose context is the network.
 bat_status mesh_model_read(const learn_networks *networks, const char *path, bat_mesh_model **model, bat_error *error);
-
-#endif

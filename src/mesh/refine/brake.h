@@ -1,5 +1,4 @@
-#ifndef MESH_REFINE_BRAKE_H
-#define MESH_REFINE_BRAKE_H
+#pragma once
 
 #include "mesh/refine/level.h"
 
@@ -52,5 +51,3 @@ size_t brake_judge(mesh_brake *brake, const uint32_t *faces, double *positions);
 
 /// The bytes of a brake for each vertex of a level and of the next.
 #define BRAKE_VERTEX_BYTES (3 * sizeof(double) + sizeof(uint32_t))
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MESH_REFINE_LEVEL_H
-#define MESH_REFINE_LEVEL_H
+#pragma once
 
 #include "mesh/sides.h"
 
@@ -191,5 +190,3 @@ void quads_faces(const mesh_sides *sides, const uint32_t *faces, const bat_mesh_
 /// @return BAT_OK or BAT_NO_MEMORY; `fine` is untouched on failure
 bat_status quads_links(const mesh_sides *sides, const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine,
                        bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef MESH_REFINE_PLAN_H
-#define MESH_REFINE_PLAN_H
+#pragma once
 
 #include "batten/mesh_refine.h"
 #include "mesh/refine/scheme.h"
@@ -84,5 +83,3 @@ bat_status texture_rule(const texture_rows *rows, bat_error *error);
 /// @return BAT_OK or BAT_NO_MEMORY; results are untouched on failure
 bat_status texture_separate(const bat_mesh *mesh, size_t corner_count, double **texture, size_t *texture_count,
                             uint32_t **texture_faces, bat_error *error);
-
-#endif

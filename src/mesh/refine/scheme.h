@@ -1,5 +1,4 @@
-#ifndef MESH_REFINE_SCHEME_H
-#define MESH_REFINE_SCHEME_H
+#pragma once
 
 #include "base/choice.h"
 #include "batten/mesh_refine.h"
@@ -56,5 +55,3 @@ void catmull_clark_limit(const mesh_rows *rows, int threads);
 /// @return BAT_OK or BAT_NO_MEMORY; `fine` can be freed on failure
 bat_status sqrt3_refine(const bat_mesh *mesh, const bat_mesh_connectivity *links, bool cut, int threads, bat_mesh *fine,
                         bat_error *error);
-
-#endif

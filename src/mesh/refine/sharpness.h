@@ -1,5 +1,4 @@
-#ifndef MESH_REFINE_SHARPNESS_H
-#define MESH_REFINE_SHARPNESS_H
+#pragma once
 
 #include "mesh/refine/level.h"
 
@@ -151,5 +150,3 @@ bat_status normals_compute(const bat_mesh *mesh, const mesh_sides *sides, const 
 /// @param inner writes the row of a vertex that is neither
 void limit_rows(const mesh_rows *rows, void (*inner)(const mesh_rows *rows, uint32_t vertex, const sharp_vertex *sharp),
                 int threads);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_CLOUD_BOUNDARY_H
-#define SURFACE_CLOUD_BOUNDARY_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/cloud.h"
@@ -149,5 +148,3 @@ typedef struct advancing_front_options
 /// @return BAT_OK; BAT_NO_CONVERGENCE without such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` stays on failure
 bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,
                                        bat_cloud *disc, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_CLOUD_DELAUNAY_H
-#define SURFACE_CLOUD_DELAUNAY_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -32,5 +31,3 @@ void spatial_tetrahedra_free(spatial_tetrahedra *tetrahedra);
 /// @param points count x 3
 /// @return BAT_OK or BAT_NO_MEMORY; `tetrahedra` is empty on failure
 bat_status spatial_delaunay(const double *points, size_t count, spatial_tetrahedra *tetrahedra, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_CLOUD_LOCAL_PLANE_H
-#define SURFACE_CLOUD_LOCAL_PLANE_H
+#pragma once
 
 #include "batten/cloud.h"
 #include "surface/cloud/neighbours.h"
@@ -106,5 +105,3 @@ typedef struct oriented_planes
 bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented,
                                 bat_error *error);
 void oriented_planes_free(oriented_planes *oriented);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_CLOUD_NEIGHBOURS_H
-#define SURFACE_CLOUD_NEIGHBOURS_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/cloud.h"
@@ -97,5 +96,3 @@ bat_status canonical_order_find(const double *points, size_t count, size_t *orde
 /// Sort a cloud's points but for its boundary loop; one without corners begins at the first in the canonical order.
 /// @return BAT_OK or BAT_NO_MEMORY; the cloud is untouched on failure
 bat_status canonical_order_apply(bat_cloud *cloud, bat_error *error);
-
-#endif

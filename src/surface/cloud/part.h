@@ -1,5 +1,4 @@
-#ifndef SURFACE_CLOUD_PART_H
-#define SURFACE_CLOUD_PART_H
+#pragma once
 
 #include "batten/cloud.h"
 #include "surface/cloud/local_plane.h"
@@ -45,5 +44,3 @@ bat_status even_sample_radius(const double *points, const neighbour_tree *tree, 
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status even_sample_choose(const double *points, const neighbour_tree *tree, double radius, bool *chosen,
                               bat_error *error);
-
-#endif

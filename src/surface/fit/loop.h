@@ -1,5 +1,4 @@
-#ifndef SURFACE_FIT_LOOP_H
-#define SURFACE_FIT_LOOP_H
+#pragma once
 
 #include "batten/surface_fit.h"
 #include "surface/fit/points.h"
@@ -171,5 +170,3 @@ bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers,
 bat_status fit_all(const fit_team *team, bat_surface_fit_data *data, const uint32_t *numbers,
                    const bat_surface_fit_options *options, bat_spline_surface *surface, bat_surface_fit_report *report,
                    bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_FIT_POINTS_H
-#define SURFACE_FIT_POINTS_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/surface_fit.h"
@@ -200,5 +199,3 @@ bat_status spline_correct(const bat_spline_surface *surface, bat_surface_fit_dat
 
 /// A pseudo-random sign of point and probe: one bit of the finalizer of splitmix64 (Steele, Lea and Flood, 2014).
 double fit_random_sign(uint32_t number, size_t probe);
-
-#endif

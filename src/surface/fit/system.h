@@ -1,5 +1,4 @@
-#ifndef SURFACE_FIT_SYSTEM_H
-#define SURFACE_FIT_SYSTEM_H
+#pragma once
 
 #include "batten/spline.h"
 #include "surface/fit/points.h"
@@ -165,5 +164,3 @@ bat_status fit_weight_solve(const fit_system *system, fit_solver *solver, double
 /// @param trace  receives the estimated trace of the influence matrix; NaN for a given weight
 bat_status fit_weight_find(const fit_system *system, fit_solver *solver, const fit_weight_search *search, double *lambda,
                            double *trace, double *control, bat_error *error);
-
-#endif

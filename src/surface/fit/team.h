@@ -1,5 +1,4 @@
-#ifndef SURFACE_FIT_TEAM_H
-#define SURFACE_FIT_TEAM_H
+#pragma once
 
 #include "batten/base.h"
 
@@ -109,5 +108,3 @@ static inline bat_status team_largest(const fit_team *team, double *numbers, siz
 /// The first process receives what all have, in the order of ranks. A process alone receives a copy.
 /// @param sizes,all need free(), also after a failure
 bat_status team_gather(const fit_team *team, const void *bytes, size_t size, size_t **sizes, char **all, bat_error *error);
-
-#endif

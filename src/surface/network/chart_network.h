@@ -1,5 +1,4 @@
-#ifndef SURFACE_NETWORK_CHART_NETWORK_H
-#define SURFACE_NETWORK_CHART_NETWORK_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/cloud.h"
@@ -151,5 +150,3 @@ enum
 };
 
 extern const learn_network surface_network_batten;
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_PARAMETERIZE_WEIGHTS_H
-#define SURFACE_PARAMETERIZE_WEIGHTS_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/base.h"
@@ -220,5 +219,3 @@ bat_status dirichlet_prepare(dirichlet_map *map, bat_error *error);
 /// Minimize the energy from parameters whose energy is finite.
 /// @return BAT_OK, BAT_NO_MEMORY, BAT_CANCELLED
 bat_status dirichlet_minimize(dirichlet_map *map, bat_progress progress, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_SHELL_SHELL_H
-#define SURFACE_SHELL_SHELL_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/mesh_decimate.h"
@@ -205,5 +204,3 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
 /// BAT_OK, or BAT_NO_CONVERGENCE with a text of what is wrong.
 /// @param noise estimated from neighbourhoods of the points
 bat_status shell_judge(const bat_shell *shell, const bat_shell_report *report, double noise, bat_error *error);
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef SURFACE_SPLINE_HIERARCHICAL_SPACE_H
-#define SURFACE_SPLINE_HIERARCHICAL_SPACE_H
+#pragma once
 
 #include "batten/base.h"
 #include "batten/spline.h"
@@ -304,5 +303,3 @@ bat_status hierarchical_space_copy(const bat_hierarchical_space *space, bat_hier
 
 /// Function number `index`. Functions are numbered by level, then by j, then by i.
 bat_spline_function hierarchical_space_function(const bat_hierarchical_space *space, size_t index);
-
-#endif

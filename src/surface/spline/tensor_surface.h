@@ -1,5 +1,4 @@
-#ifndef SURFACE_SPLINE_TENSOR_SURFACE_H
-#define SURFACE_SPLINE_TENSOR_SURFACE_H
+#pragma once
 
 #include "batten/spline.h"
 
@@ -70,5 +69,3 @@ bat_status knot_vector_cut(const bat_knot_vector *knots, double low, double high
 /// their bits.
 /// @param control receives functions(to) x functions(the other direction) rows, ordered as those of the surface
 void tensor_surface_convert(const tensor_surface *surface, int direction, const bat_knot_vector *to, double *control);
-
-#endif

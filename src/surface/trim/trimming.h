@@ -1,5 +1,4 @@
-#ifndef SURFACE_TRIM_TRIMMING_H
-#define SURFACE_TRIM_TRIMMING_H
+#pragma once
 
 #include "base/memory.h"
 #include "batten/spline.h"
@@ -111,5 +110,3 @@ bat_status trimming_curves(const cloud_geometry *geometry, const surface_trimmin
 void trimming_take_gaps(const cloud_geometry *geometry, surface_trimming *trimming, bat_surface_gap **gaps, size_t *count);
 /// Remove the curves of the filled loops. Returns their number.
 size_t trimming_drop_filled(const surface_trimming *trimming, bat_spline_trim *trim);
-
-#endif
