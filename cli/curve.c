@@ -415,7 +415,7 @@ static bool check_options(const arguments *given, const curve_job *job)
     if (hermite && for_splines != NULL)
         return usage_refused(given, "--%s%s goes with --scheme spline, not '%s'", for_splines,
                              strcmp(for_splines, "tangents") == 0 ? " by name" : "", scheme);
-    if (motion->rate > 0 && hermite && (motion->scheme.kind == BAT_HERMITE_KIND_TRANSPORT || motion->scheme.order != 1))
+    if (motion->rate > 0 && hermite && motion->scheme.order != 1)
         return usage_refused(given, "--rate goes with --scheme spline or hermite, not '%s'", scheme);
     return true;
 }

@@ -70,13 +70,9 @@ static void sample(const bat_motion_spline *spline, byte_reader *reader)
 static void refine(const bat_hermite_curve *keys, byte_reader *reader)
 {
     bat_hermite_refine_options options = bat_hermite_refine_defaults();
-    options.kind = (bat_hermite_kind)take_choice(reader, 3);
     options.order = take_below(reader, 12);
     options.levels = take_below(reader, 5);
-    options.base = (bat_curve_base)take_choice(reader, 3);
     options.threads = 1;
-    if (take_flag(reader))
-        options.mask = bat_hermite_mask_de_rham();
     bat_hermite_curve fine = {0};
     if (bat_hermite_refine(keys, &options, &fine, NULL) == BAT_OK)
         promise_points(keys->space, fine.points, fine.count);

@@ -79,9 +79,7 @@ BAT_API bat_motion_method bat_motion_method_for(const bat_curve_set *set, const 
 /// Options by a scheme's name with settings, as the program's `--scheme` takes it:
 ///
 ///     spline              (BAT_MOTION_METHOD_SPLINE)
-///     hermite             hermite:order=3           (BAT_HERMITE_KIND_LANE_RIESENFELD)
-///     hermite-merrien     hermite-merrien:lambda=-0.125,mu=-0.5,base=midpoint
-///     hermite-de-rham     hermite-de-rham:base=midpoint      (both BAT_HERMITE_KIND_TRANSPORT)
+///     hermite             hermite:order=3
 ///
 /// @param options other fields than the method and the scheme are untouched
 /// @return BAT_OK, or BAT_INVALID_ARGUMENT with a text that names the part at fault
@@ -107,9 +105,7 @@ BAT_API bool bat_motion_suits(const bat_curve_set *set);
 /// for Hermite schemes they are estimated as tangents of the order in the options.
 ///
 /// What the tangents are depends on the method (bat_motion_method_for()). BAT_MOTION_METHOD_SPLINE, and a rate: velocities.
-/// BAT_MOTION_METHOD_HERMITE without a rate: unit vectors for BAT_HERMITE_KIND_LANE_RIESENFELD, derivatives by the index for
-/// BAT_HERMITE_KIND_TRANSPORT, for which times must be evenly spaced. `keys->kind` states it; sampling in time refuses these
-/// two.
+/// BAT_MOTION_METHOD_HERMITE without a rate: unit vectors, which `keys->kind` states; splines refuse these.
 ///
 /// @param options null for the defaults
 /// @param keys    receives the data; release it with bat_hermite_free()
@@ -132,9 +128,9 @@ BAT_API bat_status bat_motion_curve_spline(const bat_curve_set *set, size_t curv
 /// at given times, at a rate, or at 2^levels parts of each interval; or a refined Hermite curve. Sampled curves always have
 /// times; without times in the set, keyframe i is at time i.
 ///
-/// Velocities are written where the set has them or the options demand them. Splines, sampling and
-/// BAT_HERMITE_KIND_TRANSPORT give those of the motion. BAT_HERMITE_KIND_LANE_RIESENFELD gives the scheme's direction times
-/// the speed between neighbours; without times, the unit direction. The signs of quaternions do not jump.
+/// Velocities are written where the set has them or the options demand them. Splines give those of the motion, Hermite
+/// schemes their direction times the speed between neighbours; without times, the unit direction. The signs of quaternions
+/// do not jump.
 ///
 /// @param options null for the defaults
 /// @param fine    receives a curve for each one of `keyframes`; release it with bat_curve_set_free()

@@ -75,39 +75,6 @@ BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *er
 BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                        const double *v1, double weight, double *point, double *direction);
 
-/// The longest mask of a linear Hermite scheme.
-#define BAT_HERMITE_MASK_MAX 16
-
-/// The mask of a linear Hermite scheme. New data i are the sum over j of A(i - 2 j) times the column (old point j, old
-/// derivative j). Derivatives are by the index on every level, so that they halve where the curve stays the same.
-/// `coefficients[k]` is the 2 x 2 matrix A(first + k).
-typedef struct bat_hermite_mask
-{
-    double coefficients[BAT_HERMITE_MASK_MAX][2][2];
-    size_t count; ///< 1 … BAT_HERMITE_MASK_MAX
-    int first;    ///< index of the first matrix, may be negative
-} bat_hermite_mask;
-
-/// Merrien's interpolatory schemes (1992). The new point is (p + q) / 2 + lambda (d(q) - d(p)). The new derivative is
-/// ((1 - mu) (q - p) + mu (d(p) + d(q)) / 2) / 2. lambda = -1/8, mu = -1/2 gives the cubic Hermite interpolant.
-BAT_API bat_hermite_mask bat_hermite_mask_merrien(double lambda, double mu);
-/// The cubic Hermite interpolant at 1/4 and 3/4 of every edge, the de Rham transform (Dubuc and Merrien 2008) of Merrien's
-/// scheme that gives it: corner cutting with derivatives. Limits are C2, and cubics reproduced.
-BAT_API bat_hermite_mask bat_hermite_mask_de_rham(void);
-
-/// The families of schemes.
-typedef enum bat_hermite_kind
-{
-    BAT_HERMITE_KIND_AUTO,            ///< the default: BAT_HERMITE_KIND_LANE_RIESENFELD
-    BAT_HERMITE_KIND_LANE_RIESENFELD, ///< algorithm 4 of Ben-Zion Vardi, Dyn and Sharon: bat_hermite_average() at 1/2;
-                                      ///< directions
-    BAT_HERMITE_KIND_TRANSPORT        ///< a linear Hermite scheme by logarithms and parallel transport (Moosmüller 2017);
-                                      ///< derivatives
-} bat_hermite_kind;
-
-/// The kinds by name.
-extern BAT_API const bat_family bat_hermite_kind_family;
-
 /// The highest order of the Lane-Riesenfeld schemes: the highest that is published. Each order averages once more, over
 /// points ever farther away.
 #define BAT_HERMITE_MAX_ORDER 10
@@ -115,10 +82,7 @@ extern BAT_API const bat_family bat_hermite_kind_family;
 /// Options of refinement. Begin with bat_hermite_refine_defaults().
 typedef struct bat_hermite_refine_options
 {
-    bat_hermite_kind kind; ///< default BAT_HERMITE_KIND_LANE_RIESENFELD
-    size_t order; ///< LANE_RIESENFELD: 1 … BAT_HERMITE_MAX_ORDER; 1 keeps the given points and tangents; default 1
-    bat_hermite_mask mask; ///< TRANSPORT; default bat_hermite_mask_merrien(-1/8, -1/2)
-    bat_curve_base base;   ///< TRANSPORT: in whose tangent space to sum; default BAT_CURVE_BASE_VERTEX
+    size_t order;          ///< 1 … BAT_HERMITE_MAX_ORDER; 1 keeps the given points and tangents; default 1
     size_t levels;         ///< 0 to 60; each doubles the number of edges; default 5
     size_t max_points;     ///< refuse larger results with BAT_TOO_LARGE; default BAT_MAX_POINTS
     int threads;           ///< 0 to 1024; 0: as many as OpenMP gives; the result does not depend on it; default 0
@@ -132,16 +96,16 @@ extern BAT_API const bat_options_table bat_hermite_refine_fields;
 
 /// Refine Hermite data by repeated subdivision.
 ///
-/// Old point i becomes new point i 2^levels where the scheme has vertices (odd orders, masks of odd length). A closed curve
-/// gets count 2^levels points, an open one (count - 1) 2^levels + 1. Even orders and masks of even length give two new
-/// points on every edge instead; an open curve then gets its ends back, (count - 1) 2^levels + 2 points in all. Open curves
-/// are continued by geodesic point reflection, with transported tangents. Times are averaged as the points of a linear
-/// scheme are. For a curve through given points at given times, use
+/// Algorithm 4 of Ben-Zion Vardi, Dyn and Sharon, with bat_hermite_average() at 1/2. Order 1 interpolates with fourth-order
+/// accuracy.
+///
+/// Old point i becomes new point i 2^levels where the order is odd. A closed curve gets count 2^levels points, an open one
+/// (count - 1) 2^levels + 1. Even orders give two new points on every edge instead; an open curve then gets its ends back,
+/// (count - 1) 2^levels + 2 points in all. Open curves are continued by geodesic point reflection, with transported
+/// tangents. Times are averaged as the points of a linear scheme are. For a curve through given points at given times, use
 /// bat_motion_spline_make().
 ///
-/// BAT_HERMITE_KIND_LANE_RIESENFELD takes and gives directions, on admissible data. Of order 1 it interpolates with
-/// fourth-order accuracy. BAT_HERMITE_KIND_TRANSPORT takes derivatives of evenly spaced samples, and gives derivatives by
-/// the new index. Memory beyond the result is that of the coarse data and a fixed amount.
+/// Memory beyond the result is that of the coarse data and a fixed amount.
 ///
 /// @param options null for the defaults
 /// @param fine    receives the refined curve; release it with bat_hermite_free()

@@ -203,7 +203,7 @@ static bat_status sample_setup(const study_curve *curve, const study_setup *setu
     free(parameters);
     if (status != BAT_OK)
         return status;
-    if (setup->options->kind != BAT_HERMITE_KIND_TRANSPORT)
+    if (setup->linear == NULL)
         return bat_hermite_normalize(samples, error);
     for (size_t i = 0; i < setup->count * curve->space->tangent_dim; i++)
         samples->tangents[i] *= spacing;
@@ -227,7 +227,7 @@ bat_status study_refinement_error(const study_curve *curve, const study_setup *s
     if (status == BAT_OK && setup->estimated)
         status = forget_tangents(&coarse, error);
     if (status == BAT_OK)
-        status = bat_hermite_refine(&coarse, setup->options, &fine, error);
+        status = bat_hermite_transport_refine(&coarse, setup->linear, setup->options, &fine, error);
     if (status == BAT_OK && study_curve_error(curve, &fine, largest) != BAT_OK)
         status = error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0, "the refined curve is too far from the smooth one");
     bat_hermite_free(&coarse);

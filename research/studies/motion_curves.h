@@ -1,7 +1,7 @@
 #ifndef RESEARCH_STUDIES_MOTION_CURVES_H
 #define RESEARCH_STUDIES_MOTION_CURVES_H
 
-#include "batten/motion_hermite.h"
+#include "batten/research/motion_study.h"
 
 /// @file
 /// Tools to measure the claims about Hermite schemes on manifolds: smooth test curves, samples of them, distances of refined
@@ -48,8 +48,8 @@ typedef struct study_setup
     bool closed;       ///< samples over the whole period, else over half of it
     double unevenness; ///< delay of every second sample, as a fraction of the mean spacing: 0 … 0.9
     bool estimated;    ///< directions estimated from the points (order 4) instead of the exact ones
-    const bat_hermite_refine_options
-        *options; ///< scheme; linear Hermite schemes receive derivatives with respect to the index
+    const bat_hermite_refine_options *options;
+    const bat_hermite_linear *linear; ///< receives derivatives by the index; null: averages
 } study_setup;
 
 /// The largest distance of the refined curve from the smooth curve of its samples.

@@ -179,10 +179,10 @@ static bat_status refine(const bat_hermite_curve *samples, figure_scheme scheme,
     if (scheme == AVERAGE)
         return average_all(samples, fine, error);
     bat_hermite_refine_options how = bat_hermite_refine_defaults();
-    how.kind = scheme == OURS ? BAT_HERMITE_KIND_LANE_RIESENFELD : BAT_HERMITE_KIND_TRANSPORT;
+    const bat_hermite_linear linear = {bat_hermite_mask_merrien(-0.125, -0.5), BAT_CURVE_BASE_VERTEX};
     how.order = scheme == OURS ? order : 1;
     how.levels = levels;
-    return bat_hermite_refine(samples, &how, fine, error);
+    return bat_hermite_transport_refine(samples, scheme == OURS ? NULL : &linear, &how, fine, error);
 }
 
 /// Add the smooth curve, the samples and the refined curve.

@@ -61,7 +61,7 @@ typedef struct study_scheme
     const char *name;
     bool points_alone; ///< `name` is one for bat_curve_scheme_by_name()
     bool estimated;
-    bat_hermite_kind kind;
+    bool linear;
     size_t order;
     bool smooth; ///< use the C2 mask
     bat_curve_base base;
@@ -71,12 +71,9 @@ static const study_scheme SCHEMES[] = {
     {.name = "hermite:order=1", .order = 1},
     {.name = "hermite:order=2", .order = 2},
     {.name = "hermite:order=3", .order = 3},
-    {.name = "transport:mask=merrien", .kind = BAT_HERMITE_KIND_TRANSPORT, .order = 1},
-    {.name = "transport:mask=merrien,base=midpoint",
-     .kind = BAT_HERMITE_KIND_TRANSPORT,
-     .order = 1,
-     .base = BAT_CURVE_BASE_MIDPOINT},
-    {.name = "transport:mask=de-rham", .kind = BAT_HERMITE_KIND_TRANSPORT, .order = 1, .smooth = true},
+    {.name = "transport:mask=merrien", .linear = true, .order = 1},
+    {.name = "transport:mask=merrien,base=midpoint", .linear = true, .order = 1, .base = BAT_CURVE_BASE_MIDPOINT},
+    {.name = "transport:mask=de-rham", .linear = true, .order = 1, .smooth = true},
     {.name = "hermite:order=1,tangents=estimated", .estimated = true, .order = 1},
     {.name = "log-exp-4", .points_alone = true},
     {.name = "log-exp-lane-riesenfeld:order=3", .points_alone = true},
@@ -161,12 +158,12 @@ static bat_status scheme_error(const study_curve *curve, const study_scheme *sch
         return points_alone_error(curve, scheme->name, count, largest, error);
     bat_hermite_refine_options how = bat_hermite_refine_defaults();
     how.levels = LEVELS;
-    how.kind = scheme->kind;
     how.order = scheme->order;
-    how.base = scheme->base;
+    bat_hermite_linear linear = {bat_hermite_mask_merrien(-0.125, -0.5), scheme->base};
     if (scheme->smooth)
-        how.mask = bat_hermite_mask_de_rham();
+        linear.mask = bat_hermite_mask_de_rham();
     study_setup setup = {.count = count, .closed = true, .estimated = scheme->estimated, .options = &how};
+    setup.linear = scheme->linear ? &linear : NULL;
     return study_refinement_error(curve, &setup, largest, error);
 }
 

@@ -50,3 +50,9 @@ bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const do
 
 /// Rows of a point, a direction and, where the kernel is timed, a time: averages by bat_hermite_average() at 1/2.
 row_average hermite_row_average;
+
+/// bat_hermite_refine() by another step: a linear one of derivatives by the index, on rows of a point, a derivative and,
+/// where there are times, a time. Null: averages of directions.
+bat_status hermite_refine_by(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
+                             const refine_kernel *linear, bat_hermite_curve *fine, bat_error *error);
+

@@ -13,230 +13,12 @@
 /// The number of values computed at a time before rows are separated: enough for many threads, small for memory.
 #define SLAB_NUMBERS (1 << 21)
 
-// Linear schemes by parallel transport
-
-/// The tolerance of the sums of a mask's weights.
-static const double SUM_TOLERANCE = 1e-12;
-
-bat_hermite_mask bat_hermite_mask_merrien(double lambda, double mu)
-{
-    return (bat_hermite_mask){
-        .coefficients = {{{0.5, lambda}, {0.5 * (1 - mu), 0.25 * mu}},
-                         {{1, 0}, {0, 0.5}},
-                         {{0.5, -lambda}, {-0.5 * (1 - mu), 0.25 * mu}}},
-        .count = 3,
-        .first = -1,
-    };
-}
-
-/// Values of the cubic Hermite basis and half its derivatives at 1/4 and, mirrored, at 3/4.
-bat_hermite_mask bat_hermite_mask_de_rham(void)
-{
-    return (bat_hermite_mask){
-        .coefficients = {{{5.0 / 32, -3.0 / 64}, {9.0 / 16, -5.0 / 32}},
-                         {{27.0 / 32, -9.0 / 64}, {9.0 / 16, 3.0 / 32}},
-                         {{27.0 / 32, 9.0 / 64}, {-9.0 / 16, 3.0 / 32}},
-                         {{5.0 / 32, 3.0 / 64}, {-9.0 / 16, -5.0 / 32}}},
-        .count = 4,
-        .first = -2,
-    };
-}
-
-/// Whether A(first + k) goes to new data of a parity (0 or 1).
-static bool has_parity(const bat_hermite_mask *mask, size_t k, int parity)
-{
-    return ((mask->first + (int)k) & 1) == parity;
-}
-
-/// Whether a mask is valid: finite matrices, and weights of points that sum to 1 for every new point and to 0 for
-/// every new derivative, as invariance under translations requires.
-/// @return BAT_OK or BAT_INVALID_ARGUMENT
-static bat_status hermite_mask_check(const bat_hermite_mask *mask, bat_error *error)
-{
-    if (mask->count < 1 || mask->count > BAT_HERMITE_MASK_MAX || mask->first < -BAT_MASK_MAX || mask->first > BAT_MASK_MAX)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "a Hermite mask has 1 to %d matrices about index 0, not %zu from %d on", BAT_HERMITE_MASK_MAX,
-                         mask->count, mask->first);
-    for (int parity = 0; parity < 2; parity++)
-    {
-        double point = 0, derivative = 0;
-        for (size_t k = 0; k < mask->count; k++)
-        {
-            const double(*a)[2] = mask->coefficients[k];
-            if (!isfinite(a[0][0] + a[0][1] + a[1][0] + a[1][1]))
-                return error_set(error, BAT_INVALID_ARGUMENT, k, 0, "matrix %zu of the Hermite mask is not finite", k);
-            point += has_parity(mask, k, parity) ? a[0][0] : 0;
-            derivative += has_parity(mask, k, parity) ? a[1][0] : 0;
-        }
-        if (!(fabs(point - 1) <= SUM_TOLERANCE && fabs(derivative) <= SUM_TOLERANCE))
-            return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                             "the weights of points in a Hermite mask sum to 1 and, for derivatives, to 0, not %g and %g",
-                             point, derivative);
-    }
-    return BAT_OK;
-}
-
-/// The sums that make one new row: its point's logarithm and its derivative, both at the base, and its time.
-typedef struct hermite_sum
-{
-    double point[BAT_SPACE_MAX_DIM], derivative[BAT_SPACE_MAX_DIM], time;
-} hermite_sum;
-
-/// Add an old row, whose logarithm and transported derivative at the base are given.
-static void add_row(hermite_sum *sum, size_t n, const double a[2][2], const double *log, const double *derivative,
-                    double time)
-{
-    for (size_t i = 0; i < n; i++)
-    {
-        sum->point[i] += a[0][0] * log[i] + a[0][1] * derivative[i];
-        sum->derivative[i] += a[1][0] * log[i] + a[1][1] * derivative[i];
-    }
-    sum->time += a[0][0] * time;
-}
-
-typedef struct transport_data
-{
-    const bat_hermite_mask *mask;
-    bat_curve_base base;
-} transport_data;
-_Static_assert(sizeof(transport_data) <= KERNEL_DATA, "a kernel has room for its data");
-
-static const transport_data *data_of(const refine_kernel *kernel)
-{
-    return kernel_data_of(kernel);
-}
-
-/// The new rows of both parities from the old ones that they share. Row 0 is old row j.
-static bat_status sum_rows(const refine_kernel *kernel, const double *base, const double *rows, hermite_sum sums[2])
-{
-    const bat_space *space = kernel->space;
-    const bat_hermite_mask *mask = data_of(kernel)->mask;
-    size_t n = space->tangent_dim, width = space->point_dim + n;
-    double log[BAT_SPACE_MAX_DIM], derivative[BAT_SPACE_MAX_DIM];
-    for (int parity = 0; parity < 2; parity++)
-    {
-        memset(sums[parity].point, 0, n * sizeof *log);
-        memset(sums[parity].derivative, 0, n * sizeof *log);
-        sums[parity].time = 0;
-    }
-    for (size_t k = 0; k < mask->count; k++)
-    {
-        // A(first + k) is that of new row 2 j + parity and old row j + (parity - first - k) / 2.
-        int parity = (mask->first + (int)k) & 1, offset = (parity - mask->first - (int)k) / 2;
-        const double *row = rows + (ptrdiff_t)offset * (ptrdiff_t)kernel->dim;
-        bat_status status = space->log(space, base, row, log);
-        if (status == BAT_OK)
-            status = space->transport(space, row, base, row + space->point_dim, derivative);
-        if (status != BAT_OK)
-            return status;
-        add_row(&sums[parity], n, mask->coefficients[k], log, derivative, width < kernel->dim ? row[width] : 0);
-    }
-    return BAT_OK;
-}
-
-/// Whether new rows of a parity are old points with their derivatives halved, or scaled by another factor, which is A(0)'s.
-static bool keeps_points(const bat_hermite_mask *mask, int parity)
-{
-    bool found = false;
-    for (size_t k = 0; k < mask->count; k++)
-    {
-        const double(*a)[2] = mask->coefficients[k];
-        bool here = mask->first + (int)k == 0;
-        if (!has_parity(mask, k, parity))
-            continue;
-        if (a[0][0] != 1 || a[0][1] != 0 || a[1][0] != 0 || !here)
-            return false;
-        found = true;
-    }
-    return found;
-}
-
-/// Such a row, without rounding of the point.
-static void keep_row(const refine_kernel *kernel, const double *old, double *row)
-{
-    const bat_hermite_mask *mask = data_of(kernel)->mask;
-    size_t n = kernel->space->point_dim, width = n + kernel->space->tangent_dim;
-    memcpy(row, old, kernel->dim * sizeof *row);
-    for (size_t i = n; i < width; i++)
-        row[i] *= mask->coefficients[-mask->first][1][1];
-}
-
-static bat_status finish_row(const refine_kernel *kernel, const double *base, const hermite_sum *sum, double *row)
-{
-    const bat_space *space = kernel->space;
-    size_t width = space->point_dim + space->tangent_dim;
-    bat_status status = space->exp(space, base, sum->point, row);
-    if (status == BAT_OK)
-        status = space->transport(space, base, row, sum->derivative, row + space->point_dim);
-    if (width < kernel->dim)
-        row[width] = sum->time;
-    return status;
-}
-
-static bat_status make_pair(const refine_kernel *kernel, const double *rows, double *fine)
-{
-    double middle[BAT_SPACE_MAX_DIM];
-    const double *base = rows;
-    hermite_sum sums[2];
-    bat_status status = BAT_OK;
-    if (data_of(kernel)->base == BAT_CURVE_BASE_MIDPOINT)
-    {
-        status = bat_space_geodesic(kernel->space, rows, rows + kernel->dim, 0.5, middle);
-        base = middle;
-    }
-    if (status == BAT_OK)
-        status = sum_rows(kernel, base, rows, sums);
-    for (int parity = 0; parity < 2 && status == BAT_OK; parity++)
-    {
-        double *row = fine + (parity == 0 ? 0 : kernel->dim);
-        if (keeps_points(data_of(kernel)->mask, parity))
-            keep_row(kernel, rows, row);
-        else
-            status = finish_row(kernel, base, &sums[parity], row);
-    }
-    return status;
-}
-
-static bat_status run_transport(const refine_kernel *kernel, const double *points, size_t pairs, double *fine,
-                                void *scratch BAT_UNUSED, size_t *fault)
-{
-    for (size_t j = 0; j < pairs; j++)
-    {
-        bat_status status = make_pair(kernel, points + j * kernel->dim, fine + 2 * j * kernel->dim);
-        if (status != BAT_OK)
-        {
-            *fault = j;
-            return status;
-        }
-    }
-    return BAT_OK;
-}
-
-/// A linear Hermite step on rows of a point, a derivative and, where dim has room for one, a time. The mask must outlive it.
-static refine_kernel kernel_hermite_transport(const bat_space *space, size_t dim, const bat_hermite_mask *mask,
-                                              bat_curve_base base)
-{
-    refine_kernel kernel = {
-        .space = space,
-        .dim = dim,
-        .first = mask->first,
-        .last = mask->first + (int)mask->count - 1,
-        .run = run_transport,
-    };
-    transport_data *data = kernel_data(&kernel);
-    *data = (transport_data){mask, base};
-    return kernel;
-}
-
 // Refinement
 
 bat_hermite_refine_options bat_hermite_refine_defaults(void)
 {
     return (bat_hermite_refine_options){
-        .kind = BAT_HERMITE_KIND_LANE_RIESENFELD,
         .order = 1,
-        .mask = bat_hermite_mask_merrien(-0.125, -0.5),
-        .base = BAT_CURVE_BASE_VERTEX,
         .levels = 5,
         .max_points = BAT_MAX_POINTS,
     };
@@ -247,6 +29,7 @@ typedef struct hermite_plan
 {
     const bat_hermite_curve *coarse;
     const bat_hermite_refine_options *options;
+    const refine_kernel *linear; ///< null: averages of directions
     size_t point_dim, tangent_dim, dim;
     cascade task;
     bool ends_added;       ///< the coarse ends are put around the rows of the last level
@@ -255,40 +38,19 @@ typedef struct hermite_plan
     double *buffer, *rows; ///< coarse rows; row 0 is `rows`
 } hermite_plan;
 
-static const bat_choice KINDS[] = {
-    CHOICE_OF_USE(UNNAMED, "auto", "averages", BAT_HERMITE_KIND_AUTO),
-    CHOICE("lane-riesenfeld", "averages of points with directions", BAT_HERMITE_KIND_LANE_RIESENFELD),
-    CHOICE("transport", "linear schemes by parallel transport", BAT_HERMITE_KIND_TRANSPORT),
-};
-const bat_family bat_hermite_kind_family = FAMILY("kind of Hermite schemes", KINDS);
-
 static bat_status hermite_refine_options_check(const void *opaque, bat_error *error)
 {
     const bat_hermite_refine_options *options = opaque;
     static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_hermite_refine_options, kind, bat_hermite_kind_family),
         OPTION_FIELD(bat_hermite_refine_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
-        OPTION_FAMILY(bat_hermite_refine_options, base, bat_curve_base_family),
         OPTION_FIELD(bat_hermite_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
         OPTION_FIELD(bat_hermite_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
         OPTION_THREADS(bat_hermite_refine_options),
     };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status != BAT_OK || options == NULL || options->kind != BAT_HERMITE_KIND_TRANSPORT)
-        return status;
-    return hermite_mask_check(&options->mask, error);
+    return OPTIONS_CHECK(options, FIELDS, error);
 }
 
 const bat_options_table bat_hermite_refine_fields = {"bat_hermite_refine_options", hermite_refine_options_check};
-
-static refine_kernel make_kernel(const hermite_plan *plan)
-{
-    const bat_hermite_refine_options *options = plan->options;
-    const bat_space *space = plan->coarse->space;
-    return options->kind == BAT_HERMITE_KIND_TRANSPORT
-               ? kernel_hermite_transport(space, plan->dim, &options->mask, options->base)
-               : kernel_lane_riesenfeld(space, plan->dim, options->order, hermite_row_average);
-}
 
 static bat_status lay_out(hermite_plan *plan, bat_error *error)
 {
@@ -298,7 +60,10 @@ static bat_status lay_out(hermite_plan *plan, bat_error *error)
     plan->point_dim = coarse->space->point_dim;
     plan->tangent_dim = coarse->space->tangent_dim;
     plan->dim = plan->point_dim + plan->tangent_dim + (coarse->times != NULL ? 1 : 0);
-    plan->task = (cascade){.kernel = make_kernel(plan), .levels = levels, .count = count, .closed = coarse->closed};
+    refine_kernel kernel_made = plan->linear != NULL
+                                    ? *plan->linear
+                                    : kernel_lane_riesenfeld(coarse->space, plan->dim, options->order, hermite_row_average);
+    plan->task = (cascade){.kernel = kernel_made, .levels = levels, .count = count, .closed = coarse->closed};
     if (!plan_has_room(&plan->task.kernel, count, levels, options->max_points))
         return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0,
                          "%zu points refined %zu times are too many points (limit %zu)", count, levels, options->max_points);
@@ -424,7 +189,7 @@ static void store_rows(const hermite_plan *plan, const double *rows, size_t coun
 static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
 {
     size_t ends[2] = {0, plan->coarse->count - 1}, places[2] = {0, plan->count - 1};
-    bool derivatives = plan->options->kind == BAT_HERMITE_KIND_TRANSPORT;
+    bool derivatives = plan->linear != NULL;
     double factor = derivatives ? ldexp(1, -(int)plan->options->levels) : 1;
     for (int e = 0; e < 2; e++)
     {
@@ -483,8 +248,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
 {
     const bat_hermite_curve *coarse = plan->coarse;
     *fine = (bat_hermite_curve){.space = coarse->space, .count = plan->count, .closed = coarse->closed};
-    fine->kind = plan->options->kind == BAT_HERMITE_KIND_TRANSPORT ? BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES
-                                                                   : BAT_HERMITE_TANGENTS_DIRECTIONS;
+    fine->kind = plan->linear != NULL ? BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES : BAT_HERMITE_TANGENTS_DIRECTIONS;
     fine->points = memory_array(plan->count, plan->point_dim * sizeof *fine->points);
     fine->tangents = memory_array(plan->count, plan->tangent_dim * sizeof *fine->tangents);
     if (coarse->times != NULL)
@@ -497,7 +261,7 @@ static bat_status make_result(const hermite_plan *plan, bat_hermite_curve *fine,
 /// The checks that cost as much as a step run only when the step fails, to find the cause.
 static bat_status explain(const hermite_plan *plan, bat_status status, bat_error *error)
 {
-    bool directions = plan->options->kind != BAT_HERMITE_KIND_TRANSPORT;
+    bool directions = plan->linear == NULL;
     hermite_check_parts parts = {.unit = directions, .edges = true, .admissible = directions};
     if (status != BAT_INVALID_POINT && status != BAT_CUT_LOCUS)
         return status;
@@ -518,12 +282,12 @@ static bat_status refine(hermite_plan *plan, bat_hermite_curve *fine, bat_error 
     return status;
 }
 
-bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
-                              bat_hermite_curve *fine, bat_error *error)
+bat_status hermite_refine_by(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
+                             const refine_kernel *linear, bat_hermite_curve *fine, bat_error *error)
 {
     bat_hermite_refine_options defaults = bat_hermite_refine_defaults();
-    hermite_plan plan = {.coarse = coarse, .options = options != NULL ? options : &defaults};
-    bool directions = plan.options->kind != BAT_HERMITE_KIND_TRANSPORT;
+    hermite_plan plan = {.coarse = coarse, .options = options != NULL ? options : &defaults, .linear = linear};
+    bool directions = linear == NULL;
     // Without a step, or with one that does not check its edges, every edge is checked here.
     hermite_check_parts parts = {.unit = directions, .edges = !directions || plan.options->levels == 0};
     parts.admissible = directions && parts.edges;
@@ -543,4 +307,10 @@ bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite
     }
     *fine = result;
     return BAT_OK;
+}
+
+bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
+                              bat_hermite_curve *fine, bat_error *error)
+{
+    return hermite_refine_by(coarse, options, NULL, fine, error);
 }

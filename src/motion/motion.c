@@ -17,9 +17,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Times are evenly spaced when every step is within this share of the first.
-static const double EVEN_TOLERANCE = 1e-6;
-
 static const bat_choice METHODS[] = {
     CHOICE("auto", "spline where there are times or a rate, else hermite", BAT_MOTION_METHOD_AUTO),
     CHOICE("spline", "a motion in time through its keys", BAT_MOTION_METHOD_SPLINE),
@@ -81,7 +78,7 @@ bat_motion_method bat_motion_method_for(const bat_curve_set *set, const bat_moti
         return BAT_MOTION_METHOD_SPLINE;
     if (options != NULL && options->method != BAT_MOTION_METHOD_AUTO)
         return options->method;
-    if (options != NULL && (options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT || options->scheme.order != 1))
+    if (options != NULL && options->scheme.order != 1)
         return BAT_MOTION_METHOD_HERMITE;
     bool timed = bat_motion_has_times(set) || (options != NULL && options->times != NULL);
     return timed ? BAT_MOTION_METHOD_SPLINE : BAT_MOTION_METHOD_HERMITE;
@@ -224,31 +221,6 @@ static bat_status check_neighbours(const bat_curve_set *set, size_t curve, const
     return BAT_OK;
 }
 
-static bat_status check_even(const bat_hermite_curve *keys, bat_error *error)
-{
-    for (size_t i = 2; i < keys->count; i++)
-    {
-        double step = keys->times[i] - keys->times[i - 1], first = keys->times[1] - keys->times[0];
-        if (!(fabs(step - first) <= EVEN_TOLERANCE * first))
-            return error_set(error, BAT_UNSUPPORTED, i, 0,
-                             "schemes by parallel transport need evenly spaced times; here %.10g follows %.10g", step,
-                             first);
-    }
-    return BAT_OK;
-}
-
-static void scale_tangents(bat_hermite_curve *curve, double scale)
-{
-    for (size_t i = 0; i < curve->count * curve->space->tangent_dim; i++)
-        curve->tangents[i] *= scale;
-}
-
-/// Whether a scheme refines directions, for which the lengths of tangents mean nothing.
-static bool takes_directions(bat_motion_method method, const bat_motion_curves_options *options)
-{
-    return method == BAT_MOTION_METHOD_HERMITE && options->scheme.kind != BAT_HERMITE_KIND_TRANSPORT;
-}
-
 /// Let angles go the shorter way from key to key.
 static bat_status unwrap(double turn, bat_hermite_curve *keys, bat_error *error)
 {
@@ -288,29 +260,18 @@ static bat_status make_velocities(bat_hermite_curve *keys, size_t order, bat_err
     return BAT_OK;
 }
 
-/// Convert velocities to the tangents of the scheme, or estimate these. BAT_HERMITE_KIND_TRANSPORT has times here.
+/// Convert velocities to directions for Hermite schemes, or estimate what is missing.
 static bat_status make_tangents(bat_hermite_curve *keys, bool given, bat_motion_method method,
                                 const bat_motion_curves_options *options, bat_error *error)
 {
     double *times = keys->times;
-    bool directions = takes_directions(method, options);
-    bat_status status = BAT_OK;
     if (method == BAT_MOTION_METHOD_SPLINE)
         return given ? BAT_OK : make_velocities(keys, order_of(options), error);
-    if (!given)
-    {
-        keys->times = directions ? NULL : times;
-        status = bat_hermite_estimate_tangents(keys, options->tangent_order > 0 ? options->tangent_order : 2, error);
-        keys->times = times;
-    }
-    else if (directions)
-        status = bat_hermite_normalize(keys, error);
-    if (status != BAT_OK || directions || keys->times == NULL)
-        return status;
-    status = check_even(keys, error);
-    if (status == BAT_OK)
-        scale_tangents(keys, keys->times[1] - keys->times[0]);
-    keys->kind = BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES;
+    if (given)
+        return bat_hermite_normalize(keys, error);
+    keys->times = NULL;
+    bat_status status = bat_hermite_estimate_tangents(keys, options->tangent_order > 0 ? options->tangent_order : 2, error);
+    keys->times = times;
     return status;
 }
 
@@ -333,7 +294,7 @@ static bat_status fill_data(const bat_curve_set *set, size_t curve, const bat_mo
     if (status == BAT_OK && given)
         status = take_velocities(from, form_of(set), channels, keys, error);
     if (status == BAT_OK)
-        status = check_neighbours(set, curve, keys, splined, given, takes_directions(method, options), error);
+        status = check_neighbours(set, curve, keys, splined, given, method == BAT_MOTION_METHOD_HERMITE, error);
     keys->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     return status == BAT_OK ? make_tangents(keys, given, method, options, error) : status;
 }
@@ -423,8 +384,7 @@ static bat_status take_data(const bat_curve_set *set, size_t curve, const bat_mo
     bat_status status = bat_options_check(&bat_motion_curves_fields, options, &fault);
     if (status == BAT_OK)
         status = check_columns(set, options, &channels, &fault);
-    bool timed = channels.time != BAT_NO_INDEX || options->scheme.kind == BAT_HERMITE_KIND_TRANSPORT ||
-                 bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
+    bool timed = channels.time != BAT_NO_INDEX || bat_motion_method_for(set, options) == BAT_MOTION_METHOD_SPLINE;
     if (status == BAT_OK)
         status = data_allocate(&set->curves[curve], timed, &made, &fault);
     if (status == BAT_OK)
@@ -630,6 +590,9 @@ static double step_before(const bat_hermite_curve *curve, size_t index, double *
 /// Convert directions to velocities: the speed is the distance to both neighbours divided by the time between them.
 static void speed_up(bat_hermite_curve *smooth)
 {
+    if (smooth->times == NULL)
+        return;
+    smooth->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     size_t dim = smooth->space->tangent_dim;
     for (size_t i = 0; i < smooth->count; i++)
     {
@@ -638,39 +601,6 @@ static void speed_up(bat_hermite_curve *smooth)
             after = step_before(smooth, i + 1 < smooth->count ? i + 1 : 0, &time_after);
         for (size_t j = 0; j < dim; j++)
             smooth->tangents[i * dim + j] *= (before + after) / (time_before + time_after);
-    }
-}
-
-/// The even times of a result by a mask: at the finest vertices, or in the middle of edges and at the ends of open curves.
-static void space_times(const bat_hermite_curve *keys, const bat_hermite_refine_options *scheme, bat_hermite_curve *smooth)
-{
-    double step = ldexp(keys->times[1] - keys->times[0], -(int)scheme->levels);
-    bool vertices = scheme->mask.count % 2 == 1 || scheme->levels == 0;
-    double shift = vertices ? 0 : smooth->closed ? 0.5 : -0.5;
-    for (size_t i = 0; i < smooth->count; i++)
-        smooth->times[i] = keys->times[0] + ((double)i + shift) * step;
-    if (!smooth->closed)
-    {
-        smooth->times[0] = keys->times[0];
-        smooth->times[smooth->count - 1] = keys->times[keys->count - 1];
-    }
-}
-
-/// Convert the output of the scheme to velocities and times. Derivatives by the index of new points become velocities, or
-/// derivatives by the index of the given points; directions become velocities where there are times.
-static void restore_velocities(const bat_hermite_curve *keys, const bat_hermite_refine_options *scheme,
-                               bat_hermite_curve *smooth)
-{
-    if (scheme->kind == BAT_HERMITE_KIND_TRANSPORT)
-    {
-        scale_tangents(smooth, ldexp(1, (int)scheme->levels) / (keys->times[1] - keys->times[0]));
-        space_times(keys, scheme, smooth);
-        smooth->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
-    }
-    else if (smooth->times != NULL)
-    {
-        speed_up(smooth);
-        smooth->kind = BAT_HERMITE_TANGENTS_VELOCITIES;
     }
 }
 
@@ -872,7 +802,7 @@ static bat_status smooth_one(const bat_curve_set *set, size_t index, const bat_m
     else
         status = bat_hermite_refine(&keys, &options->scheme, &smooth, error);
     if (status == BAT_OK && !splined)
-        restore_velocities(&keys, &options->scheme, &smooth);
+        speed_up(&smooth);
     else if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX && !splined)
         error->line = bat_curve_set_line(set, index, error->index);
     if (status == BAT_OK && options->wrap > 0)

@@ -10,8 +10,7 @@
 /// The values of the settings of a name.
 typedef struct settings
 {
-    double order, lambda, mu;
-    bat_curve_base base;
+    double order;
 } settings;
 
 /// One name: its settings, and the function that converts them to options.
@@ -24,25 +23,10 @@ typedef struct entry
 
 static void apply_hermite(const settings *s, bat_hermite_refine_options *options)
 {
-    options->kind = BAT_HERMITE_KIND_LANE_RIESENFELD;
     options->order = (size_t)s->order;
 }
 
-static void apply_merrien(const settings *s, bat_hermite_refine_options *options)
-{
-    options->kind = BAT_HERMITE_KIND_TRANSPORT;
-    options->mask = bat_hermite_mask_merrien(s->lambda, s->mu);
-    options->base = s->base;
-}
-
-static void apply_de_rham(const settings *s, bat_hermite_refine_options *options)
-{
-    options->kind = BAT_HERMITE_KIND_TRANSPORT;
-    options->mask = bat_hermite_mask_de_rham();
-    options->base = s->base;
-}
-
-static const settings DEFAULTS = {.order = 1, .lambda = -0.125, .mu = -0.5, .base = BAT_CURVE_BASE_VERTEX};
+static const settings DEFAULTS = {.order = 1};
 
 static const entry ENTRIES[] = {
     {{.name = "spline", .summary = "a motion in time through its keys, with continuous velocity and acceleration"},
@@ -50,12 +34,6 @@ static const entry ENTRIES[] = {
      BAT_MOTION_METHOD_SPLINE},
     {CHOICE_SET("hermite", "order=1", "by points and tangents, order 1 through the points; any space"), apply_hermite,
      BAT_MOTION_METHOD_HERMITE},
-    {CHOICE_SET("hermite-merrien", "lambda=-0.125,mu=-0.5,base=vertex",
-                "Merrien's scheme by parallel transport, through the points, evenly spaced; any space"),
-     apply_merrien, BAT_MOTION_METHOD_HERMITE},
-    {CHOICE_SET("hermite-de-rham", "base=vertex",
-                "its de Rham transform by parallel transport, C2, near the points; any space"),
-     apply_de_rham, BAT_MOTION_METHOD_HERMITE},
 };
 const bat_family bat_motion_scheme_family = FAMILY("scheme", ENTRIES);
 
@@ -63,9 +41,6 @@ bat_status bat_motion_scheme_by_name(const char *name, bat_motion_curves_options
 {
     static const setting SETTINGS[] = {
         {"order", SETTING_NUMBER, offsetof(settings, order), NULL},
-        {"lambda", SETTING_NUMBER, offsetof(settings, lambda), NULL},
-        {"mu", SETTING_NUMBER, offsetof(settings, mu), NULL},
-        {"base", SETTING_CHOICE, offsetof(settings, base), &bat_curve_base_family},
     };
     static const option_field ORDER[] = {OPTION_FIELD(settings, order, OPTION_NUMBER, 1, BAT_HERMITE_MAX_ORDER)};
     size_t length = strcspn(name, ":");

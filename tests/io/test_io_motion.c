@@ -290,8 +290,7 @@ static void keyframes_come_back(void **state)
 static void smooth_curves_are_continuous(void **state)
 {
     (void)state;
-    const char *schemes[] = {"hermite", "hermite:order=2", "hermite:order=3", "hermite-merrien",
-                             "hermite-de-rham:base=midpoint"};
+    const char *schemes[] = {"hermite", "hermite:order=2", "hermite:order=3"};
     bat_curve_set set = must_read("time,qw,qx,qy,qz\n0,1,0,0,0\n1,-0.8,-0.6,0,0\n2,0.48,0.64,0.6,0\n3,-0.5,-0.5,-0.5,-0.5\n"
                                   "4,0.1,0.7,-0.1,0.7\n5,-0.6,0,0,0.8\n",
                                   CSV, "rotation");
@@ -327,13 +326,13 @@ static void steady_turns_have_their_velocity(void **state)
     for (int i = 0; i < 5; i++)
         (void)snprintf(text + strlen(text), sizeof text - strlen(text), "%d,0,0,%g\n", i, 0.5 * i);
     bat_curve_set set = must_read(text, CSV, "rotation");
-    const char *schemes[] = {"hermite", "hermite:order=3", "hermite-merrien", "hermite-de-rham"};
-    for (size_t k = 0; k < 5; k++)
+    const char *schemes[] = {"hermite", "hermite:order=3"};
+    for (size_t k = 0; k < 3; k++)
     {
         bat_motion_curves_options options = bat_motion_curves_defaults();
         options.velocities = true;
         options.scheme.levels = 3;
-        if (k < 4)
+        if (k < 2)
             assert_int_equal(bat_motion_scheme_by_name(schemes[k], &options, NULL), BAT_OK);
         else
             options.rate = 7;
@@ -430,27 +429,6 @@ static void a_curve_has_its_data(void **state)
     bat_curve_set_free(&set);
 }
 
-/// A scheme by parallel transport has derivatives by the index, and nothing comes back from a failure.
-static void data_by_index_need_even_times(void **state)
-{
-    (void)state;
-    bat_curve_set set = must_read("time,x,y,vx,vy\n0,0,0,2,1\n0.5,1,1,4,3\n1,3,9,6,5\n", CSV, "plane");
-    bat_motion_curves_options options = bat_motion_curves_defaults();
-    bat_hermite_curve keys;
-    bat_error error;
-    assert_int_equal(bat_motion_scheme_by_name("hermite-merrien", &options, NULL), BAT_OK);
-    assert_int_equal(bat_motion_data(&set, 0, &options, &keys, NULL), BAT_OK);
-    const double tangents[] = {1, 0.5, 2, 1.5, 3, 2.5};
-    assert_memory_equal(keys.tangents, tangents, sizeof tangents);
-    bat_hermite_free(&keys);
-    set.curves[0].channels[3] = 0.7;
-    keys = (bat_hermite_curve){.count = 77};
-    assert_int_equal(bat_motion_data(&set, 0, &options, &keys, &error), BAT_UNSUPPORTED);
-    assert_int_equal(error.line, 4);
-    assert_true(keys.count == 77 && keys.points == NULL);
-    bat_curve_set_free(&set);
-}
-
 /// Files cannot hold them, but a set of curves can.
 static void times_must_increase(void **state)
 {
@@ -472,11 +450,9 @@ static void times_must_increase(void **state)
 static void bad_keyframes_name_their_lines(void **state)
 {
     (void)state;
-    bat_motion_curves_options sampled = bat_motion_curves_defaults(), transport = bat_motion_curves_defaults(),
-                              refined = sampled;
+    bat_motion_curves_options sampled = bat_motion_curves_defaults(), refined = sampled;
     sampled.rate = 4;
     refined.method = BAT_MOTION_METHOD_HERMITE;
-    assert_int_equal(bat_motion_scheme_by_name("hermite-merrien", &transport, NULL), BAT_OK);
     const char header[] = "time,qw,qx,qy,qz\n";
     char text[200];
 #define ROWS(rows) (snprintf(text, sizeof text, "%s%s", header, rows), text)
@@ -484,8 +460,6 @@ static void bad_keyframes_name_their_lines(void **state)
                    "needs at least 2 points");
     assert_refused(ROWS("0,1,0,0,0\n# half a turn\n1,0,1,0,0\n"), "rotation", &sampled, BAT_CUT_LOCUS, 4, "lines 2 and 4");
     assert_refused(ROWS("0,1,0,0,0\n1,-1,0,0,0\n"), "rotation", &refined, BAT_INVALID_POINT, 3, "lines 2 and 3");
-    assert_refused(ROWS("0,1,0,0,0\n1,0.8,0.6,0,0\n3,0.6,0.8,0,0\n"), "rotation", &transport, BAT_UNSUPPORTED, 4,
-                   "evenly spaced");
     assert_refused("x,y,time,height\n0,0,0,5\n1,1,1,6\n", "plane", &sampled, BAT_UNSUPPORTED, 0, "other columns");
     assert_refused("qw,qx,qy,qz,wx,wy,wz\n1,0,0,0,1,0,0\n0.8,0.6,0,0,0,0,0\n", "rotation", NULL, BAT_INVALID_POINT, 3,
                    "no direction");
@@ -675,9 +649,8 @@ static void velocities_are_derivatives_of_the_columns(void **state)
 static void names_of_schemes(void **state)
 {
     (void)state;
-    const char *bad[] = {"hermite:order=0", "hermite:order=2.5",    "hermite:order=11",          "hermite:rate=3",
-                         "hermite:order",   "hermite-merrien:mu=x", "hermite-merrien:base=edge", "hermit",
-                         "hermite-",        "hermite:order=3,"};
+    const char *bad[] = {"hermite:order=0", "hermite:order=2.5",   "hermite:order=11", "hermite:rate=3", "hermite:order",
+                         "hermite-merrien", "hermite:base=vertex", "hermit",           "hermite-",       "hermite:order=3,"};
     bat_motion_curves_options options = bat_motion_curves_defaults();
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(bat_motion_scheme_by_name(bad[i], &options, NULL), BAT_INVALID_ARGUMENT);
@@ -685,11 +658,7 @@ static void names_of_schemes(void **state)
     size_t count = 0;
     for (; (choice = bat_choices(&bat_motion_scheme_family, count)) != NULL; count++)
         assert_int_equal(bat_motion_scheme_by_name(choice->name, &options, NULL), BAT_OK);
-    assert_int_equal(count, 4);
-    assert_int_equal(bat_motion_scheme_by_name("hermite-merrien:lambda=-0.1,mu=-0.25,base=midpoint", &options, NULL),
-                     BAT_OK);
-    assert_int_equal(options.scheme.base, BAT_CURVE_BASE_MIDPOINT);
-    assert_int_equal(options.scheme.kind, BAT_HERMITE_KIND_TRANSPORT);
+    assert_int_equal(count, 2);
     assert_int_equal(bat_motion_scheme_by_name("hermite:order=7", &options, NULL), BAT_OK);
     assert_int_equal(options.scheme.order, 7);
 }
@@ -709,7 +678,6 @@ int main(void)
         cmocka_unit_test(steady_turns_have_their_velocity),
         cmocka_unit_test(large_steps_are_followed),
         cmocka_unit_test(a_curve_has_its_data),
-        cmocka_unit_test(data_by_index_need_even_times),
         cmocka_unit_test(times_must_increase),
         cmocka_unit_test(bad_keyframes_name_their_lines),
         cmocka_unit_test(timed_keyframes_become_a_motion_in_time),

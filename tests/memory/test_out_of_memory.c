@@ -76,7 +76,6 @@ static const test_case CASES[] = {
     {"curve picture", &VERB_CURVE, "curve plane.csv --levels 2 --picture out.svg --panel 0,1 --comb --quiet"},
     {"motion", &VERB_CURVE, "curve rotation.csv -o out.tum --space rigid --from tum --rate 7"},
     {"motion levels", &VERB_CURVE, "curve keys.csv -o out.csv --scheme hermite:order=3 --velocities --levels 2"},
-    {"motion transport", &VERB_CURVE, "curve keys.csv -o out.csv --scheme hermite-merrien --levels 2 --threads 2"},
     {"mesh learned", &VERB_MESH, "mesh sheet.obj -o out.obj --levels 1 --quiet"},
     {"mesh given model", &VERB_MESH,
      "mesh sheet.obj -o out.ply --levels 3 --then loop --threads 2 --model " WEIGHTS_FOLDER "/mesh.safetensors"},

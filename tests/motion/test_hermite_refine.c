@@ -5,21 +5,42 @@
 
 #include "base/memory.h"
 
-static bat_hermite_refine_options lane_riesenfeld(size_t order, size_t levels)
+/// A scheme of averages, or a linear one of derivatives.
+typedef struct hermite_scheme
 {
-    bat_hermite_refine_options how = bat_hermite_refine_defaults();
-    how.order = order;
-    how.levels = levels;
+    bat_hermite_refine_options refine;
+    bool is_linear;
+    bat_hermite_linear linear;
+} hermite_scheme;
+
+static hermite_scheme transport(bat_hermite_mask mask, size_t levels)
+{
+    hermite_scheme how = {bat_hermite_refine_defaults(), true, {mask, BAT_CURVE_BASE_VERTEX}};
+    how.refine.levels = levels;
     return how;
 }
 
-static bat_hermite_refine_options transport(bat_hermite_mask mask, size_t levels)
+static hermite_scheme lane_riesenfeld(size_t order, size_t levels)
 {
-    bat_hermite_refine_options how = bat_hermite_refine_defaults();
-    how.kind = BAT_HERMITE_KIND_TRANSPORT;
-    how.mask = mask;
-    how.levels = levels;
+    hermite_scheme how = transport(bat_hermite_mask_merrien(-0.125, -0.5), levels);
+    how.is_linear = false;
+    how.refine.order = order;
     return how;
+}
+
+static bat_status refine(const bat_hermite_curve *coarse, const hermite_scheme *how, bat_hermite_curve *fine,
+                         bat_error *error)
+{
+    return bat_hermite_transport_refine(coarse, how->is_linear ? &how->linear : NULL, &how->refine, fine, error);
+}
+
+static bat_hermite_curve refined(const bat_hermite_curve *coarse, const hermite_scheme *how)
+{
+    bat_hermite_curve fine;
+    bat_error error = {.text = ""};
+    if (refine(coarse, how, &fine, &error) != BAT_OK)
+        fail_msg("%s", error.text);
+    return fine;
 }
 
 static void check_same(const bat_hermite_curve *a, const bat_hermite_curve *b)
@@ -53,10 +74,10 @@ static void order_one_and_merrien_keep_the_given(void **state)
         const bat_space *space = &spaces[s / 2];
         study_curve curve = smooth_curve(space, s);
         bat_hermite_curve coarse = even_directions(&curve, 9, s % 2 == 0);
-        bat_hermite_refine_options how[2] = {lane_riesenfeld(1, 3), transport(bat_hermite_mask_merrien(-0.125, -0.5), 3)};
+        hermite_scheme how[2] = {lane_riesenfeld(1, 3), transport(bat_hermite_mask_merrien(-0.125, -0.5), 3)};
         for (int k = 0; k < 2; k++)
         {
-            bat_hermite_curve fine = hermite_refined(&coarse, &how[k]);
+            bat_hermite_curve fine = refined(&coarse, &how[k]);
             assert_int_equal(fine.count, coarse.closed ? 72 : 65);
             for (size_t i = 0; i < coarse.count; i++)
             {
@@ -83,14 +104,14 @@ static void threads_and_levels_make_no_difference(void **state)
         {
             study_curve curve = smooth_curve(&spaces[s], order);
             bat_hermite_curve coarse = even_directions(&curve, 301, true);
-            bat_hermite_refine_options how = lane_riesenfeld(order, 6);
-            how.threads = 1;
-            bat_hermite_curve one = hermite_refined(&coarse, &how);
-            how.threads = 3;
-            bat_hermite_curve three = hermite_refined(&coarse, &how);
+            hermite_scheme how = lane_riesenfeld(order, 6);
+            how.refine.threads = 1;
+            bat_hermite_curve one = refined(&coarse, &how);
+            how.refine.threads = 3;
+            bat_hermite_curve three = refined(&coarse, &how);
             check_same(&one, &three);
-            how.levels = 3;
-            bat_hermite_curve half = hermite_refined(&coarse, &how), whole = hermite_refined(&half, &how);
+            how.refine.levels = 3;
+            bat_hermite_curve half = refined(&coarse, &how), whole = refined(&half, &how);
             check_near_curves(&one, &whole, 0, 0);
             bat_hermite_free(&one);
             bat_hermite_free(&three);
@@ -113,8 +134,8 @@ static void times_go_along(void **state)
         for (size_t i = 1; i < coarse.count; i += 2)
             coarse.times[i] += 0.1;
         coarse.closing_time = coarse.closed ? 2 * PI + 0.3 - coarse.times[11] : 0;
-        bat_hermite_refine_options how = lane_riesenfeld(order, 3);
-        bat_hermite_curve fine = hermite_refined(&coarse, &how);
+        hermite_scheme how = lane_riesenfeld(order, 3);
+        bat_hermite_curve fine = refined(&coarse, &how);
         check_status(bat_hermite_check(&fine, NULL), BAT_OK);
         if (coarse.closed)
             check_near(fine.times[fine.count - 1] - fine.times[0] + fine.closing_time, 2 * PI, 1e-14);
@@ -152,8 +173,8 @@ static void vector_code_agrees_with_the_spaces(void **state)
         memcpy(tangents + known->tangent_dim, pair.v1, known->tangent_dim * sizeof *points);
         bat_hermite_curve a = {.space = known, .points = points, .tangents = tangents, .count = 2}, b = a;
         b.space = &own;
-        bat_hermite_refine_options how = lane_riesenfeld(1, 1);
-        bat_hermite_curve fine_a = hermite_refined(&a, &how), fine_b = hermite_refined(&b, &how);
+        hermite_scheme how = lane_riesenfeld(1, 1);
+        bat_hermite_curve fine_a = refined(&a, &how), fine_b = refined(&b, &how);
         check_near_curves(&fine_a, &fine_b, 1e-14, 4e-15 + 2e-15 / distance);
         bat_hermite_free(&fine_a);
         bat_hermite_free(&fine_b);
@@ -169,11 +190,11 @@ static void signs_of_quaternions_make_no_difference(void **state)
     for (size_t order = 1; order <= 5; order++)
     {
         bat_hermite_curve data = even_directions(&curve, 10, order % 2 == 0);
-        bat_hermite_refine_options how = order == 5 ? transport(bat_hermite_mask_de_rham(), 3) : lane_riesenfeld(order, 3);
-        bat_hermite_curve plus = hermite_refined(&data, &how);
+        hermite_scheme how = order == 5 ? transport(bat_hermite_mask_de_rham(), 3) : lane_riesenfeld(order, 3);
+        bat_hermite_curve plus = refined(&data, &how);
         for (size_t i = 0; i < 4 * data.count; i++)
             data.points[i] *= i / 4 % 3 == 0 ? -1 : 1;
-        bat_hermite_curve minus = hermite_refined(&data, &how);
+        bat_hermite_curve minus = refined(&data, &how);
         check_near_curves(&plus, &minus, 1e-13, 1e-11);
         bat_hermite_free(&plus);
         bat_hermite_free(&minus);
@@ -201,8 +222,8 @@ static void reversal_reverses(void **state)
                    space->point_dim * sizeof(double));
             negate(space, coarse.tangents + i * space->tangent_dim, back.tangents + j * space->tangent_dim);
         }
-        bat_hermite_refine_options how = lane_riesenfeld(order, 3);
-        bat_hermite_curve fine = hermite_refined(&coarse, &how), other = hermite_refined(&back, &how);
+        hermite_scheme how = lane_riesenfeld(order, 3);
+        bat_hermite_curve fine = refined(&coarse, &how), other = refined(&back, &how);
         // Parameter t becomes count - 1 - t; new point i is at i / 8, for even orders at (i + 7 / 2) / 8.
         size_t total = fine.count, shift = closed ? (order % 2 == 1 ? 7 : 14) : 0;
         for (size_t i = 0; i < total; i++)
@@ -255,7 +276,7 @@ static void geodesics_are_reproduced(void **state)
         const size_t levels = 2, count = 6;
         size_t which = trial / SPACES;
         const double step = 0.2;
-        bat_hermite_refine_options how = lane_riesenfeld(which + 1, levels);
+        hermite_scheme how = lane_riesenfeld(which + 1, levels);
         if (which >= 5)
             how = transport(which == 5 ? bat_hermite_mask_merrien(-0.125, -0.5) : bat_hermite_mask_de_rham(), levels);
         bool primal = which < 5 ? which % 2 == 0 : which == 5;
@@ -263,7 +284,7 @@ static void geodesics_are_reproduced(void **state)
         if (which >= 5)
             for (size_t i = 0; i < count * space->tangent_dim; i++)
                 coarse.tangents[i] *= step;
-        bat_hermite_curve fine = hermite_refined(&coarse, &how);
+        bat_hermite_curve fine = refined(&coarse, &how);
         assert_int_equal(fine.count, primal ? 21 : 22);
         for (size_t i = 0; i < fine.count; i++)
         {
@@ -305,9 +326,9 @@ static void linear_schemes_reproduce_cubics(void **state)
         for (int i = 0; i < 6; i++)
             cubic(i, &points[i], &slopes[i]);
         bat_hermite_curve coarse = {.space = &line, .points = points, .tangents = slopes, .count = 6};
-        bat_hermite_refine_options how = transport(masks[k % 2], 2);
-        how.base = k < 2 ? BAT_CURVE_BASE_VERTEX : BAT_CURVE_BASE_MIDPOINT;
-        bat_hermite_curve fine = hermite_refined(&coarse, &how);
+        hermite_scheme how = transport(masks[k % 2], 2);
+        how.linear.base = k < 2 ? BAT_CURVE_BASE_VERTEX : BAT_CURVE_BASE_MIDPOINT;
+        bat_hermite_curve fine = refined(&coarse, &how);
         for (size_t i = k % 2 == 0 ? 0 : 4; i < (k % 2 == 0 ? 21 : 18); i++)
         {
             double value, slope, t = k % 2 == 0 ? 0.25 * (double)i : 0.25 * ((double)i - 1) + 0.125;
@@ -337,9 +358,9 @@ static void de_rham_limits_are_c2(void **state)
         for (int deep = 0; deep < 2; deep++)
         {
             size_t levels = deep == 0 ? 4 : 8;
-            bat_hermite_refine_options how =
+            hermite_scheme how =
                 transport(k == 0 ? bat_hermite_mask_merrien(-0.125, -0.5) : bat_hermite_mask_de_rham(), levels);
-            bat_hermite_curve fine = hermite_refined(&coarse, &how);
+            bat_hermite_curve fine = refined(&coarse, &how);
             double scale = ldexp(1, 2 * (int)levels), *p = fine.points;
             jumps[k][deep] = 0;
             for (size_t i = 0; i + 3 < fine.count; i++)
@@ -444,7 +465,7 @@ static void faults_are_named(void **state)
         {"not later", BAT_INVALID_POINT, 90, data.times + 90, -10},
         {"time of point 2999 is not finite", BAT_INVALID_POINT, 2999, data.times + 2999, NAN},
     };
-    bat_hermite_refine_options how = lane_riesenfeld(1, 2);
+    hermite_scheme how = lane_riesenfeld(1, 2);
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; k++)
     {
         bat_hermite_curve fine = {0};
@@ -453,8 +474,8 @@ static void faults_are_named(void **state)
         *cases[k].at = cases[k].value;
         for (int threads = 1; threads <= 3; threads += 2)
         {
-            how.threads = threads;
-            check_status(bat_hermite_refine(&data, &how, &fine, &error), cases[k].status);
+            how.refine.threads = threads;
+            check_status(refine(&data, &how, &fine, &error), cases[k].status);
             assert_int_equal(error.index, cases[k].index);
             if (strstr(error.text, cases[k].words) == NULL)
                 fail_msg("'%s' does not say '%s'", error.text, cases[k].words);
@@ -466,12 +487,12 @@ static void faults_are_named(void **state)
     study_curve_free(&curve);
 }
 
-static void refused(const bat_hermite_curve *data, const bat_hermite_refine_options *how, bat_status status, size_t index,
+static void refused(const bat_hermite_curve *data, const hermite_scheme *how, bat_status status, size_t index,
                     const char *words)
 {
     bat_hermite_curve fine = {0};
     bat_error error;
-    check_status(bat_hermite_refine(data, how, &fine, &error), status);
+    check_status(refine(data, how, &fine, &error), status);
     assert_true(error.index == index);
     if (strstr(error.text, words) == NULL)
         fail_msg("'%s' does not say '%s'", error.text, words);
@@ -483,7 +504,7 @@ static void edges_at_fault_are_named(void **state)
     (void)state;
     study_curve curve;
     bat_hermite_curve data = good_data(&curve);
-    bat_hermite_refine_options how = lane_riesenfeld(1, 2);
+    hermite_scheme how = lane_riesenfeld(1, 2);
     double kept[3], turned[3];
     memcpy(kept, data.points + 3 * 2001, sizeof kept);
     memcpy(data.points + 3 * 2001, data.points + 3 * 2000, sizeof kept);
@@ -516,7 +537,7 @@ static void edges_at_fault_are_named(void **state)
     double points[9] = {1, 0, 0, 0, 1, 0, 0, -1, 0}, tangents[9] = {0, 1, 0, 0, 0, 1, 0, 0, 1};
     data = (bat_hermite_curve){.space = &sphere, .points = points, .tangents = tangents, .count = 3};
     refused(&data, &how, BAT_CUT_LOCUS, 2, "points 1 and 2 have no unique shortest geodesic");
-    how.kind = BAT_HERMITE_KIND_TRANSPORT;
+    how.is_linear = true;
     refused(&data, &how, BAT_CUT_LOCUS, 2, "points 1 and 2 have no unique shortest geodesic");
 }
 
@@ -525,19 +546,19 @@ static void options_are_checked(void **state)
     (void)state;
     study_curve curve;
     bat_hermite_curve data = good_data(&curve);
-    bat_hermite_refine_options how = lane_riesenfeld(0, 2);
+    hermite_scheme how = lane_riesenfeld(0, 2);
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 10");
     how = lane_riesenfeld(BAT_HERMITE_MAX_ORDER + 1, 2);
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "must be from 1 to 10");
     how = lane_riesenfeld(1, 60);
     refused(&data, &how, BAT_TOO_LARGE, BAT_NO_INDEX, "too many points");
     how = lane_riesenfeld(1, 2);
-    how.max_points = 3000 * 4 - 4;
+    how.refine.max_points = 3000 * 4 - 4;
     refused(&data, &how, BAT_TOO_LARGE, BAT_NO_INDEX, "");
     how = transport(bat_hermite_mask_merrien(-0.125, -0.5), 1);
-    how.mask.coefficients[1][0][0] = 0.9;
+    how.linear.mask.coefficients[1][0][0] = 0.9;
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "sum to 1");
-    how.mask.count = 0;
+    how.linear.mask.count = 0;
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "1 to 16 matrices");
     data.count = 1;
     refused(&data, &how, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, "1 to 16 matrices");
@@ -559,11 +580,11 @@ static void progress_can_stop(void **state)
     (void)state;
     study_curve curve;
     bat_hermite_curve data = good_data(&curve), fine = {0};
-    bat_hermite_refine_options how = lane_riesenfeld(1, 8);
+    hermite_scheme how = lane_riesenfeld(1, 8);
     double fraction = 0;
-    how.progress = (bat_progress){stop_at_half, &fraction};
-    how.threads = 1;
-    check_status(bat_hermite_refine(&data, &how, &fine, NULL), BAT_CANCELLED);
+    how.refine.progress = (bat_progress){stop_at_half, &fraction};
+    how.refine.threads = 1;
+    check_status(refine(&data, &how, &fine, NULL), BAT_CANCELLED);
     assert_true(fraction >= 0.5 && fraction < 1);
     assert_null(fine.points);
     bat_hermite_free(&data);

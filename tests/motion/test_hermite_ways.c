@@ -364,9 +364,8 @@ static void directions_are_not_velocities(void **state)
     assert_int_equal(keys.kind, BAT_HERMITE_TANGENTS_VELOCITIES);
     check_status(bat_motion_spline_make(&keys, NULL, &spline, &error), BAT_OK);
     bat_motion_spline_free(spline);
-    bat_hermite_refine_options how = bat_hermite_refine_defaults();
-    how.kind = BAT_HERMITE_KIND_TRANSPORT;
-    check_status(bat_hermite_refine(&keys, &how, &fine, &error), BAT_OK);
+    const bat_hermite_linear linear = {bat_hermite_mask_merrien(-0.125, -0.5), BAT_CURVE_BASE_VERTEX};
+    check_status(bat_hermite_transport_refine(&keys, &linear, NULL, &fine, &error), BAT_OK);
     assert_int_equal(fine.kind, BAT_HERMITE_TANGENTS_INDEX_DERIVATIVES);
     check_status(bat_motion_spline_make(&fine, NULL, &spline, &error), BAT_INVALID_ARGUMENT);
     assert_non_null(strstr(error.text, "by the index"));

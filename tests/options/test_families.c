@@ -39,7 +39,6 @@ static const struct
     ROW(bat_curve_projection),
     ROW(bat_motion_scheme),
     ROW(bat_motion_method),
-    ROW(bat_hermite_kind),
     ROW(bat_motion_ends),
     ROW(bat_motion_shape),
     ROW(bat_time_unit),

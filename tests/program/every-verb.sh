@@ -51,16 +51,14 @@ cp "$examples/camera-keyframes.csv" rigid.csv
 cp "$examples/tensor-path.csv" spd.csv
 linear='chaikin corner-cutting:r=0.2,s=0.7 four-point four-point:w=0.05 six-point lane-riesenfeld:order=4 mask:1/4,3/4,3/4,1/4@-1'
 angle='angle-4 angle-6 angle:mu=-0.1,sign=printed angle-4:adaptive=1 learned learned:fairness=0 learned:fairness=1'
-# Two schemes by parallel transport: for evenly spaced times alone.
-transport='hermite-merrien hermite-merrien:base=midpoint hermite-de-rham'
 log_exp='log-exp-4 log-exp-4:base=midpoint log-exp-4:parameters=chordal catmull-rom cubic log-exp-6 log-exp-lane-riesenfeld:order=2 geodesic:order=2'
 hermite='spline hermite hermite:order=3'
 for space in plane euclidean sphere disk hyperbolic rotation rigid spd; do
     case $space in
-    plane) schemes="$linear $angle $log_exp $hermite $transport" ;;
-    euclidean) schemes="$linear $log_exp $hermite $transport" ;;
-    sphere | disk) schemes="$angle $log_exp $hermite $transport" ;;
-    hyperbolic) schemes="$log_exp $hermite $transport" ;;
+    plane) schemes="$linear $angle $log_exp $hermite" ;;
+    euclidean) schemes="$linear $log_exp $hermite" ;;
+    sphere | disk) schemes="$angle $log_exp $hermite" ;;
+    hyperbolic) schemes="$log_exp $hermite" ;;
     *) schemes="$log_exp $hermite" ;;
     esac
     for scheme in $schemes; do
@@ -84,9 +82,6 @@ for space in rotation rigid spd; do
         works motion $space.csv --scheme hermite:order=$order --levels 2
     done
     works motion $space.csv --scheme hermite --rate 7 -o motion.csv
-    for scheme in $transport; do
-        works motion motion.csv --scheme $scheme --levels 1
-    done
     works motion $space.csv --scheme hermite --rate 7 --velocities --threads 2
 done
 printf '0.5\n1\n' > times.txt

@@ -27,6 +27,42 @@ typedef enum bat_hermite_quantity
     BAT_HERMITE_QUANTITY_TRIANGLE    ///< largest L_H(Q0, Q1) / (L_H(Q0, Q) + L_H(Q, Q1)): at most 1 by eq. (4.11)
 } bat_hermite_quantity;
 
+/// The longest mask of a linear Hermite scheme.
+#define BAT_HERMITE_MASK_MAX 16
+
+/// The mask of a linear Hermite scheme. New data i are the sum over j of A(i - 2 j) times the column (old point j, old
+/// derivative j). Derivatives are by the index on every level, so that they halve where the curve stays the same.
+/// `coefficients[k]` is the 2 x 2 matrix A(first + k).
+typedef struct bat_hermite_mask
+{
+    double coefficients[BAT_HERMITE_MASK_MAX][2][2];
+    size_t count; ///< 1 … BAT_HERMITE_MASK_MAX
+    int first;    ///< index of the first matrix, may be negative
+} bat_hermite_mask;
+
+/// Merrien's interpolatory schemes (1992). The new point is (p + q) / 2 + lambda (d(q) - d(p)). The new derivative is
+/// ((1 - mu) (q - p) + mu (d(p) + d(q)) / 2) / 2. lambda = -1/8, mu = -1/2 gives the cubic Hermite interpolant.
+BAT_API bat_hermite_mask bat_hermite_mask_merrien(double lambda, double mu);
+/// The cubic Hermite interpolant at 1/4 and 3/4 of every edge, the de Rham transform (Dubuc and Merrien 2008) of Merrien's
+/// scheme that gives it: corner cutting with derivatives. Limits are C2, and cubics reproduced.
+BAT_API bat_hermite_mask bat_hermite_mask_de_rham(void);
+
+/// A linear Hermite scheme on manifolds.
+typedef struct bat_hermite_linear
+{
+    bat_hermite_mask mask;
+    bat_curve_base base; ///< in whose tangent space to sum
+} bat_hermite_linear;
+
+/// Refine by a linear Hermite scheme, with logarithms and parallel transport (Moosmüller 2017): derivatives of evenly spaced
+/// samples by the index become derivatives by the new index.
+///
+/// @param scheme null: bat_hermite_refine()
+/// @return as bat_hermite_refine(), and BAT_INVALID_ARGUMENT for weights that do not sum to 1 and 0
+BAT_API bat_status bat_hermite_transport_refine(const bat_hermite_curve *coarse, const bat_hermite_linear *scheme,
+                                                const bat_hermite_refine_options *options, bat_hermite_curve *fine,
+                                                bat_error *error);
+
 /// A measurement. The strings are constants.
 typedef struct bat_hermite_measure
 {
