@@ -22,6 +22,7 @@ typedef enum bat_curve_format
                             ///< "rigid"
     BAT_CURVE_FORMAT_EUROC, ///< the same as the EuRoC data set writes them: nanoseconds, x, y, z, qw, qx, qy, qz, with names
     BAT_CURVE_FORMAT_KITTI, ///< poses as the KITTI benchmark writes them: matrices of 3 rows and 4 columns, without times
+    BAT_CURVE_FORMAT_BVH,   ///< motion capture: a curve of poses for each joint; read only
     BAT_CURVE_FORMAT_GPX,
     BAT_CURVE_FORMAT_WKT,     ///< well-known text, a geometry after the other
     BAT_CURVE_FORMAT_WKT_CSV, ///< a table with a column of well-known text

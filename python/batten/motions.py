@@ -35,6 +35,9 @@ class Motion:
     velocities : array_like, optional
         The velocities at the times; by default, and where all numbers of a row are NaN, those that make the acceleration
         continuous. Of rigid motions this holds for the two parts by themselves.
+    gyro : (times, rates), optional
+        Angular rates of a gyroscope in the body's frame, rows of x, y and z in radians a second, between the poses. Its bias
+        and the noise of both are found; see `bias`. `times` then has those of the rates, too.
     project : bool
         Move points that are farther than 0.05 off their space onto it, too, and warn of none.
     closed : bool
@@ -61,10 +64,10 @@ class Motion:
 
     @takes("bat_motion_spline_options")
     def __init__(self, times: ArrayLike, poses: Any, *, space: Space | str | None = None,
-                 velocities: ArrayLike | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
+                 velocities: ArrayLike | None = None, gyro: tuple[ArrayLike, ArrayLike] | None = None, project: bool = False, closed: bool = False, period: float = 0.0,
                  **settings: Any) -> None:
         closed = flag(closed, "closed")
-        self._arguments = (times, poses), dict(space=space, velocities=velocities, project=project, closed=closed,
+        self._arguments = (times, poses), dict(space=space, velocities=velocities, gyro=gyro, project=project, closed=closed,
                                                period=period, **settings)
         self._origin: Any = None
         keys, self._form, implied = _points(poses, project)
@@ -93,9 +96,15 @@ class Motion:
             found = {"sigma": -1.0, "angle_sigma": -1.0} if self.space.name == "rigid" else {"sigma": -1.0}
             settings = {**settings, **found}
         how = options("bat_motion_spline_options", settings)
+        if gyro is not None:
+            when, rates = self._seconds(gyro[0]), array(gyro[1], "gyro", 3)
+            if when.shape != (len(rates),):
+                raise ValueError(f"gyro: {len(rates)} times are needed, one for each row of rates, not {when.shape}")
+            how.gyro = measured = ffi.new("bat_motion_gyro *", [pointer(when), pointer(rates), len(rates)])
         call(lib.bat_motion_spline_make, curve, how, made)
         self._spline = ffi.gc(made[0], lib.bat_motion_spline_free)
-        self.times = np.frombuffer(ffi.buffer(lib.bat_motion_spline_keys(self._spline).times, 8 * len(keys))).copy()
+        made_keys = lib.bat_motion_spline_keys(self._spline)
+        self.times = np.frombuffer(ffi.buffer(made_keys.times, 8 * made_keys.count)).copy()
         self.poses, self._keys, self._outliers = poses, keys, how.outliers
 
     def _seconds(self, times: Any) -> Floats:
@@ -189,6 +198,12 @@ class Motion:
         """The noise of the poses, given or estimated; of rigid motions of translations and of rotations."""
         keys = lib.bat_motion_spline_keys(self._spline)
         return keys.sigma, keys.angle_sigma
+
+    @property
+    def bias(self) -> tuple[Floats, Floats]:
+        """The bias of the gyroscope about x, y and z, and its standard deviations, in radians a second."""
+        found = lib.bat_motion_spline_keys(self._spline).gyro
+        return np.array(list(found.bias)), np.array(list(found.bias_sigma))
 
     @property
     def range(self) -> tuple[float, float]:

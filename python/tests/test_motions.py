@@ -154,3 +154,32 @@ def test_unknown_velocities_are_found():
     given[1, 0] = np.nan
     with pytest.raises(batten.InvalidPoint):
         batten.Motion([0, 1, 2], poses, space="rigid", velocities=given)
+
+
+def test_limits_give_new_times():
+    """A line of length 5 within a speed of 3 and an acceleration of 2."""
+    motion = batten.Motion([0, 9], [[0.0, 0.0], [3.0, 4.0]], max_speed=3, max_acceleration=2)
+    assert motion.range[1] == pytest.approx(5 / 3 + 3 / 2, rel=1e-5)
+    assert np.linalg.norm(motion.velocity(motion.range[1] / 2)) == pytest.approx(3, rel=1e-5)
+    assert np.array_equal(motion.times, motion.range)
+
+
+def test_a_gyroscope_turns_between_poses():
+    """Rates with a bias beside noisy rotations about one axis, whose angle shakes between them."""
+    random, fine, coarse = np.random.default_rng(1), np.arange(0, 30, 0.01), np.arange(0, 29.5, 0.5)
+    angle = lambda t: np.sin(0.5 * t) + 0.2 * np.sin(11 * t)  # noqa: E731
+    rates = np.zeros((len(fine), 3))
+    rates[:, 2] = 0.5 * np.cos(0.5 * fine) + 2.2 * np.cos(11 * fine)
+    rates += [0.1, -0.2, 0.3] + random.normal(0, 0.01, rates.shape)
+    vectors = np.zeros((len(coarse), 3))
+    vectors[:, 2] = angle(coarse)
+    poses = Rotation.from_rotvec(vectors) * Rotation.from_rotvec(random.normal(0, 0.02, vectors.shape))
+    motion = batten.Motion(coarse, poses, gyro=(fine, rates))
+    assert (abs(motion.bias[0] - [0.1, -0.2, 0.3]) < 4.5 * motion.bias[1]).all()
+    at = np.linspace(1, 28, 500)
+    truth = np.zeros((500, 3))
+    truth[:, 2] = angle(at)
+    assert (motion(at).inv() * Rotation.from_rotvec(truth)).magnitude().max() < 0.02
+    assert motion.uncertainty(at).max() < 0.02 and b"<svg" in motion.picture()
+    with pytest.raises(ValueError, match="gyro"):
+        batten.Motion(coarse, poses, gyro=(fine[1:], rates))

@@ -301,6 +301,82 @@ static void files_of_motions_come_back(void **state)
     }
 }
 
+static bool is_told(const bat_curve_set *set, const char *text)
+{
+    const char *note;
+    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
+        if (strstr(note, text) != NULL)
+            return true;
+    return false;
+}
+
+/// Images of COLMAP are poses of the camera in the world, in the order of their names, and go through TUM and back.
+static void images_of_colmap_are_cameras(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "# Image list with two lines of data per image:\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, ...\n"
+        "2 0.5 0.5 0.5 0.5 1 2 3 1 frame_0010.jpg\n1 2 3\n"
+        "1 0 1 0 0 0 0 1 1 frame_0004.jpg\n\n";
+    bat_curve_set set = must_read_motion(text, BAT_TIME_UNIT_AUTO);
+    assert_string_equal(set.space->name, "rigid");
+    assert_true(is_told(&set, "number in its image's name"));
+    // x' = R x + t turns the axes round: c = -R^T t.
+    const double wanted[2][8] = {{4, 0, 0, 1, 0, -1, 0, 0}, {10, -2, -3, -1, 0.5, -0.5, -0.5, -0.5}};
+    char *written = must_write(&set, BAT_CURVE_FORMAT_TUM);
+    bat_curve_set again = must_read_motion(written, BAT_TIME_UNIT_AUTO);
+    for (size_t i = 0; i < 2; i++)
+    {
+        const double *p = set.curves[0].points + 7 * i, *q = again.curves[0].points + 7 * i;
+        double sign = p[3] * wanted[i][4] + p[4] * wanted[i][5] + p[5] * wanted[i][6] + p[6] * wanted[i][7] < 0 ? -1 : 1;
+        assert_true(set.curves[0].channels[i] == wanted[i][0] && again.curves[0].channels[i] == wanted[i][0]);
+        for (size_t c = 0; c < 7; c++)
+            assert_true(fabs(p[c] - (c < 3 ? 1 : sign) * wanted[i][1 + c]) < 1e-12 && p[c] == q[c]);
+    }
+    free(written);
+    bat_curve_set_free(&set);
+    bat_curve_set_free(&again);
+}
+
+/// Joints of BVH are curves of poses in the frames of their parents; faults name the line.
+static void joints_of_bvh_are_poses(void **state)
+{
+    (void)state;
+    static const char head[] = "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation "
+                               "Xrotation Yrotation\nJOINT Knee {\nOFFSET 0 -5 0\nCHANNELS 3 Zrotation Xrotation Yrotation\n"
+                               "End Site\n{\nOFFSET 0 -4 0\n}\n}\n}\nMOTION\nFrames: 2\nFrame Time: 0.5\n";
+    char text[800];
+    (void)snprintf(text, sizeof text, "%s1 2 3 90 0 0 0 0 0\n4 5 6 90 90 0 0 0 180\n", head);
+    bat_curve_set set = must_read_motion(text, BAT_TIME_UNIT_AUTO);
+    assert_int_equal(set.count, 2);
+    const double *hips = set.curves[0].points, *knee = set.curves[1].points, r = sqrt(0.5);
+    const double wanted[2][14] = {{1, 2, 3, r, 0, 0, r, 4, 5, 6, 0.5, 0.5, 0.5, 0.5},
+                                  {0, -5, 0, 1, 0, 0, 0, 0, -5, 0, 0, 0, 1, 0}};
+    for (size_t c = 0; c < 14; c++)
+    {
+        assert_true(fabs(hips[c] - wanted[0][c]) < 1e-15);
+        assert_true(fabs(knee[c] - wanted[1][c]) < 1e-15);
+    }
+    assert_true(set.curves[1].channels[1] == 0.5);
+    bat_curve_set_free(&set);
+    const struct
+    {
+        const char *rows, *words;
+        size_t line;
+    } bad[] = {{"1 2 3 90 0 0 0 0 0\n4 5 6 90 x 0 0 0 180\n", "a number for each channel", 19},
+               {"1 2 3\n", "fewer numbers", 17}};
+    for (size_t i = 0; i < 2; i++)
+    {
+        bat_curve_read_options options = bat_curve_read_defaults();
+        bat_error error;
+        options.motion = true;
+        (void)snprintf(text, sizeof text, "%s%s", head, bad[i].rows);
+        assert_int_equal(bat_curve_read_memory(text, strlen(text), &options, &set, &error), BAT_BAD_FILE);
+        assert_non_null(strstr(error.text, bad[i].words));
+        assert_int_equal(error.line, bad[i].line);
+    }
+}
+
 static void the_unit_of_times_can_be_named(void **state)
 {
     (void)state;
@@ -312,15 +388,6 @@ static void the_unit_of_times_can_be_named(void **state)
     assert_string_equal(set.space->name, "rotation");
     assert_true(set.curves[0].channels[0] == 1 && set.curves[0].channels[1] == 1.5);
     bat_curve_set_free(&set);
-}
-
-static bool is_told(const bat_curve_set *set, const char *text)
-{
-    const char *note;
-    for (size_t i = 0; (note = bat_curve_set_note(set, i)) != NULL; i++)
-        if (strstr(note, text) != NULL)
-            return true;
-    return false;
 }
 
 /// What is no part of a motion is left out and told: columns, and rows that repeat a time.
@@ -435,6 +502,8 @@ int main(void)
         cmocka_unit_test(dates_are_times),
         cmocka_unit_test(times_count_from_an_origin),
         cmocka_unit_test(files_of_motions_come_back),
+        cmocka_unit_test(images_of_colmap_are_cameras),
+        cmocka_unit_test(joints_of_bvh_are_poses),
         cmocka_unit_test(the_unit_of_times_can_be_named),
         cmocka_unit_test(other_columns_are_left_out),
         cmocka_unit_test(a_repeated_point_ends_the_period),

@@ -160,18 +160,20 @@ static bat_status make_track(film *made, size_t index, bat_motion_spline *given,
     if (space->point_dim != made->space->point_dim || space->tangent_dim != made->space->tangent_dim)
         status = error_set(error, BAT_INVALID_ARGUMENT, index, 0, "spline %zu lives in the space %s, its keyframes in %s",
                            index, space->name, made->space->name);
-    else if (keys.count != curve->count)
+    else if (keys.count < curve->count)
         status = error_set(error, BAT_INVALID_ARGUMENT, index, 0, "curve %zu has %zu points, but its spline has %zu keys",
                            index, curve->count, keys.count);
     else if (given == NULL)
         status = bat_motion_curve_spline(made->keyframes, index, motion, &track->spline, error);
     if (status != BAT_OK)
         return status;
-    size_t intervals = curve->closed ? curve->count : curve->count - 1;
+    keys = bat_motion_spline_keys(track->spline);
+    bool same = keys.count == curve->count; // a gyroscope adds keys
+    size_t intervals = curve->closed ? keys.count : keys.count - 1;
     size_t parts = SAMPLES / intervals;
     parts = parts < MIN_PARTS ? MIN_PARTS : parts > MAX_PARTS ? MAX_PARTS : parts;
-    track->given = curve->points;
-    track->key_count = curve->count;
+    track->given = same ? curve->points : keys.points;
+    track->key_count = keys.count;
     track->count = intervals * parts + 1;
     track->colour = style_palette(made->keyframes->count == 1 ? BAT_CURVE_PICTURE_COLOURS : (int)index + 1);
     if (!allocate(made, track))

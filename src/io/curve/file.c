@@ -62,6 +62,7 @@ static const curve_format FORMATS[] = {
                .write = trajectory_write),
     FORMAT_ROW("kitti", BAT_CURVE_FORMAT_KITTI, NULL, "motions: poses without times, 12 numbers of a 3x4 matrix",
                .read = trajectory_read, .write = trajectory_write),
+    FORMAT_ROW("bvh", BAT_CURVE_FORMAT_BVH, ".bvh", "motions: joints of motion capture", .read = trajectory_read),
     // By GDAL.
     FORMAT_ROW("gpkg", BAT_CURVE_FORMAT_GPKG, ".gpkg", "curves: GeoPackage, by GDAL", .drivers = "GPKG"),
     FORMAT_ROW("shp", BAT_CURVE_FORMAT_SHP, ".shp", "curves: Shapefile, by GDAL", .drivers = "ESRI Shapefile"),
@@ -369,6 +370,8 @@ static bat_status write_set(const char *path, const bat_curve_set *set, const ba
     if (chosen.report != NULL)
         chosen.report->lost = lost_of(set, chosen.format);
     const curve_format *row = row_of(chosen.format);
+    if (row->write == NULL && row->read != NULL)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "%s is read only", row->choice.name);
     if (row->write == NULL && path == NULL)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the format %s is written to files alone",
                          row->choice.name);

@@ -175,6 +175,8 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
     csv_field time;
     double first = 0;
     char separator = ' ';
+    if (pose_is_colmap(work->source) || pose_is_bvh(work->source))
+        return pose_is_bvh(work->source) ? pose_translate_bvh(work, error) : pose_translate_colmap(work, error);
     if (pose_find_header(work, &head, &names, &time) && pose_wants_table(work, &names, time))
         return pose_translate_table(work, &head, &names, error);
     const char *space = work->options->space;
