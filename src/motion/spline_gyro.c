@@ -235,11 +235,29 @@ static void guess_bias(gyro_work *work)
     }
 }
 
+/// What the bias is not known by, in a mean component: M less its smoothed level, between two keys.
+static double spread_of_bias(const gyro_work *work, size_t key, const double *levels[2], double share)
+{
+    double sum = 0, d[3];
+    for (size_t r = 0; r < 3; r++)
+    {
+        for (size_t c = 0; c < 3; c++)
+        {
+            size_t at = 3 + 3 * r + c;
+            const double *m = work->columns + COLUMNS * key + at;
+            d[c] = (1 - share) * (levels[0][at] - m[0]) + (share > 0 ? share * (levels[1][at] - m[COLUMNS]) : 0);
+        }
+        for (size_t c = 0; c < 3; c++)
+            sum += d[c] * vector_dot(3, work->spread + 3 * c, d) / 3;
+    }
+    return sum;
+}
+
 /// The random walk at the keys, with variances, from the last one back; then the rotations between.
 static void smooth(gyro_work *work)
 {
     gyro_fusion *fused = work->fused;
-    double later[3], spread = 0, noise = work->noise;
+    double later[COLUMNS], spread = 0;
     for (size_t i = work->count; i-- > 0;)
     {
         double *level = work->levels + COLUMNS * i, variance = work->variances[i], between = 0, shared = 0;
@@ -249,21 +267,21 @@ static void smooth(gyro_work *work)
             between = work->ratio * (work->times[i + 1] - work->times[i]) / work->step;
             double gain = variance / (variance + between);
             shared = gain * spread;
-            for (size_t c = 0; c < 3; c++)
+            for (size_t c = 0; c < COLUMNS; c++)
                 level[c] += gain * (later[c] - level[c]);
             variance += gain * gain * (spread - variance - between);
         }
         for (size_t k = work->places[i]; k < fused->count && (k == work->places[i] || k < work->places[i + 1]); k++)
         {
             double s = last ? 0 : (fused->times[k] - work->times[i]) / (work->times[i + 1] - work->times[i]), r = 1 - s;
-            double x[3], turned[4];
+            double x[3], turned[4], own = r * r * variance + s * s * spread + 2 * r * s * shared + between * r * s;
             for (size_t c = 0; c < 3; c++)
                 x[c] = last ? level[c] : r * level[c] + s * later[c];
             quaternion_turn(work->constant, x[0], x[1], x[2], turned);
             multiply(turned, work->turned + 4 * k, fused->rotations + 4 * k);
             quaternion_normalize(fused->rotations + 4 * k);
-            fused->deviations[k] =
-                noise * sqrt(fmax(r * r * variance + s * s * spread + 2 * r * s * shared + between * r * s, 0));
+            own += spread_of_bias(work, i, (const double *[]){level, later}, s);
+            fused->deviations[k] = work->noise * sqrt(fmax(own, 0));
         }
         memcpy(later, level, sizeof later);
         spread = variance;
