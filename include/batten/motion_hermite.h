@@ -105,7 +105,6 @@ extern BAT_API const bat_options_table bat_hermite_refine_fields;
 /// tangents. Times are averaged as the points of a linear scheme are. For a curve through given points at given times, use
 /// bat_motion_spline_make().
 ///
-/// Memory beyond the result is that of the coarse data and a fixed amount.
 ///
 /// @param options null for the defaults
 /// @param fine    receives the refined curve; release it with bat_hermite_free()

@@ -2,16 +2,12 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
-#include "base/progress.h"
 #include "curve/plan.h"
 #include "motion/hermite_average.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/// The number of values computed at a time before rows are separated: enough for many threads, small for memory.
-#define SLAB_NUMBERS (1 << 21)
 
 // Refinement
 
@@ -199,27 +195,6 @@ static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
     }
 }
 
-/// Compute the result in parts by the cascade.
-static bat_status run_slabs(const hermite_plan *plan, double *slab, size_t slab_rows, bat_hermite_curve *fine,
-                            bat_error *error)
-{
-    index_range whole = plan->task.result;
-    size_t total = (size_t)(whole.end - whole.begin), offset = plan->ends_added ? 1 : 0;
-    for (size_t done = 0; done < total; done += slab_rows)
-    {
-        size_t count = total - done < slab_rows ? total - done : slab_rows;
-        progress_part part = {plan->options->progress, (double)done / (double)total, (double)count / (double)total};
-        cascade task = plan->task;
-        task.result = (index_range){whole.begin + (ptrdiff_t)done, whole.begin + (ptrdiff_t)(done + count)};
-        task.progress = progress_of_part(&part);
-        bat_status status = cascade_run(&task, plan->rows, slab, error);
-        if (status != BAT_OK)
-            return status;
-        store_rows(plan, slab, count, offset + done, fine);
-    }
-    return BAT_OK;
-}
-
 /// The rest of the period after the last point.
 static void close_times(const hermite_plan *plan, bat_hermite_curve *fine)
 {
@@ -230,17 +205,20 @@ static void close_times(const hermite_plan *plan, bat_hermite_curve *fine)
 
 static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
 {
-    size_t slab_rows = SLAB_NUMBERS / plan->dim > 0 ? SLAB_NUMBERS / plan->dim : 1;
-    slab_rows = slab_rows > plan->count ? plan->count : slab_rows + (slab_rows & 1);
-    double *slab = memory_array(slab_rows, plan->dim * sizeof *slab);
-    if (slab == NULL)
-        return error_memory(error, slab_rows * plan->dim * sizeof *slab);
-    bat_status status = run_slabs(plan, slab, slab_rows, fine, error);
+    size_t count = (size_t)(plan->task.result.end - plan->task.result.begin);
+    double *made = memory_array(count, plan->dim * sizeof *made);
+    if (made == NULL)
+        return error_memory(error, count * plan->dim * sizeof *made);
+    cascade task = plan->task;
+    task.progress = plan->options->progress;
+    bat_status status = cascade_run(&task, plan->rows, made, error);
+    if (status == BAT_OK)
+        store_rows(plan, made, count, plan->ends_added ? 1 : 0, fine);
     if (status == BAT_OK && plan->ends_added)
         store_ends(plan, fine);
     if (status == BAT_OK && fine->closed && fine->times != NULL)
         close_times(plan, fine);
-    free(slab);
+    free(made);
     return status;
 }
 

@@ -10,9 +10,7 @@
 #include "curve/point_form.h"
 #include "linalg/vector.h"
 #include "motion/hermite_average.h"
-#include "motion/spline_gyro.h"
 #include "motion/spline_system.h"
-#include "motion/spline_timing.h"
 #include "space/builtin.h"
 #include "space/quaternion.h"
 

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/dense.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,39 +21,6 @@ enum
     ROWS = 2 * PAIRS * SPLINE_PLACES
 };
 
-/// Solve D x = b for the columns of the identity, by elimination with pivots. False where D is singular.
-static bool invert(size_t n, const double *matrix, double *inverse)
-{
-    double a[N][2 * N];
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++)
-        {
-            a[i][j] = matrix[i * n + j];
-            a[i][n + j] = i == j;
-        }
-    for (size_t k = 0; k < n; k++)
-    {
-        size_t pivot = k;
-        for (size_t i = k + 1; i < n; i++)
-            pivot = fabs(a[i][k]) > fabs(a[pivot][k]) ? i : pivot;
-        double divisor = a[pivot][k];
-        if (!(fabs(divisor) > 0))
-            return false;
-        for (size_t j = 0; j < 2 * n; j++)
-        {
-            double swapped = a[k][j];
-            a[k][j] = a[pivot][j] / divisor;
-            a[pivot][j] = pivot != k ? swapped : a[k][j];
-        }
-        for (size_t i = 0; i < n; i++)
-            for (size_t j = 2 * n; i != k && j-- > k;)
-                a[i][j] -= a[i][k] * a[k][j];
-    }
-    for (size_t i = 0; i < n; i++)
-        memcpy(inverse + i * n, a[i] + n, n * sizeof *inverse);
-    return true;
-}
-
 /// The matrices of one end, from the derivatives on its lines, which are longer by `scale`.
 static bool fill_end(size_t n, double scale, double (*first)[N], double (*second)[N], spline_chart_end *end)
 {
@@ -67,7 +35,11 @@ static bool fill_end(size_t n, double scale, double (*first)[N], double (*second
             for (size_t c = 0; c < n; c++)
                 end->bend[i][j][c] = end->bend[j][i][c] =
                     (second[line][c] / (scale * scale) - end->bend[i][i][c] - end->bend[j][j][c]) / 2;
-    return invert(n, end->push, end->pull);
+    double destroyed[N * N];
+    memcpy(destroyed, end->push, n * n * sizeof *destroyed);
+    for (size_t i = 0; i < n * n; i++)
+        end->pull[i] = i % (n + 1) == 0;
+    return decompose_solve(n, n, destroyed, end->pull, NULL) == BAT_OK;
 }
 
 /// Line k through a logarithm: along an axis, or along two.

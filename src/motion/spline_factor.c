@@ -437,61 +437,40 @@ bat_status spline_middle(const spline_factor *f, const double *p, const double *
 bat_status spline_push(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
                        double *pushed)
 {
-    switch (f->kind)
-    {
-    case FACTOR_FLAT:
+    if (f->kind == FACTOR_FLAT)
         memcpy(pushed, vector, f->space.tangent_dim * sizeof *pushed);
-        return BAT_OK;
-    case FACTOR_ROTATION:
+    else if (f->kind == FACTOR_ROTATION)
         rotation_push(c, vector, pushed);
-        return BAT_OK;
-    case FACTOR_CURVED:
-        return curved_push(f, middle, c, q, vector, pushed);
-    case FACTOR_TENSOR: // spline_tensor_prepare() has no use for it
-    case FACTOR_ANY:
-        break;
-    }
-    return any_push(f, middle, c, q, vector, pushed);
+    else
+        return f->kind == FACTOR_CURVED ? curved_push(f, middle, c, q, vector, pushed)
+                                        : any_push(f, middle, c, q, vector, pushed);
+    return BAT_OK;
 }
 
 bat_status spline_pull(const spline_factor *f, const double *middle, const double *c, const double *q, const double *vector,
                        const spline_turning *turning, double *pulled)
 {
-    switch (f->kind)
-    {
-    case FACTOR_FLAT:
+    if (f->kind == FACTOR_FLAT)
         memcpy(pulled, vector, f->space.tangent_dim * sizeof *pulled);
-        return BAT_OK;
-    case FACTOR_ROTATION:
+    else if (f->kind == FACTOR_ROTATION)
         rotation_pull(turning, c, vector, pulled);
-        return BAT_OK;
-    case FACTOR_CURVED:
-        return curved_pull(f, middle, c, q, vector, pulled);
-    case FACTOR_TENSOR: // spline_tensor_prepare() has no use for it
-    case FACTOR_ANY:
-        break;
-    }
-    return any_pull(f, middle, c, q, vector, pulled);
+    else
+        return f->kind == FACTOR_CURVED ? curved_pull(f, middle, c, q, vector, pulled)
+                                        : any_pull(f, middle, c, q, vector, pulled);
+    return BAT_OK;
 }
 
 bat_status spline_acceleration(const spline_factor *f, const double *middle, const tangent_jet *c, const double *q,
                                const spline_turning *turning, double *acceleration)
 {
-    switch (f->kind)
-    {
-    case FACTOR_FLAT:
+    if (f->kind == FACTOR_FLAT)
         memcpy(acceleration, c->second, f->space.tangent_dim * sizeof *acceleration);
-        return BAT_OK;
-    case FACTOR_ROTATION:
+    else if (f->kind == FACTOR_ROTATION)
         rotation_rates(turning, c->value, c->first, c->second, NULL, acceleration);
-        return BAT_OK;
-    case FACTOR_CURVED:
-        return curved_acceleration(f, middle, c, q, acceleration);
-    case FACTOR_TENSOR: // spline_tensor_prepare() has no use for it
-    case FACTOR_ANY:
-        break;
-    }
-    return any_rates(f, middle, c, q, NULL, acceleration);
+    else
+        return f->kind == FACTOR_CURVED ? curved_acceleration(f, middle, c, q, acceleration)
+                                        : any_rates(f, middle, c, q, NULL, acceleration);
+    return BAT_OK;
 }
 
 /// The cubic with coefficients c at s, and its derivatives where wanted.

@@ -1,10 +1,10 @@
-#include "motion/spline_gyro.h"
+#include "motion/spline_system.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/number_digits.h"
+#include "linalg/dense.h"
 #include "linalg/vector.h"
-#include "motion/spline_system.h"
 #include "space/quaternion.h"
 
 #include <math.h>
@@ -69,20 +69,11 @@ static void rates_at(const gyro_work *work, double time, size_t *near, double *r
     }
 }
 
-/// Add h / 2 times the matrix of a rotation.
-static void add_matrix(const double *quaternion, double h, double *sum)
-{
-    double matrix[9];
-    bat_rotation_to_matrix(quaternion, matrix);
-    for (size_t c = 0; c < 9; c++)
-        sum[c] += h / 2 * matrix[c];
-}
-
 /// Integrate the rates: the fourth-order term of Magnus's series for linear rates, and the trapezoidal rule for M.
 static void integrate(gyro_work *work)
 {
     size_t near = 0, key = 0;
-    double rates[3], next[3], moved[9] = {0}, inverse[4], apart[4];
+    double rates[3], next[3], moved[9] = {0}, matrix[9], inverse[4], apart[4];
     const double *times = work->fused->times;
     memcpy(work->turned, (const double[]){1, 0, 0, 0}, 4 * sizeof(double));
     rates_at(work, times[0], &near, rates);
@@ -99,8 +90,12 @@ static void integrate(gyro_work *work)
                 w[c] = h / 2 * (rates[c] + next[c]) + h * h / 12 * (rates[d] * next[e] - rates[e] * next[d]);
             }
             quaternion_turn(g - 4, w[0], w[1], w[2], g);
-            add_matrix(g - 4, h, moved);
-            add_matrix(g, h, moved);
+            for (size_t c = 0; c < 18; c++) // the trapezoid of two matrices
+            {
+                if (c % 9 == 0)
+                    bat_rotation_to_matrix(c == 0 ? g - 4 : g, matrix);
+                moved[c % 9] += h / 2 * matrix[c % 9];
+            }
             memcpy(rates, next, sizeof rates);
         }
         if (i != work->places[key])
@@ -119,25 +114,10 @@ static void integrate(gyro_work *work)
     }
 }
 
-/// Solve a symmetric positive-definite system of three, and find the inverse.
-static bool invert(const double *a, double *inverse)
-{
-    for (size_t i = 0; i < 3; i++)
-        for (size_t j = 0; j < 3; j++)
-        {
-            size_t r = (j + 1) % 3, s = (j + 2) % 3, t = (i + 1) % 3, u = (i + 2) % 3;
-            inverse[3 * i + j] = a[3 * r + t] * a[3 * s + u] - a[3 * r + u] * a[3 * s + t];
-        }
-    double determinant = a[0] * inverse[0] + a[1] * inverse[3] + a[2] * inverse[6];
-    for (size_t i = 0; i < 9; i++)
-        inverse[i] /= determinant;
-    return determinant > 0 && isfinite(1 / determinant);
-}
-
 /// Filter the columns; returns minus twice the logarithm of the likelihood for a ratio of the noises, up to a constant.
 static double filter(gyro_work *work, double ratio)
 {
-    double squares = 0, logs = 0, mixed[3] = {0}, normal[9] = {0}, inverse[9];
+    double squares = 0, logs = 0, mixed[3] = {0}, normal[9] = {0}, inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     work->variances[0] = 1;
     memcpy(work->levels, work->columns, COLUMNS * sizeof(double));
     for (size_t i = 1; i < work->count; i++)
@@ -161,7 +141,7 @@ static double filter(gyro_work *work, double ratio)
                     normal[3 * j + k] += v[3 + 3 * r + j] * v[3 + 3 * r + k] / f;
             }
     }
-    if (!invert(normal, inverse))
+    if (decompose_solve(3, 3, normal, inverse, NULL) != BAT_OK)
         return INFINITY;
     for (size_t j = 0; j < 3; j++)
     {

@@ -120,20 +120,17 @@ bat_status spline_transport(const spline_system *system, size_t interval, spline
     const double *places[] = {point_of(system, interval), point_of(system, key_after(system, interval)),
                               middle_of(system, interval)};
     double half[3] = {0};
-    switch (system->factor->kind)
+    if (system->factor->kind == FACTOR_FLAT)
     {
-    case FACTOR_FLAT:
         memcpy(transported, vector, size_of(system) * sizeof *vector);
         return BAT_OK;
-    case FACTOR_ROTATION: // turns by half of the way, back
-        for (size_t c = 0; c < 3; c++)
-            half[c] = ((from != AT_MIDDLE ? logs[3 * from + c] : 0) - (to != AT_MIDDLE ? logs[3 * to + c] : 0)) / 2;
+    }
+    for (size_t c = 0; c < 3 && system->factor->kind == FACTOR_ROTATION; c++) // turns by half of the way, back
+        half[c] = ((from != AT_MIDDLE ? logs[3 * from + c] : 0) - (to != AT_MIDDLE ? logs[3 * to + c] : 0)) / 2;
+    if (system->factor->kind == FACTOR_ROTATION)
+    {
         spline_rotate(half, vector, transported);
         return BAT_OK;
-    case FACTOR_CURVED:
-    case FACTOR_TENSOR:
-    case FACTOR_ANY:
-        break;
     }
     return spline_chart_transport(system, interval, from, to, vector, transported)
                ? BAT_OK

@@ -216,3 +216,76 @@ double spline_time_at(const bat_motion_spline *spline, size_t interval, double s
 
 /// The distance from the motion, in units of sigma, from which a rule lets keys count less; 0 for BAT_MOTION_OUTLIERS_NONE.
 double motion_outliers_threshold(bat_motion_outliers outliers);
+
+// Gyroscopes
+
+/// What a gyroscope and noisy rotations tell together.
+typedef struct gyro_fusion
+{
+    double *times, *rotations; ///< count, and count x 4: at the keys and at the rates between them
+    double *deviations;        ///< count: of the rotations about any axis, in radians
+    size_t count;
+    bat_motion_gyro_report report;
+} gyro_fusion;
+
+/// Fuse rotations at their times with the rates of a gyroscope.
+///
+/// @param keys      count x 4, the quaternions of a motion, at increasing times
+/// @param sigma     the noise of the keys, in radians; at most 0: it is estimated
+/// @return BAT_OK, BAT_INVALID_ARGUMENT, BAT_UNSUPPORTED or BAT_NO_MEMORY
+bat_status gyro_fuse(const double *times, const double *keys, size_t count, const bat_motion_gyro *gyro, double sigma,
+                     gyro_fusion *fusion, bat_error *error);
+void gyro_fusion_free(gyro_fusion *fusion);
+
+// New times along a path: the fastest ones within limits of speed and acceleration
+
+/// The parts of a motion with limits of their own: all of it, or translations and rotations of rigid motions.
+#define TIMING_PARTS 2
+
+/// Limits, of each part; 0 for none.
+typedef struct timing_limits
+{
+    double speed[TIMING_PARTS], acceleration[TIMING_PARTS];
+} timing_limits;
+
+/// Scalar products of the velocity v and the acceleration a of a part of the path, as functions of its old time.
+typedef struct timing_rates
+{
+    double vv, va, aa;
+} timing_rates;
+
+/// The path whose times are sought.
+typedef struct timing_path
+{
+    size_t intervals;
+    bool closed;
+    const double *times; ///< intervals + 1: the old ones
+    /// The rates of each part at a share of an interval.
+    bat_status (*rates)(const void *context, size_t interval, double share, timing_rates rates[TIMING_PARTS]);
+    const void *context;
+} timing_path;
+
+/// New times: the share of each interval is a parabola in time on each of its equal cells.
+typedef struct spline_timing
+{
+    size_t cells;  ///< of each interval
+    double *times; ///< intervals * cells + 1, from the first old time on
+    double *rates; ///< 2 a cell: the derivative of the share by time at its beginning, and the second derivative
+} spline_timing;
+
+/// Find the times. Open motions begin and end at rest where accelerations are limited. Where nothing moves that has a limit,
+/// the old duration stays.
+///
+/// By the reachability passes of Pham and Pham (A new approach to time-optimal path parameterization based on reachability
+/// analysis, IEEE Transactions on Robotics 34, 2018), with the lengths of accelerations as cones, which hold within cells.
+///
+/// @return BAT_OK, BAT_NO_MEMORY, or the failure of `rates`
+bat_status spline_timing_make(const timing_path *path, const timing_limits *limits, spline_timing *timing, bat_error *error);
+void spline_timing_free(spline_timing *timing);
+
+/// The share of an interval at a new time within it, and its two derivatives.
+double spline_timing_share(const spline_timing *timing, size_t interval, double time, double *rate, double *slope);
+
+/// The new time at a share of an interval.
+double spline_timing_time(const spline_timing *timing, size_t interval, double share);
+

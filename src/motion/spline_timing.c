@@ -1,4 +1,4 @@
-#include "motion/spline_timing.h"
+#include "motion/spline_system.h"
 
 #include "base/error.h"
 #include "base/memory.h"

@@ -1,4 +1,5 @@
 #include "io/motion/pose_translation.h"
+#include "space/quaternion.h"
 
 #include <math.h>
 
@@ -110,19 +111,16 @@ static void note_table(pose_translation *work, const pose_header *names)
 static void turn_by_angles(const pose_translation *work, const double angles[3], double *quaternion)
 {
     static const double DEGREE = 3.14159265358979323846 / 180;
-    double q[4] = {1, 0, 0, 0};
+    double before[4], turn[3] = {0};
+    memcpy(quaternion, (const double[]){1, 0, 0, 0}, sizeof before);
     for (int k = 0; k < 3; k++)
     {
         int axis = work->order[k] - 'x';
-        double half = angles[axis] * (work->angle_unit == UNIT_DEGREES ? DEGREE : 1) / 2, c = cos(half), s = sin(half);
-        double t[4] = {c, 0, 0, 0};
-        t[1 + axis] = s;
-        double made[4] = {
-            q[0] * t[0] - q[1] * t[1] - q[2] * t[2] - q[3] * t[3], q[0] * t[1] + q[1] * t[0] + q[2] * t[3] - q[3] * t[2],
-            q[0] * t[2] + q[2] * t[0] + q[3] * t[1] - q[1] * t[3], q[0] * t[3] + q[3] * t[0] + q[1] * t[2] - q[2] * t[1]};
-        memcpy(q, made, sizeof q);
+        memcpy(before, quaternion, sizeof before);
+        turn[axis] = angles[axis] * (work->angle_unit == UNIT_DEGREES ? DEGREE : 1);
+        quaternion_turn(before, turn[0], turn[1], turn[2], quaternion);
+        turn[axis] = 0;
     }
-    memcpy(quaternion, q, sizeof q);
 }
 
 static bat_status cell_fault(const csv_field *fields, size_t column, size_t line, const char *fault, bat_error *error)
