@@ -727,6 +727,32 @@ static void test_refusals(void **state)
     bat_mesh_free(&torus);
 }
 
+/// The even method has as many faces as the default, a smaller greatest distance and nearly the same mean.
+static void test_even_distance(void **state)
+{
+    (void)state;
+    bat_mesh fine = shape_sphere(24, 0.1, 3), made[2];
+    bat_mesh_distance distance[2];
+    bat_mesh_map *map;
+    for (int i = 0; i < 2; i++)
+    {
+        bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+        options.faces = 400;
+        options.method = i == 0 ? BAT_MESH_DECIMATE_METHOD_MEMORYLESS : BAT_MESH_DECIMATE_METHOD_EVEN;
+        assert_int_equal(bat_mesh_decimate(&fine, &options, &made[i], i == 1 ? &map : NULL, NULL), BAT_OK);
+        assert_int_equal(bat_mesh_compare(&made[i], &fine, NULL, &distance[i], NULL), BAT_OK);
+    }
+    assert_int_equal(made[1].face_count, made[0].face_count);
+    assert_true(distance[1].hausdorff < 0.85 * distance[0].hausdorff);
+    assert_true(distance[1].mean < 1.05 * distance[0].mean);
+    bat_mesh_point point = {0, {1, 0, 0}};
+    assert_int_equal(bat_mesh_map_to_fine(map, &point, 1, NULL), BAT_OK);
+    bat_mesh_map_free(map);
+    for (int i = 0; i < 2; i++)
+        bat_mesh_free(&made[i]);
+    bat_mesh_free(&fine);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -752,6 +778,7 @@ int main(void)
         cmocka_unit_test(test_queue),
         cmocka_unit_test(test_quadrics),
         cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_even_distance),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -397,7 +397,7 @@ static bat_status run(decimation *all, bat_error *error)
     bat_status status = BAT_OK;
     all->initial = (decimation_target){all->mesh.vertices_left, all->mesh.faces_left};
     all->memoryless =
-        all->options->method == BAT_MESH_DECIMATE_METHOD_AUTO || all->options->method == BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
+        all->options->method != BAT_MESH_DECIMATE_METHOD_QUADRIC && all->options->method != BAT_MESH_DECIMATE_METHOD_FAST;
     if (all->options->method == BAT_MESH_DECIMATE_METHOD_FAST)
     {
         memset(all->errors, 0, all->mesh.edge_count * sizeof *all->errors);
@@ -567,6 +567,9 @@ static const bat_choice METHODS[] = {
     {.name = "fast",
      .value = BAT_MESH_DECIMATE_METHOD_FAST,
      .summary = "quadric errors in sweeps to three times the target, then memoryless errors"},
+    {.name = "even",
+     .value = BAT_MESH_DECIMATE_METHOD_EVEN,
+     .summary = "memoryless errors twice, the second time within three fifths of the greatest distance"},
 };
 const bat_family bat_mesh_decimate_method_family = FAMILY("decimation method", METHODS);
 
@@ -740,6 +743,59 @@ static bat_status run_within(const bat_mesh *fine, const bat_mesh_decimate_optio
     return status;
 }
 
+/// Decimate by memoryless errors, then again with ever less strict bounds on the distance, shares of the greatest one that
+/// came out. The first run that reaches the target under its bound gives the result, else the one without a bound.
+static bat_status run_even(const bat_mesh *fine, const bat_mesh_decimate_options *options, const decimation_target *target,
+                           bat_mesh *coarse, bat_mesh_map **map, bat_error *error)
+{
+    static const double shares[] = {0.6, 0.75, 0.9};
+    enum
+    {
+        RUNS = sizeof shares / sizeof *shares
+    };
+    bat_mesh_decimate_options how = *options;
+    bat_mesh_connectivity topology;
+    bat_mesh_distance distance;
+    progress_part part = {options->progress, 0, 1.0 / (RUNS + 1)};
+    how.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
+    how.progress = progress_of_part(&part);
+    bat_status status = bat_mesh_connect(fine, &topology, error);
+    if (status != BAT_OK)
+        return status;
+    status = decimation_run(fine, &how, target, NULL, coarse, map, error);
+    if (status == BAT_OK)
+        status = measure(fine, coarse, options, INFINITY, (progress_part){{0}, 0, 1}, &distance, error);
+    bool reached = false;
+    for (size_t run = 0; run < RUNS && status == BAT_OK && !reached && distance.hausdorff > 0; run++)
+    {
+        bat_mesh even = {0};
+        bat_mesh_map *even_map = NULL;
+        tolerance bound;
+        part.begin = (double)(run + 1) / (RUNS + 1);
+        status = tolerance_make(fine, &topology, shares[run] * distance.hausdorff, &bound, error);
+        if (status != BAT_OK)
+            break;
+        status = decimation_run(fine, &how, target, &bound, &even, map != NULL ? &even_map : NULL, error);
+        tolerance_free(&bound);
+        reached = status == BAT_OK && even.face_count <= coarse->face_count;
+        if (reached)
+        {
+            bat_mesh other = *coarse;
+            *coarse = even;
+            even = other;
+            bat_mesh_map *other_map = map != NULL ? *map : NULL;
+            if (map != NULL)
+                *map = even_map;
+            even_map = other_map;
+        }
+        drop(&even, &even_map);
+    }
+    bat_mesh_connectivity_free(&topology);
+    if (status != BAT_OK)
+        drop(coarse, map);
+    return status;
+}
+
 bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_options *options, bat_mesh *coarse,
                              bat_mesh_map **map, bat_error *error)
 {
@@ -755,8 +811,12 @@ bat_status bat_mesh_decimate(const bat_mesh *fine, const bat_mesh_decimate_optio
         return status;
     bat_mesh made = {0};
     bat_mesh_map *made_map = NULL, **to = map != NULL ? &made_map : NULL;
-    status = options->tolerance > 0 ? run_within(fine, options, &made, to, error)
-                                    : decimation_run(fine, options, &target, NULL, &made, to, error);
+    if (options->tolerance > 0)
+        status = run_within(fine, options, &made, to, error);
+    else if (options->method == BAT_MESH_DECIMATE_METHOD_EVEN)
+        status = run_even(fine, options, &target, &made, to, error);
+    else
+        status = decimation_run(fine, options, &target, NULL, &made, to, error);
     if (status != BAT_OK)
         return status;
     *coarse = made;
