@@ -241,34 +241,21 @@ static bat_status bake_row(const baking *all, size_t y, bat_mesh_point *points, 
     return status;
 }
 
-/// Bake all texels.
+/// Bake all texels. Points within faces are always on the map.
 static bat_status bake_rows(baking *all, bat_error *error)
 {
     size_t size = all->size;
     int threads = threads_for(all->options->threads, size);
     bat_mesh_point *points = memory_array((size_t)threads * size, sizeof *points);
-    bat_error *errors = calloc((size_t)threads, sizeof *errors);
     double most = 0;
-    bat_status status = points != NULL && errors != NULL ? BAT_OK : error_memory(error, size * sizeof *points);
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(max : most) if (status == BAT_OK)
+    int failed = points == NULL;
+#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(max : most, failed) if (points != NULL)
     for (size_t y = 0; y < size; y++)
-        if (status == BAT_OK)
-        {
-            size_t thread = (size_t)threads_current();
-            if (errors[thread].status == BAT_OK)
-                (void)bake_row(all, y, points + thread * size, &most, &errors[thread]);
-        }
-    for (int i = 0; i < threads && status == BAT_OK; i++)
-        if (errors[i].status != BAT_OK)
-        {
-            status = errors[i].status;
-            if (error != NULL)
-                *error = errors[i];
-        }
+        if (points != NULL)
+            failed |= bake_row(all, y, points + (size_t)threads_current() * size, &most, NULL) != BAT_OK;
     free(points);
-    free(errors);
     all->baked->max_turn = most;
-    return status;
+    return failed ? error_memory(error, (size_t)threads * size * sizeof *points) : BAT_OK;
 }
 
 /// Widen what is baked into the texels around, step by step, by means of the neighbours.

@@ -19,7 +19,7 @@
 enum
 {
     SAMPLES = 4, ///< of a fine face: the centres of its midpoint triangles
-    MAX_STEPS = 60
+    STEPS = 24
 };
 
 static const double SHARES[SAMPLES][3] = {
@@ -33,54 +33,30 @@ typedef struct pull
     bat_mesh_point *samples; ///< SAMPLES for each fine face, on the coarse mesh
     bat_mesh_point *images;  ///< of the coarse vertices, on the fine mesh
     double *weights;         ///< for each fine face: that of a sample, a part of its area
-    double *diagonal;        ///< of M + D
     double *anchor;          ///< of D
-    double *numbers[6];      ///< workspace, of the coarse vertices
+    double *rows;            ///< the sums of the rows of M + D
+    double *numbers[5];      ///< workspace, of the coarse vertices
 } pull;
 
-/// product = (M + D) c
-static void multiply(const pull *all, const double *c, double *product)
+/// Solve the equations by steps of the residual over the rows' sums. These halve the error or better, but for few parts of
+/// it: the eigenvalues of the scaled mass matrix of triangles lie between 1/4 and 1.
+static void solve(const pull *all, const double *right, double *residual, double *c)
 {
-    for (size_t v = 0; v < all->coarse->vertex_count; v++)
-        product[v] = all->anchor[v] * c[v];
-    for (size_t i = 0; i < SAMPLES * all->fine->face_count; i++)
-    {
-        const uint32_t *corner = all->coarse->faces + 3 * (size_t)all->samples[i].face;
-        const double *b = all->samples[i].barycentric;
-        double value = all->weights[i / SAMPLES] * (b[0] * c[corner[0]] + b[1] * c[corner[1]] + b[2] * c[corner[2]]);
-        for (size_t k = 0; k < 3; k++)
-            product[corner[k]] += b[k] * value;
-    }
-}
-
-/// Solve the equations by conjugate gradients; `c` begins with a guess.
-static void solve(pull *all, const double *right, double *c)
-{
-    static const double accuracy = 1e-6;
     size_t n = all->coarse->vertex_count;
-    double *residual = all->numbers[0], *direction = all->numbers[1], *product = all->numbers[2];
-    double size = 0, first = 0;
-    multiply(all, c, product);
-    for (size_t v = 0; v < n; v++)
+    for (int step = 0; step < STEPS; step++)
     {
-        residual[v] = right[v] - product[v];
-        direction[v] = residual[v] / all->diagonal[v];
-        size += residual[v] * direction[v];
-        first += right[v] * right[v] / all->diagonal[v];
-    }
-    for (int step = 0; step < MAX_STEPS && size > accuracy * accuracy * first; step++)
-    {
-        multiply(all, direction, product);
-        double along = size / vector_dot(n, direction, product), next = 0;
         for (size_t v = 0; v < n; v++)
+            residual[v] = right[v] - all->anchor[v] * c[v];
+        for (size_t i = 0; i < SAMPLES * all->fine->face_count; i++)
         {
-            c[v] += along * direction[v];
-            residual[v] -= along * product[v];
-            next += residual[v] * residual[v] / all->diagonal[v];
+            const uint32_t *corner = all->coarse->faces + 3 * (size_t)all->samples[i].face;
+            const double *b = all->samples[i].barycentric;
+            double value = all->weights[i / SAMPLES] * (b[0] * c[corner[0]] + b[1] * c[corner[1]] + b[2] * c[corner[2]]);
+            for (size_t k = 0; k < 3; k++)
+                residual[corner[k]] -= b[k] * value;
         }
         for (size_t v = 0; v < n; v++)
-            direction[v] = residual[v] / all->diagonal[v] + next / size * direction[v];
-        size = next;
+            c[v] += residual[v] / all->rows[v];
     }
 }
 
@@ -96,7 +72,7 @@ static double value_at(const bat_mesh *mesh, const double *values, size_t width,
 static void pull_values(pull *all, const double *from, double *to, size_t width)
 {
     size_t n = all->coarse->vertex_count;
-    double *right = all->numbers[3], *low = all->numbers[4], *high = all->numbers[5];
+    double *right = all->numbers[0], *low = all->numbers[1], *high = all->numbers[2], *c = all->numbers[3];
     for (size_t v = 0; v < n; v++)
     {
         double here = value_at(all->fine, from, width, all->images[v].face, all->images[v].barycentric);
@@ -114,26 +90,23 @@ static void pull_values(pull *all, const double *from, double *to, size_t width)
             high[v] = fmax(high[v], value);
         }
     }
-    double *c = malloc(n * sizeof *c);
-    for (size_t v = 0; v < n && c != NULL; v++)
-        c[v] = right[v] / all->diagonal[v];
-    if (c != NULL)
-        solve(all, right, c);
     for (size_t v = 0; v < n; v++)
-        to[width * v] = fmin(high[v], fmax(low[v], c != NULL ? c[v] : right[v] / all->diagonal[v]));
-    free(c);
+        c[v] = right[v] / all->rows[v];
+    solve(all, right, all->numbers[4], c);
+    for (size_t v = 0; v < n; v++)
+        to[width * v] = fmin(high[v], fmax(low[v], c[v]));
 }
 
 /// Map the samples and the vertices, and set up the equations.
 static bat_status begin(const bat_mesh_map *map, pull *all, memory_pool *pool, bat_error *error)
 {
-    static const double share = 0.02; // of the diagonal, in D
+    static const double share = 0.01; // of the rows' sums, in D
     const bat_mesh *fine = all->fine, *coarse = all->coarse;
     size_t count = SAMPLES * fine->face_count, n = coarse->vertex_count;
     all->samples = memory_pool_array(pool, count, sizeof *all->samples);
     all->images = memory_pool_array(pool, n, sizeof *all->images);
     all->weights = memory_pool_array(pool, fine->face_count, sizeof *all->weights);
-    all->diagonal = memory_pool_zeros(pool, n, sizeof *all->diagonal);
+    all->rows = memory_pool_zeros(pool, n, sizeof *all->rows);
     all->anchor = memory_pool_array(pool, n, sizeof *all->anchor);
     for (size_t i = 0; i < sizeof all->numbers / sizeof *all->numbers; i++)
         all->numbers[i] = memory_pool_array(pool, n, sizeof *all->numbers[i]);
@@ -171,12 +144,12 @@ static bat_status begin(const bat_mesh_map *map, pull *all, memory_pool *pool, b
         all->weights[f] = total > 0 ? all->weights[f] / total : 1;
     for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < 3; k++)
-            all->diagonal[coarse->faces[3 * (size_t)all->samples[i].face + k]] +=
-                all->weights[i / SAMPLES] * all->samples[i].barycentric[k] * all->samples[i].barycentric[k];
+            all->rows[coarse->faces[3 * (size_t)all->samples[i].face + k]] +=
+                all->weights[i / SAMPLES] * all->samples[i].barycentric[k];
     for (size_t v = 0; v < n; v++)
     {
-        all->anchor[v] = share * all->diagonal[v] + 1e-9 / (double)n;
-        all->diagonal[v] += all->anchor[v];
+        all->anchor[v] = share * all->rows[v] + 1e-9 / (double)n;
+        all->rows[v] += all->anchor[v];
     }
     return bat_mesh_map_to_fine(map, all->images, n, error);
 }

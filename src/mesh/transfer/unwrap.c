@@ -102,6 +102,23 @@ static void project(const atlas *all, const chart *of, uint32_t face, double fla
             flat[c][k] = vector3_dot(corner_of(all, face, c), of->axes[k]);
 }
 
+/// Set the box of the faces of a chart in its axes.
+static void find_box(const atlas *all, chart *of)
+{
+    double flat[3][2];
+    of->low[0] = of->low[1] = INFINITY;
+    of->high[0] = of->high[1] = -INFINITY;
+    for (uint32_t i = of->begin; i < of->end; i++)
+    {
+        project(all, of, all->order[i], flat);
+        for (size_t c = 0; c < 6; c++)
+        {
+            of->low[c % 2] = fmin(of->low[c % 2], flat[c / 2][c % 2]);
+            of->high[c % 2] = fmax(of->high[c % 2], flat[c / 2][c % 2]);
+        }
+    }
+}
+
 /// Visit the cells of side `cell` whose centres lie inside a triangle. With `mark`, occupies them; without, returns whether
 /// one is occupied already.
 static bool cover(atlas *all, double flat[3][2], const double origin[2], double cell, bool mark)
@@ -159,19 +176,12 @@ static void collect(atlas *all, uint32_t first, uint32_t number, chart *made)
 static void choose(atlas *all, chart *made)
 {
     static const double slope = 0.15; // the least cosine between a face and the plane
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY}, flat[3][2], normal[3];
+    double flat[3][2], normal[3];
     uint32_t kept = made->begin;
     vector3_cross(made->axes[0], made->axes[1], normal);
-    for (uint32_t i = made->begin; i < made->end; i++)
-    {
-        project(all, made, all->order[i], flat);
-        for (size_t c = 0; c < 6; c++)
-        {
-            low[c % 2] = fmin(low[c % 2], flat[c / 2][c % 2]);
-            high[c % 2] = fmax(high[c % 2], flat[c / 2][c % 2]);
-        }
-    }
-    double side = fmax(high[0] - low[0], high[1] - low[1]), cell = side > 0 ? side / (double)all->cell_side : 1;
+    find_box(all, made);
+    double side = fmax(made->high[0] - made->low[0], made->high[1] - made->low[1]),
+           cell = side > 0 ? side / (double)all->cell_side : 1;
     memset(all->cells, 0, all->cell_side * all->cell_side);
     for (uint32_t i = made->begin; i < made->end; i++)
     {
@@ -179,12 +189,12 @@ static void choose(atlas *all, chart *made)
         project(all, made, face, flat);
         bool first = i == made->begin, empty = !(all->areas[face] > 0);
         if (!first && !empty &&
-            (vector3_dot(normal, all->normals + 3 * (size_t)face) < slope || cover(all, flat, low, cell, false)))
+            (vector3_dot(normal, all->normals + 3 * (size_t)face) < slope || cover(all, flat, made->low, cell, false)))
         {
             all->chart_of[face] = BAT_MESH_NONE;
             continue;
         }
-        (void)cover(all, flat, low, cell, true);
+        (void)cover(all, flat, made->low, cell, true);
         all->order[kept++] = face;
     }
     made->end = kept;
@@ -199,26 +209,13 @@ static void turn(const atlas *all, chart *of)
     for (int i = 0; i < TURNS; i++)
     {
         chart tried = *of;
-        double angle = quarter * i / TURNS, flat[3][2];
+        double angle = quarter * i / TURNS;
         for (size_t k = 0; k < 3; k++)
         {
             tried.axes[0][k] = cos(angle) * of->axes[0][k] + sin(angle) * of->axes[1][k];
             tried.axes[1][k] = cos(angle) * of->axes[1][k] - sin(angle) * of->axes[0][k];
         }
-        for (size_t k = 0; k < 2; k++)
-        {
-            tried.low[k] = INFINITY;
-            tried.high[k] = -INFINITY;
-        }
-        for (uint32_t f = of->begin; f < of->end; f++)
-        {
-            project(all, &tried, all->order[f], flat);
-            for (size_t c = 0; c < 6; c++)
-            {
-                tried.low[c % 2] = fmin(tried.low[c % 2], flat[c / 2][c % 2]);
-                tried.high[c % 2] = fmax(tried.high[c % 2], flat[c / 2][c % 2]);
-            }
-        }
+        find_box(all, &tried);
         double area = (tried.high[0] - tried.low[0]) * (tried.high[1] - tried.low[1]);
         if (area < least)
         {
