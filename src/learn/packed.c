@@ -20,8 +20,8 @@ learn_packed learn_pack(size_t inputs, size_t outputs, const real *weight, size_
 #define PRODUCT_PASTE(a, b) a##b
 #define PRODUCT_NAME(a, b) PRODUCT_PASTE(a, b)
 
-// Where arithmetic is done in a wider type (x87), compilers do not multiply a vector by a number.
-#if FLT_EVAL_METHOD == 0
+// Where arithmetic is done in a wider type (x87, s390x), compilers do not multiply a vector by a number.
+#if __FLT_EVAL_METHOD__ == 0
 #define PRODUCT_SCALED(number, vector) ((number) * (vector))
 #else
 #define PRODUCT_SCALED(number, vector) (PRODUCT_NAME(PRODUCT, _splat)(number) * (vector))
