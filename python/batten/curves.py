@@ -205,6 +205,8 @@ def _joined(points: Any, offsets: ArrayLike | None) -> tuple[Floats, NDArray[np.
 
 def _opened(points: Floats, ends: Any, *rest: Any) -> Any:
     """Points, offsets and further rows of closed curves, without last points that repeat the first."""
+    if ends is None and (len(points) < 3 or points[0, 0] != points[-1, 0]):
+        return points, ends, *rest
     bounds = np.array([0, len(points)]) if ends is None else ends
     first, last = bounds[:-1], bounds[1:] - 1
     repeated = (last > first + 2) & (points[np.minimum(first, len(points) - 1)] == points[last]).all(axis=1) if len(points) else first < 0

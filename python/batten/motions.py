@@ -120,6 +120,10 @@ class Motion:
         return array(given, "times", None)
 
     def _at(self, times: ArrayLike, which: int) -> Floats:
+        if type(times) is float and which == 0:  # without what arrays cost
+            pose = np.empty(self.space.point_dim)
+            call(lib.bat_motion_spline_sample, self._spline, ffi.new("double *", times), 1, ffi.from_buffer("double[]", pose), ffi.NULL, ffi.NULL)
+            return pose
         moments = self._seconds(times)
         widths = [self.space.point_dim, self.space.tangent_dim, self.space.tangent_dim]
         made = [np.empty((*moments.shape, width)) for width in widths]
@@ -304,9 +308,9 @@ def _form(points: Floats, form: str) -> Any:
     quaternions = points[..., -4:]
     from scipy.spatial.transform import Rotation
 
-    rotation = Rotation.from_quat(quaternions.reshape(-1, 4)[:, [1, 2, 3, 0]])
     if form == "Rotation":
-        return rotation[0] if points.ndim == 1 else rotation
+        return Rotation(quaternions[..., [1, 2, 3, 0]] if points.ndim == 1 else quaternions.reshape(-1, 4)[:, [1, 2, 3, 0]])
+    rotation = Rotation.from_quat(quaternions.reshape(-1, 4)[:, [1, 2, 3, 0]])
     matrices = rotation.as_matrix().reshape(*points.shape[:-1], 3, 3)
     if form == "matrices":
         return matrices
