@@ -231,8 +231,10 @@ def test_files_of_polygons(tmp_path, ending):
     again = batten.PolygonMesh.read(tmp_path / f"cube.{ending}")
     assert np.array_equal(again.vertices, CUBE) and again.faces.reshape(-1, 4).tolist() == QUADS
     assert len(batten.Mesh.read(tmp_path / f"cube.{ending}", triangulate=True).faces) == 12
+    with pytest.warns(batten.BattenWarning, match="polygons were cut into 12 triangles"):
+        assert len(batten.Mesh.read(tmp_path / f"cube.{ending}").faces) == 12
     with pytest.raises(batten.BattenError, match="corners; triangulate= cuts it") as caught:
-        batten.Mesh.read(tmp_path / f"cube.{ending}")
+        batten.Mesh.read(tmp_path / f"cube.{ending}", strict=True)
     assert caught.value.remedy == "triangulate"
 
 
