@@ -81,11 +81,13 @@ web-packages:
 
 web: web-packages
 	@$(call configure,web) && $(call compile,web) --target batten_engine
-	@cp build/web/web/batten.wasm LICENSE web/npm/
-	@node web/page/build.mjs web/npm/batten.wasm out/web/index.html
+	@cp build/web/web/batten.wasm build/web-libraries/NOTICES LICENSE web/npm/
+	@node web/npm/types.mjs
+	@node web/page/build.mjs build/web/web out/web/index.html
 
 web-test: web all
 	@web/test/run engine build/release/batten
+	@web/test/run bundles build/release/batten
 	@web/test/run page build/release/batten
 	@$(call compile,web) --target web_tests
 	@$(call test,web) -L unit

@@ -16,3 +16,4 @@ set(ENV{PKG_CONFIG_PATH} "")
 set(CMAKE_C_FLAGS_INIT "-msimd128 -mbulk-memory")
 # CMake does not look for libraries outside of emscripten's own folders.
 add_link_options(-L${CMAKE_CURRENT_LIST_DIR}/../build/web-libraries/lib)
+list(APPEND CMAKE_FIND_ROOT_PATH ${CMAKE_CURRENT_LIST_DIR}/../build/web-libraries)

@@ -21,19 +21,8 @@ const bat_progress ENGINE_PROGRESS = {report_progress, NULL};
 /// The failure of the last operation.
 static bat_error failure;
 
-enum
-{
-    MARK_SIZE = 64
-};
-
-/// The first element of what reports have beside JSON: random, so that no file holds it.
-static char mark[MARK_SIZE];
-
-/// Set the mark, once, before all operations.
-EMSCRIPTEN_KEEPALIVE void engine_mark(const char *text)
-{
-    (void)snprintf(mark, sizeof mark, "%s", text);
-}
+/// The key of what reports have beside JSON. Texts of files are values of reports, never keys: no file can name it.
+#define MARK ""
 
 bat_status engine_fail(bat_error *error, bat_status status, const char *text, const char *name)
 {
@@ -54,7 +43,7 @@ json_t *engine_number(double value)
 {
     if (isfinite(value))
         return json_real(value);
-    return json_pack("[s,s]", mark, isnan(value) ? "NaN" : value > 0 ? "Infinity" : "-Infinity");
+    return json_pack("{s:s}", MARK, isnan(value) ? "NaN" : value > 0 ? "Infinity" : "-Infinity");
 }
 
 json_t *engine_size(size_t value)
@@ -64,7 +53,7 @@ json_t *engine_size(size_t value)
 
 json_t *engine_array(const char *type, const void *data, size_t count)
 {
-    return data == NULL ? json_null() : json_pack("[s,s,I,I]", mark, type, (json_int_t)(uintptr_t)data, (json_int_t)count);
+    return data == NULL ? json_null() : json_pack("{s:[s,I,I]}", MARK, type, (json_int_t)(uintptr_t)data, (json_int_t)count);
 }
 
 json_t *engine_numbers(const double *values, size_t count)
@@ -112,6 +101,63 @@ void *engine_own(engine_object *object, void *memory)
     return object->arrays[object->array_count++] = memory;
 }
 
+/// The tables of the library.
+static const struct
+{
+    const char *name;
+    const bat_family *family;
+} FAMILIES[] = {
+#if ENGINE_HAS_CURVES
+    {"space", &bat_space_family},
+    {"curve_scheme", &bat_curve_scheme_family},
+    {"curve_end_rule", &bat_curve_end_rule_family},
+    {"curve_simple", &bat_curve_simple_family},
+    {"curve_map_topology", &bat_curve_map_topology_family},
+    {"curve_map_edges", &bat_curve_map_edges_family},
+    {"curve_map_join", &bat_curve_map_join_family},
+    {"curve_format", &bat_curve_format_family},
+    {"curve_model", &bat_curve_model_family},
+    {"motion_scheme", &bat_motion_scheme_family},
+    {"motion_ends", &bat_motion_ends_family},
+    {"motion_shape", &bat_motion_shape_family},
+#endif
+    {"mesh_scheme", &bat_mesh_scheme_family},
+    {"mesh_format", &bat_mesh_format_family},
+    {"mesh_encoding", &bat_mesh_encoding_family},
+    {"mesh_normals", &bat_mesh_normals_family},
+    {"mesh_decimate_method", &bat_mesh_decimate_method_family},
+    {"mesh_boundary", &bat_mesh_boundary_family},
+    {"mesh_creasing", &bat_mesh_creasing_family},
+    {"mesh_linear", &bat_mesh_linear_family},
+#if ENGINE_HAS_SURFACES
+    {"cloud_format", &bat_cloud_format_family},
+    {"cloud_sides", &bat_cloud_sides_family},
+    {"surface_parameters", &bat_surface_parameters_family},
+    {"surface_smoothing", &bat_surface_smoothing_family},
+    {"surface_format", &bat_surface_format_family},
+    {"surface_unit", &bat_surface_unit_family},
+#endif
+};
+
+/// Options as they are asked for by engine_signatures(); null in all other calls.
+static json_t *described;
+
+/// Append rows of options: name, type, and the name of the family of a choice.
+static void describe(const engine_option *options, size_t count, const char *const *also)
+{
+    static const char *const TYPES[] = {"size", "int", "uint64", "number", "bool", "text", "choice"};
+    for (size_t i = 0; i < count; i++)
+    {
+        const char *family = "";
+        for (size_t k = 0; k < ENGINE_COUNT(FAMILIES); k++)
+            if (FAMILIES[k].family == options[i].family)
+                family = FAMILIES[k].name;
+        (void)json_array_append_new(described, json_pack("[s,s,s]", options[i].name, TYPES[options[i].type], family));
+    }
+    for (; also != NULL && *also != NULL; also++)
+        (void)json_array_append_new(described, json_pack("[s,s,s]", *also, "own", ""));
+}
+
 static bool is_listed(const char *const *names, const char *name)
 {
     for (; names != NULL && *names != NULL; names++)
@@ -127,6 +173,16 @@ bat_status engine_choice(const bat_family *family, const char *name, void *value
     if (status == BAT_OK && name != NULL)
         *(int *)value = choice->value;
     return status;
+}
+
+/// Whether a value stands for a number that is not finite.
+static bool is_special(const json_t *value, double *number)
+{
+    const char *name = json_string_value(json_object_get(value, MARK));
+    if (name == NULL)
+        return false;
+    *number = strcmp(name, "NaN") == 0 ? NAN : *name == '-' ? -INFINITY : INFINITY;
+    return true;
 }
 
 static bat_status store(const engine_option *option, const json_t *value, void *target, bat_error *error)
@@ -149,8 +205,8 @@ static bat_status store(const engine_option *option, const json_t *value, void *
         *(const char **)(void *)field = json_string_value(value);
         return BAT_OK;
     case ENGINE_NUMBER:
-        if (!json_is_number(value))
-            return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a finite number", option->name);
+        if (!json_is_number(value) && !is_special(value, &number))
+            return engine_fail(error, BAT_INVALID_ARGUMENT, "% must be a number", option->name);
         *(double *)(void *)field = number;
         return BAT_OK;
     case ENGINE_SIZE:
@@ -175,6 +231,11 @@ static bat_status store(const engine_option *option, const json_t *value, void *
 bat_status engine_options(const json_t *json, const engine_option *options, size_t count, const char *const *also,
                           void *target, bat_error *error)
 {
+    if (described != NULL)
+    {
+        describe(options, count, also);
+        return BAT_CANCELLED;
+    }
     const char *name;
     json_t *value;
     json_object_foreach((json_t *)json, name, value)
@@ -220,6 +281,12 @@ EMSCRIPTEN_KEEPALIVE void engine_release(void *memory)
     free(memory);
 }
 
+/// Hand over what was written to standard output.
+EMSCRIPTEN_KEEPALIVE void engine_flush(void)
+{
+    (void)fflush(stdout);
+}
+
 /// The failure of the last operation that gave no object, as JSON; release it with engine_release().
 EMSCRIPTEN_KEEPALIVE char *engine_failure(void)
 {
@@ -241,6 +308,11 @@ EMSCRIPTEN_KEEPALIVE void engine_free(engine_object *object)
         return;
     bat_curve_set_free(&object->set);
     bat_mesh_free(&object->mesh);
+#if ENGINE_HAS_SURFACES
+    bat_cloud_free(&object->cloud);
+    bat_surface_result_free(&object->surface);
+    bat_shell_free(&object->shell);
+#endif
     for (size_t i = 0; i < object->array_count; i++)
         free(object->arrays[i]);
     json_decref(object->report);
@@ -290,15 +362,12 @@ static uint32_t *offsets_of_triangles(const bat_mesh *mesh)
     return offsets;
 }
 
-static void report_mesh(engine_object *object)
+void engine_set_mesh(json_t *report, bat_mesh *mesh, bool polygons)
 {
-    bat_mesh *mesh = &object->mesh;
-    bool polygons = object->kind == ENGINE_POLYGONS;
     if (polygons && mesh->offsets == NULL)
         mesh->offsets = offsets_of_triangles(mesh);
     const uint32_t *offsets = mesh->offsets;
     size_t corner_count = offsets != NULL ? offsets[mesh->face_count] : 3 * mesh->face_count;
-    json_t *report = object->report;
     engine_set(report, "positions", engine_array("f64", mesh->positions, 3 * mesh->vertex_count));
     if (polygons)
         engine_set(report, "offsets", engine_array("u32", offsets, mesh->face_count + 1));
@@ -346,8 +415,10 @@ EMSCRIPTEN_KEEPALIVE const char *engine_report(engine_object *object)
     {
         if (object->kind == ENGINE_CURVES)
             report_curves(object);
-        else if (object->kind != ENGINE_VALUES)
-            report_mesh(object);
+        else if (object->kind == ENGINE_MESH || object->kind == ENGINE_POLYGONS)
+            engine_set_mesh(object->report, &object->mesh, object->kind == ENGINE_POLYGONS);
+        else if (object->kind == ENGINE_CLOUD)
+            engine_set_cloud(object->report, &object->cloud);
         object->text = json_dumps(object->report, JSON_COMPACT);
     }
     return object->text;
@@ -363,11 +434,23 @@ static engine_object *new_object(engine_kind kind)
     return object;
 }
 
+static const engine_row *const TABLES[] = {
+#if ENGINE_HAS_CURVES
+    ENGINE_CURVE_ROWS,
+    ENGINE_MOTION_ROWS,
+#endif
+#if ENGINE_HAS_MESHES
+    ENGINE_MESH_ROWS,
+#endif
+#if ENGINE_HAS_SURFACES
+    ENGINE_SURFACE_ROWS,
+#endif
+};
+
 static const engine_row *find(const char *name)
 {
-    const engine_row *const tables[] = {ENGINE_CURVE_ROWS, ENGINE_MESH_ROWS, ENGINE_MOTION_ROWS};
-    for (size_t i = 0; i < ENGINE_COUNT(tables); i++)
-        for (const engine_row *row = tables[i]; row->name != NULL; row++)
+    for (size_t i = 0; i < ENGINE_COUNT(TABLES); i++)
+        for (const engine_row *row = TABLES[i]; row->name != NULL; row++)
             if (strcmp(row->name, name) == 0)
                 return row;
     return NULL;
@@ -604,6 +687,50 @@ EMSCRIPTEN_KEEPALIVE engine_object *engine_mesh(const char *layout)
     return NULL;
 }
 
+void engine_set_cloud(json_t *report, const bat_cloud *cloud)
+{
+    engine_set(report, "points", engine_array("f64", cloud->points, 3 * cloud->count));
+    engine_set(report, "boundary_count", engine_size(cloud->boundary_count));
+    json_t *corners = json_null();
+    if (cloud->has_corners)
+        corners = json_pack("[I,I,I,I]", (json_int_t)cloud->corners[0], (json_int_t)cloud->corners[1],
+                            (json_int_t)cloud->corners[2], (json_int_t)cloud->corners[3]);
+    engine_set(report, "corners", corners);
+    engine_set(report, "triangles", engine_array("u32", cloud->triangles, 3 * cloud->triangle_count));
+    engine_set(report, "duplicates", engine_size(cloud->duplicates));
+}
+
+/// Make a cloud.
+/// @param layout JSON with `points` and `triangles` as engine_mesh() takes them, `boundary_count`, and `corners`, a list of
+///               four indices
+EMSCRIPTEN_KEEPALIVE engine_object *engine_cloud(const char *layout)
+{
+    failure = (bat_error){.status = BAT_OK, .index = BAT_NO_INDEX};
+    json_t *json = json_loads(layout, 0, NULL);
+    engine_object *object = new_object(ENGINE_CLOUD);
+    if (object == NULL)
+        abort(); // nothing owns the arrays
+    bat_cloud *cloud = &object->cloud;
+    size_t numbers, indices;
+    cloud->points = take(json, "points", &numbers);
+    cloud->triangles = take(json, "triangles", &indices);
+    cloud->count = numbers / 3;
+    cloud->triangle_count = indices / 3;
+    cloud->boundary_count = (size_t)json_integer_value(json_object_get(json, "boundary_count"));
+    const json_t *corners = json_object_get(json, "corners");
+    cloud->has_corners = json_array_size(corners) == 4;
+    for (size_t k = 0; k < 4 && cloud->has_corners; k++)
+        cloud->corners[k] = (size_t)json_integer_value(json_array_get(corners, k));
+    bat_status status = BAT_OK;
+    if (numbers % 3 != 0 || indices % 3 != 0 || (json_array_size(corners) != 0 && !cloud->has_corners))
+        status = engine_fail(&failure, BAT_INVALID_ARGUMENT, "points and triangles come in threes, corners are four", "");
+    json_decref(json);
+    if (status == BAT_OK)
+        return object;
+    engine_free(object);
+    return NULL;
+}
+
 static json_t *family_rows(const bat_family *family)
 {
     json_t *rows = json_array();
@@ -621,35 +748,53 @@ static json_t *family_rows(const bat_family *family)
 /// Release it with engine_release().
 EMSCRIPTEN_KEEPALIVE char *engine_families(void)
 {
-    static const struct
-    {
-        const char *name;
-        const bat_family *family;
-    } FAMILIES[] = {
-        {"space", &bat_space_family},
-        {"curve_scheme", &bat_curve_scheme_family},
-        {"curve_end_rule", &bat_curve_end_rule_family},
-        {"curve_simple", &bat_curve_simple_family},
-        {"curve_map_topology", &bat_curve_map_topology_family},
-        {"curve_map_edges", &bat_curve_map_edges_family},
-        {"curve_map_join", &bat_curve_map_join_family},
-        {"curve_format", &bat_curve_format_family},
-        {"curve_model", &bat_curve_model_family},
-        {"motion_scheme", &bat_motion_scheme_family},
-        {"motion_ends", &bat_motion_ends_family},
-        {"motion_shape", &bat_motion_shape_family},
-        {"mesh_scheme", &bat_mesh_scheme_family},
-        {"mesh_format", &bat_mesh_format_family},
-        {"mesh_encoding", &bat_mesh_encoding_family},
-        {"mesh_normals", &bat_mesh_normals_family},
-        {"mesh_decimate_method", &bat_mesh_decimate_method_family},
-        {"mesh_boundary", &bat_mesh_boundary_family},
-        {"mesh_creasing", &bat_mesh_creasing_family},
-        {"mesh_linear", &bat_mesh_linear_family},
-    };
     json_t *all = json_object();
     for (size_t i = 0; i < ENGINE_COUNT(FAMILIES); i++)
         engine_set(all, FAMILIES[i].name, family_rows(FAMILIES[i].family));
+    char *text = json_dumps(all, JSON_COMPACT);
+    json_decref(all);
+    return text;
+}
+
+static json_t *measure_rows(bool (*walk)(size_t operands, size_t index, bat_measure *measure), size_t operands)
+{
+    static const char *const FORMS[] = {"number", "number", "point", "count", "number", "number", "flag"};
+    json_t *rows = json_array();
+    bat_measure measure;
+    for (size_t i = 0; walk(operands, i, &measure); i++)
+        (void)json_array_append_new(rows, json_pack("[s,s,s]", measure.name, FORMS[measure.form], measure.title));
+    return rows;
+}
+
+/// The options of each operation and the names of all measures, as JSON, for the declarations of types. Release it with
+/// engine_release().
+EMSCRIPTEN_KEEPALIVE char *engine_signatures(void)
+{
+    bat_space plane = bat_euclidean(2);
+    bat_curve curve = {.space = &plane};
+    engine_object input = {.set = {.space = &plane, .curves = &curve}};
+    const engine_call call = {.inputs = {&input, &input}};
+    json_t *operations = json_object();
+    for (size_t i = 0; i < ENGINE_COUNT(TABLES); i++)
+        for (const engine_row *row = TABLES[i]; row->name != NULL; row++)
+        {
+            described = json_array();
+            engine_object *result = new_object(row->result);
+            (void)row->run(&call, result, &failure);
+            engine_free(result);
+            engine_set(operations, row->name, described);
+        }
+    described = NULL;
+    // Families that take "auto", which some lists leave out.
+    json_t *automatic = json_array();
+    const bat_choice *choice;
+    for (size_t i = 0; i < ENGINE_COUNT(FAMILIES); i++)
+        if (bat_choice_find(FAMILIES[i].family, "auto", &choice, NULL) == BAT_OK)
+            (void)json_array_append_new(automatic, json_string(FAMILIES[i].name));
+    json_t *all =
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o}", "operations", operations, "automatic", automatic, "fairness",
+                  measure_rows(bat_curve_measures, 1), "curve_distance", measure_rows(bat_curve_measures, 2), "mesh_summary",
+                  measure_rows(bat_mesh_measures, 1), "mesh_distance", measure_rows(bat_mesh_measures, 2));
     char *text = json_dumps(all, JSON_COMPACT);
     json_decref(all);
     return text;

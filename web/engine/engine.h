@@ -10,7 +10,7 @@
 /// both sides share.
 ///
 /// JavaScript puts arrays into memory from engine_allocate(), makes objects of them, runs operations on objects and reads
-/// the result by its report, a JSON text whose arrays are [type, address, count].
+/// the result by its report, a JSON text in which the key "" marks arrays: {"": [type, address, count]}.
 
 /// The most objects an operation takes.
 #define ENGINE_INPUTS 2
@@ -21,7 +21,10 @@ typedef enum engine_kind
     ENGINE_VALUES, ///< numbers and arrays of the report alone
     ENGINE_CURVES,
     ENGINE_MESH,
-    ENGINE_POLYGONS
+    ENGINE_POLYGONS,
+    ENGINE_CLOUD,
+    ENGINE_SURFACE, ///< a spline surface with its report
+    ENGINE_SHELL
 } engine_kind;
 
 /// Arrays that an object owns beside its curves or its mesh.
@@ -31,8 +34,11 @@ typedef enum engine_kind
 typedef struct engine_object
 {
     engine_kind kind;
-    bat_curve_set set; ///< ENGINE_CURVES
-    bat_mesh mesh;     ///< ENGINE_MESH
+    bat_curve_set set;          ///< ENGINE_CURVES
+    bat_mesh mesh;              ///< ENGINE_MESH
+    bat_cloud cloud;            ///< ENGINE_CLOUD
+    bat_surface_result surface; ///< ENGINE_SURFACE
+    bat_shell shell;            ///< ENGINE_SHELL
     void *arrays[ENGINE_ARRAYS];
     size_t array_count;
     json_t *report;
@@ -60,7 +66,8 @@ typedef struct engine_row
     engine_kind result;
 } engine_row;
 
-extern const engine_row ENGINE_CURVE_ROWS[], ENGINE_MESH_ROWS[], ENGINE_MOTION_ROWS[]; ///< each ends with a null name
+/// Each ends with a null name.
+extern const engine_row ENGINE_CURVE_ROWS[], ENGINE_MESH_ROWS[], ENGINE_MOTION_ROWS[], ENGINE_SURFACE_ROWS[];
 
 /// How an option is stored.
 typedef enum engine_type
@@ -111,15 +118,19 @@ bat_status engine_fail(bat_error *error, bat_status status, const char *text, co
 /// @name Reports
 /// @{
 
-/// A number, also one that is not finite, which JSON does not have: then ["MARK", "NaN"], or Infinity or -Infinity.
+/// A number, also one that is not finite, which JSON does not have: then {"": "NaN"}, or Infinity or -Infinity.
 json_t *engine_number(double value);
 json_t *engine_size(size_t value);
-/// ["MARK", type, address, count]; null for a null pointer.
+/// {"": [type, address, count]}; null for a null pointer.
 json_t *engine_array(const char *type, const void *data, size_t count);
 json_t *engine_numbers(const double *values, size_t count);
 void engine_set(json_t *object, const char *name, json_t *value);
 /// Set a measure by its name; `base` is the struct that it is a field of.
 void engine_measure(json_t *object, const bat_measure *measure, const void *base);
+/// Set the arrays of a mesh as its fields; the object owns the mesh.
+void engine_set_mesh(json_t *report, bat_mesh *mesh, bool polygons);
+/// Set the points, boundary and triangles of a cloud.
+void engine_set_cloud(json_t *report, const bat_cloud *cloud);
 /// Memory that lives as long as the object.
 void *engine_own(engine_object *object, void *memory);
 /// @}

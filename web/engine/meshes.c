@@ -121,6 +121,7 @@ static void report_repairs(engine_object *result, const bat_mesh_repair_report *
     engine_set(json, "unorientable_edges", engine_size(report->unorientable_edges));
     engine_set(json, "split_vertices", engine_size(report->split_vertices));
     engine_set(json, "added_vertices", engine_size(report->added_vertices));
+    engine_set(json, "filled_holes", engine_size(report->filled_holes));
     engine_set(json, "unused_vertices", engine_size(report->unused_vertices));
     engine_set(result->report, "repairs", json);
 }
@@ -156,9 +157,11 @@ static bat_status read_mesh(const engine_call *call, engine_object *result, bat_
 {
     static const engine_option OPTIONS[] = {
         ENGINE_OPTION_CHOICE(bat_mesh_read_options, format, &bat_mesh_format_family),
+        ENGINE_OPTION(bat_mesh_read_options, strict, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_read_options, triangulate, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_read_options, keep_degenerate, ENGINE_BOOL),
         ENGINE_OPTION(bat_mesh_read_options, repair, ENGINE_BOOL),
+        ENGINE_OPTION(bat_mesh_read_options, fill_holes, ENGINE_SIZE),
     };
     bat_mesh_read_options options = bat_mesh_read_defaults();
     bat_mesh_repair_report report = {0};
@@ -181,6 +184,7 @@ static bat_status write_mesh(const engine_call *call, engine_object *result, bat
         ENGINE_OPTION_CHOICE(bat_mesh_write_options, format, &bat_mesh_format_family),
         ENGINE_OPTION_CHOICE(bat_mesh_write_options, encoding, &bat_mesh_encoding_family),
         ENGINE_OPTION_CHOICE(bat_mesh_write_options, normals, &bat_mesh_normals_family),
+        ENGINE_OPTION(bat_mesh_write_options, tangents, ENGINE_BOOL),
     };
     bat_mesh_write_options options = bat_mesh_write_defaults();
     bat_status status = engine_options(call->options, OPTIONS, ENGINE_COUNT(OPTIONS), NONE, &options, error);

@@ -21,26 +21,38 @@ const ARRAYS = { f64: Float64Array, u32: Uint32Array, u8: Uint8Array };
 const NOT_FINITE = { Infinity, "-Infinity": -Infinity, NaN };
 
 const refused = (text) => new BattenError({ name: "invalid argument", text });
-/** A text that no file holds: it marks what reports have beside JSON. */
-const newMark = () => {
-  const random = globalThis.crypto?.getRandomValues?.(new Uint32Array(4)) ?? Array.from({ length: 4 }, () => Math.random() * 2 ** 32);
-  return `batten ${Array.from(random, (number) => Math.floor(number).toString(36)).join("-")}`;
-};
+/** Options as JSON; numbers that are not finite have the mark of reports. */
+const asJson = (settings) =>
+  JSON.stringify(settings, (key, value) => {
+    if (typeof value === "number" && !Number.isFinite(value)) return { "": String(value) };
+    if (["function", "symbol", "bigint"].includes(typeof value)) throw refused(`${key} must not be a ${typeof value}`);
+    return value;
+  });
 
-/** Curves inside the module, with what their file tells beside them: properties of features, names of columns. */
-export class CurveSet {
+/** What stays inside the module until it is freed. */
+class Kept {
   #release;
-  constructor(engine, handle, report, release) {
+  constructor(handle, report, release) {
     Object.assign(this, report);
     this.handle = handle;
     this.#release = release;
   }
   /** Give the memory back; the arrays that were copied out stay. */
   free() {
-    this.#release();
+    if (this.handle !== 0) this.#release();
     this.handle = 0;
   }
 }
+/** Curves, with what their file tells beside them: properties of features, names of columns. */
+export class CurveSet extends Kept {}
+/** A spline surface with the report of its fit. */
+export class Surface extends Kept {}
+/** A surface of any shape, of patches, with the report of its fit. */
+export class Shell extends Kept {}
+const KEPT = { bat_surface_reconstruct: Surface, bat_shell_reconstruct: Shell, bat_shell_reconstruct_mesh: Shell };
+/** What a longjmp throws: errors of Qhull return to its caller by one. */
+const LONG_JUMP = Symbol("longjmp");
+const NO_SYSTEM = -52; // ENOSYS
 
 /** Make the functions of a compiled module. */
 export async function instantiate(source) {
@@ -50,11 +62,58 @@ export async function instantiate(source) {
   const encoder = new TextEncoder();
   const decoder = new TextDecoder();
   const bytes = (address, size) => new Uint8Array(memory.buffer, address, size);
-  const ignored = () => 0;
   const imports = { env: {}, wasi_snapshot_preview1: {} };
-  for (const { module: space, name, kind } of WebAssembly.Module.imports(module))
-    if (kind === "function") (imports[space] ??= {})[name] = ignored;
+  let high = 0; // the upper half of the last result of 64 bits
+  for (const { module: space, name, kind } of WebAssembly.Module.imports(module)) {
+    if (kind !== "function") continue;
+    let call = name.startsWith("__syscall_") ? () => NO_SYSTEM : () => 0;
+    if (name.startsWith("invoke_"))
+      call = (index, ...args) => {
+        const stack = exports.stackSave();
+        try {
+          return exports.__indirect_function_table.get(index)(...args);
+        } catch (error) {
+          exports.stackRestore(stack);
+          if (error !== LONG_JUMP) throw error;
+          exports.setThrew(1, 0);
+          return 0;
+        }
+      };
+    else if (name.endsWith("longjmp"))
+      call = () => {
+        throw LONG_JUMP;
+      };
+    (imports[space] ??= {})[name] = call;
+  }
   imports.env.engine_progress = (fraction) => (onProgress === null || onProgress(fraction) !== false ? 1 : 0);
+  imports.env.setTempRet0 = (value) => (high = value);
+  imports.env.getTempRet0 = () => high;
+  // Standard input is the file of a call, standard output its result.
+  let input = new Uint8Array();
+  let output = [];
+  const parts = (vectors, count) => {
+    const words = new Uint32Array(memory.buffer, vectors, 2 * count);
+    return Array.from({ length: count }, (_, i) => bytes(words[2 * i], words[2 * i + 1]));
+  };
+  const count = (address, value) => {
+    new Uint32Array(memory.buffer, address, 1)[0] = value;
+    return 0;
+  };
+  imports.wasi_snapshot_preview1.fd_read = (file, vectors, number, read) => {
+    let size = 0;
+    for (const part of parts(vectors, number)) {
+      const taken = input.subarray(0, part.length);
+      part.set(taken);
+      input = input.subarray(taken.length);
+      size += taken.length;
+    }
+    return count(read, size);
+  };
+  imports.wasi_snapshot_preview1.fd_write = (file, vectors, number, written) => {
+    const all = parts(vectors, number);
+    if (file === 1) output.push(...all.map((part) => part.slice()));
+    return count(written, all.reduce((size, part) => size + part.length, 0));
+  };
   const { exports } = await WebAssembly.instantiate(module, imports);
   memory = exports.memory;
   exports._initialize?.();
@@ -82,17 +141,14 @@ export async function instantiate(source) {
   const fail = () => {
     throw new BattenError(JSON.parse(takeText(exports.engine_failure())));
   };
-  const mark = newMark();
-  const marked = putText(mark);
-  exports.engine_mark(marked);
-  exports.engine_release(marked);
+  // Reports have keys of their own and texts of files as values: no file makes an object with the key "".
   const parse = (string) =>
     JSON.parse(string, (key, value) => {
-      if (!Array.isArray(value) || value[0] !== mark) return value;
-      const [, type, address, count] = value;
-      if (value.length === 2) return NOT_FINITE[type];
+      if (typeof value !== "object" || value === null || Array.isArray(value) || !("" in value)) return value;
+      if (typeof value[""] === "string") return NOT_FINITE[value[""]];
+      const [type, address, length] = value[""];
       const Type = ARRAYS[type];
-      return count > 0 ? new Type(memory.buffer, address, count).slice() : new Type();
+      return length > 0 ? new Type(memory.buffer, address, length).slice() : new Type();
     });
   const read = (handle) => parse(text(exports.engine_report(handle)));
 
@@ -216,27 +272,64 @@ export async function instantiate(source) {
     return handle;
   }
 
-  /** Run an operation. `keep` leaves the result in the module, as a CurveSet. */
-  function run(name, inputs, options, { data = null, keep = false } = {}) {
+  /** A cloud: points alone, or an object with the fields of bat_cloud. */
+  function cloudOf(cloud, temporary) {
+    if (typeof cloud !== "object" || cloud === null) throw refused("a cloud must be points, or an object with points");
+    const { points, triangles, boundary_count = 0, corners = null } = Array.isArray(cloud) || ArrayBuffer.isView(cloud) ? { points: cloud } : cloud;
+    if (!Number.isInteger(boundary_count) || boundary_count < 0) throw refused("boundary_count must be a whole number");
+    const place = (numbers) => (numbers.length > 0 ? [put(numbers), numbers.length] : undefined);
+    const layout = putText(
+      JSON.stringify({
+        points: place(asDoubles(points, "points")),
+        triangles: triangles == null ? undefined : place(asIndices(triangles, "triangles")),
+        boundary_count,
+        corners: corners === null ? undefined : Array.from(asIndices(corners, "corners")),
+      }),
+    );
+    const handle = exports.engine_cloud(layout);
+    exports.engine_release(layout);
+    if (handle === 0) fail();
+    temporary.push(handle);
+    return handle;
+  }
+
+  /** What a call takes that stays in the module. */
+  const kept = (object, Type, what) => () => {
+    if (!(object instanceof Type)) throw refused(`${what} is needed`);
+    if (object.handle === 0) throw refused(`${what} was freed`);
+    return object.handle;
+  };
+
+  /** Run an operation. `keep` leaves the result in the module; `file` gives what it wrote to standard output. */
+  function run(name, inputs, options, { data = null, keep = false, file = false } = {}) {
     const temporary = [];
     const addresses = [];
     if (options != null && (typeof options !== "object" || Array.isArray(options))) throw refused("options must be an object");
     const { progress = null, ...settings } = options ?? {};
+    if (progress !== null && typeof progress !== "function") throw refused("progress must be a function");
     const previous = onProgress;
     onProgress = progress;
+    input = data === null ? new Uint8Array() : data;
+    if (file) exports.engine_flush(); // what a failed call left
+    output = [];
     try {
       const handles = inputs.map((input) => input(temporary));
-      addresses.push(putText(name), putText(JSON.stringify(settings)), data === null ? 0 : put(data));
+      addresses.push(putText(name), putText(asJson(settings)), data === null ? 0 : put(data));
       const result = exports.engine_run(
         addresses[0], addresses[1], handles[0] ?? 0, handles[1] ?? 0, addresses[2], data === null ? 0 : data.byteLength,
       );
       if (result === 0) fail();
       if (!keep) temporary.push(result);
+      if (file) {
+        exports.engine_flush();
+        return joinedBytes(output);
+      }
       const report = read(result);
       if (!keep) return report;
-      return new CurveSet(null, result, report, () => exports.engine_free(result));
+      return new (KEPT[name] ?? CurveSet)(result, report, () => exports.engine_free(result));
     } finally {
       onProgress = previous;
+      output = [];
       temporary.forEach((handle) => exports.engine_free(handle));
       addresses.forEach((address) => exports.engine_release(address));
     }
@@ -245,6 +338,16 @@ export async function instantiate(source) {
   const curves = (input) => (temporary) => curvesOf(input, temporary);
   const mesh = (input) => (temporary) => meshOf(input, temporary);
   const polygons = (input) => (temporary) => meshOf(input, temporary, true);
+  const cloud = (any) => (temporary) => cloudOf(any, temporary);
+  const joinedBytes = (pieces) => {
+    const all = new Uint8Array(pieces.reduce((size, piece) => size + piece.length, 0));
+    let at = 0;
+    for (const piece of pieces) {
+      all.set(piece, at);
+      at += piece.length;
+    }
+    return all;
+  };
   const asBytes = (data) => (typeof data === "string" ? encoder.encode(data) : new Uint8Array(data.buffer ?? data, data.byteOffset ?? 0, data.byteLength));
   /** The curves of a result, one for one curve, each with the space of all. */
   const plain = (result, single) => {
@@ -259,6 +362,8 @@ export async function instantiate(source) {
 
   let families = null;
   const api = {
+    /** The options of each call and the names of measures, for the declarations of types. */
+    signatures: () => JSON.parse(takeText(exports.engine_signatures())),
     bat_version: () => text(exports.engine_version()),
     bat_choices: (family) => {
       families ??= JSON.parse(takeText(exports.engine_families()));
@@ -308,6 +413,18 @@ export async function instantiate(source) {
     bat_polygon_mesh_read_memory: (data, options) => run("bat_polygon_mesh_read_memory", [], options, { data: asBytes(data) }),
     bat_polygon_mesh_write_memory: (any, options) => run("bat_polygon_mesh_write_memory", [polygons(any)], options).bytes,
     bat_mesh_vertex_distances: (from, onto) => run("bat_mesh_vertex_distances", [mesh(from), mesh(onto)]).values,
+    bat_cloud_read: (data, options) => run("bat_cloud_read", [], options, { data: asBytes(data) }),
+    bat_cloud_noise: (points) => run("bat_cloud_noise", [cloud(points)]).noise,
+    bat_surface_reconstruct: (points, options) => run("bat_surface_reconstruct", [cloud(points)], options, { keep: true }),
+    bat_spline_surface_evaluate: (surface, parameters, derivatives = 0) =>
+      run("bat_spline_surface_evaluate", [kept(surface, Surface, "a surface")], { derivatives }, { data: asDoubles(parameters, "parameters") }).values,
+    bat_surface_write: (surface, options) => run("bat_surface_write", [kept(surface, Surface, "a surface")], options, { file: true }),
+    bat_shell_reconstruct: (given, options) =>
+      given?.positions !== undefined
+        ? run("bat_shell_reconstruct_mesh", [mesh(given)], options, { keep: true })
+        : run("bat_shell_reconstruct", [cloud(given)], options, { keep: true }),
+    bat_shell_tessellate: (shell, samples = 4) => run("bat_shell_tessellate", [kept(shell, Shell, "a shell")], { samples }),
+    bat_shell_write: (shell, options) => run("bat_shell_write", [kept(shell, Shell, "a shell")], options, { file: true }),
   };
   return api;
 }

@@ -1,16 +1,15 @@
-import { instantiate } from "./engine.mjs";
+// For Node.js.
+import { readFile } from "node:fs/promises";
+import { BattenError, instantiate } from "./engine.mjs";
 
-export { BattenError, CurveSet, instantiate } from "./engine.mjs";
+export { BattenError, CurveSet, Shell, Surface, instantiate } from "./engine.mjs";
 
-/**
- * Load the library: from the file beside this one, or from a binary or a compiled module that the caller has.
- */
+/** Load the library: from the file beside this one, or from a binary or a compiled module that the caller has. */
 export async function load(source) {
   if (source !== undefined) return instantiate(source);
-  const address = new URL("./batten.wasm", import.meta.url);
-  if (typeof process === "object" && process.versions?.node) {
-    const { readFile } = await import("node:fs/promises");
-    return instantiate(await readFile(address));
-  }
-  return instantiate(await (await fetch(address)).arrayBuffer());
+  const binary = await readFile(new URL("./batten.wasm", import.meta.url)).catch((error) => {
+    const text = `batten.wasm is not beside ${import.meta.url}: copy it there, or import "batten/inline", which holds it`;
+    throw Object.assign(new BattenError({ name: "file access", text }), { cause: error });
+  });
+  return instantiate(binary);
 }

@@ -1,6 +1,6 @@
 // Curves: points on the plane, the sphere and the disk, refined by several schemes at once.
 import samples from "samples";
-import { check, color, digits, download, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
 import { VIEWS, toDegrees, toUnit } from "./view.js";
 
 /** More points than this get no handles. */
@@ -31,10 +31,13 @@ const EXAMPLES = {
   iss: { title: "ISS track (sphere)", space: "sphere", closed: true, points: lonLat(samples["iss-track.geojson"]) },
   petals: { title: "Petals (Poincaré disk)", space: "disk", closed: true, points: csvPoints(samples["hyperbolic.csv"]) },
 };
-const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false };
+const FIRST = { points: EXAMPLES.guitar.points, space: "plane", closed: true, corners: [], schemes: ["learned", "four-point"], fairness: 0.25, levels: 5, ends: "reflect", comb: false, data: 0 };
 
 /** What a scheme needs beyond its name. */
 const SETTINGS = { mask: "mask:1/8,4/8,6/8,4/8,1/8", "corner-cutting": "corner-cutting:r=0.25,s=0.75", angle: "angle:mu=-0.1" };
+
+/** Linear schemes that other spaces refuse. */
+const PLANE = ["four-point", "six-point", "mask"];
 
 export function curveTab(app, section) {
   let state = structuredClone(FIRST);
@@ -108,6 +111,15 @@ export function curveTab(app, section) {
     view.background(context, color("grid"));
     context.lineJoin = "round";
     if (state.comb) results.forEach((result, i) => result.points && combs[i] && drawComb(context, result.points, combs[i], color(`c${index(result.scheme)}`)));
+    const first = results.find((result) => result.points);
+    if (first && state.closed && state.space !== "sphere") {
+      context.strokeStyle = "transparent";
+      view.line(context, first.points, true);
+      context.fillStyle = color(`c${index(first.scheme)}`);
+      context.globalAlpha = 0.09;
+      context.fill();
+      context.globalAlpha = 1;
+    }
     context.strokeStyle = color("given");
     context.lineWidth = 1;
     context.setLineDash([5, 4]);
@@ -340,11 +352,16 @@ export function curveTab(app, section) {
   let settle = 0;
 
   // Controls.
+  /** The chosen schemes, without those that need the plane. */
+  const schemesOf = (name) => {
+    const left = state.schemes.filter((scheme) => name === "plane" || !PLANE.includes(scheme));
+    return left.length > 0 ? left : ["learned"];
+  };
   const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, { title }]) => [name, title])], "", (name) => {
     if (!name) return;
     const { space, points, closed, corners = [] } = EXAMPLES[name];
     big = null;
-    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: space === "plane" ? state.schemes : state.schemes.filter((s) => !["four-point", "six-point", "mask"].includes(s)).concat(state.schemes.length === 1 && state.schemes[0] !== "learned" ? ["learned"] : []) }, { refit: true }).then(() => app.commit());
+    void set({ space, points: structuredClone(points), closed, corners: [...corners], schemes: schemesOf(space) }, { refit: true }).then(() => app.commit());
     example.set("");
   });
   const space = select("Space", [["plane", "plane"], ["sphere", "sphere"], ["disk", "Poincaré disk"]], "plane", (name) => {
@@ -399,7 +416,7 @@ export function curveTab(app, section) {
     try {
       const curves = [{ space: state.space, points: result.points, closed: state.closed }];
       const text = await app.engine.call("writeCurves", { curves, format }, "Writing");
-      download(`fine.${format === "geojson" ? "geojson" : format}`, text);
+      download(`fine.${format}`, text);
     } catch (error) {
       app.fail(error);
     }
@@ -419,32 +436,35 @@ export function curveTab(app, section) {
     h(
       "div.side",
       {},
-      group("Curve", h("div.row", {}, example.element, space.element), h("div.row", {}, closed.element, comb.element), h("div.row", {}, opener("Open file", ".csv,.geojson,.json,.obj", (file) => open(file)), h("button", { type: "button", onclick: () => { fit(); redraw(); } }, "Fit view")),
+      group("Curve", h("div.row", {}, example.element, space.element), h("div.row", {}, closed.element, comb.element), h("div.row", {}, opener("Open file", ".csv,.geojson,.json,.obj,.gpx,.wkt,.topojson", (file) => open(file)), h("button", { type: "button", onclick: () => { fit(); redraw(); } }, "Fit view")),
         h("p.hint", {}, "Drag points. Double-click adds a point or marks a corner, a right click removes. Keys on a point: arrows, A adds, Delete removes, C corner.")),
       group("Schemes", schemeList, fairness.element, levels.element, ends.element),
-      group("Download", h("div.row", {}, h("button", { type: "button", onclick: () => save("csv") }, "CSV"), h("button", { type: "button", onclick: () => save("geojson") }, "GeoJSON"), h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
+      group("Download", h("div.row", {}, ...[["csv", "CSV"], ["geojson", "GeoJSON"], ["wkt", "WKT"], ["gpx", "GPX"], ["topojson", "TopoJSON"], ["obj", "OBJ"]].map(([name, title]) => h("button", { type: "button", onclick: () => save(name) }, title)), h("button", { type: "button", onclick: picture }, "PNG")), h("p.hint", {}, "The first scheme's curve.")),
     ),
   );
 
-  async function open(file) {
+  async function open(file, fresh = true) {
     app.clear();
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      const set_ = await app.engine.call("readCurves", { bytes, options: {} }, "Reading");
+      const set_ = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, file.name) }, "Reading");
       if (!VIEWS[set_.space]) throw new Error(`this tab shows the plane, the sphere and the disk, not the space '${set_.space}'`);
       const curve = set_.curves.reduce((a, b) => (b.points.length > a.points.length ? b : a));
       const dim = set_.space === "sphere" ? 3 : 2;
       const count = curve.points.length / dim;
       big = count > 5000 ? curve.points : null;
+      state.data = big ? app.keep(file.name, bytes) : 0;
       const points = big ? [] : Array.from({ length: count }, (_, i) => (dim === 3 ? round(toDegrees(...curve.points.slice(3 * i, 3 * i + 3))) : [...curve.points.slice(2 * i, 2 * i + 2)]));
       const corners = curve.corners && !big ? [...curve.corners.keys()].filter((i) => curve.corners[i]) : [];
-      Object.assign(state, { space: set_.space, points, closed: curve.closed, corners });
+      Object.assign(state, { space: set_.space, points, closed: curve.closed, corners, schemes: schemesOf(set_.space) });
       if (big) state.levels = Math.min(state.levels, 3);
       app.say(`${count} points read${set_.curves.length > 1 ? `, the longest of ${set_.curves.length} curves` : ""}`);
       await set({}, { refit: true });
-      app.commit();
+      if (fresh) app.commit();
+      return true;
     } catch (error) {
       app.fail(error, file.name);
+      return false;
     }
   }
 
@@ -461,8 +481,11 @@ export function curveTab(app, section) {
     state: () => ({ ...state, points: big ? [] : state.points }),
     async restore(next) {
       const moved = next.space !== state.space;
+      const given = next.data && next.data !== state.data ? app.file(next.data) : null;
+      if (given) await open(new File([given.bytes], given.name), false);
       state = { ...structuredClone(FIRST), ...structuredClone(next) };
       if (state.points.length) big = null;
+      if (!big && !state.points.length) state = structuredClone(FIRST);
       if (moved) fit();
       controls();
       await compute();
@@ -488,7 +511,7 @@ export function curveTab(app, section) {
       const values = few ? state.points.slice(0, 8).flatMap((p) => (degrees ? toUnit(p).map((v) => Number(v.toFixed(6))) : p)).join(", ") + (state.points.length > 8 ? ", …" : "") : "…";
       return {
         shell: `${data}batten curve curve.csv --scheme ${scheme} --levels ${state.levels}${end} -o fine.csv --picture fine.png${state.comb ? " --comb" : ""}`,
-        c: `const bat_space space = ${c};\ndouble points[] = {${values}};\nconst bat_curve coarse = {\n    .space = &space, .points = points, .count = ${state.points.length}, .closed = ${state.closed}};\nbat_curve_refine_options options = bat_curve_refine_defaults();\nbat_error error;\nbat_curve fine = {0};\noptions.levels = ${state.levels};${state.closed ? "" : `\noptions.ends = BAT_CURVE_END_${state.ends.toUpperCase()};`}\nbat_curve_scheme_by_name("${scheme}", &options.scheme, &error);\nif (bat_curve_refine(&coarse, &options, &fine, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);\nbat_curve_free(&fine);`,
+        c: `const bat_space space = ${c};\ndouble points[] = {${values}};\nconst bat_curve coarse = {\n    .space = &space, .points = points, .count = ${state.points.length}, .closed = ${state.closed}};\nbat_curve_refine_options options = bat_curve_refine_defaults();\nbat_error error;\nbat_curve fine = {0};\noptions.levels = ${state.levels};${state.closed ? "" : `\noptions.ends = ${enumerator("curve_end_rule", state.ends)};`}\nbat_curve_scheme_by_name("${scheme}", &options.scheme, &error);\nif (bat_curve_refine(&coarse, &options, &fine, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text);\nbat_curve_free(&fine);`,
         python: `import batten\n\npoints = [${few ? state.points.slice(0, 6).map((p) => `[${(degrees ? toUnit(p).map((v) => Number(v.toFixed(6))) : p).join(", ")}]`).join(", ") + (state.points.length > 6 ? ", ..." : "") : "..."}]\nfine = batten.refine(points, space="${state.space}", closed=${state.closed ? "True" : "False"},\n                     scheme="${scheme}", levels=${state.levels}${state.closed ? "" : `, ends="${state.ends}"`})`,
       };
     },

@@ -95,3 +95,10 @@ export const enumerator = (family, name) => `BAT_${family}_${name}`.replaceAll("
 
 /** The endings of files of the formats that are read, as a file dialog takes them. */
 export const endings = (formats) => formats.filter(({ reads }) => reads).flatMap((format) => format.endings.split(" ")).filter(Boolean).join(",");
+
+/** The format that a file's ending names, as an option of reading; none where formats share the ending with others. */
+export function formatOf(formats, file) {
+  const ending = file.toLowerCase().match(/\.[a-z0-9]+$/)?.[0];
+  const named = formats.filter(({ reads, endings: list }) => reads && ending && ending !== ".txt" && list.split(" ").includes(ending));
+  return named.length === 1 ? { format: named[0].name } : {};
+}

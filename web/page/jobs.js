@@ -115,8 +115,8 @@ function tears(coarse, fine, levels) {
 }
 
 /** Refine a map with its topology, and each curve by itself to see what would have torn. */
-export function map(batten, { bytes, options, write }, progress) {
-  const set = batten.bat_curve_read_memory(bytes, { format: "geojson" });
+export function map(batten, { bytes, options, read, write }, progress) {
+  const set = batten.bat_curve_read_memory(bytes, read);
   const owned = [set];
   try {
     const { topology, ...rest } = options;
@@ -126,7 +126,7 @@ export function map(batten, { bytes, options, write }, progress) {
       progress: (fraction) => progress(fraction * 0.8),
     });
     owned.push(fine);
-    if (write) return { text: batten.bat_curve_write_memory(fine, { format: "geojson" }) };
+    if (write) return { text: batten.bat_curve_write_memory(fine, { format: write }) };
     const alone = topology
       ? batten.bat_curve_map_refine(set, { ...rest, keep_area: false, topology: "separate", progress: (f) => progress(0.8 + f * 0.2) })
       : fine;
@@ -192,7 +192,7 @@ export function mesh(batten, { coarse, decimate, refine, against, repair }, prog
   const drawn = cut(batten, fine);
   const triangulated = Boolean(coarse.offsets) && (!base.offsets || scheme !== "catmull-clark");
   done++;
-  const result = { base, fine, drawn, scheme, triangulated, summary: summarize(batten, fine, drawn), before: summarize(batten, base, cut(batten, base)) };
+  const result = { base, cage: cut(batten, base), fine, drawn, scheme, triangulated, summary: summarize(batten, fine, drawn), before: summarize(batten, base, cut(batten, base)) };
   if (against && against !== scheme) {
     result.distances = batten.bat_mesh_vertex_distances(drawn, cut(batten, byScheme(base, against)));
     result.against = against;
@@ -234,4 +234,96 @@ export function analyze(batten, { scheme, level }) {
     refused = error.message;
   }
   return { analysis, basis, refused };
+}
+
+/** The surface or shell that was made last; it stays in the engine for its files. */
+let made = null;
+
+/** Triangles of a grid of samples of a surface over the square, and its parameters. */
+function gridOf(n) {
+  const parameters = new Float64Array(2 * (n + 1) ** 2);
+  const faces = new Uint32Array(6 * n * n);
+  let at = 0;
+  for (let j = 0; j <= n; j++)
+    for (let i = 0; i <= n; i++) {
+      const k = j * (n + 1) + i;
+      parameters.set([i / n, j / n], 2 * k);
+      if (i < n && j < n) {
+        faces.set([k, k + 1, k + n + 2, k, k + n + 2, k + n + 1], at);
+        at += 6;
+      }
+    }
+  return { parameters, faces };
+}
+
+/** Of places the values of the nearest points, by a grid of cells. */
+function nearestValues(places, points, values, spacing) {
+  const cells = new Map();
+  const side = spacing * 2 || 1;
+  const key = (x, y, z) => `${x},${y},${z}`;
+  const cell = (value) => Math.floor(value / side);
+  for (let i = 0; i < points.length; i += 3) {
+    const name = key(cell(points[i]), cell(points[i + 1]), cell(points[i + 2]));
+    if (!cells.has(name)) cells.set(name, []);
+    cells.get(name).push(i);
+  }
+  const most = 4 * side;
+  return Float64Array.from({ length: places.length / 3 }, (_, k) => {
+    const [x, y, z] = places.subarray(3 * k, 3 * k + 3);
+    let best = most * most;
+    let value = 0;
+    for (let r = 0; r <= 4 && best > ((r - 1) * side) ** 2 * (r > 1); r++)
+      for (let a = -r; a <= r; a++)
+        for (let b = -r; b <= r; b++)
+          for (let c = -r; c <= r; c++) {
+            if (Math.max(Math.abs(a), Math.abs(b), Math.abs(c)) !== r) continue;
+            for (const i of cells.get(key(cell(x) + a, cell(y) + b, cell(z) + c)) ?? []) {
+              const distance = (points[i] - x) ** 2 + (points[i + 1] - y) ** 2 + (points[i + 2] - z) ** 2;
+              if (distance < best) [best, value] = [distance, values[i / 3]];
+            }
+          }
+    return value;
+  });
+}
+
+/** Fit a surface to the points of a file: a patch, or a shell where the points need one. */
+export function scan(batten, { bytes, format, kind, parameters, tolerance, robust, force }, progress) {
+  const cloud = batten.bat_cloud_read(bytes, format ? { format } : {});
+  const { points } = cloud;
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  points.forEach((value, i) => {
+    low[i % 3] = Math.min(low[i % 3], value);
+    high[i % 3] = Math.max(high[i % 3], value);
+  });
+  const near = (tolerance / 1000) * Math.hypot(...high.map((value, i) => value - low[i]));
+  const began = performance.now();
+  const patch = () => batten.bat_surface_reconstruct(cloud, { ...(kind === "trim" ? { trim: true } : { parameters }), tolerance: near, robust, force, progress });
+  const shell = () => batten.bat_shell_reconstruct(cloud, { tolerance: near, force, progress });
+  let next;
+  let found = kind === "shell" ? "shell" : "patch";
+  try {
+    next = kind === "shell" ? shell() : patch();
+  } catch (error) {
+    if (kind !== "auto" || error.remedy !== "shell") throw error;
+    found = "shell";
+    next = shell();
+  }
+  const seconds = (performance.now() - began) / 1000;
+  made?.free();
+  made = next;
+  let mesh;
+  if (found === "shell") mesh = cut(batten, batten.bat_shell_tessellate(made, Math.max(2, Math.round(160 / Math.sqrt(made.face_count * made.spans ** 2)))));
+  else if (kind === "trim") mesh = batten.bat_mesh_read_memory(batten.bat_surface_write(made, { format: "obj" }), { format: "obj" });
+  else {
+    const grid = gridOf(120);
+    mesh = { positions: batten.bat_spline_surface_evaluate(made, grid.parameters), faces: grid.faces };
+  }
+  const distances = found === "shell" ? null : nearestValues(mesh.positions, made.points, made.distances, made.verdict.spacing);
+  const { handle, control, patches, points: ordered, parameters: places, distances: residuals, ...report } = made;
+  return { kind: found, points, mesh: { positions: mesh.positions, faces: mesh.faces }, distances, report, seconds, tolerance: near };
+}
+
+export function writeScan(batten, { format }) {
+  if (made === null) throw new Error("there is no surface yet");
+  return made.face_count === undefined ? batten.bat_surface_write(made, { format }) : batten.bat_shell_write(made, { format });
 }

@@ -9,11 +9,14 @@ import { analyzeTab } from "./analyze.js";
 import { scanTab } from "./scan.js";
 
 const $ = (id) => document.getElementById(id);
-/** Texts of a state that is longer than this are left out of the link. */
+/** Bytes of the longest link. */
 const LINK_LIMIT = 60000;
+/** Larger files are left out of the link. */
+const FILE_LIMIT = 300000;
 
-function binary() {
-  const text = atob($("engine").textContent);
+/** The engine as it lies in the page: compressed, in base64. The worker unpacks it. */
+function packed(name) {
+  const text = atob($(name).textContent);
   const bytes = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
   return bytes.buffer;
@@ -21,6 +24,10 @@ function binary() {
 
 const alertBox = $("alert");
 const app = {
+  /** What stands behind the script is there: the example of a map, the engine of scans. */
+  async ready() {
+    if (document.readyState === "loading") await new Promise((resolve) => document.addEventListener("DOMContentLoaded", resolve, { once: true }));
+  },
   tables: null,
   engine: null,
   say(text) {
@@ -58,6 +65,12 @@ const app = {
   },
 };
 
+/** Files that were opened, by the numbers that states have for them: undo brings them back. */
+const files = [];
+app.keep = (name, bytes) => files.push({ name, bytes });
+app.file = (number) => files[number - 1] ?? null;
+
+let scans = null;
 let kept = false;
 const past = [];
 const future = [];
@@ -79,13 +92,24 @@ async function step() {
   app.commands();
 }
 
-const toBase64 = (bytes) => btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+const latin = (bytes) => {
+  let text = "";
+  for (let i = 0; i < bytes.length; i += 8192) text += String.fromCharCode(...bytes.subarray(i, i + 8192));
+  return text;
+};
+const toBase64 = (bytes) => btoa(latin(bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
 const through = async (stream, bytes) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
 
+/** The state as it stands in the link, with the file that it needs; null where that is too large. */
 async function encoded() {
   const text = past[past.length - 1];
-  if (!text || text.length > LINK_LIMIT) return null;
-  return toBase64(await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(text)));
+  if (!text) return null;
+  const { tab, state } = JSON.parse(text);
+  const file = state.data ? app.file(state.data) : null;
+  if (state.data && (!file || file.bytes.length > FILE_LIMIT)) return null;
+  const all = file ? JSON.stringify({ tab, state, file: { name: file.name, bytes: toBase64(file.bytes) } }) : text;
+  const packed = await through(new CompressionStream("deflate-raw"), new TextEncoder().encode(all));
+  return packed.length > LINK_LIMIT ? null : toBase64(packed);
 }
 
 let written = "";
@@ -106,9 +130,10 @@ async function readLink() {
     return null;
   }
   if (!hash.startsWith("s=")) return null;
-  const code = atob(hash.slice(2).replaceAll("-", "+").replaceAll("_", "/"));
-  const bytes = await through(new DecompressionStream("deflate-raw"), Uint8Array.from(code, (letter) => letter.charCodeAt(0)));
-  const { tab, state } = JSON.parse(new TextDecoder().decode(bytes));
+  const fromBase64 = (text) => Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (letter) => letter.charCodeAt(0));
+  const bytes = await through(new DecompressionStream("deflate-raw"), fromBase64(hash.slice(2)));
+  const { tab, state, file } = JSON.parse(new TextDecoder().decode(bytes));
+  if (state.data) state.data = file ? app.keep(String(file.name), fromBase64(file.bytes)) : 0;
   if (!tabs[tab]) throw new Error("the link names no tab of this page");
   show(tab);
   await tabs[tab].restore(state);
@@ -188,7 +213,10 @@ $("link").onclick = async () => {
   setTimeout(() => ($("link").textContent = "Copy link"), 1500);
 };
 $("theme").onclick = () => theme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
-$("cancel").onclick = () => app.engine.cancel();
+$("cancel").onclick = () => {
+  app.engine.cancel();
+  scans?.cancel();
+};
 for (const button of document.querySelectorAll("[data-copy]"))
   button.onclick = async () => {
     await navigator.clipboard.writeText($(button.dataset.copy).textContent).catch(() => {
@@ -228,17 +256,49 @@ addEventListener("drop", async (event) => {
   if (file) await openFile(file);
 });
 
-/** Open a file in the current tab, or in the one that its ending names. */
+/** The tabs that may take a file, the likeliest first: by its ending and its first bytes. Null for what no tab reads. */
+async function tabsFor(file) {
+  const ending = file.name.toLowerCase().match(/\.[a-z0-9]+$/)?.[0] ?? "";
+  const bytes = new Uint8Array(await file.slice(0, 200000).arrayBuffer());
+  const text = new TextDecoder("latin1").decode(bytes);
+  const rows = text.split(/\r?\n/).filter((line) => /^\s*[-+.\d]/.test(line));
+  const columns = rows.slice(0, 20).map((line) => line.trim().split(/[\s,;]+/).filter((word) => word !== "").length);
+  const wide = (count) => columns.length > 0 && columns.every((number) => number === count);
+  if (/^(\x89PNG|%PDF|GIF8|PK\x03\x04|\xff\xd8\xff|\x1f\x8b)/.test(text) && ending !== ".3mf") return null;
+  if ([".pcd", ".las", ".xyz", ".asc"].includes(ending)) return ["scan"];
+  if ([".stl", ".off", ".gltf", ".glb"].includes(ending)) return ["mesh"];
+  if (ending === ".ply") return /element face [1-9]/.test(text) ? ["mesh"] : ["scan"];
+  if (ending === ".obj") {
+    // Faces may come far behind the points.
+    const all = /^f /m.test(text) || file.size <= bytes.length ? text : new TextDecoder("latin1").decode(await file.arrayBuffer());
+    return /^f /m.test(all) ? ["mesh"] : /^l /m.test(all) ? ["curve"] : ["scan"];
+  }
+  if (/^\.(geo|topo)?json$/.test(ending) || [".topojson", ".geojsonl"].includes(ending)) return current === "curve" ? ["curve", "map"] : ["map", "curve"];
+  if (ending === ".gpx" || ending === ".wkt") return ["curve"];
+  if (ending === ".tum" || /space: rigid/.test(text) || /\bq[wxyz]\b/.test(text.slice(0, 500))) return ["motion"];
+  if (ending === ".txt" && wide(8)) return ["motion"];
+  if ([".csv", ".txt", ".tsv"].includes(ending)) return (wide(3) && rows.length > 300) || wide(6) ? ["scan", "curve"] : wide(8) ? ["motion", "curve"] : ["curve", "motion", "scan"];
+  return text.includes("\0") ? null : [current, ...["curve", "map", "mesh", "scan"].filter((name) => name !== current)].filter((name) => tabs[name].open);
+}
+
+/** Open a file in the tab that it belongs to. What no tab reads is told, and the page stays as it is. */
 async function openFile(file) {
   kept = false;
   app.clear();
-  const ending = file.name.toLowerCase().match(/\.[a-z0-9]+$/)?.[0] ?? "";
-  if (/^\.(ply|stl|off|gltf|glb)$/.test(ending)) show("mesh");
-  else if (ending === ".obj" && current !== "curve") show("mesh");
-  else if (/^\.(geo)?json$/.test(ending) && current !== "curve") show("map");
-  else if (ending === ".csv" && !["curve", "motion"].includes(current)) show("curve");
-  if (!tabs[current].open) show("curve");
-  await tabs[current].open(file);
+  const names = await tabsFor(file);
+  if (names === null) {
+    app.fail(new Error("this page reads lines, maps, poses, meshes and points: CSV, GeoJSON, GPX, TUM, OBJ, PLY, OFF, STL, glTF, XYZ, PCD, LAS"), file.name);
+    return;
+  }
+  const before = current;
+  let told = "";
+  for (const name of names) {
+    show(name);
+    if (await tabs[name].open(file)) return;
+    told ||= alertBox.textContent;
+  }
+  show(before);
+  alertBox.textContent = told;
 }
 
 let resizing = 0;
@@ -251,11 +311,17 @@ addEventListener("hashchange", () => {
 });
 
 async function start() {
-  app.engine = new Engine($("worker").textContent, binary(), (title, fraction) => {
+  const busy = (title, fraction) => {
     $("progress").hidden = title === null;
     $("working").textContent = title ?? "";
     $("bar").value = fraction ?? 0;
-  });
+  };
+  app.engine = new Engine($("worker").textContent, packed("engine"), busy);
+  /** The engine of scans, which stands at the end of the page and may still be on its way. */
+  app.scanEngine = async () => {
+    await app.ready();
+    return (scans ??= new Engine($("worker").textContent, packed("engine-scan"), busy));
+  };
   app.tables = await app.engine.call("tables", {});
   $("version").textContent = app.tables.version;
   makeTabs([

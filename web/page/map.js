@@ -1,10 +1,13 @@
 // Maps: a GeoJSON file before and after, and where its borders would have torn.
-import { geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
-import { check, color, digits, download, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { geoArea, geoEqualEarth, geoGraticule10, geoPath } from "d3-geo";
+import { check, color, digits, download, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { divider } from "./scene.js";
 import { toDegrees } from "./view.js";
 
+const FORMATS = ["geojson", "topojson", "wkt", "gpx", "csv", "obj"];
+
 export function mapTab(app, section) {
-  let state = { scheme: "learned", levels: 3, topology: true, keep_area: false, decimals: 6, example: true };
+  let state = { scheme: "learned", levels: 3, topology: true, keep_area: false, decimals: 6, example: true, data: 0, marks: false };
   let bytes = null;
   let file = "map.geojson";
   let result = null;
@@ -14,16 +17,18 @@ export function mapTab(app, section) {
   const canvas = h("canvas", { role: "img", "aria-label": "The map before (dashed) and after, with tears marked" });
   const legend = h("div.legend", {}, "");
   const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "Map: arrow keys move, plus and minus zoom" }, canvas, legend);
+  const split = divider(stage, () => redraw());
   const facts = h("div", {});
   let frame = 0;
 
   const example = () => new TextEncoder().encode(document.getElementById("map-example").textContent);
 
   async function compute() {
-    if (!bytes) bytes = example();
+    await app.ready();
+    bytes ??= example();
     try {
       const options = { scheme: state.scheme, levels: state.levels, topology: state.topology, decimals: state.decimals, keep_area: state.topology && state.keep_area };
-      result = await app.engine.latest("map", "map", { bytes, options }, "Refining the map");
+      result = await app.engine.latest("map", "map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file) }, "Refining the map");
       app.clear();
       prepare();
       facts.replaceChildren(
@@ -37,17 +42,15 @@ export function mapTab(app, section) {
         ]),
       );
     } catch (error) {
-      app.fail(error, file);
-      if (error.message !== "superseded" && error.message !== "cancelled") {
-        result = null;
-        facts.replaceChildren();
-      }
+      app.fail(error, state.example ? undefined : file);
+      return error.message === "superseded" ? null : false;
     }
     redraw();
+    return true;
   }
   const sum = (curves) => curves.reduce((all, curve) => all + curve.points.length / (result.space === "sphere" ? 3 : 2), 0);
 
-  let lines = { before: null, after: null, box: null };
+  let lines = { before: null, after: null, areas: { before: [], after: [] } };
   function prepare() {
     const coordinates = ({ points, closed }) => {
       const out = [];
@@ -56,8 +59,26 @@ export function mapTab(app, section) {
       if (closed) out.push(out[0]);
       return out;
     };
-    const collect = (curves) => ({ type: "MultiLineString", coordinates: curves.map(coordinates) });
-    lines = { before: collect(result.coarse), after: collect(result.fine) };
+    /** Polygons with the number of their feature; d3 takes the area to the left of a ring, seen from outside, for the outside. */
+    const areas = (all) => {
+      const polygons = new Map();
+      all.forEach((line, i) => {
+        const place = result.polygons?.[i];
+        if (!place) return;
+        const [polygon, feature] = place;
+        if (!polygons.has(polygon)) polygons.set(polygon, { feature, rings: [] });
+        polygons.get(polygon).rings.push(line);
+      });
+      for (const { rings } of polygons.values())
+        if (result.space === "sphere")
+          rings.forEach((ring, i) => {
+            const large = geoArea({ type: "Polygon", coordinates: [ring] }) > 2 * Math.PI;
+            if (large === (i === 0)) rings[i] = ring.toReversed();
+          });
+      return [...polygons.values()].map(({ feature, rings }) => ({ feature, type: "Polygon", coordinates: rings }));
+    };
+    const [before, after] = [result.coarse, result.fine].map((curves) => curves.map(coordinates));
+    lines = { before: { type: "MultiLineString", coordinates: before }, after: { type: "MultiLineString", coordinates: after }, areas: { before: areas(before), after: areas(after) } };
   }
 
   function projection(width, height) {
@@ -95,28 +116,54 @@ export function mapTab(app, section) {
       path = ({ coordinates }) => coordinates.forEach((line) => line.forEach((p, i) => (i ? context.lineTo(...point(p)) : context.moveTo(...point(p)))));
     }
     context.lineJoin = "round";
-    context.strokeStyle = color("given");
-    context.lineWidth = 0.9;
-    context.setLineDash([3, 3]);
-    context.beginPath();
-    path(lines.before);
-    context.stroke();
-    context.setLineDash([]);
-    context.strokeStyle = color("c0");
-    context.lineWidth = 1.5;
-    context.beginPath();
-    path(lines.after);
-    context.stroke();
+    const side = Math.round(width * split.share);
+    const part = (left, right, drawing) => {
+      if (right <= left) return;
+      context.save();
+      context.beginPath();
+      context.rect(left, 0, right - left, height);
+      context.clip();
+      drawing();
+      context.restore();
+    };
+    const fill = (areas) => {
+      context.globalAlpha = 0.22;
+      for (const area of areas) {
+        context.fillStyle = color(`c${area.feature % 8}`);
+        context.beginPath();
+        path(area);
+        context.fill("evenodd");
+      }
+      context.globalAlpha = 1;
+    };
+    const outline = (all, stroke, thick, dash) => {
+      context.strokeStyle = color(stroke);
+      context.lineWidth = thick;
+      context.setLineDash(dash);
+      context.beginPath();
+      path(all);
+      context.stroke();
+      context.setLineDash([]);
+    };
+    part(0, side, () => {
+      fill(lines.areas.before);
+      outline(lines.before, "ink", width < 500 ? 0.7 : 1.1, []);
+    });
+    part(side, width, () => {
+      fill(lines.areas.after);
+      if (zoom.k > 2 || lines.before.coordinates.length < 60) outline(lines.before, "given", 1.2, [5, 4]);
+      outline(lines.after, "c0", width < 500 ? 1 : 1.6, []);
+    });
     context.strokeStyle = color("c1");
     context.lineWidth = 1.6;
-    for (const [i, { at }] of result.tears.slice(0, zoom.k > 3 ? 5000 : Math.round(width * 0.45)).entries()) {
+    for (const [i, { at }] of (state.marks || focus >= 0 ? result.tears : []).slice(0, zoom.k > 3 ? 5000 : Math.round(width * 0.45)).entries()) {
       const p = point(at);
       if (!p) continue;
       context.beginPath();
       context.arc(p[0], p[1], i === focus ? 14 : width < 500 ? 3 : 4, 0, 2 * Math.PI);
       context.stroke();
     }
-    legend.textContent = `dashed: given; blue: refined; circles: ${state.topology ? "borders that would have torn" : "torn borders"}`;
+    legend.textContent = `left: given; right: refined${state.marks ? `; circles: ${state.topology ? "borders that would have torn" : "torn borders"}` : ""}`;
   }
 
   // Moving.
@@ -177,38 +224,62 @@ export function mapTab(app, section) {
     redraw();
   }
 
-  const change = (changes) => {
+  const change = async (changes) => {
+    const last = { ...state };
     Object.assign(state, changes);
     controls();
-    void compute().then(() => app.commit());
+    const done = await compute();
+    if (done) app.commit();
+    else if (done === false) {
+      state = last;
+      controls();
+    }
   };
   const scheme = select("Scheme", app.tables.map_schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
   const levels = slider("Levels", { min: 1, max: 5, step: 1, value: state.levels, change: () => {}, commit: () => change({ levels: Number(levels.input.value) }) });
   const topology = check("Keep borders shared (topology)", true, (value) => change({ topology: value }));
+  const marks = check("Mark borders that would tear", false, (value) => {
+    state.marks = value;
+    redraw();
+    app.commit();
+  });
   const area = check("Keep areas", false, (value) => change({ keep_area: value }));
   const controls = () => {
     scheme.set(state.scheme);
     levels.set(state.levels);
     topology.set(state.topology);
     area.set(state.keep_area);
+    marks.set(state.marks);
     area.box.disabled = !state.topology;
   };
 
-  async function open(chosen) {
-    app.clear();
-    bytes = new Uint8Array(await chosen.arrayBuffer());
-    file = chosen.name;
-    state.example = false;
+  /** Take a file, or the example for null. */
+  function take(given) {
+    bytes = given ? given.bytes : null;
+    file = given ? given.name : "map.geojson";
     zoom = { k: 1, x: 0, y: 0 };
     focus = -1;
-    await compute();
-    app.commit();
   }
-  async function save() {
+  async function open(chosen) {
+    app.clear();
+    const last = { bytes, file, state: { ...state } };
+    take({ name: chosen.name, bytes: new Uint8Array(await chosen.arrayBuffer()) });
+    state.example = false;
+    if (await compute()) {
+      state.data = app.keep(file, bytes);
+      app.commit();
+      return true;
+    }
+    // The last good map stays.
+    ({ bytes, file, state } = last);
+    redraw();
+    return false;
+  }
+  async function save(format) {
     try {
       const options = { scheme: state.scheme, levels: state.levels, topology: state.topology, decimals: state.decimals, keep_area: state.keep_area };
-      const { text } = await app.engine.call("map", { bytes, options, write: true }, "Writing");
-      download(`fine-${file.replace(/\.json$/, ".geojson")}`, text, "application/geo+json");
+      const { text } = await app.engine.call("map", { bytes, options, read: formatOf(app.tables.lists.curve_format, file), write: format }, "Writing");
+      download(`fine-${file.replace(/\.\w+$/, "")}.${format}`, text);
     } catch (error) {
       app.fail(error, file);
     }
@@ -216,10 +287,10 @@ export function mapTab(app, section) {
   section.append(
     stage,
     h("div.side", {},
-      group("Map", h("div.row", {}, opener("Open GeoJSON", ".geojson,.json", open), h("button", { type: "button", onclick: () => { bytes = example(); file = "map.geojson"; state.example = true; zoom = { k: 1, x: 0, y: 0 }; void compute().then(() => app.commit()); } }, "Example")),
-        h("p.hint", {}, "Drop a GeoJSON file of countries, parcels or coasts. The example is a map of 200 invented countries."), scheme.element, levels.element, topology.element, area.element),
+      group("Map", h("div.row", {}, opener("Open file", ".geojson,.json,.topojson,.wkt,.gpx,.csv,.geojsonl", open), h("button", { type: "button", onclick: () => { take(null); void change({ example: true, data: 0 }); } }, "Example")),
+        h("p.hint", {}, "Drop a GeoJSON file of countries, parcels or coasts. The example is a map of 200 invented countries."), scheme.element, levels.element, topology.element, area.element, marks.element),
       group("Figures", facts, h("div.row", {}, h("button", { type: "button", onclick: nextTear }, "Next tear"), h("button", { type: "button", onclick: () => { zoom = { k: 1, x: 0, y: 0 }; focus = -1; redraw(); } }, "Whole map"))),
-      group("Download", h("div.row", {}, h("button", { type: "button", onclick: save }, "GeoJSON"))),
+      group("Download", h("div.row", {}, ...FORMATS.map((format) => h("button", { type: "button", onclick: () => save(format) }, format === "geojson" ? "GeoJSON" : format === "topojson" ? "TopoJSON" : format.toUpperCase())))),
     ),
   );
   return {
@@ -233,8 +304,11 @@ export function mapTab(app, section) {
     },
     state: () => state,
     async restore(next) {
+      const other = next.example !== state.example || next.data !== state.data;
       state = { ...state, ...next };
-      if (state.example) bytes = null;
+      const given = state.example ? null : app.file(state.data);
+      if (!given) Object.assign(state, { example: true, data: 0 });
+      if (other || !bytes) take(given);
       started = true;
       controls();
       await compute();
@@ -242,7 +316,7 @@ export function mapTab(app, section) {
     inspect: () => ({ state, result }),
     commands: () => ({
       shell: `batten curve ${file} --scheme ${state.scheme} --levels ${state.levels}${state.topology ? "" : " --topology separate"}${state.keep_area ? " --keep-area" : ""} -o fine.geojson --picture fine.png`,
-      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
+      c: `bat_curve_set map, fine;\nbat_error error;\nbat_curve_read("${file}", NULL, &map, &error);\nbat_curve_map_refine_options options = bat_curve_map_refine_defaults();\noptions.refine.levels = ${state.levels};\noptions.topology = BAT_CURVE_MAP_TOPOLOGY_${state.topology ? "FEATURES" : "SEPARATE"};${state.keep_area ? "\noptions.keep_area = true;" : ""}\nbat_curve_scheme_by_name("${state.scheme}", &options.refine.scheme, &error);\nif (bat_curve_map_refine(&map, &options, &fine, &error) == BAT_OK)\n    bat_curve_write("fine.geojson", &fine, NULL, &error);`,
       python: `import batten\nimport geopandas\n\ncountries = geopandas.read_file("${file}")\nfine = batten.smooth(countries, scheme="${state.scheme}", levels=${state.levels}${state.topology ? "" : ', topology="separate"'}${state.keep_area ? ", keep_area=True" : ""})\nfine.to_file("fine.geojson")`,
     }),
   };

@@ -1,7 +1,7 @@
 // Meshes: refined by a scheme, decimated, and compared with another scheme, in three dimensions.
-import { BufferAttribute, BufferGeometry, Color, DirectionalLight, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshStandardMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { Vector3 } from "three";
 import { check, color, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
+import { divider, scene3d } from "./scene.js";
 
 /** Meshes made by a formula, as [positions, faces]. */
 const grid = (rows, columns, at) => {
@@ -52,7 +52,7 @@ const EXAMPLES = {
     const d = [dr * Math.cos(2 * s) - 2 * r * Math.sin(2 * s), dr * Math.sin(2 * s) + 2 * r * Math.cos(2 * s), 3.6 * Math.cos(3 * s)];
     const T = new Vector3(...d).normalize();
     const U = new Vector3(0, 0, 1).cross(T).normalize();
-    const V = T.clone().cross(U);
+    const V = U.clone().cross(T);
     return c.map((value, i) => value + 0.55 * (Math.cos(t) * U.getComponent(i) + Math.sin(t) * V.getComponent(i)));
   })],
   torus: ["Torus, 72 vertices", () => grid(12, 6, (s, t) => [(2 + 0.8 * Math.cos(t)) * Math.cos(s), (2 + 0.8 * Math.cos(t)) * Math.sin(s), 0.8 * Math.sin(t)])],
@@ -62,15 +62,10 @@ const EXAMPLES = {
   polygons: ["Bracket of polygons", solid],
 };
 
-/** Colours from 0 to 1, readable on light and dark (Viridis, sampled). */
-const RAMP = ["#440154", "#3b528b", "#21918c", "#5ec962", "#fde725"].map((c) => new Color(c));
-
 /** The controls of options that lead out of failures. */
 const CONTROLS = { repair: "Weld and repair first", scheme: "Scheme" };
 /** Decimation: nothing where `keep` is 100 and `within` is 0. */
-const FIRST = { example: "knot", scheme: "auto", fairness: 0.25, levels: 2, limit: false, crease: 0, keep: 100, within: 0, against: "", wires: true, flat: false, repair: false };
-/** Of the camera, in degrees. */
-const VIEW_ANGLE = 35;
+const FIRST = { example: "knot", data: 0, scheme: "auto", fairness: 0.25, levels: 2, limit: false, crease: 0, keep: 100, within: 0, against: "", wires: false, flat: false, repair: false };
 /** Which schemes have an option. */
 const CREASED = ["auto", "learned", "loop", "catmull-clark"];
 const LIMITED = (name) => name !== "sqrt3";
@@ -80,49 +75,16 @@ export function meshTab(app, section) {
   let coarse = EXAMPLES.knot[1]();
   let file = "mesh.obj";
   let result = null;
-  let scene = null;
   let started = false;
   const schemes = app.tables.lists.mesh_scheme;
-  const stage = h("div.stage", { tabIndex: 0, role: "img", "aria-label": "The mesh; drag to turn, arrow keys turn too" });
+  const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "The mesh; drag to turn, arrow keys turn too" });
   const legend = h("div.legend", {}, "");
   const facts = h("div", {});
 
-  function setup() {
-    const renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true, alpha: true });
-    renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
-    stage.append(renderer.domElement, legend);
-    renderer.domElement.setAttribute("aria-hidden", "true");
-    const camera = new PerspectiveCamera(VIEW_ANGLE, 1, 0.01, 100);
-    camera.position.set(2.2, -3.2, 2.2);
-    camera.up.set(0, 0, 1);
-    const world = new Scene();
-    world.add(new HemisphereLight(0xffffff, 0x556070, 1.6));
-    const light = new DirectionalLight(0xffffff, 2.2);
-    light.position.set(1, -1, 2);
-    camera.add(light);
-    world.add(camera);
-    const surface = new Mesh(new BufferGeometry(), new MeshStandardMaterial({ roughness: 0.55, metalness: 0.05, side: 2 }));
-    const wires = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity: 0.35, depthTest: false }));
-    world.add(surface, wires);
-    const controls = new OrbitControls(camera, renderer.domElement);
-    controls.addEventListener("change", redraw);
-    scene = { renderer, camera, world, surface, wires, controls };
-  }
-  stage.addEventListener("keydown", (event) => {
-    if (!scene) return;
-    const turn = { ArrowLeft: [0.15, 0], ArrowRight: [-0.15, 0], ArrowUp: [0, 0.15], ArrowDown: [0, -0.15] }[event.key];
-    const nearer = { "+": 0.85, "-": 1.18 }[event.key];
-    if (!turn && !nearer) return;
-    event.preventDefault();
-    const p = scene.camera.position;
-    if (turn) {
-      p.applyAxisAngle(new Vector3(0, 0, 1), -turn[0]);
-      const axis = new Vector3(0, 0, 1).cross(p).normalize();
-      p.applyAxisAngle(axis, -turn[1]);
-    } else p.multiplyScalar(nearer);
-    scene.controls.update();
-    redraw();
-  });
+  stage.append(legend);
+  const scene = scene3d(stage, section);
+  const split = divider(stage, () => scene.redraw());
+  const redraw = () => scene.redraw();
 
   /** Options of decimation; null for none. */
   const decimation = () => (state.within > 0 ? { tolerance: state.within / 100, relative_tolerance: true } : state.keep < 100 ? { ratio: state.keep / 100 } : null);
@@ -133,66 +95,19 @@ export function meshTab(app, section) {
       app.clear();
       build();
       figures();
+      return true;
     } catch (error) {
       app.fail(error, state.example ? undefined : file, CONTROLS);
+      return error.message === "superseded" ? null : false;
     }
   }
 
   function build() {
-    if (!scene) setup();
-    const { drawn, base, before, summary, distances } = result;
+    const { drawn, base, cage, before, summary, distances } = result;
     const low = summary.low.map((value, i) => Math.min(value, before.low[i]));
     const high = summary.high.map((value, i) => Math.max(value, before.high[i]));
-    const size = Math.max(...high.map((value, i) => value - low[i])) || 1;
-    const middle = low.map((value, i) => (value + high[i]) / 2);
-    const place = (positions) => Float32Array.from(positions, (value, i) => ((value - middle[i % 3]) * 2) / size);
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(place(drawn.positions), 3));
-    geometry.setIndex(new BufferAttribute(drawn.faces, 1));
-    if (distances) {
-      const most = distances.reduce((a, b) => Math.max(a, b), 0) || 1;
-      const colors = new Float32Array(drawn.positions.length);
-      const shade = new Color();
-      distances.forEach((distance, i) => {
-        const t = (distance / most) * (RAMP.length - 1);
-        const k = Math.min(RAMP.length - 2, Math.floor(t));
-        shade.copy(RAMP[k]).lerp(RAMP[k + 1], t - k);
-        colors.set([shade.r, shade.g, shade.b], 3 * i);
-      });
-      geometry.setAttribute("color", new BufferAttribute(colors, 3));
-      legend.textContent = `distance from ${result.against}: dark 0, yellow ${digits(most, 3)}`;
-    } else legend.textContent = state.wires ? "lines: the coarse mesh" : "";
-    let shown = geometry;
-    if (state.flat) shown = geometry.toNonIndexed();
-    shown.computeVertexNormals();
-    scene.surface.geometry.dispose();
-    scene.surface.geometry = shown;
-    scene.surface.material.vertexColors = Boolean(distances);
-    scene.surface.material.needsUpdate = true;
-    const lines = new BufferGeometry();
-    lines.setAttribute("position", new BufferAttribute(place(base.positions), 3));
-    const edges = new Set();
-    const { faces, offsets } = base;
-    const count = offsets ? offsets.length - 1 : faces.length / 3;
-    for (let f = 0; f < count && faces.length < 900000; f++) {
-      const [begin, end] = offsets ? [offsets[f], offsets[f + 1]] : [3 * f, 3 * f + 3];
-      for (let c = begin; c < end; c++) {
-        const [a, b] = [faces[c], faces[c + 1 < end ? c + 1 : begin]];
-        if (a < b) edges.add(a * 2 ** 26 + b);
-        else edges.add(b * 2 ** 26 + a);
-      }
-    }
-    const indices = new Uint32Array(2 * edges.size);
-    let at = 0;
-    for (const edge of edges) {
-      indices[at++] = Math.floor(edge / 2 ** 26);
-      indices[at++] = edge % 2 ** 26;
-    }
-    lines.setIndex(new BufferAttribute(indices, 1));
-    scene.wires.geometry.dispose();
-    scene.wires.geometry = lines;
-    scene.wires.visible = state.wires;
-    redraw();
+    const most = scene.show({ low, high, mesh: drawn, values: distances, flat: state.flat, before: cage, wired: base, wires: state.wires, split: () => split.share });
+    legend.textContent = distances ? `distance from ${result.against}: dark 0, yellow ${digits(most, 3)}` : "left: the coarse mesh; right: the fine one";
   }
   function figures() {
     const { before, summary, fine } = result;
@@ -212,34 +127,18 @@ export function meshTab(app, section) {
       ...(fine.fallback ? [h("p.hint", {}, `${fine.fallback} places fell back to a classical rule.`)] : []),
     );
   }
-  let frame = 0;
-  function redraw() {
-    cancelAnimationFrame(frame);
-    frame = requestAnimationFrame(() => {
-      if (section.hidden || !scene) return;
-      const { width, height } = stage.getBoundingClientRect();
-      scene.renderer.setSize(width, height, false);
-      scene.camera.aspect = width / height;
-      // The same width of the scene also where the picture is narrow.
-      scene.camera.fov = (360 / Math.PI) * Math.atan(Math.tan((VIEW_ANGLE * Math.PI) / 360) / Math.min(1, width / height / 1.15));
-      scene.camera.updateProjectionMatrix();
-      // The lines, of the theme's ink, must stand out from the surface.
-      const [shade, other] = scene.surface.material.vertexColors ? ["#ffffff", "#ffffff"] : [color("c0"), color("stage")];
-      scene.surface.material.color.set(shade).lerp(new Color(other), 0.4);
-      scene.wires.material.color.set(color("ink"));
-      scene.renderer.render(scene.world, scene.camera);
-    });
-  }
-
-  const change = (changes) => {
+  const change = async (changes) => {
+    const last = { coarse, file, state: structuredClone(state) };
     Object.assign(state, changes);
     controls();
-    return compute().then(() => app.commit());
+    const done = await compute();
+    if (done) app.commit();
+    else if (done === false && !changes.example) restoreLast(last);
   };
   const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, [title]]) => [name, title])], "knot", (name) => {
     if (!name) return;
     coarse = EXAMPLES[name][1]();
-    void change({ example: name, ...(name === "bracket" ? { crease: 40 } : {}), keep: 100, within: 0 });
+    void change({ example: name, data: 0, ...(name === "bracket" ? { crease: 40 } : {}), keep: 100, within: 0 });
   });
   const scheme = select(CONTROLS.scheme, schemes.map(({ name }) => [name]), state.scheme, (value) => change({ scheme: value }));
   const against = select("Colour by distance from", [["", "nothing"], ...schemes.map(({ name }) => [name])], "", (value) => change({ against: value }));
@@ -249,7 +148,7 @@ export function meshTab(app, section) {
   const keep = slider("Decimate first to", { min: 2, max: 100, step: 1, value: 100, format: (value) => `${value} % of the faces`, change: () => {}, commit: () => change({ keep: Number(keep.input.value), within: 0 }) });
   const within = slider("Decimate first within", { min: 0, max: 5, step: 0.1, value: 0, format: (value) => (value ? `${value} % of the diagonal` : "no distance"), change: () => {}, commit: () => change({ within: Number(within.input.value), keep: 100 }) });
   const limit = check("On the limit surface", false, (value) => change({ limit: value }));
-  const wires = check("Wires of the coarse mesh", true, (value) => change({ wires: value }));
+  const wires = check("Wires of the coarse mesh", false, (value) => change({ wires: value }));
   const flat = check("Flat normals", false, (value) => change({ flat: value }));
   const repair = check(CONTROLS.repair, false, (value) => change({ repair: value }));
   function controls() {
@@ -271,20 +170,32 @@ export function meshTab(app, section) {
   }
   async function open(chosen) {
     app.clear();
+    let last = null;
     try {
       const bytes = new Uint8Array(await chosen.arrayBuffer());
       const answer = await app.engine.call("readMesh", { bytes, options: {} }, "Reading");
+      last = { coarse, file, state: structuredClone(state) };
       coarse = answer.mesh;
       file = chosen.name;
-      app.say(coarse.notes.join("; "));
-      Object.assign(state, { example: "", keep: 100, within: 0, repair: !answer.summary.manifold || /\.stl$/i.test(file) });
+      app.say((coarse.notes ?? []).join("; "));
+      Object.assign(state, { example: "", data: 0, keep: 100, within: 0, repair: !answer.summary.manifold || /\.stl$/i.test(file) });
       if (coarse.faces.length / 3 > 60000) state.levels = Math.min(state.levels, 1);
       controls();
-      await compute();
-      app.commit();
+      if (await compute()) {
+        state.data = app.keep(file, bytes);
+        app.commit();
+        return true;
+      }
+      restoreLast(last);
     } catch (error) {
       app.fail(error, chosen.name, CONTROLS);
     }
+    return false;
+  }
+  /** The last good state stays on the screen, in the controls and in the commands. */
+  function restoreLast(last) {
+    ({ coarse, file, state } = last);
+    controls();
   }
   async function save(format) {
     if (!result) return;
@@ -297,9 +208,9 @@ export function meshTab(app, section) {
   section.append(
     h("div.column", {}, stage, group("Figures", facts)),
     h("div.side", {},
-      group("Mesh", h("div.row", {}, opener("Open file", endings(app.tables.lists.mesh_format), open), h("button", { type: "button", onclick: () => scene?.renderer.domElement.toBlob((blob) => download("mesh.png", blob)) }, "PNG")), example.element, keep.element, within.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF, STL or glTF. Drag turns, the wheel zooms.")),
+      group("Mesh", h("div.row", {}, opener("Open file", endings(app.tables.lists.mesh_format), open), h("button", { type: "button", onclick: () => scene.picture("mesh.png", download) }, "PNG")), example.element, keep.element, within.element, repair.element, h("p.hint", {}, "Drop OBJ, PLY, OFF, STL or glTF. Drag turns, the wheel zooms.")),
       group("Refine", scheme.element, fairness.element, levels.element, crease.element, limit.element, wires.element, flat.element, against.element),
-      group("Download", h("div.row", {}, ...["obj", "ply", "stl", "glb"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
+      group("Download", h("div.row", {}, ...["obj", "ply", "off", "stl", "gltf", "glb"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
     ),
   );
   controls();
@@ -314,9 +225,16 @@ export function meshTab(app, section) {
     },
     state: () => state,
     async restore(next) {
+      const other = next.data !== state.data;
       state = { ...FIRST, ...next };
       started = true;
+      const given = state.example ? null : app.file(state.data);
+      if (!given && !EXAMPLES[state.example]) Object.assign(state, { example: FIRST.example, data: 0 });
       if (EXAMPLES[state.example]) coarse = EXAMPLES[state.example][1]();
+      else if (other) {
+        file = given.name;
+        coarse = (await app.engine.call("readMesh", { bytes: given.bytes, options: {} }, "Reading")).mesh;
+      }
       controls();
       await compute();
     },

@@ -1,6 +1,6 @@
 // Motions: keyframes on a timeline, the body that flies along, and its speed.
 import samples from "samples";
-import { check, color, digits, download, enumerator, group, h, opener, select, sized, slider, table } from "./dom.js";
+import { check, color, digits, download, enumerator, formatOf, group, h, opener, select, sized, slider, table } from "./dom.js";
 
 const SAMPLES = 600;
 const parse = (text) =>
@@ -319,7 +319,7 @@ export function motionTab(app, section) {
     app.clear();
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      const set = await app.engine.call("readCurves", { bytes, options: {} }, "Reading");
+      const set = await app.engine.call("readCurves", { bytes, options: formatOf(lists.curve_format, file.name) }, "Reading");
       const { points, channels } = set.curves[0];
       if (set.space !== "rigid") throw new Error(`this tab flies poses, of the space 'rigid', not of '${set.space}'`);
       const count = points.length / 7;
@@ -328,13 +328,15 @@ export function motionTab(app, section) {
       state.keys = Array.from({ length: count }, (_, i) => [set.has_times && width ? channels[i * width] : i, ...points.slice(7 * i, 7 * i + 7)]);
       await compute();
       app.commit();
+      return true;
     } catch (error) {
       app.fail(error, file.name);
+      return false;
     }
   }
   async function save(format) {
     try {
-      download(`motion.${format === "tum" ? "tum" : "csv"}`, await app.engine.call("motionFile", { csv: csv(), options: { rate: state.rate, shape: state.shape, ends: state.ends }, format }, "Writing"));
+      download(`motion.${{ tum: "tum", csv: "csv" }[format] ?? `${format}.txt`}`, await app.engine.call("motionFile", { csv: csv(), options: { rate: state.rate, shape: state.shape, ends: state.ends }, format }, "Writing"));
     } catch (error) {
       app.fail(error);
     }
@@ -344,7 +346,7 @@ export function motionTab(app, section) {
     h("div.side", {},
       group("Motion", h("div.row", {}, button, opener("Open file", ".csv,.tum,.txt", open), h("button", { type: "button", onclick: () => change({ keys: parse(samples["camera-keyframes.csv"]) }) }, "Example")), h("p.hint", {}, "A camera circles a table. Drag keyframes on the timeline; the ends stay. Drag the view to turn it."), shape.element, ends.element, h("button", { type: "button", onclick: () => { const i = Math.round(now * (SAMPLES - 1)); const row = [Number(result.times[i].toPrecision(6)), ...Array.from(result.points.subarray(7 * i, 7 * i + 7))]; if (state.keys.some((key) => Math.abs(key[0] - row[0]) < 1e-9)) return; change({ keys: [...state.keys, row].sort((a, b) => a[0] - b[0]) }); } }, "Add a keyframe here")),
       group("Figures", facts),
-      group("Download", rate.element, h("div.row", {}, h("button", { type: "button", onclick: () => save("csv") }, "CSV"), h("button", { type: "button", onclick: () => save("tum") }, "TUM"))),
+      group("Download", rate.element, h("div.row", {}, ...["csv", "tum", "euroc", "kitti"].map((format) => h("button", { type: "button", onclick: () => save(format) }, format.toUpperCase())))),
     ),
   );
   return {
@@ -366,7 +368,7 @@ export function motionTab(app, section) {
     inspect: () => ({ state, result }),
     commands: () => ({
       shell: `cat > keyframes.csv <<'END'\n${csv()}END\nbatten motion keyframes.csv --rate ${state.rate}${state.ends === "auto" ? "" : ` --ends ${state.ends}`}${state.shape === "resting" ? "" : ` --tangents ${state.shape}`} -o frames.tum`,
-      c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_options options = bat_motion_curves_defaults();\noptions.rate = ${state.rate};\noptions.spline.shape = ${enumerator("motion_shape", state.shape)};\noptions.spline.ends = ${enumerator("motion_ends", state.ends)};\nif (bat_motion_curves(&keys, &options, &frames, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
+      c: `bat_curve_set keys, frames;\nbat_error error;\nbat_curve_read("keyframes.csv", NULL, &keys, &error);\nbat_motion_curves_options options = bat_motion_curves_defaults();\noptions.rate = ${state.rate};\noptions.spline.shape = ${enumerator("motion_shape", state.shape)};\noptions.spline.ends = ${enumerator("motion_ends", state.ends)};\nif (bat_motion_curves(&keys, &options, &frames, &error) == BAT_OK)\n    bat_curve_write("frames.tum", &frames, NULL, &error);`,
       python: `import batten\nimport numpy as np\n\nkeys = np.loadtxt("keyframes.csv", delimiter=",", skiprows=2)\npose = batten.Motion(keys[:, 0], keys[:, 1:], space="rigid", shape="${state.shape}", ends="${state.ends}")\nframes = pose(np.arange(keys[0, 0], keys[-1, 0], 1 / ${state.rate}))`,
     }),
   };

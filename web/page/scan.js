@@ -1,46 +1,218 @@
-// Scans: a picture, and the commands for chosen options. Surfaces need OpenBLAS, Qhull and SuiteSparse, which the engine does not
-// have.
+// Scans: scattered points become a spline surface, or a shell of any shape, judged by the points.
 import samples from "samples";
-import { enumerator, group, h, select } from "./dom.js";
+import { check, digits, download, endings, enumerator, group, h, opener, select, slider, table } from "./dom.js";
+import { divider, scene3d } from "./scene.js";
 
-const TOLERANCES = ["0.001", "0.002", "0.005", "0.01", "0.02"];
-const FORMATS = [["step", "STEP"], ["xml", "G+Smo"], ["vtk", "VTK"], ["obj", "OBJ"]];
-const PARAMETERS = ["auto", "learned", "shape-preserving", "stretch-minimizing", "isometric"];
-const FIRST = { tolerance: "0.005", format: "step", parameters: "auto" };
+/** Numbers from 0 to 1 that look random and are always the same. */
+const randoms = (seed) => () => {
+  seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0;
+  return seed / 2 ** 32;
+};
+const gauss = (random) => Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
+const text = (points) => new TextEncoder().encode(points.map((p) => p.map((value) => value.toFixed(6)).join(" ")).join("\n"));
+/** A curved panel, scanned with noise. */
+function panel() {
+  const random = randoms(7);
+  return Array.from({ length: 2600 }, () => {
+    const [x, y] = [2 * random() - 1, 1.4 * random() - 0.7];
+    const z = 0.35 * Math.sin(2.2 * x + 0.6) * Math.cos(1.9 * y) + 0.22 * Math.exp(-12 * ((x - 0.3) ** 2 + (y + 0.1) ** 2));
+    return [x, y, z].map((value) => value + 0.002 * gauss(random));
+  });
+}
+/** A closed body: a bent, thickened figure. */
+function body() {
+  const random = randoms(11);
+  return Array.from({ length: 5000 }, () => {
+    const [s, t] = [2 * Math.PI * random(), Math.acos(2 * random() - 1)];
+    const r = 1 + 0.22 * Math.sin(3 * t) * Math.cos(2 * s) + 0.12 * Math.cos(4 * t);
+    return [1.25 * r * Math.sin(t) * Math.cos(s), r * Math.sin(t) * Math.sin(s), 0.8 * r * Math.cos(t)].map((value) => value + 0.003 * gauss(random));
+  });
+}
+const EXAMPLES = { panel: ["Panel, 2,600 points with noise", panel], body: ["Closed body, 5,000 points", body] };
+const KINDS = [["auto", "found"], ["patch", "one patch"], ["trim", "trimmed patch"], ["shell", "shell of any shape"]];
+const FORMATS = ["step", "iges", "obj", "json", "xml", "vtk"];
+const OF_SHELLS = ["step", "obj"];
+const FIRST = { example: "panel", data: 0, kind: "auto", parameters: "auto", tolerance: 0, robust: false, force: false, colour: false };
+/** The controls of options that lead out of failures. */
+const CONTROLS = { shell: "Surface: shell of any shape", trim: "Surface: trimmed patch", force: "Show it all the same" };
 
 export function scanTab(app, section) {
   let state = { ...FIRST };
-  const change = (changes) => {
+  let bytes = null;
+  let format;
+  let file = "scan.xyz";
+  let result = null;
+  let started = false;
+  const legend = h("div.legend", {}, "");
+  const stage = h("div.stage", { tabIndex: 0, role: "group", "aria-label": "Points and surface; drag to turn, arrow keys turn too" }, legend);
+  const facts = h("div", {});
+  const verdict = h("p.verdict", { role: "status" });
+  const scene = scene3d(stage, section);
+  const split = divider(stage, () => scene.redraw());
+
+  async function compute() {
+    bytes ??= text(EXAMPLES[state.example || "panel"][1]());
+    try {
+      result = await (await app.scanEngine()).latest("scan", "scan", { bytes, format: format ?? (state.example ? "xyz" : undefined), ...state }, "Fitting a surface");
+      app.clear();
+      draw();
+      figures();
+      controls();
+    } catch (error) {
+      app.fail(error, state.example ? undefined : file, CONTROLS);
+      return error.message === "superseded" ? null : false;
+    }
+    return true;
+  }
+  function draw() {
+    const { points, mesh, distances } = result;
+    const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+    points.forEach((value, i) => {
+      low[i % 3] = Math.min(low[i % 3], value);
+      high[i % 3] = Math.max(high[i % 3], value);
+    });
+    const most = scene.show({ low, high, mesh, values: state.colour ? distances : null, cloud: points, split: () => split.share });
+    legend.textContent = most === null ? "left: points; right: the surface" : `left: points; right: the surface, by the distance of its points: dark 0, yellow ${digits(most, 3)}`;
+  }
+  function figures() {
+    const { report: r, kind, seconds } = result;
+    const shell = kind === "shell";
+    const right = shell || r.verdict.right;
+    verdict.className = right ? "verdict good" : "verdict bad";
+    verdict.textContent = right
+      ? shell
+        ? "Right: judged by the points, both ways."
+        : `Right: 99 of 100 points are within ${digits(r.verdict.distance_from_surface, 3)}, and 99 % of the surface is within ${digits(r.verdict.distance_from_points, 3)} of a point.`
+      : `Wrong: ${r.verdict.text}`;
+    const rows = shell
+      ? [["points", digits(r.fitted)], ["noise of a coordinate", digits(r.noise, 3)], ["surface", `${r.closed ? "closed" : "open"} shell, ${r.face_count * r.spans ** 2} patches`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out, 3)], ["normals across sides", `${digits(r.normal_jump, 2)}°`], ...(r.closed ? [["volume", digits(r.volume, 4)]] : [["boundary loops", digits(r.holes)]])]
+      : [["points", digits(result.points.length / 3)], ["noise of a coordinate", digits(r.noise, 3)], ["parameters", r.chosen], ["functions", `${r.functions} on ${r.levels} level${r.levels > 1 ? "s" : ""}`], ["root mean square distance", digits(r.rms, 3)], ["largest distance", digits(r.largest, 3)], ["held-out points", digits(r.held_out_rms, 3)], ["area", digits(r.verdict.area, 4)]];
+    facts.replaceChildren(verdict, table(["", "value"], [...rows, ["seconds", digits(seconds, 2)]]));
+    for (const [name, button] of buttons) button.disabled = shell && !OF_SHELLS.includes(name);
+  }
+  const change = async (changes) => {
+    const last = { ...state };
     Object.assign(state, changes);
-    app.commit();
+    controls();
+    const done = await compute();
+    if (done) app.commit();
+    else if (done === false && !changes.example) {
+      state = last;
+      controls();
+    }
   };
-  const tolerance = select("Tolerance", TOLERANCES.map((value) => [value]), state.tolerance, (value) => change({ tolerance: value }));
-  const parameters = select("Parameterization", PARAMETERS.map((value) => [value]), state.parameters, (value) => change({ parameters: value }));
-  const format = select("Output", FORMATS, state.format, (value) => change({ format: value }));
+  function take(given) {
+    ({ bytes, name: file } = given);
+    const ending = file.split(".").pop().toLowerCase();
+    format = { txt: "xyz", asc: "xyz", tsv: "csv" }[ending] ?? ending;
+    if (!samples.tables.cloud_format.some(({ name }) => name === format)) format = undefined;
+  }
+  async function open(chosen) {
+    app.clear();
+    const last = { bytes, format, file, state: { ...state } };
+    take({ name: chosen.name, bytes: new Uint8Array(await chosen.arrayBuffer()) });
+    Object.assign(state, { example: "", kind: "auto" });
+    controls();
+    if (await compute()) {
+      state.data = app.keep(file, bytes);
+      app.commit();
+      return true;
+    }
+    // The last good state stays.
+    ({ bytes, format, file } = last);
+    Object.assign(state, last.state);
+    controls();
+    return false;
+  }
+  async function save(name) {
+    try {
+      const data = await (await app.scanEngine()).call("writeScan", { format: name }, "Writing");
+      download(`surface.${name}`, data);
+    } catch (error) {
+      app.fail(error, file, CONTROLS);
+    }
+  }
+  const example = select("Example", [["", "choose …"], ...Object.entries(EXAMPLES).map(([name, [title]]) => [name, title])], state.example, (name) => {
+    if (!name) return;
+    bytes = null;
+    format = undefined;
+    file = "scan.xyz";
+    void change({ example: name, data: 0, kind: "auto", tolerance: 0 });
+  });
+  const kind = select("Surface", KINDS, state.kind, (value) => change({ kind: value }));
+  const parameters = select("Parameterization", samples.tables.surface_parameters.map(({ name }) => [name]), state.parameters, (value) => change({ parameters: value }));
+  const tolerance = slider("Tolerance", { min: 0, max: 50, step: 1, value: 0, format: (value) => (value ? `${value / 1000} of the diagonal` : "as near as the points allow"), change: () => {}, commit: () => change({ tolerance: Number(tolerance.input.value) }) });
+  const robust = check("Robust against outliers", false, (value) => change({ robust: value }));
+  const colour = check("Colour by the distance of the points", false, (value) => {
+    state.colour = value;
+    if (result) draw();
+    app.commit();
+  });
+  const force = check(CONTROLS.force, false, (value) => change({ force: value }));
+  function controls() {
+    example.set(state.example);
+    kind.set(state.kind);
+    parameters.set(state.parameters);
+    parameters.box.disabled = ["trim", "shell"].includes(state.kind);
+    tolerance.set(state.tolerance);
+    robust.set(state.robust);
+    robust.box.disabled = state.kind === "shell";
+    force.set(state.force);
+    colour.set(state.colour);
+    colour.box.disabled = result?.kind === "shell";
+  }
+  const buttons = FORMATS.map((name) => [name, h("button", { type: "button", onclick: () => save(name) }, { xml: "G+Smo" }[name] ?? name.toUpperCase())]);
   section.append(
-    h("div.column", {}, h("img.picture", { src: samples["scan.png"], alt: "A scan of noisy points, the spline surface that batten fits to it, its distances from the points, and the parameters" })),
+    h("div.column", {}, stage, group("Figures", facts)),
     h("div.side", {},
-      group("Scan", h("p", {}, "The program turns scattered points, in no order and with noise, into a spline surface for CAD."),
-        h("p", {}, "It estimates the noise of the points and judges every surface by them, both ways. A surface that the points prove wrong is refused."),
-        tolerance.element, parameters.element, format.element,
-        h("p.hint", {}, "This room needs OpenBLAS, Qhull and SuiteSparse, which the page leaves out. The commands below run on your computer.")),
+      group("Scan", h("div.row", {}, opener("Open file", endings(samples.tables.cloud_format), open), h("button", { type: "button", onclick: () => scene.picture("scan.png", download) }, "PNG")), example.element, h("p.hint", {}, "Drop points in no order: XYZ, CSV, PLY, OBJ, PCD, LAS. Every surface is judged by the points; one that they prove wrong is refused.")),
+      group("Fit", kind.element, parameters.element, tolerance.element, robust.element, force.element, colour.element),
+      group("Download", h("div.row", {}, ...buttons.map(([, button]) => button))),
     ),
   );
+  controls();
   return {
+    open,
+    redraw: () => scene.redraw(),
+    show() {
+      if (!started) {
+        started = true;
+        void compute();
+      }
+      scene.redraw();
+    },
     state: () => state,
     async restore(next) {
+      const other = next.example !== state.example || next.data !== state.data;
       state = { ...FIRST, ...next };
-      tolerance.set(state.tolerance);
-      parameters.set(state.parameters);
-      format.set(state.format);
+      const given = state.example ? null : app.file(state.data);
+      if (!given && !EXAMPLES[state.example]) Object.assign(state, { example: FIRST.example, data: 0 });
+      if (other || !bytes) {
+        bytes = null;
+        format = undefined;
+        file = "scan.xyz";
+        if (given) take(given);
+      }
+      started = true;
+      controls();
+      await compute();
     },
-    inspect: () => ({ state }),
+    inspect: () => ({ state, result }),
     commands() {
-      const given = state.parameters !== FIRST.parameters;
+      const shell = result?.kind === "shell";
+      const near = result && state.tolerance > 0 ? Number(result.tolerance.toPrecision(3)) : 0;
+      const given = state.parameters !== FIRST.parameters && !shell && state.kind !== "trim";
+      const trim = state.kind === "trim";
+      const words = [near ? ` --tolerance ${near}` : "", given ? ` --parameterization ${state.parameters}` : "", trim ? " --trim" : "", shell ? " --shell" : "", state.robust && !shell ? " --robust" : "", state.force ? " --force" : ""].join("");
+      const fields = (name, fit) => [near ? `${name}.${fit}tolerance = ${near};\n` : "", state.force ? `${name}.force = true;\n` : ""].join("");
+      const c = shell
+        ? `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("${file}", NULL, &cloud, &error);\nbat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();\n${fields("options", "")}bat_shell shell;\nif (bat_shell_reconstruct(cloud.points, cloud.count, NULL, &options, &shell, NULL, &error) == BAT_OK)\n    bat_shell_write("surface.step", &shell, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text);`
+        : `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("${file}", NULL, &cloud, &error);\nbat_surface_reconstruct_options options = bat_surface_reconstruct_defaults();\n${fields("options", "fit.")}${given ? `options.parameters = ${enumerator("surface_parameters", state.parameters)};\n` : ""}${trim ? "options.trim = true;\n" : ""}${state.robust ? "options.fit.robust = true;\n" : ""}bat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) == BAT_OK)\n    bat_surface_write("surface.step", &result.surface, NULL, &error);\nelse\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong`;
+      const settings = [near ? `, tolerance=${near}` : "", given ? `, parameters="${state.parameters}"` : "", trim ? ", trim=True" : "", state.robust && !shell ? ", robust=True" : "", state.force ? ", force=True" : ""].join("");
       return {
-        shell: `batten shape scan -o scan.xyz\nbatten surface scan.xyz --tolerance ${state.tolerance} --share 0.95${given ? ` --parameterization ${state.parameters}` : ""} -o scan.${state.format} --picture scan.png`,
-        c: `bat_cloud cloud;\nbat_error error;\nbat_cloud_read("scan.xyz", NULL, &cloud, &error);\nbat_surface_options options = bat_surface_reconstruct_defaults();\noptions.fit.tolerance = ${state.tolerance};\noptions.fit.share = 0.95;${given ? `\noptions.parameters = ${enumerator("surface_parameters", state.parameters)};` : ""}\nbat_surface_result result;\nif (bat_surface_reconstruct(&cloud, &options, &result, &error) != BAT_OK)\n    fprintf(stderr, "%s\\n", error.text); // also of a surface that is judged to be wrong\nelse\n    bat_surface_write("scan.${state.format}", &result.surface, NULL, &error);`,
-        python: `import batten\nimport numpy as np\n\npoints = np.loadtxt("scan.xyz")\nsurface = batten.fit_surface(points, tolerance=${state.tolerance}, share=0.95${given ? `, parameters="${state.parameters}"` : ""})\nsurface.write("scan.${state.format}")`,
+        shell: `batten surface ${file}${words} -o surface.step`,
+        c,
+        python: `import batten\nimport numpy as np\n\npoints = np.loadtxt("${file}")\nsurface = batten.fit_surface(points${shell ? ", shell=True" : ""}${settings})\nsurface.write("surface.step")`,
       };
     },
   };

@@ -5,9 +5,18 @@ import * as jobs from "./jobs.js";
 
 let engine = null;
 
+const unpack = (packed) => new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"))).arrayBuffer();
+
+/** The memory of all arrays of a result: it moves to the page instead of being copied. */
+function buffersOf(value, found = new Set()) {
+  if (ArrayBuffer.isView(value)) found.add(value.buffer);
+  else if (typeof value === "object" && value !== null) for (const part of Object.values(value)) buffersOf(part, found);
+  return found;
+}
+
 self.onmessage = async ({ data }) => {
   if (data.binary) {
-    engine = instantiate(data.binary);
+    engine = unpack(data.binary).then(instantiate);
     return;
   }
   const { id, job, args } = data;
@@ -22,7 +31,7 @@ self.onmessage = async ({ data }) => {
   };
   try {
     const result = jobs[job](await engine, args, progress);
-    self.postMessage({ id, result });
+    self.postMessage({ id, result }, [...buffersOf(result)]);
   } catch (error) {
     const { status = "failure", index = null, line = null, message, curve = null, text, remedy, effect } = error;
     self.postMessage({ id, error: { status, index, line, message, curve, text, remedy, effect } });
