@@ -94,11 +94,6 @@ text_line text_line_start(const file_text *text)
     return (text_line){.next = text->data};
 }
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
-}
-
 bool text_line_next(const file_text *text, text_line *line)
 {
     const char *text_end = text->data + text->size;
@@ -109,9 +104,9 @@ bool text_line_next(const file_text *text, text_line *line)
     line->end = newline != NULL ? newline : text_end;
     line->next = newline != NULL ? newline + 1 : text_end;
     line->number++;
-    while (line->begin < line->end && is_blank(*line->begin))
+    while (line->begin < line->end && text_is_blank(*line->begin))
         line->begin++;
-    while (line->end > line->begin && is_blank(line->end[-1]))
+    while (line->end > line->begin && text_is_blank(line->end[-1]))
         line->end--;
     return true;
 }

@@ -66,7 +66,7 @@ static inline void scan_skip_blanks(word_scan *scan)
 
 static inline bool scan_word_ends(const word_scan *scan, const char *at)
 {
-    return at == scan->end || *at == ' ' || *at == '\n' || *at == '\t' || *at == '\r' || *at == '#';
+    return at == scan->end || text_is_blank(*at) || *at == '#';
 }
 
 /// Whether only blanks and a comment remain on the line. Advances to the next word otherwise.

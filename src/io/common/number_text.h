@@ -42,3 +42,8 @@ bool number_resembles(const char *begin, const char *end);
 /// The text from `begin` to `end` for an error message: truncated, with unprintable bytes replaced. Returns `excerpt`.
 #define EXCERPT_SIZE 32
 const char *text_excerpt(char excerpt[EXCERPT_SIZE], const char *begin, const char *end);
+
+static inline bool text_is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}

@@ -6,14 +6,9 @@
 
 #include <string.h>
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
-}
-
 static const char *skip_blanks(const char *at, const char *end)
 {
-    while (at < end && is_blank(*at))
+    while (at < end && text_is_blank(*at))
         at++;
     return at;
 }
@@ -41,7 +36,7 @@ bool record_scan_next(record_scan *scan, bool whole, feature_text *record)
         ahead.line = line + json_scan_newlines(begin, stop);
         ahead.at = stop;
         *record = (feature_text){begin, stop, line};
-        while (record->end > record->begin && is_blank(record->end[-1]))
+        while (record->end > record->begin && text_is_blank(record->end[-1]))
             record->end--;
         if (record->end == record->begin)
             continue;
@@ -62,7 +57,7 @@ bool geojson_is_sequence(const char *text, size_t size)
     if (newline == NULL)
         return false;
     const char *next = skip_blanks(newline, end), *last = newline;
-    while (last > begin && is_blank(last[-1]))
+    while (last > begin && text_is_blank(last[-1]))
         last--;
     // The first line is one object, and another one follows.
     json_scanner scan = {begin, end};

@@ -261,18 +261,13 @@ static void XMLCALL on_text(void *context, const XML_Char *text, int size)
         xml_stop(&state->xml, error_memory(state->xml.error, state->content.size));
 }
 
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
 static bat_status bad_number(const xml_state *state, const char *begin, const char *at, const char *end)
 {
     size_t line = state->content_line;
     for (const char *c = begin; c < at; c++)
         line += *c == '\n';
     const char *word_end = at;
-    while (word_end < end && !is_blank(*word_end))
+    while (word_end < end && !text_is_blank(*word_end))
         word_end++;
     char excerpt[EXCERPT_SIZE];
     return error_set(state->xml.error, BAT_BAD_FILE, BAT_NO_INDEX, line, "'%s' is not a number",
@@ -287,13 +282,13 @@ static bat_status read_numbers(const xml_state *state, xml_numbers *numbers)
     bat_status status = BAT_OK;
     while (status == BAT_OK)
     {
-        while (at < end && is_blank(*at))
+        while (at < end && text_is_blank(*at))
             at++;
         if (at == end)
             break;
         double value;
         const char *after = number_scan(at, end, &value);
-        if (after == NULL || (after < end && !is_blank(*after)))
+        if (after == NULL || (after < end && !text_is_blank(*after)))
             status = bad_number(state, begin, at, end);
         else if (!array_grow(&values, &capacity, count + 1, sizeof value))
             status = error_memory(state->xml.error, (count + 1) * sizeof value);
