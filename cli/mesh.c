@@ -658,6 +658,8 @@ static int report_decimation(void *of)
                                       : how->tolerance;
     if (!report_files(job))
         return EXIT_DONE;
+    for (size_t i = 0; i < job->lod_count && !job->call.json; i++)
+        (void)printf("level %zu: %zu faces, at most %.6g away\n", i + 1, job->lods[i].face_count, job->lod_distances[i]);
     return report_print(
         job->call.json,
         "{fine.vertices} vertices, {fine.faces} faces -> {coarse.vertices} vertices, {coarse.faces} faces\n"

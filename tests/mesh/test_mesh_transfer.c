@@ -143,7 +143,7 @@ static void test_tangents(void **state)
     (void)state;
     bat_mesh mesh = shape_sheet(4, 0, false);
     double *normals = malloc(mesh.vertex_count * 3 * sizeof *normals), *tangents;
-    mesh.texture = malloc(mesh.vertex_count * 2 * sizeof *mesh.texture);
+    mesh.texture = calloc(mesh.vertex_count, 2 * sizeof *mesh.texture);
     mesh.texture_faces = malloc(mesh.face_count * 3 * sizeof *mesh.texture_faces);
     memcpy(mesh.texture_faces, mesh.faces, mesh.face_count * 3 * sizeof *mesh.faces);
     mesh.texture_count = mesh.vertex_count;

@@ -371,6 +371,10 @@ refused 1 'fewer than the 999 wanted' decimate mesh.in.obj -o out.csv --to obj -
 refused 2 'seed needs --random' decimate mesh.in.obj -o out.csv --vertices 3 --seed 2
 refused 2 'exclude each other' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --json --quiet
 refused 2 '--min-quality is 2, but must be from 0 to 1' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --min-quality 2
+refused 2 '--bake' decimate quad.in.obj -o out.csv --to obj --vertices 3 --bake height=out.png
+refused 2 '--lods' decimate quad.in.obj -o out.csv --to obj --lods 0.5,0.7
+refused 2 '--map needs one mesh' decimate quad.in.obj -o out.csv --to obj --lods 0.5 --map out.map
+refused 1 'no colours' decimate quad.in.obj -o out.csv --to obj --faces 2 --bake color
 refused 1 'fins.in.obj: .*third at the edge.*; --repair cuts the mesh there$' decimate fins.in.obj --strict -o out.csv --to obj --vertices 3
 refused 1 'no/such' decimate mesh.in.obj -o out.csv --to obj --vertices 3 --map no/such/map
 

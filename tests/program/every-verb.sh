@@ -126,6 +126,8 @@ for mesh in cage.obj mask.ply sheet.obj; do
     works decimate $mesh -o coarse.obj --vertices 7 --map map.safetensors --json
     works decimate $mesh -o coarse.stl --vertices 7 --random 5 --seed 3
     works decimate $mesh -o coarse.ply --tolerance 5% --method quadric --json
+    works decimate $mesh -o coarse.glb --vertices 7 --transfer --normals --bake normal=normal.png,occlusion --size 64
+    works decimate $mesh -o chain.glb --lods 1,0.8 --json
 done
 
 # Surfaces.

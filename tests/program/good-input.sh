@@ -293,6 +293,14 @@ check "the same seed gives the same bytes" same random.obj again.obj
 "$batten" decimate torus.obj -o again.obj --vertices 50 --random 100 --seed 8 --quiet
 check "another seed gives others" sh -c '! cmp -s random.obj again.obj'
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n' > fins.obj
+"$batten" decimate torus.obj -o asset.gltf --method even --ratio 0.2 --bake normal=normal.png --size 128 --json > decimate.json
+check "normals are baked into a file" test -s normal.png
+check "and into glTF, with tangents" sh -c 'grep -q data:image/png asset.gltf && grep -q TANGENT asset.gltf'
+check "the report tells how far they are" json decimate.json '"normal_turn": [0-9]'
+"$batten" decimate torus.obj -o chain.gltf --lods 1,0.5,0.25 > /dev/null
+check "levels of detail are in one file" grep -q '"MSFT_lod":{"ids":\[1,2\]}' chain.gltf
+"$batten" decimate fins.obj -o again.obj --vertices 9 > notes.txt
+check "what is harmless is repaired with a note" grep -q '^note: repaired: 1 edges of more than two faces' notes.txt
 check "--repair splits what is no manifold" "$batten" decimate fins.obj -o again.obj --vertices 9 --repair --quiet
 
 "$batten" mesh torus.obj -o fine.obj --quiet
