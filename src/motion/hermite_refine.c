@@ -195,14 +195,6 @@ static void store_ends(const hermite_plan *plan, bat_hermite_curve *fine)
     }
 }
 
-/// The rest of the period after the last point.
-static void close_times(const hermite_plan *plan, bat_hermite_curve *fine)
-{
-    const bat_hermite_curve *coarse = plan->coarse;
-    double period = coarse->times[coarse->count - 1] - coarse->times[0] + coarse->closing_time;
-    fine->closing_time = period - (fine->times[fine->count - 1] - fine->times[0]);
-}
-
 static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, bat_error *error)
 {
     size_t count = (size_t)(plan->task.result.end - plan->task.result.begin);
@@ -217,7 +209,8 @@ static bat_status carry_out(const hermite_plan *plan, bat_hermite_curve *fine, b
     if (status == BAT_OK && plan->ends_added)
         store_ends(plan, fine);
     if (status == BAT_OK && fine->closed && fine->times != NULL)
-        close_times(plan, fine);
+        fine->closing_time = plan->coarse->times[plan->coarse->count - 1] - plan->coarse->times[0] +
+                             plan->coarse->closing_time - (fine->times[fine->count - 1] - fine->times[0]);
     free(made);
     return status;
 }
@@ -278,13 +271,11 @@ bat_status hermite_refine_by(const bat_hermite_curve *coarse, const bat_hermite_
         return status;
     bat_hermite_curve result = {0};
     status = refine(&plan, &result, error);
-    if (status != BAT_OK)
-    {
+    if (status == BAT_OK)
+        *fine = result;
+    else
         bat_hermite_free(&result);
-        return explain(&plan, status, error);
-    }
-    *fine = result;
-    return BAT_OK;
+    return status == BAT_OK ? BAT_OK : explain(&plan, status, error);
 }
 
 bat_status bat_hermite_refine(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,

@@ -23,7 +23,11 @@ enum
     /// A space has fewer factors than coordinates.
     MAX_FACTORS = BAT_SPACE_MAX_DIM,
     /// Times that a thread takes at once.
-    BLOCK = 4096,
+    BLOCK = 16384,
+    /// Buckets of an interval.
+    PARTS = 4,
+    /// Coordinates of points that are put in order first.
+    WIDE = 16,
     /// Arithmetic operations of a point, roughly.
     OPERATIONS = 300
 };
@@ -43,7 +47,7 @@ struct bat_motion_spline
     bool extrapolate;
     int threads;
     double *times;         ///< intervals + 1
-    size_t *buckets;       ///< intervals + 1: the interval at the beginning of each of as many equal parts of the range
+    size_t *buckets;       ///< PARTS x intervals + 1: the interval at the beginning of each of the range's equal parts
     double bucket_rate;    ///< parts a unit of time
     double *points;        ///< count x point_dim; the signs of quaternions do not jump
     double *velocities;    ///< count x tangent_dim
@@ -181,7 +185,7 @@ static bat_status allocate(const bat_hermite_curve *keys, bat_motion_spline *spl
     const spline_factor *last = &spline->factors[spline->factor_count - 1];
     spline->record_size = last->record_at + spline_factor_record_size(last);
     spline->times = memory_array(spline->intervals + 1, sizeof(double));
-    spline->buckets = memory_array(spline->intervals + 1, sizeof(size_t));
+    spline->buckets = memory_array(PARTS * spline->intervals + 1, sizeof(size_t));
     spline->points = memory_array(keys->count, space->point_dim * sizeof(double));
     spline->velocities = memory_array(keys->count, space->tangent_dim * sizeof(double));
     spline->deviations = calloc(keys->count, sizeof(double));
@@ -418,15 +422,14 @@ static bat_status take_times(const bat_hermite_curve *keys, bat_motion_spline *s
 static size_t bucket_of(const bat_motion_spline *spline, double time)
 {
     double part = (time - spline->times[0]) * spline->bucket_rate;
-    return part < (double)spline->intervals ? (size_t)part : spline->intervals - 1;
+    return part < (double)(PARTS * spline->intervals) ? (size_t)part : PARTS * spline->intervals - 1;
 }
 
-/// Equal parts of the range, as many as intervals. Each bucket holds the interval of the first key's part, so that a time
-/// of part b lies in intervals buckets[b] to buckets[b + 1].
+/// Each bucket holds the interval of the first key's part: a time of part b lies in intervals buckets[b] to buckets[b + 1].
 static void fill_buckets(bat_motion_spline *spline)
 {
     size_t n = spline->intervals, filled = 0;
-    spline->bucket_rate = (double)n / (spline->times[n] - spline->times[0]);
+    spline->bucket_rate = (double)(PARTS * n) / (spline->times[n] - spline->times[0]);
     if (!isfinite(spline->bucket_rate))
         spline->bucket_rate = 0;
     // Interval i begins in part bucket_of(i): later parts begin in interval i or after it.
@@ -436,7 +439,7 @@ static void fill_buckets(bat_motion_spline *spline)
         for (; filled <= part; filled++)
             spline->buckets[filled] = i > 0 ? i - 1 : 0;
     }
-    for (; filled <= n; filled++)
+    for (; filled <= PARTS * n; filled++)
         spline->buckets[filled] = n - 1;
 }
 
@@ -471,8 +474,8 @@ typedef struct place
     size_t interval;
     double share;
     double beyond; ///< how long the time is before the first key (negative) or after the last
-    double rate;   ///< the derivative of the share by time
-    double slope;  ///< its second derivative
+    double rate;   ///< within limits: the derivative of the share by time
+    double slope;  ///< and its second derivative
 } place;
 
 /// Find the share of a time that is in an interval.
@@ -483,10 +486,8 @@ static void find_share(const bat_motion_spline *spline, double time, place *at)
         at->share = spline_timing_share(&spline->timing, at->interval, time, &at->rate, &at->slope);
         return;
     }
-    double from = spline->times[at->interval], length = spline->times[at->interval + 1] - from;
-    at->share = (time - from) / length;
-    at->rate = 1 / length;
-    at->slope = 0;
+    double from = spline->times[at->interval];
+    at->share = (time - from) / (spline->times[at->interval + 1] - from);
 }
 
 /// @return false when the time is not finite or not on the motion
@@ -593,8 +594,9 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
         return status == BAT_OK ? check_finite(point, spline->space.point_dim) : status;
     }
     const double *record = spline->records + at->interval * spline->record_size;
-    double made[BAT_SPACE_MAX_DIM];
-    if (velocity == NULL && acceleration != NULL && at->slope != 0)
+    double made[BAT_SPACE_MAX_DIM], slope = spline->limited ? at->slope : 0;
+    double rate = spline->limited ? at->rate : 1 / (spline->times[at->interval + 1] - spline->times[at->interval]);
+    if (velocity == NULL && acceleration != NULL && slope != 0)
         velocity = made;
     for (size_t i = 0; i < spline->factor_count; i++)
     {
@@ -606,9 +608,9 @@ static bat_status evaluate(const bat_motion_spline *spline, const place *at, dou
             return status;
     }
     for (size_t c = 0; acceleration != NULL && c < spline->space.tangent_dim; c++)
-        acceleration[c] = at->rate * at->rate * acceleration[c] + (at->slope != 0 ? at->slope * velocity[c] : 0);
+        acceleration[c] = rate * rate * acceleration[c] + (slope != 0 ? slope * velocity[c] : 0);
     if (velocity != NULL)
-        scale_by(velocity, spline->space.tangent_dim, at->rate);
+        scale_by(velocity, spline->space.tangent_dim, rate);
     copy_key(spline, at, point, velocity);
     return check_finite(point, spline->space.point_dim);
 }
@@ -649,50 +651,78 @@ static bat_status evaluate_run(const bat_motion_spline *spline, size_t interval,
     return check_finite(points, count * dim);
 }
 
-/// Points alone of times from `begin` on, as many as are in one interval. Returns the end, or `begin` where there is no run.
-static size_t run_from(const bat_motion_spline *spline, const double *times, size_t begin, size_t end, size_t *hint,
-                       double *shares)
+/// The places of times of a block, and their order by intervals.
+typedef struct place_list
 {
-    place at;
-    size_t i = begin;
-    for (; i < end && i - begin < SPLINE_RUN; i++)
+    double shares[BLOCK];
+    uint32_t intervals[BLOCK], order[BLOCK], counts[BLOCK + 1];
+} place_list;
+
+/// Order the places by counting.
+static void order_places(place_list *list, size_t count)
+{
+    memset(list->counts, 0, sizeof list->counts);
+    for (size_t i = 0; i < count; i++)
+        list->counts[list->intervals[i] + 1]++;
+    for (size_t i = 1; i <= BLOCK; i++)
+        list->counts[i] += list->counts[i - 1];
+    for (size_t i = 0; i < count; i++)
+        list->order[list->counts[list->intervals[i]]++] = (uint32_t)i;
+}
+
+/// Points alone of up to BLOCK times, those of an interval together. False where they must be found one by one.
+static bool sample_together(const bat_motion_spline *spline, const double *times, size_t count, place_list *list,
+                            double *points)
+{
+    double run[SPLINE_RUN], made[SPLINE_RUN * WIDE];
+    size_t dim = spline->space.point_dim;
+    place at = {0};
+    bool sorted = true;
+    for (size_t i = 0; i < count; i++)
     {
-        if (i > begin && !(times[i] >= spline->times[*hint] && times[i] < spline->times[*hint + 1]))
-            break;
-        if (i > begin)
+        if (times[i] >= spline->times[at.interval] && times[i] < spline->times[at.interval + 1])
             find_share(spline, times[i], &at);
-        else if (!find_place(spline, times[i], *hint, &at) || at.beyond != 0)
-            return begin;
-        *hint = at.interval;
-        shares[i - begin] = at.share;
+        else if (!find_place(spline, times[i], at.interval, &at) || at.beyond != 0 || at.interval > UINT32_MAX)
+            return false;
+        list->intervals[i] = (uint32_t)at.interval;
+        list->shares[i] = at.share;
+        list->order[i] = (uint32_t)i;
+        sorted = sorted && (i == 0 || list->intervals[i] >= list->intervals[i - 1]);
     }
-    return i;
+    if (!sorted && (dim > WIDE || spline->intervals > BLOCK))
+        return false;
+    if (!sorted)
+        order_places(list, count);
+    for (size_t i = 0, next; i < count; i = next)
+    {
+        uint32_t interval = list->intervals[list->order[i]];
+        for (next = i; next < count && next - i < SPLINE_RUN && list->intervals[list->order[next]] == interval; next++)
+            run[next - i] = list->shares[list->order[next]];
+        if (evaluate_run(spline, interval, run, next - i, sorted ? points + i * dim : made) != BAT_OK)
+            return false;
+        for (size_t j = i; j < next && !sorted; j++)
+            memcpy(points + list->order[j] * dim, made + (j - i) * dim, dim * sizeof *points);
+    }
+    return true;
 }
 
 /// Evaluate times `begin` to `end`.
 static bat_status sample_block(const bat_motion_spline *spline, const double *times, size_t begin, size_t end,
                                double *points, double *velocities, double *accelerations, bat_error *error)
 {
-    size_t dim = spline->space.point_dim, n = spline->space.tangent_dim, hint = 0, i = begin;
-    bool rates = velocities != NULL || accelerations != NULL;
-    double shares[SPLINE_RUN];
-    while (i < end)
+    size_t dim = spline->space.point_dim, n = spline->space.tangent_dim;
+    place at = {0};
+    place_list *list = velocities == NULL && accelerations == NULL ? malloc(sizeof *list) : NULL;
+    bool done = list != NULL && sample_together(spline, times + begin, end - begin, list, points + begin * dim);
+    free(list);
+    for (size_t i = begin; i < end && !done; i++)
     {
-        size_t next = rates ? i : run_from(spline, times, i, end, &hint, shares);
-        if (next > i && evaluate_run(spline, hint, shares, next - i, points + i * dim) == BAT_OK)
-        {
-            i = next;
-            continue;
-        }
-        place at;
-        if (!find_place(spline, times[i], hint, &at))
+        if (!find_place(spline, times[i], at.interval, &at))
             return no_place(spline, times[i], i, error);
-        hint = at.interval;
         bat_status status = evaluate(spline, &at, points + i * dim, velocities != NULL ? velocities + i * n : NULL,
                                      accelerations != NULL ? accelerations + i * n : NULL);
         if (status != BAT_OK)
             return leaves_space(spline, status, times[i], i, error);
-        i++;
     }
     return BAT_OK;
 }
@@ -744,8 +774,7 @@ static bat_status rates_at(const void *context, size_t interval, double share, t
     const bat_motion_spline *spline = context;
     const bat_space *space = &spline->space;
     double point[BAT_SPACE_MAX_DIM], v[BAT_SPACE_MAX_DIM], a[BAT_SPACE_MAX_DIM];
-    double rate = 1 / (spline->times[interval + 1] - spline->times[interval]);
-    bat_status status = evaluate(spline, &(place){interval, share, 0, rate, 0}, point, v, a);
+    bat_status status = evaluate(spline, &(place){.interval = interval, .share = share}, point, v, a);
     bool rigid = space_is_rigid(space);
     rates[0] = rates[1] = (timing_rates){0};
     for (size_t part = 0; rigid && part < TIMING_PARTS; part++)
@@ -799,7 +828,8 @@ double spline_time_at(const bat_motion_spline *spline, size_t interval, double s
 
 /// Translations of rigid motions at times, with velocities and standard deviations of columns 0 to 3.
 static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_spline_options *options,
-                               const gyro_fusion *fused, bat_hermite_curve *made, double *deviations, bat_error *error)
+                               const gyro_fusion *fused, bat_hermite_curve *made, double *deviations, double *sigma,
+                               bat_error *error)
 {
     const bat_space space = bat_euclidean(3);
     bat_motion_spline_options how = *options;
@@ -824,7 +854,7 @@ static bat_status move_between(const bat_hermite_curve *keys, const bat_motion_s
         memcpy(made->points + 7 * i, point, sizeof point);
         memcpy(made->tangents + 6 * i, velocity, sizeof velocity);
     }
-    made->closing_time = spline != NULL ? spline->sigmas[0] : 0;
+    *sigma = spline != NULL ? spline->sigmas[0] : 0;
     bat_motion_spline_free(spline);
     return status;
 }
@@ -853,21 +883,19 @@ static bat_status make_fused(const bat_hermite_curve *keys, const bat_motion_spl
             gyro_fuse(times, rotations, count, options->gyro, rigid ? options->angle_sigma : options->sigma, &fused, error);
     }
     bat_hermite_curve given = *keys, made = {.space = keys->space, .times = fused.times, .count = fused.count};
-    double *deviations = calloc(fused.count + 1, n * sizeof *deviations);
+    double *deviations = calloc(fused.count + 1, n * sizeof *deviations), sigma = 0;
     given.times = times;
     made.points = memory_array(fused.count + 1, dim * sizeof(double));
     made.tangents = memory_array(fused.count + 1, n * sizeof(double));
     if (status == BAT_OK && (made.points == NULL || made.tangents == NULL || deviations == NULL))
         status = error_memory(error, fused.count * dim * sizeof(double));
     if (status == BAT_OK && rigid)
-        status = move_between(&given, options, &fused, &made, deviations, error);
+        status = move_between(&given, options, &fused, &made, deviations, &sigma, error);
     bat_motion_spline_options how = *options;
     how.sigma = how.angle_sigma = 0;
     how.outliers = BAT_MOTION_OUTLIERS_NONE;
     how.turns = NULL;
     how.gyro = NULL;
-    double sigma = made.closing_time;
-    made.closing_time = 0;
     for (size_t i = 0; i < fused.count && status == BAT_OK; i++)
     {
         memcpy(made.points + i * dim + dim - 4, fused.rotations + 4 * i, 4 * sizeof(double));

@@ -46,12 +46,10 @@ static bool fill_end(size_t n, double scale, double (*first)[N], double (*second
 static void line_of(size_t n, size_t k, double *line)
 {
     memset(line, 0, n * sizeof *line);
-    size_t i = 0, j = 0, left = k;
-    for (i = 0; k >= n && left - n >= n - 1 - i; i++)
-        left -= n - 1 - i;
-    j = k >= n ? i + 1 + (left - n) : k;
-    line[k >= n ? i : k] = 1;
-    line[j] = 1;
+    for (size_t i = 0, pair = n; i < n; i++)
+        for (size_t j = i + 1; j <= n; j++)
+            if (j < n ? pair++ == k : i == k)
+                line[i] = line[j < n ? j : i] = 1;
 }
 
 /// The derivatives of exp_m at both logarithms of some intervals.
@@ -130,8 +128,8 @@ static bool has_axes(const spline_system *system)
 {
     static const double NEAR = 1e-9;
     const bat_space *space = &system->factor->space;
-    double axis[N] = {0}, log[N], *point = malloc(space->point_dim * sizeof *point);
-    bool whole = point != NULL;
+    double axis[N] = {0}, log[N], point[BAT_SPACE_MAX_DIM];
+    bool whole = true;
     for (size_t i = 0; i < space->tangent_dim && whole; i++)
     {
         axis[i] = spline_place_of(0);
@@ -141,7 +139,6 @@ static bool has_axes(const spline_system *system)
             whole = fabs(log[c] - axis[c]) < NEAR;
         axis[i] = 0;
     }
-    free(point);
     return whole;
 }
 

@@ -26,11 +26,6 @@ typedef struct bvh_file
     size_t count, capacity, width; ///< joints, and numbers of a frame
 } bvh_file;
 
-bool pose_is_bvh(const file_text *source)
-{
-    return source->size > 9 && memcmp(source->data, "HIERARCHY", 9) == 0;
-}
-
 /// The next word; empty at the end.
 static csv_field next_word(bvh_file *file)
 {

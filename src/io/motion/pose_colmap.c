@@ -17,13 +17,6 @@ typedef struct colmap_image
     double pose[7]; ///< quaternion and translation
 } colmap_image;
 
-static const char HEADER[] = "# Image list with two lines of data per image";
-
-bool pose_is_colmap(const file_text *source)
-{
-    return source->size >= sizeof HEADER - 1 && memcmp(source->data, HEADER, sizeof HEADER - 1) == 0;
-}
-
 static int by_name(const void *a, const void *b)
 {
     const csv_field p = ((const colmap_image *)a)->name, q = ((const colmap_image *)b)->name;

@@ -168,6 +168,12 @@ static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_e
     return status;
 }
 
+static bool begins_with(const file_text *text, const char *words)
+{
+    size_t size = strlen(words);
+    return text->size >= size && memcmp(text->data, words, size) == 0;
+}
+
 static bat_status guess(pose_translation *work, bool names_alone, bat_error *error)
 {
     text_line head;
@@ -175,8 +181,10 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
     csv_field time;
     double first = 0;
     char separator = ' ';
-    if (pose_is_colmap(work->source) || pose_is_bvh(work->source))
-        return pose_is_bvh(work->source) ? pose_translate_bvh(work, error) : pose_translate_colmap(work, error);
+    if (begins_with(work->source, "# Image list with two lines of data per image"))
+        return pose_translate_colmap(work, error);
+    if (begins_with(work->source, "HIERARCHY"))
+        return pose_translate_bvh(work, error);
     if (pose_find_header(work, &head, &names, &time) && pose_wants_table(work, &names, time))
         return pose_translate_table(work, &head, &names, error);
     const char *space = work->options->space;

@@ -111,9 +111,6 @@ void pose_write_tum(pose_translation *work, const char *time, const double *plac
 double pose_matrix_deviation(const double *row, double *quaternion);
 bat_status pose_translate_kitti(pose_translation *work, bat_error *error);
 
-/// Whether a text is the images.txt of COLMAP, or motion capture in BVH, by its first words.
-bool pose_is_colmap(const file_text *source);
-bool pose_is_bvh(const file_text *source);
 bat_status pose_translate_colmap(pose_translation *work, bat_error *error);
 bat_status pose_translate_bvh(pose_translation *work, bat_error *error);
 

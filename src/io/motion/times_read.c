@@ -82,45 +82,34 @@ static bat_status add_line(time_list *list, const file_text *text, const text_li
     return good ? BAT_OK : error_memory(error, list->count * sizeof time);
 }
 
-static bat_status read_list(const char *path, const bat_curve_set *set, time_list *list, bat_error *error)
+bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates, size_t *count,
+                                 bat_error *error)
 {
     file_text text = {0};
-    list->origin = set != NULL ? bat_curve_set_time_origin(set) : 0;
-    list->decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0;
+    time_list list = {.with_rates = rates != NULL,
+                      .origin = set != NULL ? bat_curve_set_time_origin(set) : 0,
+                      .decimals = set != NULL && set->attributes != NULL ? set->attributes->time_decimals : 0};
     bat_status status = file_text_read(path, NULL, &text, error);
     text_line line = text_line_start(&text);
     while (status == BAT_OK && text_line_next(&text, &line))
-        status = add_line(list, &text, &line, error);
-    if (status == BAT_OK && list->count == 0)
+        status = add_line(&list, &text, &line, error);
+    if (status == BAT_OK && list.count == 0)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has no times");
     file_text_free(&text);
     if (status == BAT_OK)
+    {
+        *times = list.times;
+        *count = list.count;
+        if (rates != NULL)
+            *rates = list.rates;
         return BAT_OK;
-    free(list->times);
-    free(list->rates);
+    }
+    free(list.times);
+    free(list.rates);
     return status;
 }
 
 bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count, bat_error *error)
 {
-    time_list list = {.with_rates = false};
-    bat_status status = read_list(path, set, &list, error);
-    if (status != BAT_OK)
-        return status;
-    *times = list.times;
-    *count = list.count;
-    return BAT_OK;
-}
-
-bat_status bat_motion_rates_read(const char *path, const bat_curve_set *set, double **times, double **rates, size_t *count,
-                                 bat_error *error)
-{
-    time_list list = {.with_rates = true};
-    bat_status status = read_list(path, set, &list, error);
-    if (status != BAT_OK)
-        return status;
-    *times = list.times;
-    *rates = list.rates;
-    *count = list.count;
-    return BAT_OK;
+    return bat_motion_rates_read(path, set, times, NULL, count, error);
 }
