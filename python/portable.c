@@ -1,5 +1,5 @@
-/// What newer C libraries have and that of manylinux_2_28 has not, for archives of the system that a wheel's module is linked
-/// with. No header declares them here as theirs do: there some are macros, or inline.
+/// What newer C libraries have and that of manylinux_2_28 has not, for archives of the system that a wheel's module is
+/// linked with. No header declares them here as theirs do: there some are macros, or inline.
 
 #include <dlfcn.h>
 #include <stddef.h>
