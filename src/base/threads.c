@@ -35,7 +35,7 @@ int threads_of_team(int threads)
 
 #else
 
-int threads_of_team(int threads BAT_UNUSED)
+int threads_of_team(int threads)
 {
     return 1;
 }
