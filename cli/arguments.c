@@ -107,11 +107,22 @@ static const struct
 {
     const char *field, *option;
 } OPTION_NAMES[] = {
-    {"limits.points", "max-points"}, {"angle_sigma", "sigma"}, {"limit_normals", "normals"},
-    {"max_degree", "degree"},        {"max_levels", "levels"}, {"max_points", "points"},
-    {"max_vertices", "vertices"},    {"min_degree", "degree"}, {"min_points", "points"},
-    {"min_vertices", "vertices"},    {"on_sphere", "on"},      {"parameters", "parameterization"},
-    {"read.format", "from"},         {"shape", "tangents"},    {"tangent_order", "tangents"},
+    {"limits.points", "max-points"},
+    {"angle_sigma", "sigma"},
+    {"limit_normals", "normals"},
+    {"classes", "class"},
+    {"max_degree", "degree"},
+    {"max_levels", "levels"},
+    {"max_points", "points"},
+    {"max_vertices", "vertices"},
+    {"min_degree", "degree"},
+    {"min_points", "points"},
+    {"min_vertices", "vertices"},
+    {"on_sphere", "on"},
+    {"parameters", "parameterization"},
+    {"read.format", "from"},
+    {"shape", "tangents"},
+    {"tangent_order", "tangents"},
     {"write.format", "to"},
 };
 

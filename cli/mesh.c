@@ -117,22 +117,13 @@ static int write_mesh(void *of, const char *path)
     return report_status(job->call.given, job->call.output, bat_mesh_write(path, &job->made, &options, report_error()));
 }
 
-static json_t *notes_json(const bat_mesh_notes *notes)
-{
-    json_t *list = json_array();
-    for (size_t i = 0; i < notes->count; i++)
-        (void)json_array_append_new(list, json_string(notes->texts[i]));
-    return list;
-}
-
 /// Print notes and repairs, as far as the call wants them. Returns whether more is to be printed.
 static bool report_files(const mesh_job *job)
 {
     const verb_call *call = &job->call;
     if (call->json)
         return true;
-    for (size_t i = 0; i < job->notes.count && !call->silent; i++)
-        report_text(is_standard_output(call->output) ? stderr : stdout, "note: %s\n", job->notes.texts[i]);
+    print_file_notes(call, &job->notes);
     if (!call->quiet && job->read.repair)
         (void)printf("%zu places repaired\n", bat_mesh_repair_places(&job->repairs));
     return !call->quiet;
@@ -383,7 +374,7 @@ static int report_refinement(void *of)
         bat_choice_name(&bat_mesh_scheme_family, (int)job->scheme), job->reason,
         (int)(job->reason != NULL && (job->solid || job->scheme != BAT_MESH_SCHEME_LEARNED)), job->refine.levels,
         levels_text(job, job->scheme, levels), given->vertex_count, given->face_count, made->vertex_count, made->face_count,
-        job->boundary_edges, job->fallback, bat_mesh_repair_places(&job->repairs), notes_json(&job->notes));
+        job->boundary_edges, job->fallback, bat_mesh_repair_places(&job->repairs), file_notes_json(&job->notes));
 }
 
 static int make_refinement(void *of)
@@ -673,7 +664,7 @@ static int report_decimation(void *of)
         bat_choice_name(&bat_mesh_decimate_method_family, (int)how->method), find_target(job->call.given), wanted,
         (int)is_reached(job), how->tolerance > 0 ? job->distance : NAN, bat_mesh_repair_places(&job->repairs), job->map_file,
         job->baked.texels, job->baked.charts, job->bake.normal ? job->baked.max_turn * 57.29577951308232 : NAN,
-        notes_json(&job->notes));
+        file_notes_json(&job->notes));
 }
 
 const verb VERB_DECIMATE = {

@@ -13,6 +13,7 @@ typedef struct surface_job
 {
     verb_call call;
     bat_cloud_read_options read;
+    bat_mesh_notes notes;                                 ///< of reading
     size_t corners[4];                                    ///< points of the input
     const char *parameters, *model_file, *parameter_file; ///< files; may be null
     bat_surface_reconstruct_options options;
@@ -59,6 +60,8 @@ static const option_spec OPTIONS[] = {
      "the first N points are the boundary loop, or FILE's are; default: found, or told in IN", NO_FIELD},
     {"strict", NULL, INPUT, 0, "refuse points that repeat another instead of leaving them out",
      FLAG(surface_job, read.strict)},
+    {"class", "N,...", INPUT, 0, "of LAS: read these classes alone, as 2 for ground; default: all but 7 and 18, noise",
+     TEXT(surface_job, read.classes)},
     {"max-points", "N", INPUT, 0,
      "the most points that compression and copies in IN may make; default: 2^20, and one for each byte",
      WHOLE(surface_job, read.limits.points, 1, 1e12)},
@@ -148,6 +151,7 @@ static void begin(void *to)
     surface_job *job = to;
     job->options = bat_surface_reconstruct_defaults();
     job->shell_options = bat_shell_reconstruct_defaults();
+    job->read.notes = &job->notes;
 }
 
 static bool check(void *of)
@@ -367,6 +371,7 @@ static int make(void *of)
                    : draw_row(job, &(bat_surface_picture_row){.title = in, .surface = &job->result.surface});
     }
     bat_status status = bat_cloud_read(in, &job->read, &job->cloud, report_error());
+    print_file_notes(&job->call, &job->notes);
     if ((status == BAT_OK && job->shell) || (status != BAT_OK && leads_to_shell(job)))
         return make_shell(job);
     int code = report_status(job->call.given, in, status);
@@ -389,7 +394,7 @@ static int report(void *of)
         return report_converted(job);
     if (job->shell)
         return report_shell(job);
-    surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result};
+    surface_findings findings = {job->call.input, &job->cloud, &job->options, &job->result, &job->notes};
     int code = EXIT_DONE;
     if (job->call.json)
         code = report_json(surface_report(&findings, true));
@@ -408,6 +413,7 @@ static void end(void *of)
     bat_surface_result_free(&job->result);
     bat_shell_free(&job->made);
     bat_cloud_free(&job->cloud);
+    bat_mesh_notes_free(&job->notes);
 }
 
 const verb VERB_SURFACE = {

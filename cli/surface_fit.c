@@ -331,10 +331,11 @@ json_t *surface_report(const surface_findings *findings, bool as_json)
     const int *degree = findings->options->fit.space.degree;
     return report_object("cloud:o chosen:s reason:s form:s gaps:o trial_points:z candidates:o degree:o rounds:o result:o "
                          "reached:b moved:z outliers:z "
-                         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o",
+                         "folds:o held_out:o noise:n verdict:o below_noise:b trim:o seconds:o notes:o?",
                          cloud, bat_choice_name(&bat_surface_parameters_family, (int)result->chosen), reason, form, gaps,
                          result->trial_points, candidates, json_pack("[i, i]", degree[0], degree[1]), rounds.rows,
                          report_round(findings, report->count - 1, true), (int)report->reached, (size_t)report->moved,
                          (size_t)report->outliers, folds_json(findings->cloud, &result->folds), held_out, result->noise,
-                         verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3));
+                         verdict, (int)result->below_noise, trim, report_numbers(result->seconds, 3),
+                         findings->notes != NULL ? file_notes_json(findings->notes) : NULL);
 }

@@ -15,6 +15,20 @@ bool is_standard_output(const char *path)
     return path != NULL && (strcmp(path, "-") == 0 || strcmp(path, "/dev/stdout") == 0);
 }
 
+void print_file_notes(const verb_call *call, const bat_mesh_notes *notes)
+{
+    for (size_t i = 0; i < notes->count && !call->silent && !call->json; i++)
+        report_text(is_standard_output(call->output) ? stderr : stdout, "note: %s\n", notes->texts[i]);
+}
+
+json_t *file_notes_json(const bat_mesh_notes *notes)
+{
+    json_t *list = json_array();
+    for (size_t i = 0; i < notes->count; i++)
+        (void)json_array_append_new(list, json_string(notes->texts[i]));
+    return list;
+}
+
 /// Whether a path leads to a regular file, and to that of `other`.
 static bool is_file(const char *path, const struct stat *other)
 {

@@ -2,6 +2,7 @@
 
 #include "report.h"
 
+#include "batten/mesh_file.h"
 #include "batten/research/distributed.h"
 #include "batten/surface.h"
 
@@ -51,6 +52,10 @@ typedef struct verb_call
     int threads;                    ///< --threads; 0 for the default
     double max_seconds, max_memory; ///< of --max-memory in megabytes; 0 for no limit
 } verb_call;
+
+/// Print the notes of files, as far as the call wants them.
+void print_file_notes(const verb_call *call, const bat_mesh_notes *notes);
+json_t *file_notes_json(const bat_mesh_notes *notes);
 
 enum
 {
@@ -169,6 +174,7 @@ typedef struct surface_findings
     const bat_cloud *cloud;
     const bat_surface_reconstruct_options *options;
     const bat_surface_result *result;
+    const bat_mesh_notes *notes; ///< of reading; null for none
 } surface_findings;
 
 /// Whether a surface is right, or what is wrong, in a few words.

@@ -66,7 +66,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     (void)cloud_format_of_text(&text);
-    for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_LAS; format++)
+    for (int format = BAT_CLOUD_FORMAT_XYZ; format <= BAT_CLOUD_FORMAT_GLB; format++)
         for (int choice = 0; choice < 3; choice++)
         {
             const bat_cloud_read_options options = {.strict = choice == 0};

@@ -175,7 +175,7 @@ int reproduce_real_meshes(const reproduce_job *job)
 
 // Scans
 
-int reproduce_scan_verdict(const reproduce_job *job)
+static int study_verdict(const reproduce_job *job, bool scanner)
 {
     // By whether they are right, then by whether they are accepted.
     static const char *const OUTCOMES[2][2] = {{"wrong, refused", "wrong, accepted"}, {"right, refused", "right"}};
@@ -183,6 +183,7 @@ int reproduce_scan_verdict(const reproduce_job *job)
     bat_scan_verdict_row *rows;
     size_t count, failed = 0, sums[2][2] = {{0}};
     options.seed = job->seed;
+    options.scanner = scanner;
     options.progress = report_progress("fitting");
     int code = report_status(NULL, NULL, bat_scan_verdict(job->data, &options, &rows, &count, report_error()));
     if (code != EXIT_DONE)
@@ -209,6 +210,16 @@ int reproduce_scan_verdict(const reproduce_job *job)
                         "{wrong_accepted}, wrong and refused {wrong_refused}, none {failed}\n",
                         "right_accepted:z right_refused:z wrong_accepted:z wrong_refused:z failed:z rows:o", sums[1][1],
                         sums[1][0], sums[0][1], sums[0][0], failed, table.rows);
+}
+
+int reproduce_scan_verdict(const reproduce_job *job)
+{
+    return study_verdict(job, false);
+}
+
+int reproduce_scan_verdict_scanner(const reproduce_job *job)
+{
+    return study_verdict(job, true);
 }
 
 // Random inputs

@@ -96,6 +96,8 @@ static const result RESULTS[] = {
     {"scan-verdict", reproduce_scan_verdict, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
      "surfaces of crops of meshes and of deep shapes, with noise: which are right, and which the verdict refuses", "meshes",
      "-"},
+    {"scan-verdict-scanner", reproduce_scan_verdict_scanner, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
+     "the same of points as a scanner sees them: density by the cosine of the view, noise along it", "meshes", "-"},
     {"harm", reproduce_harm, SEED | COUNTS, NULL, NULL,
      "random inputs of many kinds with a known truth: how often a default loses to the simplest rival", NULL,
      "--clouds 1"},

@@ -2,23 +2,31 @@
 #define BATTEN_CLOUD_FILE_H
 
 #include "batten/cloud.h"
+#include "batten/mesh_file.h"
 
 BAT_C_BEGIN
 
 /// @file
-/// Readers of clouds: XYZ, CSV, PLY, OBJ, PCD and LAS; writers of the first four. docs/formats.md describes the formats.
+/// Readers of clouds: XYZ, CSV, PLY, OBJ and what scanners write; writers of the first four. docs/formats.md describes the
+/// formats.
 
 /// Formats of clouds.
 typedef enum bat_cloud_format
 {
-    /// By the file's ending: .xyz, .txt or .asc, .csv, .ply, .obj, .pcd, .las; failing that by the content.
+    /// By the file's ending, failing that by the content.
     BAT_CLOUD_FORMAT_AUTO,
-    BAT_CLOUD_FORMAT_XYZ, ///< three numbers a line, blanks between; '#' begins a remark; further columns are left out
+    /// Three numbers a line, blanks between; '#' begins a remark; further columns are left out. A row of names, and one of
+    /// the number of points, may come first; other separators make it CSV.
+    BAT_CLOUD_FORMAT_XYZ,
     BAT_CLOUD_FORMAT_CSV, ///< with or without a line of names; x, y, z by name or the first three
     BAT_CLOUD_FORMAT_PLY, ///< vertices, ASCII or binary; faces, if there are, make it a mesh
     BAT_CLOUD_FORMAT_OBJ, ///< vertices; faces, if there are, make it a mesh
     BAT_CLOUD_FORMAT_PCD, ///< of the Point Cloud Library: text, binary or compressed; reading only
-    BAT_CLOUD_FORMAT_LAS  ///< 1.0 to 1.4, not compressed; reading only
+    BAT_CLOUD_FORMAT_LAS, ///< 1.0 to 1.4, not compressed; reading only
+    BAT_CLOUD_FORMAT_PTX, ///< scans with transformations; reading only
+    BAT_CLOUD_FORMAT_STL, ///< this and the following are meshes, for reading only
+    BAT_CLOUD_FORMAT_OFF,
+    BAT_CLOUD_FORMAT_GLB ///< glTF 2.0
 } bat_cloud_format;
 
 /// The formats by name.
@@ -40,7 +48,10 @@ typedef struct bat_cloud_read_options
     /// Four points of the file, counted from 0, for bat_cloud_set_corners(); the boundary is found where it is not known.
     /// Null: as the file says, the default.
     const size_t *corners;
-    bat_limits limits; ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
+    /// Of LAS: the classes that are read, between commas, as in "2,8". Null, the default: all but 7 and 18, which are noise.
+    const char *classes;
+    bat_mesh_notes *notes; ///< what was left out and guessed is appended; may be null, the default
+    bat_limits limits;     ///< what is more is refused with BAT_TOO_LARGE; default: those of bat_limits
 } bat_cloud_read_options;
 
 /// The options' default values.

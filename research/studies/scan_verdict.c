@@ -2,9 +2,9 @@
 /// The verdict on surfaces of scans, against the truth: discs cut from meshes, and deep shapes of formulas.
 ///
 /// A crop is the part of a mesh within a graph distance of a vertex; it is one if it is a topological disc. Its vertices,
-/// with noise, are the cloud; its triangles are the truth. A surface is right if 99 % of the truth's vertices are within
-/// MAX_MISSED of it, 99 % of its own area are within MAX_STRAY of the truth, both as shares of the size and beside the
-/// noise, and the areas agree to AREA.
+/// with noise, are the cloud, or as many places as a scanner sees them; its triangles are the truth. A surface is right if
+/// 99 % of the truth's vertices are within MAX_MISSED of it, 99 % of its own area are within MAX_STRAY of the truth, both as
+/// shares of the size and beside the noise, and the areas agree to AREA.
 
 #include "batten/research/mesh_study.h"
 #include "batten/research/surface_study.h"
@@ -32,6 +32,8 @@ enum
     TRIES = 60,     ///< seeds of a crop
     MIN_CROP = 600, ///< vertices
     MAX_CROP = 8000,
+    SCAN_MIN = 2000, ///< points of a scanner
+    SCAN_MAX = 15000,
     GRID = 96, ///< cells of a formula, in each direction
     SHAPE_POINTS = 3000,
     EDGE_POINTS = 240 ///< of these, along the boundary
@@ -283,6 +285,76 @@ static bat_status make_crop(const bat_mesh *mesh, bat_random *random, bat_mesh *
     return status;
 }
 
+// Scanners
+
+/// The direction that a scanner looks from: the mean normal of a mesh, tilted at random.
+static void choose_view(const bat_mesh *mesh, bat_random *random, double view[3])
+{
+    static const double TILT = 0.4;
+    double u[3], v[3], normal[3], sum[3] = {0};
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        const double *corners[3];
+        for (size_t k = 0; k < 3; k++)
+            corners[k] = mesh->positions + 3 * (size_t)mesh->faces[3 * f + k];
+        vector3_subtract(corners[1], corners[0], u);
+        vector3_subtract(corners[2], corners[0], v);
+        vector3_cross(u, v, normal);
+        for (int k = 0; k < 3; k++)
+            sum[k] += normal[k];
+    }
+    (void)vector3_normalize(sum);
+    for (int k = 0; k < 3; k++)
+        view[k] = sum[k] + TILT * bat_random_normal(random);
+    (void)vector3_normalize(view);
+}
+
+/// Replace a cloud by four times as many random places of a mesh, at least 2,000 and at most 15,000. Their density is the
+/// cosine of the angle of view, at least MIN_DENSITY.
+static bat_status see(const bat_mesh *mesh, const double view[3], bat_random *random, bat_cloud *cloud, bat_error *error)
+{
+    static const double MIN_DENSITY = 0.08;
+    size_t count = cloud->count < SCAN_MIN / 4 ? SCAN_MIN : cloud->count > SCAN_MAX / 4 ? SCAN_MAX : 4 * cloud->count;
+    double *ends = memory_array(mesh->face_count, sizeof *ends), total = 0;
+    double *points = realloc(cloud->points, count * 3 * sizeof *points);
+    cloud->points = points != NULL ? points : cloud->points;
+    if (ends == NULL || points == NULL)
+    {
+        free(ends);
+        return error_memory(error, mesh->face_count * sizeof *ends);
+    }
+    cloud->count = count;
+    for (size_t f = 0; f < mesh->face_count; f++)
+    {
+        double u[3], v[3], normal[3];
+        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, u);
+        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, v);
+        vector3_cross(u, v, normal);
+        total += fmax(fabs(vector3_dot(normal, view)), MIN_DENSITY * sqrt(vector3_dot(normal, normal)));
+        ends[f] = total;
+    }
+    for (size_t i = 0; i < cloud->count; i++)
+    {
+        double wanted = bat_random_uniform(random) * total, u = bat_random_uniform(random), v = bat_random_uniform(random);
+        size_t low = 0, high = mesh->face_count - 1;
+        while (low < high)
+        {
+            size_t middle = (low + high) / 2;
+            *(ends[middle] < wanted ? &low : &high) = middle + (ends[middle] < wanted);
+        }
+        const double shares[3] = {u + v > 1 ? u + v - 1 : 1 - u - v, u + v > 1 ? 1 - u : u, u + v > 1 ? 1 - v : v};
+        for (size_t d = 0; d < 3; d++)
+        {
+            cloud->points[3 * i + d] = 0;
+            for (size_t k = 0; k < 3; k++)
+                cloud->points[3 * i + d] += shares[k] * mesh->positions[3 * (size_t)mesh->faces[3 * low + k] + d];
+        }
+    }
+    free(ends);
+    return BAT_OK;
+}
+
 // Judgement by the truth
 
 static double size_of(const bat_mesh *mesh)
@@ -396,8 +468,21 @@ static bat_status measure(const bat_spline_surface *surface, const bat_mesh *tru
 static bat_status judge(const bat_mesh *truth, bat_cloud *cloud, bat_random *random, const bat_scan_verdict_options *options,
                         bat_scan_verdict_row *row, bat_error *error)
 {
-    double deviation = row->noise * size_of(truth);
-    for (size_t k = 0; k < 3 * cloud->count; k++)
+    double deviation = row->noise * size_of(truth), view[3];
+    if (options->scanner)
+    {
+        choose_view(truth, random, view);
+        bat_status seen = see(truth, view, random, cloud, error);
+        if (seen != BAT_OK)
+            return seen;
+        for (size_t i = 0; i < cloud->count; i++)
+        {
+            double error_along = deviation * bat_random_normal(random);
+            for (size_t k = 0; k < 3; k++)
+                cloud->points[3 * i + k] += error_along * view[k];
+        }
+    }
+    for (size_t k = 0; k < 3 * cloud->count && !options->scanner; k++)
         cloud->points[k] += deviation * bat_random_normal(random);
     bat_surface_reconstruct_options fit = bat_surface_reconstruct_defaults();
     bat_surface_result result;

@@ -68,6 +68,66 @@ static void assert_points(bat_cloud *cloud, size_t count, const double *points)
 
 static const double THREE[] = {0.5, -1, 2e3, 1, 2, 3, 4, 5, 6.25};
 
+/// A scanner's place and axes, and a matrix that turns by 90 degrees about z and moves by (10, 20, 30).
+#define PTX_FRAME "0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 1 0 0\n-1 0 0 0\n0 0 1 0\n10 20 30 1\n"
+
+/// Scans of several blocks, points that are missing, and what notes tell.
+static void test_scans_of_the_trade(void **state)
+{
+    (void)state;
+    static const double turned[] = {8, 21, 33, 5, 24, 36, 1, 2, 3};
+    bat_cloud cloud =
+        must_read("2\n1\n" PTX_FRAME "1 2 3 0.5\n4 5 6 0.5 255 0 0\n2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 "
+                  "0 0\n0 0 1 0\n0 0 0 1\n0 0 0 0.5\n1 2 3 0.5\n",
+                  ".ptx");
+    assert_points(&cloud, 3, turned);
+    static const struct
+    {
+        const char *ending, *text, *note;
+    } files[] = {
+        {".asc", "//X Y Z Nx Ny Nz\n3\n.5 -1 2e3 0 0 1\n1 2 3 0 0 1\n4 5 6.25 0 0 1\n", "\"X Y Z Nx Ny Nz\""},
+        {".pts", "1\n.5 -1 2e3 -7 1 2 3\n2\n1 2 3 -7 1 2 3\n4 5 6.25 -7 1 2 3\n", "4 others"},
+        {".txt", "Z X Y\n2e3 .5 -1\nnan nan nan\n3 1 2\n6.25 4 5\n", "1 rows without"},
+        {".xyz", "0,5;-1;2000\n1;2;3\n4;5;6,25\n", "decimal commas"},
+        {".csv", "x;y;z\n0,5;-1;2000\n1;2;3\n4;5;6,25\n", "decimal commas"},
+        {".xyz", "X,Y,Z,I\n.5,-1,2e3,7\n1,2,3,7\n4,5,6.25,7\n", "\"X,Y,Z,I\""},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+    {
+        bat_mesh_notes notes = {0};
+        const bat_cloud_read_options options = {.notes = &notes};
+        cloud = must_read_with(files[i].text, files[i].ending, &options);
+        assert_points(&cloud, 3, THREE);
+        assert_int_equal(notes.count, 1);
+        if (strstr(notes.texts[0], files[i].note) == NULL)
+            fail_msg("\"%s\" instead of \"%s\"", notes.texts[0], files[i].note);
+        bat_mesh_notes_free(&notes);
+    }
+    const bat_cloud_read_options strict = {.strict = true};
+    assert_refused_with("X Y Z\n3\n1 2 3\nnan nan nan\n1 2 3\n", ".xyz", &strict, BAT_INVALID_POINT, 5, "that of line 3");
+}
+
+/// Two triangles in the formats of meshes.
+static void test_meshes_of_all_formats(void **state)
+{
+    (void)state;
+    static const char *const files[][2] = {
+        {".off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"},
+        {".stl",
+         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nendloop\nendfacet\nfacet "
+         "normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid s\n"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        for (int by_content = 0; by_content < 2; by_content++)
+        {
+            bat_cloud cloud = must_read(files[i][1], by_content ? "." : files[i][0]);
+            assert_int_equal(cloud.count, 4);
+            assert_int_equal(cloud.boundary_count, 4);
+            assert_int_equal(cloud.triangle_count, 2);
+            bat_cloud_free(&cloud);
+        }
+}
+
 static void test_every_format_gives_the_points(void **state)
 {
     (void)state;
@@ -132,7 +192,24 @@ static void test_bad_files_are_refused_at_their_line(void **state)
     assert_refused("1 2 3\n\n4 5\n", ".xyz", BAT_BAD_FILE, 3, "point 1 has no z");
     assert_refused("1 2 3\n4 # 5 6\n", ".xyz", BAT_BAD_FILE, 2, "point 1 has no y");
     assert_refused("1 2 3\n4 5 6x\n", ".xyz", BAT_BAD_FILE, 2, "'6x' is not a number");
-    assert_refused("1,2,3\n", ".xyz", BAT_BAD_FILE, 1, "'1,2,3' is not a number");
+    assert_refused("1,5 2 3\n", ".xyz", BAT_BAD_FILE, 1, "2 columns");
+    assert_refused("a b c\n1 2 3\n", ".xyz", BAT_BAD_FILE, 1, "'a' is not a number");
+    assert_refused("X Y Z\nX Y Z\n1 2 3\n", ".xyz", BAT_BAD_FILE, 2, "'X' is not a number");
+    assert_refused("# r\n3\n1 2 3\n4 5 6\n", ".pts", BAT_BAD_FILE, 2, "3 points are announced, but 2 follow");
+    assert_refused("1\n1 2 3\n4 5 6\n", ".pts", BAT_BAD_FILE, 1, "1 points are announced, but 2 follow");
+    assert_refused("1\n1 2 3\n2\n4 5 6\n", ".pts", BAT_BAD_FILE, 3, "2 points are announced, but 1 follow");
+    assert_refused("1 2 3\n2\n4 5 6\n", ".xyz", BAT_BAD_FILE, 2, "point 1 has no y");
+    assert_refused("1,5;2;3\n1,5,2;2;3\n", ".xyz", BAT_BAD_FILE, 2, "'1,5,2' is not a number");
+    assert_refused("//X Y Z\n1 2\n", ".asc", BAT_BAD_FILE, 2, "point 0 has no z");
+    assert_refused("2\n", ".ptx", BAT_BAD_FILE, 2, "columns and rows");
+    assert_refused("2\n1\n" PTX_FRAME "1 2 3\n", ".ptx", BAT_BAD_FILE, 12, "ends within");
+    assert_refused("2\n1\n" PTX_FRAME "1 2 3\n1 2 x\n", ".ptx", BAT_BAD_FILE, 12, "'x' is not a number");
+    assert_refused("2\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 a\n", ".ptx", BAT_BAD_FILE, 6, "'a' is not a number");
+    const bat_cloud_read_options ground = {.classes = "2"}, wrong = {.classes = "2,"}, large = {.classes = "256"};
+    assert_refused_with("1 2 3\n", ".xyz", &ground, BAT_INVALID_ARGUMENT, 0, "LAS");
+    assert_refused_with("1 2 3\n", ".xyz", &wrong, BAT_INVALID_ARGUMENT, 0, "classes");
+    assert_refused_with("1 2 3\n", ".xyz", &large, BAT_INVALID_ARGUMENT, 0, "classes");
+    assert_refused("ASTM-E57 and bytes", ".xyz", BAT_UNSUPPORTED, 0, "E57");
     assert_refused("1 2 1e400\n", ".xyz", BAT_BAD_FILE, 1, "'1e400' is too large");
     assert_refused("1 2 3\n4 nan 6\n", ".xyz", BAT_INVALID_POINT, 2, "point 1 is not finite: 'nan'");
     assert_refused("1 2 -Infinity\n", ".xyz", BAT_INVALID_POINT, 1, "point 0 is not finite");
@@ -155,7 +232,7 @@ static void test_bad_files_are_refused_at_their_line(void **state)
                    ".ply", BAT_BAD_FILE, 0, "no property 'z'");
     bat_cloud cloud;
     check_status(bat_cloud_read("/nowhere/at/all.xyz", NULL, &cloud, NULL), BAT_FILE_ACCESS);
-    const bat_cloud_read_options unknown = {.format = (bat_cloud_format)9};
+    const bat_cloud_read_options unknown = {.format = (bat_cloud_format)11};
     check_status(bat_cloud_read("any.xyz", &unknown, &cloud, NULL), BAT_INVALID_ARGUMENT);
 }
 
@@ -459,6 +536,8 @@ int main(void)
         cmocka_unit_test(test_triangles_go_through_files_that_have_them),
         cmocka_unit_test(test_texts_that_are_written),
         cmocka_unit_test(test_scans),
+        cmocka_unit_test(test_scans_of_the_trade),
+        cmocka_unit_test(test_meshes_of_all_formats),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

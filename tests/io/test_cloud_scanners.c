@@ -49,7 +49,8 @@ static void set_double(bytes *file, size_t at, double value)
     set_whole(file, at, sizeof bits, bits);
 }
 
-static bat_status read_bytes(const bytes *file, const char *ending, bat_cloud *cloud, bat_error *error)
+static bat_status read_with(const bytes *file, const char *ending, const bat_cloud_read_options *options, bat_cloud *cloud,
+                            bat_error *error)
 {
     char path[128];
     (void)snprintf(path, sizeof path, "/tmp/batten-scanner-%ld%s", (long)getpid(), ending);
@@ -57,9 +58,14 @@ static bat_status read_bytes(const bytes *file, const char *ending, bat_cloud *c
     assert_non_null(stream);
     assert_int_equal(fwrite(file->data, 1, file->size, stream), file->size);
     assert_int_equal(fclose(stream), 0);
-    bat_status status = bat_cloud_read(path, NULL, cloud, error);
+    bat_status status = bat_cloud_read(path, options, cloud, error);
     (void)remove(path);
     return status;
+}
+
+static bat_status read_bytes(const bytes *file, const char *ending, bat_cloud *cloud, bat_error *error)
+{
+    return read_with(file, ending, NULL, cloud, error);
 }
 
 static void assert_read(const bytes *file, const char *ending, size_t count, const double *points)
@@ -238,6 +244,41 @@ static void las_of_all_formats(void **state)
     }
 }
 
+static void las_has_classes(void **state)
+{
+    (void)state;
+    static const uint64_t classes[] = {3, 7, 2};
+    static const struct
+    {
+        const char *classes;
+        size_t count;
+        const char *note;
+    } cases[] = {
+        {NULL, 2, "1 points of the classes 7 and 18"}, {"2", 1, "2 points of other classes"}, {"7,3", 2, "1 points"}};
+    for (size_t i = 0; i < 2 * (sizeof cases / sizeof *cases); i++)
+    {
+        bytes file = las_file(i % 2 == 0 ? 2 : 4, i % 2 == 0 ? 0 : 6, 30);
+        for (size_t k = 0; k < 3; k++)
+        {
+            set_whole(&file, file.size - 30 * (3 - k) + 15, 1, i % 2 == 0 ? classes[k] : 0);
+            set_whole(&file, file.size - 30 * (3 - k) + 16, 1, i % 2 == 0 ? 0 : classes[k]);
+        }
+        bat_mesh_notes notes = {0};
+        const bat_cloud_read_options options = {.classes = cases[i / 2].classes, .notes = &notes};
+        bat_cloud cloud = {0};
+        check_status(read_with(&file, ".las", &options, &cloud, NULL), BAT_OK);
+        assert_int_equal(cloud.count, cases[i / 2].count);
+        assert_int_equal(notes.count, 1);
+        assert_non_null(strstr(notes.texts[0], cases[i / 2].note));
+        bat_mesh_notes_free(&notes);
+        bat_cloud_free(&cloud);
+        const bat_cloud_read_options none = {.classes = "40"};
+        bat_error error;
+        check_status(read_with(&file, ".las", &none, &cloud, &error), BAT_BAD_FILE);
+        assert_non_null(strstr(error.text, "none of the 3 points"));
+    }
+}
+
 static void bad_las_is_refused(void **state)
 {
     (void)state;
@@ -271,6 +312,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pcd_as_text),        cmocka_unit_test(pcd_as_records),     cmocka_unit_test(pcd_compressed),
         cmocka_unit_test(bad_pcd_is_refused), cmocka_unit_test(las_of_all_formats), cmocka_unit_test(bad_las_is_refused),
+        cmocka_unit_test(las_has_classes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1007,7 +1007,7 @@ static const option_family FAMILIES[] = {
      {BAD(cloud_parameterize, method, BAD_INT, 9), BAD(cloud_parameterize, method, BAD_INT, -1),
       BAD(cloud_parameterize, radius, BAD_NUMBER, -1), BAD(cloud_parameterize, radius, BAD_NUMBER, NAN),
       BAD(cloud_parameterize, threads, BAD_INT, -1)}},
-    {HEAD(cloud_read), {call_cloud_read}, {BAD(cloud_read, format, BAD_INT, 9)}},
+    {HEAD(cloud_read), {call_cloud_read}, {BAD(cloud_read, format, BAD_INT, 11)}},
     {HEAD(hierarchical),
      {call_space_make},
      {BAD(hierarchical, degree[0], BAD_INT, 0), BAD(hierarchical, degree[1], BAD_INT, 16),

@@ -141,14 +141,15 @@ static size_t obj_line_of_point(const file_text *text, size_t point)
 typedef struct cloud_format
 {
     bat_choice choice;
-    bat_status (*read)(const file_text *text, point_listing *listing, bat_error *error);
+    cloud_reader *read;
     mesh_reader *read_mesh;
     size_t (*line_of_point)(const file_text *text, size_t point); ///< null for formats without lines
 } cloud_format;
 
 static const cloud_format FORMATS[] = {
     {.choice = CHOICE_OF_USE(UNLISTED, "auto", "by the file's ending", BAT_CLOUD_FORMAT_AUTO)},
-    {.choice = CHOICE_FORMAT("xyz", "clouds: three numbers a line", ".xyz .txt .asc", BAT_CLOUD_FORMAT_XYZ),
+    {.choice = CHOICE_FORMAT("xyz", "clouds: three numbers a line, and what follows; CloudCompare's ASCII, PTS",
+                             ".xyz .txt .asc .pts", BAT_CLOUD_FORMAT_XYZ),
      .read = cloud_xyz_read,
      .line_of_point = cloud_xyz_line_of_point},
     {.choice = CHOICE_FORMAT("csv", "clouds: x, y, z by their names, or the first three columns", ".csv .tsv",
@@ -163,9 +164,18 @@ static const cloud_format FORMATS[] = {
     {.choice = CHOICE_FILE(true, false, "pcd", "clouds: points of the Point Cloud Library; text, binary or compressed",
                            ".pcd", BAT_CLOUD_FORMAT_PCD),
      .read = cloud_pcd_read},
-    {.choice = CHOICE_FILE(true, false, "las", "clouds: points of laser scans, versions 1.0 to 1.4, not compressed", ".las",
-                           BAT_CLOUD_FORMAT_LAS),
+    {.choice = CHOICE_FILE(true, false, "las", "clouds: points of laser scans, versions 1.0 to 1.4, not compressed",
+                           ".las .laz", BAT_CLOUD_FORMAT_LAS),
      .read = cloud_las_read},
+    {.choice = CHOICE_FILE(true, false, "ptx", "clouds: scans with transformations, as text", ".ptx", BAT_CLOUD_FORMAT_PTX),
+     .read = cloud_ptx_read},
+    {.choice = CHOICE_FILE(true, false, "stl", "meshes of one patch, or closed ones", ".stl", BAT_CLOUD_FORMAT_STL),
+     .read_mesh = mesh_stl_read},
+    {.choice = CHOICE_FILE(true, false, "off", "meshes of one patch, or closed ones", ".off", BAT_CLOUD_FORMAT_OFF),
+     .read_mesh = mesh_off_read},
+    {.choice = CHOICE_FILE(true, false, "glb", "meshes of one patch, or closed ones: glTF 2.0", ".glb .gltf",
+                           BAT_CLOUD_FORMAT_GLB),
+     .read_mesh = mesh_gltf_read},
 };
 const bat_family bat_cloud_format_family = FAMILY("cloud format", FORMATS);
 
@@ -185,6 +195,14 @@ bat_cloud_format cloud_format_of_text(const file_text *text)
         return BAT_CLOUD_FORMAT_LAS;
     if (cloud_pcd_resembles(text))
         return BAT_CLOUD_FORMAT_PCD;
+    if (mesh_stl_resembles(text))
+        return BAT_CLOUD_FORMAT_STL;
+    if (mesh_off_resembles(text))
+        return BAT_CLOUD_FORMAT_OFF;
+    if (mesh_glb_resembles(text))
+        return BAT_CLOUD_FORMAT_GLB;
+    if (cloud_ptx_resembles(text))
+        return BAT_CLOUD_FORMAT_PTX;
     word_scan scan = word_scan_start(text->data, text->size);
     if (!scan_next_content(&scan))
         return BAT_CLOUD_FORMAT_XYZ;
@@ -223,15 +241,23 @@ static size_t line_of_point(const cloud_source *source, size_t point)
     return row->line_of_point != NULL ? row->line_of_point(source->text, point) : 0;
 }
 
-static bat_status source_read(cloud_source *source, bat_error *error)
+static bat_status source_read(cloud_source *source, const bat_cloud_read_options *how, bat_error *error)
 {
+    static const char e57[] = "ASTM-E57";
     point_listing *listing = &source->listing;
     bat_mesh *mesh = &source->mesh;
     const cloud_format *row = row_of(source->format);
+    if (source->text->size >= sizeof e57 - 1 && memcmp(source->text->data, e57, sizeof e57 - 1) == 0)
+        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+                         "E57 is not supported: Debian has no library for it; CloudCompare and the Python package pye57 "
+                         "write formats that are");
+    if (how->classes != NULL && source->format != BAT_CLOUD_FORMAT_LAS)
+        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "only points of LAS files have classes");
     if (row->read != NULL)
-        return row->read(source->text, listing, error);
+        return row->read(source->text, how, listing, error);
     bat_mesh_read_options options = bat_mesh_read_defaults();
     options.triangulate = options.strict = true;
+    options.notes = how->notes;
     bat_status status = row->read_mesh(source->text, &options, mesh, error);
     if (status != BAT_OK || mesh->face_count > 0)
         return status;
@@ -415,10 +441,10 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
 {
     cloud_source source = {.text = text, .format = format}, boundary = {.text = boundary_text, .format = boundary_format};
     bat_error found = {.index = BAT_NO_INDEX};
-    bat_status status = source_read(&source, error);
+    bat_status status = source_read(&source, options, error);
     if (status == BAT_OK && boundary_text != NULL)
     {
-        status = source_read(&boundary, &found);
+        status = source_read(&boundary, &(bat_cloud_read_options){0}, &found);
         if (status == BAT_OK && boundary.mesh.face_count + source.mesh.face_count > 0)
             status = error_set(&found, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a mesh has its own boundary");
         if (status == BAT_OK && boundary.listing.count < 4)
@@ -473,6 +499,10 @@ static bat_status cloud_read_options_check(const void *opaque, bat_error *error)
     static const option_field FIELDS[] = {
         OPTION_FAMILY(bat_cloud_read_options, format, bat_cloud_format_family),
     };
+    bool wanted[LAS_CLASSES];
+    if (options->classes != NULL && !las_classes_read(options->classes, wanted))
+        return error_option(error, "classes", "is '%s', but must be classes of LAS between commas, as in 2,8",
+                            options->classes);
     if (options->boundary > 0 && options->boundary_path != NULL)
         return error_option(error, "boundary",
                             "is %zu, but must be 0 beside a boundary_path: it is the first points or a file",

@@ -24,15 +24,21 @@ static inline double *listing_next(point_listing *listing)
 
 /// Read the points of a text, which may be none. Free the listing also on failure.
 /// @return BAT_OK; BAT_BAD_FILE or, for a point that is not finite, BAT_INVALID_POINT, with line and point; BAT_NO_MEMORY
-bat_status cloud_xyz_read(const file_text *text, point_listing *listing, bat_error *error);
-bat_status cloud_csv_read(const file_text *text, point_listing *listing, bat_error *error);
-
-/// Also skips points that a PCD file marks as missing, and points that a LAS file marks as withheld.
-bat_status cloud_pcd_read(const file_text *text, point_listing *listing, bat_error *error);
-bat_status cloud_las_read(const file_text *text, point_listing *listing, bat_error *error);
+/// Points that are marked as missing, withheld or noise are left out.
+typedef bat_status cloud_reader(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                                bat_error *error);
+cloud_reader cloud_xyz_read, cloud_csv_read, cloud_ptx_read, cloud_pcd_read, cloud_las_read;
 /// Whether a text begins as such files do.
+bool cloud_ptx_resembles(const file_text *text);
 bool cloud_pcd_resembles(const file_text *text);
 bool cloud_las_resembles(const file_text *text);
+
+enum
+{
+    LAS_CLASSES = 256
+};
+/// Read a list of classes, as in "2,8". False where it is none.
+bool las_classes_read(const char *list, bool wanted[LAS_CLASSES]);
 
 /// The line of a point in a text that was read before.
 size_t cloud_xyz_line_of_point(const file_text *text, size_t point);

@@ -1,10 +1,12 @@
+#include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>
 
 /// @file
 /// Reader of LAS files, versions 1.0 to 1.4, point formats 0 to 10 (ASPRS, "LAS specification 1.4 - R15", 2019). Coordinates
-/// are x = scale X + offset. Points with the flag "withheld" are deleted, as the specification says.
+/// are x = scale X + offset. Points with the flag "withheld" are deleted, as the
+/// specification says.
 
 enum
 {
@@ -72,8 +74,10 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
         return bad(error, "this is no LAS file: it does not begin with a header of LASF");
     size_t header_size = (size_t)whole(bytes + AT_HEADER_SIZE, 2), format = bytes[AT_FORMAT];
     if ((format & COMPRESSED) != 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
-                         "the points are compressed (LAZ), which is not supported; laszip or PDAL write LAS");
+        return error_set(
+            error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
+            "the points are compressed (LAZ), which Debian has no library for: laszip, PDAL or the Python package "
+            "laspy[lazrs] write LAS");
     if (bytes[AT_MINOR - 1] != 1 || bytes[AT_MINOR] > 4 || format >= POINT_FORMATS)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
                          "version %d.%d with point format %zu is not supported, only 1.0 to 1.4 with 0 to 10",
@@ -100,17 +104,36 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
     return BAT_OK;
 }
 
-/// Whether a point is deleted: a bit of its classification, or from format 6 on of its flags.
-static bool is_withheld(const unsigned char *point, size_t format)
+/// The class of a point, and whether it is deleted: bits of its classification, or from format 6 on of its flags.
+static unsigned class_of(const unsigned char *point, size_t format, bool *withheld)
 {
     enum
     {
         FLAGS = 15,
+        CLASS = 0x1F,
         WITHHELD = 0x80,
         WITHHELD_14 = 0x04,
         FORMAT_14 = 6
     };
-    return (point[FLAGS] & (format < FORMAT_14 ? WITHHELD : WITHHELD_14)) != 0;
+    *withheld = (point[FLAGS] & (format < FORMAT_14 ? WITHHELD : WITHHELD_14)) != 0;
+    return format < FORMAT_14 ? point[FLAGS] & CLASS : point[FLAGS + 1];
+}
+
+bool las_classes_read(const char *list, bool wanted[LAS_CLASSES])
+{
+    word_scan scan = word_scan_start(list, strlen(list));
+    uint64_t class = 0;
+    memset(wanted, 0, LAS_CLASSES * sizeof *wanted);
+    for (bool more = true; more; scan.at++)
+    {
+        if (!scan_digits_below(&scan, LAS_CLASSES, &class))
+            return false;
+        wanted[class] = true;
+        more = *scan.at == ',';
+        if (!more)
+            break;
+    }
+    return scan.at == scan.end;
 }
 
 bool cloud_las_resembles(const file_text *text)
@@ -118,15 +141,27 @@ bool cloud_las_resembles(const file_text *text)
     return text->size >= 4 && memcmp(text->data, "LASF", 4) == 0;
 }
 
-bat_status cloud_las_read(const file_text *text, point_listing *listing, bat_error *error)
+bat_status cloud_las_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                          bat_error *error)
 {
+    static const unsigned NOISE[] = {7, 18};
     const unsigned char *bytes = (const unsigned char *)text->data;
+    bool wanted[LAS_CLASSES];
+    size_t withheld_count = 0, others = 0;
     las_header header = {0};
     bat_status status = read_header(bytes, text->size, &header, error);
+    memset(wanted, 1, sizeof wanted);
+    wanted[NOISE[0]] = wanted[NOISE[1]] = false;
+    if (options->classes != NULL)
+        (void)las_classes_read(options->classes, wanted);
     for (size_t i = 0; status == BAT_OK && i < header.count; i++)
     {
         const unsigned char *record = bytes + header.begin + i * header.record;
-        if (is_withheld(record, header.format))
+        bool withheld;
+        unsigned class = class_of(record, header.format, &withheld);
+        withheld_count += withheld;
+        others += !withheld && !wanted[class];
+        if (withheld || !wanted[class])
             continue;
         double *point = listing_next(listing);
         if (point == NULL)
@@ -138,5 +173,12 @@ bat_status cloud_las_read(const file_text *text, point_listing *listing, bat_err
                 return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu is not finite", i);
         }
     }
-    return status;
+    if (status == BAT_OK && listing->count == 0 && others > 0)
+        return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "none of the %zu points has a class that is read", others);
+    if (status == BAT_OK && others > 0)
+        status = mesh_note(options->notes, error, "%zu points of %s are left out", others,
+                           options->classes != NULL ? "other classes" : "the classes 7 and 18, noise,");
+    return status == BAT_OK && withheld_count > 0
+               ? mesh_note(options->notes, error, "%zu points that are withheld are left out", withheld_count)
+               : status;
 }

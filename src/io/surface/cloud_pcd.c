@@ -312,8 +312,10 @@ bool cloud_pcd_resembles(const file_text *text)
     return scan_next_content(&scan) && (scan_word(&scan, "VERSION") || scan_word(&scan, "FIELDS"));
 }
 
-bat_status cloud_pcd_read(const file_text *text, point_listing *listing, bat_error *error)
+bat_status cloud_pcd_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                          bat_error *error)
 {
+    (void)options;
     word_scan scan = word_scan_start(text->data, text->size);
     pcd_header header;
     bat_status status = read_header(&scan, &header, error);

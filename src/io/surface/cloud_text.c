@@ -1,11 +1,14 @@
 #include "io/curve/csv.h"
+#include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
 
 #include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
 #include <strings.h>
 
 /// @file
-/// Readers of points as text: comments about the boundary, XYZ and CSV.
+/// Readers of points as text: comments about the boundary, XYZ, CSV and PTX.
 
 /// A bound above the counts of any file.
 static const int COUNT_BITS = 60;
@@ -83,130 +86,345 @@ static bat_status cloud_number_fault(const char *begin, const char *end, size_t 
     return error_set(error, BAT_BAD_FILE, point, line, "'%s' %s", excerpt, fault != NULL ? fault : "is not a number");
 }
 
-bat_status cloud_xyz_read(const file_text *text, point_listing *listing, bat_error *error)
-{
-    static const char *const missing[] = {"x", "y", "z"};
-    word_scan scan = word_scan_start(text->data, text->size);
-    while (scan_next_content(&scan))
-    {
-        size_t index = listing->count;
-        double *point = listing_next(listing);
-        if (point == NULL)
-            return error_memory(error, listing->capacity * sizeof *point);
-        for (size_t k = 0; k < 3; k++)
-        {
-            if (scan_line_done(&scan))
-                return error_set(error, BAT_BAD_FILE, index, scan.line, "point %zu has no %s", index, missing[k]);
-            if (!scan_number(&scan, &point[k]))
-                return cloud_number_fault(scan.at, scan_word_end(&scan), index, scan.line, error);
-        }
-        if (!scan_next_line(&scan))
-            break;
-    }
-    return BAT_OK;
-}
-
-size_t cloud_xyz_line_of_point(const file_text *text, size_t point)
-{
-    word_scan scan = word_scan_start(text->data, text->size);
-    while (scan_next_content(&scan) && point-- > 0)
-        (void)scan_next_line(&scan);
-    return scan.line;
-}
-
-typedef struct csv_layout
+/// How the rows of a text hold points.
+typedef struct row_layout
 {
     char separator;   ///< a comma, semicolon or tab, or a blank for runs of blanks
-    size_t columns;   ///< columns of every row
+    bool is_free;     ///< blanks separate, and rows may differ in what follows the coordinates
+    size_t columns;   ///< of the first row; of all rows, unless they are free
     size_t places[3]; ///< the columns of x, y and z
-    bool has_names;   ///< the first row contains names
-} csv_layout;
+} row_layout;
 
-static bat_status split_row(const file_text *text, const text_line *line, char separator, csv_field *fields, size_t *count,
-                            bat_error *error)
+/// A text whose rows are read one after another.
+typedef struct row_reader
 {
-    const char *fault = csv_split(text, line, separator, fields, count);
+    const file_text *text;
+    bool takes_free; ///< XYZ: rows may be free
+    text_line line;  ///< the next row
+    bool more;       ///< there is one
+    text_line names; ///< `begin` is null without
+    row_layout layout;
+    csv_field fields[BAT_SPACE_MAX_DIM];
+    size_t told, told_line, begun; ///< rows of a block that a line before them tells, SIZE_MAX without; rows before it
+    size_t rows, missing;          ///< rows read, and those without coordinates
+    bool comma;                    ///< a number has a decimal comma
+} row_reader;
+
+static void next_row(row_reader *reader)
+{
+    do
+        reader->more = text_line_next(reader->text, &reader->line);
+    while (reader->more && (reader->line.begin == reader->line.end || *reader->line.begin == '#'));
+}
+
+static bat_status split_row(row_reader *reader, const text_line *line, char separator, size_t *count, bat_error *error)
+{
+    const char *fault = csv_split(reader->text, line, separator, reader->fields, count);
     for (size_t i = 0; fault == NULL && i < *count; i++)
-        fields[i] = csv_unquoted(fields[i]);
+        reader->fields[i] = csv_unquoted(reader->fields[i]);
     return fault == NULL ? BAT_OK : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line->number, "%s", fault);
 }
 
-/// Find the columns from the first row: those named x, y and z if all exist, else the first three.
-static bat_status find_layout(const file_text *text, const text_line *line, csv_layout *layout, bat_error *error)
+/// Find the fields that are named x, y and z. Whether all are there.
+static bool find_names(const csv_field *fields, size_t count, size_t places[3])
 {
     static const char *const names[] = {"x", "y", "z"};
-    csv_field fields[BAT_SPACE_MAX_DIM];
-    size_t places[3] = {SIZE_MAX, SIZE_MAX, SIZE_MAX};
-    *layout = (csv_layout){.separator = csv_find_separator(line), .places = {0, 1, 2}, .has_names = true};
-    bat_status status = split_row(text, line, layout->separator, fields, &layout->columns, error);
-    for (size_t i = 0; i < layout->columns && status == BAT_OK; i++)
-    {
-        layout->has_names = layout->has_names && !number_resembles(fields[i].begin, fields[i].end);
+    places[0] = places[1] = places[2] = SIZE_MAX;
+    for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < 3; k++)
             if (fields[i].end - fields[i].begin == 1 && strncasecmp(fields[i].begin, names[k], 1) == 0 &&
                 places[k] == SIZE_MAX)
                 places[k] = i;
-    }
-    if (layout->has_names && places[0] != SIZE_MAX && places[1] != SIZE_MAX && places[2] != SIZE_MAX)
-        memcpy(layout->places, places, sizeof places);
+    return places[0] != SIZE_MAX && places[1] != SIZE_MAX && places[2] != SIZE_MAX;
+}
+
+/// Take a row of names, which CloudCompare begins with two slashes.
+static bat_status take_names(row_reader *reader, bool *taken, bat_error *error)
+{
+    text_line line = reader->line;
+    size_t count = 0, places[3];
+    bool slashes = line.end - line.begin >= 2 && memcmp(line.begin, "//", 2) == 0;
+    line.begin += slashes ? 2 : 0;
+    bat_status status = split_row(reader, &line, csv_find_separator(&line), &count, error);
+    *taken = status == BAT_OK && reader->names.begin == NULL;
+    for (size_t i = 0; i < count && *taken && !slashes; i++)
+        *taken = !number_resembles(reader->fields[i].begin, reader->fields[i].end);
+    *taken = *taken && (!reader->takes_free || slashes || find_names(reader->fields, count, places));
+    if (!*taken)
+        return status;
+    reader->names = line;
+    next_row(reader);
     return status;
 }
 
-static bat_status read_row(const file_text *text, const csv_layout *layout, const text_line *line, point_listing *listing,
-                           bat_error *error)
+/// Check that a block has as many rows as were told.
+static bat_status end_block(const row_reader *reader, bat_error *error)
 {
-    csv_field fields[BAT_SPACE_MAX_DIM];
-    size_t index = listing->count, columns = 0;
-    double *point = listing_next(listing);
-    if (point == NULL)
-        return error_memory(error, listing->capacity * sizeof *point);
-    bat_status status = split_row(text, line, layout->separator, fields, &columns, error);
-    for (size_t k = 0; k < 3 && status == BAT_OK && layout->places[k] < columns; k++)
+    size_t made = reader->rows - reader->begun;
+    if (reader->told == SIZE_MAX || reader->told == made)
+        return BAT_OK;
+    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, reader->told_line, "%zu points are announced, but %zu follow",
+                     reader->told, made);
+}
+
+/// Take a row that is the number of points that follow, as in PTS files and CloudCompare's.
+static bat_status take_count(row_reader *reader, bool *taken, bat_error *error)
+{
+    int64_t value;
+    bat_status status = BAT_OK;
+    *taken = (reader->rows == 0 || reader->told != SIZE_MAX) &&
+             csv_read_whole(csv_trimmed(reader->line.begin, reader->line.end), EXACT_DIGITS, &value) && value >= 0;
+    if (!*taken)
+        return BAT_OK;
+    status = end_block(reader, error);
+    reader->told = (size_t)value;
+    reader->told_line = reader->line.number;
+    reader->begun = reader->rows;
+    next_row(reader);
+    return status;
+}
+
+/// Whether a row begins with three numbers between blanks.
+static bool is_free_row(const text_line *line)
+{
+    word_scan scan = word_scan_start(line->begin, (size_t)(line->end - line->begin));
+    double value;
+    return scan_number(&scan, &value) && scan_number(&scan, &value) && scan_number(&scan, &value);
+}
+
+/// Read what stands before the points, and find their columns: those named x, y and z if all exist, else the first three.
+static bat_status find_layout(row_reader *reader, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    row_layout *layout = &reader->layout;
+    next_row(reader);
+    for (bool taken = true; taken && reader->more && status == BAT_OK;)
     {
-        csv_field value = fields[layout->places[k]];
-        if (value.begin == value.end)
-            status = error_set(error, BAT_BAD_FILE, index, line->number, "column %zu is empty", layout->places[k] + 1);
-        else if (number_scan(value.begin, value.end, &point[k]) != value.end)
-            status = cloud_number_fault(value.begin, value.end, index, line->number, error);
+        status = take_count(reader, &taken, error);
+        if (status == BAT_OK && !taken && reader->more)
+            status = take_names(reader, &taken, error);
     }
-    if (status == BAT_OK && columns != layout->columns)
-        status = error_set(error, BAT_BAD_FILE, index, line->number, "%zu columns where the first row has %zu", columns,
+    if (status != BAT_OK || !reader->more)
+        return status;
+    *layout = (row_layout){.separator = ' ', .places = {0, 1, 2}};
+    layout->is_free = reader->takes_free && (is_free_row(&reader->line) || csv_find_separator(&reader->line) == ' ');
+    if (!layout->is_free)
+        layout->separator = csv_find_separator(&reader->line);
+    const text_line *first = reader->names.begin != NULL ? &reader->names : &reader->line;
+    size_t places[3];
+    status = split_row(reader, first, csv_find_separator(first), &layout->columns, error);
+    if (status == BAT_OK && first == &reader->names && find_names(reader->fields, layout->columns, places))
+        memcpy(layout->places, places, sizeof places);
+    if (status == BAT_OK && layout->columns < 3 && !layout->is_free)
+        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, first->number, "%zu columns, but a point has 3 coordinates",
                            layout->columns);
     return status;
 }
 
-static bool next_row(const file_text *text, text_line *line)
+/// Read the words of a row.
+static bat_status split_free(row_reader *reader, size_t index, size_t *columns, bat_error *error)
 {
-    while (text_line_next(text, line))
-        if (line->begin < line->end && *line->begin != '#')
-            return true;
-    return false;
+    static const char *const missing[] = {"x", "y", "z"};
+    const size_t *places = reader->layout.places;
+    word_scan scan = word_scan_start(reader->line.begin, (size_t)(reader->line.end - reader->line.begin));
+    size_t wanted = places[0] > places[1] ? places[0] : places[1];
+    wanted = (wanted > places[2] ? wanted : places[2]) + 1;
+    for (*columns = 0; *columns < wanted && !scan_line_done(&scan); scan.at = reader->fields[(*columns)++].end)
+        reader->fields[*columns] = (csv_field){scan.at, scan_word_end(&scan)};
+    for (size_t k = 0; k < 3; k++)
+        if (places[k] >= *columns)
+            return error_set(error, BAT_BAD_FILE, index, reader->line.number, "point %zu has no %s", index, missing[k]);
+    return BAT_OK;
 }
 
-bat_status cloud_csv_read(const file_text *text, point_listing *listing, bat_error *error)
+/// Read the row into a point; `missing` receives whether all its coordinates are.
+static bat_status read_row(row_reader *reader, size_t index, double *point, bool *missing, bat_error *error)
 {
-    text_line line = text_line_start(text);
-    bool more = next_row(text, &line);
-    if (!more)
-        return BAT_OK;
-    csv_layout layout;
-    bat_status status = find_layout(text, &line, &layout, error);
-    if (status == BAT_OK && layout.columns < 3)
-        status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line.number, "%zu columns, but a point has 3 coordinates",
-                           layout.columns);
-    for (more = layout.has_names ? next_row(text, &line) : more; more && status == BAT_OK; more = next_row(text, &line))
-        status = read_row(text, &layout, &line, listing, error);
+    const row_layout *layout = &reader->layout;
+    size_t columns = 0;
+    bat_status status = layout->is_free ? split_free(reader, index, &columns, error)
+                                        : split_row(reader, &reader->line, layout->separator, &columns, error);
+    *missing = status == BAT_OK;
+    for (size_t k = 0; k < 3 && *missing; k++)
+        *missing = layout->places[k] < columns && csv_is_missing(reader->fields[layout->places[k]]);
+    for (size_t k = 0; k < 3 && status == BAT_OK && !*missing && layout->places[k] < columns; k++)
+    {
+        csv_field value = reader->fields[layout->places[k]];
+        if (value.begin == value.end)
+            status =
+                error_set(error, BAT_BAD_FILE, index, reader->line.number, "column %zu is empty", layout->places[k] + 1);
+        else if (csv_read_number(value, layout->separator, &point[k], &reader->comma) != NULL)
+            status = cloud_number_fault(value.begin, value.end, index, reader->line.number, error);
+    }
+    if (status == BAT_OK && columns != layout->columns && !layout->is_free)
+        status = error_set(error, BAT_BAD_FILE, index, reader->line.number, "%zu columns where the first row has %zu",
+                           columns, layout->columns);
     return status;
+}
+
+/// Read points up to number `last`, whose line `reader->line` is then.
+static bat_status read_rows(row_reader *reader, size_t last, point_listing *listing, bat_error *error)
+{
+    bat_status status = find_layout(reader, error);
+    while (reader->more && status == BAT_OK)
+    {
+        bool taken = false, missing = false;
+        status = take_count(reader, &taken, error);
+        if (taken || status != BAT_OK)
+            continue;
+        double *point = listing_next(listing);
+        if (point == NULL)
+            return error_memory(error, listing->capacity * sizeof *point);
+        status = read_row(reader, listing->count - 1, point, &missing, error);
+        listing->count -= missing;
+        reader->missing += missing;
+        reader->rows++;
+        if (listing->count == last + 1 && !missing)
+            return status;
+        if (status == BAT_OK)
+            next_row(reader);
+    }
+    return status == BAT_OK ? end_block(reader, error) : status;
+}
+
+/// Tell what was guessed and what was left out.
+static bat_status note_rows(const row_reader *reader, bat_mesh_notes *notes, bat_error *error)
+{
+    const text_line *names = &reader->names;
+    size_t further = reader->layout.columns > 3 ? reader->layout.columns - 3 : 0;
+    bat_status status = BAT_OK;
+    if (further > 0)
+        status =
+            names->begin != NULL
+                ? mesh_note(notes, error, "of the columns \"%.*s\" x, y and z are used alone",
+                            (int)(names->end - names->begin < EXCERPT_SIZE ? names->end - names->begin : EXCERPT_SIZE),
+                            names->begin)
+                : mesh_note(notes, error, "the first three columns are x, y and z; the %zu others are not used", further);
+    if (status == BAT_OK && reader->comma)
+        status = mesh_note(notes, error, "numbers have decimal commas");
+    return status == BAT_OK && reader->missing > 0
+               ? mesh_note(notes, error, "%zu rows without coordinates are left out", reader->missing)
+               : status;
+}
+
+static bat_status rows_read(const file_text *text, bool takes_free, const bat_cloud_read_options *options,
+                            point_listing *listing, bat_error *error)
+{
+    row_reader reader = {.text = text, .takes_free = takes_free, .line = text_line_start(text), .told = SIZE_MAX};
+    bat_status status = read_rows(&reader, SIZE_MAX - 1, listing, error);
+    return status == BAT_OK ? note_rows(&reader, options->notes, error) : status;
+}
+
+static size_t rows_line_of_point(const file_text *text, bool takes_free, size_t point)
+{
+    point_listing listing = {0};
+    row_reader reader = {.text = text, .takes_free = takes_free, .line = text_line_start(text), .told = SIZE_MAX};
+    (void)read_rows(&reader, point, &listing, NULL);
+    free(listing.points);
+    return reader.line.number;
+}
+
+bat_status cloud_xyz_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                          bat_error *error)
+{
+    return rows_read(text, true, options, listing, error);
+}
+
+bat_status cloud_csv_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                          bat_error *error)
+{
+    return rows_read(text, false, options, listing, error);
+}
+
+size_t cloud_xyz_line_of_point(const file_text *text, size_t point)
+{
+    return rows_line_of_point(text, true, point);
 }
 
 size_t cloud_csv_line_of_point(const file_text *text, size_t point)
 {
-    text_line line = text_line_start(text);
-    bool more = next_row(text, &line);
-    csv_layout layout;
-    if (more && find_layout(text, &line, &layout, NULL) == BAT_OK && layout.has_names)
-        point++;
-    while (more && point-- > 0)
-        more = next_row(text, &line);
-    return line.number;
+    return rows_line_of_point(text, false, point);
+}
+
+// PTX: scans, each a grid of points with a transformation, one after another.
+
+enum
+{
+    PTX_FRAME = 28, ///< numbers of a scanner's place and axes, then of a matrix of four rows, by which points are multiplied
+    PTX_MATRIX = 12
+};
+
+/// Read a line that has one whole number alone.
+static bool scan_count_line(word_scan *scan, uint64_t *count)
+{
+    return scan_next_content(scan) && scan_count(scan, (uint64_t)1 << (COUNT_BITS / 2), count) && scan_line_done(scan);
+}
+
+bool cloud_ptx_resembles(const file_text *text)
+{
+    word_scan scan = word_scan_start(text->data, text->size);
+    uint64_t count;
+    return scan_count_line(&scan, &count) && scan_count_line(&scan, &count);
+}
+
+/// Read the next numbers, which go over lines.
+static bat_status scan_numbers(word_scan *scan, size_t count, size_t index, double *numbers, bat_error *error)
+{
+    for (size_t k = 0; k < count; k++)
+    {
+        if (!scan_next_content(scan))
+            return error_set(error, BAT_BAD_FILE, index, scan->line, "the file ends within a scan");
+        if (!scan_number(scan, &numbers[k]))
+            return cloud_number_fault(scan->at, scan_word_end(scan), index, scan->line, error);
+    }
+    return BAT_OK;
+}
+
+/// Read the points of a scan. Those at its origin are missing.
+static bat_status read_scan(word_scan *scan, const double *matrix, uint64_t rows, size_t *missing, point_listing *listing,
+                            bat_error *error)
+{
+    for (uint64_t i = 0; i < rows; i++)
+    {
+        double at[3];
+        bat_status status = scan_numbers(scan, 3, listing->count, at, error);
+        if (status != BAT_OK)
+            return status;
+        bool none = at[0] == 0 && at[1] == 0 && at[2] == 0;
+        double *point = none ? NULL : listing_next(listing);
+        if (point == NULL && !none)
+            return error_memory(error, listing->capacity * sizeof *point);
+        *missing += none;
+        for (size_t k = 0; k < 3 && !none; k++)
+        {
+            point[k] = at[0] * matrix[k] + at[1] * matrix[4 + k] + at[2] * matrix[8 + k] + matrix[12 + k];
+            if (!isfinite(point[k]))
+                return error_set(error, BAT_INVALID_POINT, listing->count - 1, scan->line, "the point is not finite");
+        }
+        (void)scan_next_line(scan);
+    }
+    return BAT_OK;
+}
+
+bat_status cloud_ptx_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                          bat_error *error)
+{
+    word_scan scan = word_scan_start(text->data, text->size);
+    bat_status status = BAT_OK;
+    size_t missing = 0;
+    while (status == BAT_OK && scan_next_content(&scan))
+    {
+        uint64_t sides[2];
+        double frame[PTX_FRAME];
+        if (!scan_count_line(&scan, &sides[0]) || !scan_count_line(&scan, &sides[1]))
+            return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, scan.line,
+                             "a scan begins with the numbers of its columns and rows, each on a line");
+        status = scan_numbers(&scan, PTX_FRAME, BAT_NO_INDEX, frame, error);
+        (void)scan_next_line(&scan);
+        if (status == BAT_OK)
+            status = read_scan(&scan, frame + PTX_MATRIX, sides[0] * sides[1], &missing, listing, error);
+    }
+    return status == BAT_OK && missing > 0
+               ? mesh_note(options->notes, error, "%zu places of the scan without a point are left out", missing)
+               : status;
 }

@@ -89,6 +89,7 @@ typedef struct bat_scan_verdict_options
 {
     size_t crops;  ///< crops of each mesh, 1 to 1000; default 3
     uint64_t seed; ///< of places, sizes and noise; default 1
+    bool scanner;  ///< as many random places, whose density is the cosine of a view, with noise along it; default false
     int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
     bat_progress progress;
 } bat_scan_verdict_options;
