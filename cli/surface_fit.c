@@ -227,22 +227,31 @@ const char *surface_verdict(const bat_surface_verdict *verdict)
     static const char *const TEXTS[] = {
         "right", "wrong: points are far from the surface", "wrong: the surface is far from the points",
         "wrong: the surface stands across the points' tangent planes", "wrong: the area is not that of the points"};
-    return TEXTS[verdict->fault];
+    static const char *const DOUBTS[] = {"right", "right, but it leaves the tangent planes of the points beside it",
+                                         "right, but neighbours on its outline are far apart",
+                                         "right, but points are sparse at its outline, so that the shape may go on",
+                                         "right, but a gap between points is closed"};
+    return verdict->fault == BAT_SURFACE_FAULT_NONE ? DOUBTS[verdict->doubt] : TEXTS[verdict->fault];
 }
 
 static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
 {
     static const char *const NAMES[] = {"none", "missed", "strays", "folds", "area"};
+    static const char *const DOUBTS[] = {"none", "planes", "outline", "rim", "gap"};
+    const double *at = verdict->doubt_place;
     return report_part(
         as_json,
-        "verdict: {verdict}\n  99 % of the points within {distance_from_surface:.3g}, 99 % of the surface within the "
+        "verdict: {verdict}[doubted?, by up to {doubt_size:.3g}, near {x:.4g} {y:.4g} {z:.4g}]\n  99 % of the points within "
+        "{distance_from_surface:.3g}, 99 % of the surface within the "
         "spacing of points and {distance_from_points:.3g}, largest {farthest:.3g}\n  area {area:.4g}, of the points "
         "{cloud_area:.4g}; {100 cross_share:.2g} % across, {100 far_share:.2g} % far\n",
-        "-verdict:s right:b fault:s distance_from_surface:n distance_from_points:n farthest:n far_share:n cross_share:n "
+        "-verdict:s -doubted:b doubt_size:n -x:n -y:n -z:n doubt:s doubt_place:o right:b fault:s distance_from_surface:n "
+        "distance_from_points:n farthest:n far_share:n cross_share:n "
         "area:n cloud_area:n spacing:n",
-        surface_verdict(verdict), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE), NAMES[verdict->fault],
-        verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest, verdict->far_share,
-        verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
+        surface_verdict(verdict), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE), verdict->doubt_size, at[0], at[1], at[2],
+        DOUBTS[verdict->doubt], json_pack("[f, f, f]", at[0], at[1], at[2]), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
+        NAMES[verdict->fault], verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest,
+        verdict->far_share, verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
 }
 
 /// The form of the surface: a plane, a tensor product or a hierarchical spline.

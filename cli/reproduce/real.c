@@ -177,11 +177,12 @@ int reproduce_real_meshes(const reproduce_job *job)
 
 static int study_verdict(const reproduce_job *job, bool scanner)
 {
-    // By whether they are right, then by whether they are accepted.
-    static const char *const OUTCOMES[2][2] = {{"wrong, refused", "wrong, accepted"}, {"right, refused", "right"}};
+    // By whether they are right, then by whether they are accepted, without a doubt or with one.
+    static const char *const OUTCOMES[2][3] = {{"wrong, refused", "wrong, accepted", "wrong, doubted"},
+                                               {"right, refused", "right", "right, doubted"}};
     bat_scan_verdict_options options = bat_scan_verdict_defaults();
     bat_scan_verdict_row *rows;
-    size_t count, failed = 0, sums[2][2] = {{0}};
+    size_t count, failed = 0, sums[2][3] = {{0}};
     options.seed = job->seed;
     options.scanner = scanner;
     options.progress = report_progress("fitting");
@@ -194,22 +195,25 @@ static int study_verdict(const reproduce_job *job, bool scanner)
     {
         const bat_scan_verdict_row *row = &rows[i];
         bool made = row->failure[0] == '\0';
-        sums[row->is_right][row->is_accepted] += made;
+        int taken = row->is_accepted + (row->doubt != BAT_SURFACE_DOUBT_NONE);
+        sums[row->is_right][taken] += made;
         failed += !made;
         report_row(&table,
                    "{shape:-20} {points:7} {noise:7g} {outcome:-16} [failure?{failure}][!failure?"
                    "{distance_from_surface:8.4f} {distance_from_points:8.4f} {area:6.3f}]\n",
                    "shape:s points:z noise:n outcome:s failure:s fault:i distance_from_surface:n distance_from_points:n "
                    "area:n",
-                   row->shape, row->points, row->noise, made ? OUTCOMES[row->is_right][row->is_accepted] : "none",
-                   row->failure, (int)row->fault, row->distance_from_surface, row->distance_from_points, row->area);
+                   row->shape, row->points, row->noise, made ? OUTCOMES[row->is_right][taken] : "none", row->failure,
+                   (int)row->fault, row->distance_from_surface, row->distance_from_points, row->area);
     }
     free(rows);
     return report_print(job->call.json,
-                        "\nright and accepted {right_accepted}, right but refused {right_refused}, wrong but accepted "
-                        "{wrong_accepted}, wrong and refused {wrong_refused}, none {failed}\n",
-                        "right_accepted:z right_refused:z wrong_accepted:z wrong_refused:z failed:z rows:o", sums[1][1],
-                        sums[1][0], sums[0][1], sums[0][0], failed, table.rows);
+                        "\nright and accepted {right_accepted}, with a doubt {right_doubted}, right but refused "
+                        "{right_refused}, wrong but accepted {wrong_accepted}, with a doubt {wrong_doubted}, wrong and "
+                        "refused {wrong_refused}, none {failed}\n",
+                        "right_accepted:z right_doubted:z right_refused:z wrong_accepted:z wrong_doubted:z wrong_refused:z "
+                        "failed:z rows:o",
+                        sums[1][1], sums[1][2], sums[1][0], sums[0][1], sums[0][2], sums[0][0], failed, table.rows);
 }
 
 int reproduce_scan_verdict(const reproduce_job *job)

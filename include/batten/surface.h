@@ -48,6 +48,7 @@ typedef struct bat_surface_reconstruct_options
     /// may be concave. `parameters` must be BAT_SURFACE_PARAMETERS_AUTO; a known boundary is not used.
     bool trim;
     double fill_holes; ///< of a trimmed surface: holes of at most this diameter are closed; at least 0; default 0
+    double close_gaps; ///< of a trimmed surface: gaps whose largest empty circle has at most this diameter are closed; 0
 } bat_surface_reconstruct_options;
 
 /// The default options.
@@ -65,10 +66,21 @@ typedef enum bat_surface_fault
     BAT_SURFACE_FAULT_AREA           ///< its area is not that of the points
 } bat_surface_fault;
 
+/// What a right surface may still have wrong, because its points say too little. See bat_surface_verdict::doubt_size.
+typedef enum bat_surface_doubt
+{
+    BAT_SURFACE_DOUBT_NONE,
+    BAT_SURFACE_DOUBT_PLANES,  ///< it leaves the tangent planes of the points beside it by `doubt_size`
+    BAT_SURFACE_DOUBT_OUTLINE, ///< neighbours on its outline are `doubt_size` apart, several spacings
+    BAT_SURFACE_DOUBT_RIM,     ///< points are sparse at its outline: the shape may go on for the spacing there
+    BAT_SURFACE_DOUBT_GAP      ///< a gap between points is closed, which is `doubt_size` across
+} bat_surface_doubt;
+
 /// A judgement of a surface by its cloud, both ways. Shares are shares of the surface's area.
 typedef struct bat_surface_verdict
 {
     bat_surface_fault fault;
+    bat_surface_doubt doubt;      ///< of a right surface
     double distance_from_surface; ///< distance from the surface of the 99th of 100 points, the nearest first
     double distance_from_points;  ///< distance from the points of 99 % of the surface
     double farthest;              ///< the largest distance from the points of a place of the surface
@@ -77,7 +89,9 @@ typedef struct bat_surface_verdict
     double area;        ///< of the surface
     double cloud_area;  ///< of the points, in their tangent planes
     double spacing;     ///< median over points of the mean distance of neighbours
+    double off_planes;  ///< distance of 99 % of the surface from the tangent plane of the nearest point
     double place[3];    ///< where the fault is worst
+    double doubt_size, doubt_place[3]; ///< how large the doubt is, and where it is largest
 } bat_surface_verdict;
 
 /// BAT_OK for a surface that is right; else BAT_NO_CONVERGENCE with a text of what is wrong and where.

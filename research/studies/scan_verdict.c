@@ -499,6 +499,7 @@ static bat_status judge(const bat_mesh *truth, bat_cloud *cloud, bat_random *ran
         return BAT_OK;
     }
     row->fault = result.verdict.fault;
+    row->doubt = result.verdict.doubt;
     row->is_accepted = row->fault == BAT_SURFACE_FAULT_NONE;
     status = measure(&result.surface, truth, options->threads, row, error);
     bat_surface_result_free(&result);

@@ -77,6 +77,7 @@ static bat_status surface_reconstruct_options_check(const void *opaque, bat_erro
         OPTION_FAMILY(bat_surface_reconstruct_options, parameters, bat_surface_parameters_family),
         OPTION_FAMILY(bat_surface_reconstruct_options, sides, bat_cloud_sides_family),
         OPTION_FIELD(bat_surface_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
+        OPTION_FIELD(bat_surface_reconstruct_options, close_gaps, OPTION_NUMBER, 0, INFINITY),
     };
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status == BAT_OK)
@@ -88,8 +89,9 @@ static bat_status surface_reconstruct_options_check(const void *opaque, bat_erro
     if (options->trim && options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
         return error_option(error, "parameters",
                             "must be auto where trim is set, because a trimmed surface has a chart of its own");
-    if (options->fill_holes > 0 && !options->trim)
-        return error_option(error, "fill_holes", "goes with trim, which is not set");
+    if ((options->fill_holes > 0 || options->close_gaps > 0) && !options->trim)
+        return error_option(error, options->fill_holes > 0 ? "fill_holes" : "close_gaps",
+                            "goes with trim, which is not set");
     const bat_hierarchical_options *space = &options->fit.space;
     size_t minimum = (space->spans[0] + (size_t)space->degree[0]) * (space->spans[1] + (size_t)space->degree[1]);
     if (options->fit.functions > 0 && options->fit.functions < minimum)
@@ -166,15 +168,20 @@ static bat_status use_chart(reconstruction *work, bat_error *error)
     if (vector3_dot(direction, direction) > 0 && work->options->fit.functions == 0 &&
         work->cloud->count <= BAT_SURFACE_ALL_POINTS)
     {
-        memmove(work->kinds + 1, work->kinds, work->kind_count++ * sizeof *work->kinds);
-        work->kinds[0] = BAT_SURFACE_PARAMETERS_TENSOR;
+        // Within a tolerance another grid, whose cells are thirds, may be smaller.
+        size_t grids = work->options->fit.tolerance > 0 && work->kind_count + 2 <= BAT_SURFACE_MAX_CANDIDATES ? 2 : 1;
+        memmove(work->kinds + grids, work->kinds, work->kind_count * sizeof *work->kinds);
+        for (size_t k = 0; k < grids; k++)
+            work->kinds[k] = BAT_SURFACE_PARAMETERS_TENSOR;
+        work->kind_count += grids;
     }
     return BAT_OK;
 }
 
 static bat_status make_trimming(reconstruction *work, bat_error *error)
 {
-    bat_status status = trimming_make(&work->geometry, work->options->fill_holes, &work->trimming, error);
+    bat_status status =
+        trimming_make(&work->geometry, work->options->fill_holes, work->options->close_gaps, &work->trimming, error);
     if (status != BAT_OK)
         return status;
     work->geometry.area = work->trimming.loops.area;
@@ -288,9 +295,23 @@ static void correct_late(const reconstruction *work, bat_surface_fit_options *fi
     fit->corrections = 0;
 }
 
+/// Ask for no larger share of the points within a tolerance than noise leaves there: erf(T / (sigma sqrt 2)), less three
+/// standard errors. Below TAIL_NOISE standard deviations the tolerance is below the noise.
+static void spare_tail(const reconstruction *work, bat_surface_fit_options *fit)
+{
+    static const double TAIL_NOISE = 1.9, ERRORS = 3;
+    double noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
+    if (fit->tolerance < TAIL_NOISE * noise || !(noise > 0))
+        return;
+    double within = erf(fit->tolerance / (noise * sqrt(2)));
+    within -= ERRORS * sqrt(within * (1 - within) / (double)parameterized(work)->count);
+    fit->share = fmin(fit->share, within);
+}
+
 static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error)
 {
     bat_surface_fit_options fit = work->options->fit;
+    spare_tail(work, &fit);
     bool all = fits_all_points(work), has_part = work->part.members != NULL;
     double share = (all ? 1 : TRIAL_SHARE) / (double)work->kind_count;
     progress_part parts[2];
@@ -313,6 +334,8 @@ static bat_status fit_kind(reconstruction *work, size_t number, bat_error *error
         options.given = work->planar;
         set_spans(work, &fit.space);
         fit.tensor = work->kinds[number] == BAT_SURFACE_PARAMETERS_TENSOR;
+        for (size_t d = 0; d < 2 && fit.tensor && number > 0; d++)
+            fit.space.spans[d] *= 3;
     }
     bat_status status = surface_candidate_make(cloud, has_part ? work->part_boundary : work->boundary, &options,
                                                work->kinds[number], candidate, error);
@@ -367,6 +390,7 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     progress_part parts[2];
     fit.progress = fit_progress(work, TRIAL_SHARE, 1 - TRIAL_SHARE, parts);
     fit.functions = reconstruction_last_budget(work);
+    spare_tail(work, &fit);
     correct_late(work, &fit);
     bat_status status = BAT_OK;
     if (work->part.members != NULL)
@@ -377,13 +401,14 @@ static bat_status fit_best(reconstruction *work, bat_error *error)
     return status == BAT_OK ? check_best(work, error) : status;
 }
 
-/// Whether a tensor-product surface is right, and as near to new points as the noise allows.
+/// Whether a tensor-product surface is right, and as near to new points as the noise allows. Within a tolerance, others may
+/// be smaller.
 static bool is_at_noise(const reconstruction *work, const bat_surface_candidate *report)
 {
     double noise = ldexp(work->geometry.noise, 1 - work->geometry.frame.exponent);
     return report->parameters == BAT_SURFACE_PARAMETERS_TENSOR && report->failure.status == BAT_OK &&
            report->verdict.fault == BAT_SURFACE_FAULT_NONE && report->expected_rms <= NOISE_REACHED * noise &&
-           (work->options->fit.tolerance == 0 || report->reached);
+           work->options->fit.tolerance == 0;
 }
 
 static bat_status fit_kinds(reconstruction *work, bat_error *error)
@@ -401,6 +426,14 @@ static bat_status fit_kinds(reconstruction *work, bat_error *error)
     if (status != BAT_OK)
         return status;
     work->best = &work->candidates[surface_candidate_best(work->candidates, work->kind_count, &work->options->fit)];
+    // The chosen grid is the first of its name.
+    if (work->best == &work->candidates[1] && work->kinds[1] == BAT_SURFACE_PARAMETERS_TENSOR)
+    {
+        surface_candidate better = *work->best;
+        work->candidates[1] = work->candidates[0];
+        work->candidates[0] = better;
+        work->best = work->candidates;
+    }
     for (size_t i = 0; i < work->kind_count; i++)
         work->result.candidates[i] = work->candidates[i].report;
     work->result.candidate_count = work->kind_count;
@@ -440,6 +473,22 @@ static bat_status check_part(const reconstruction *work, bat_cloud_parameters_re
     return status;
 }
 
+/// Doubt a right surface over the largest gap that was closed without being asked for.
+static void doubt_gaps(bat_surface_result *result)
+{
+    bat_surface_verdict *verdict = &result->verdict;
+    for (size_t k = 0; k < result->gap_count; k++)
+    {
+        const bat_surface_gap *gap = &result->gaps[k];
+        bool first = verdict->doubt != BAT_SURFACE_DOUBT_GAP;
+        if (!gap->closed || verdict->fault != BAT_SURFACE_FAULT_NONE || (!first && gap->diameter <= verdict->doubt_size))
+            continue;
+        verdict->doubt = BAT_SURFACE_DOUBT_GAP;
+        verdict->doubt_size = gap->diameter;
+        memcpy(verdict->doubt_place, gap->place, sizeof gap->place);
+    }
+}
+
 bat_status reconstruction_store(reconstruction *work, bat_error *error)
 {
     bat_surface_result *result = &work->result;
@@ -462,6 +511,8 @@ bat_status reconstruction_store(reconstruction *work, bat_error *error)
     {
         result->filled_holes = trimming_drop_filled(&work->trimming, &best->surface.trim);
         trimming_take_gaps(&work->geometry, &work->trimming, &result->gaps, &result->gap_count);
+        if (work->options->close_gaps == 0)
+            doubt_gaps(result);
     }
     local_plane plane;
     status =

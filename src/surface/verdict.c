@@ -48,6 +48,11 @@ static const double FAR_NOISE = 4;
 static const double DEEP_NOISE = 0.2;
 static const double DEEP_STRAY = 0.03;
 static const double CROSS_COSINE = 0.5;
+/// Distance from tangent planes that is doubtful, in sizes, spacings and standard deviations.
+static const double OFF_PLANES[3] = {0.0195, 0.45, 4};
+/// Of the outline: the distance of neighbours that 95 % have at most, in sizes and spacings; and the share of its length
+/// along which the spacing is more than so many sizes and median spacings.
+static const double OUTLINE_GAP[2] = {0.12, 3}, RIM_SHARE = 0.1, RIM_SPACING[2] = {0.02, 1.5};
 /// Sides of stars longer than this many spacings span gaps.
 static const double MAX_SPOKE = 3.5;
 static const double GOLDEN = 0.6180339887498949;
@@ -247,6 +252,7 @@ typedef struct surface_samples
     double *values;     ///< count x 9: place, S_u, S_v
     double *distances;  ///< count: from the nearest points
     double *cosines;    ///< count
+    double *heights;    ///< count: from the tangent planes of the nearest points
     uint32_t *nearest;  ///< count
     size_t count;
 } surface_samples;
@@ -259,6 +265,7 @@ static bat_status samples_reserve(surface_samples *samples, size_t count, bat_er
     samples->values = memory_pool_array(pool, count, 9 * sizeof(double));
     samples->distances = memory_pool_array(pool, count, sizeof(double));
     samples->cosines = memory_pool_array(pool, count, sizeof(double));
+    samples->heights = memory_pool_array(pool, count, sizeof(double));
     samples->nearest = memory_pool_array(pool, count, sizeof(uint32_t));
     return memory_pool_check(pool, error);
 }
@@ -333,8 +340,10 @@ static bat_status measure_sample(const cloud_geometry *geometry, neighbour_list 
     samples->nearest[s] = near->entries[0].item;
     samples->distances[s] = sqrt(near->entries[0].squared);
     samples->shares[s] *= length;
-    samples->cosines[s] =
-        length > 0 ? vector3_dot(normal, geometry->oriented.planes[samples->nearest[s]].axes[2]) / length : 0;
+    const double *axis = geometry->oriented.planes[samples->nearest[s]].axes[2];
+    samples->cosines[s] = length > 0 ? vector3_dot(normal, axis) / length : 0;
+    vector3_subtract(place, geometry->order.cloud.points + 3 * (size_t)samples->nearest[s], place);
+    samples->heights[s] = fabs(vector3_dot(place, axis));
     return BAT_OK;
 }
 
@@ -367,18 +376,19 @@ static int compare_weighted(const void *a, const void *b)
     return ascending(&((const weighted_distance *)a)->distance, &((const weighted_distance *)b)->distance);
 }
 
-/// The distance within which `share` of the area is.
-static bat_status quantile_of(const surface_samples *samples, double area, double share, double *quantile, bat_error *error)
+/// The distance within which 99 % of the area is.
+static bat_status quantile_of(const surface_samples *samples, const double *distances, double area, double *quantile,
+                              bat_error *error)
 {
     weighted_distance *sorted = memory_array(samples->count, sizeof *sorted);
     if (sorted == NULL)
         return error_memory(error, samples->count * sizeof *sorted);
     for (size_t s = 0; s < samples->count; s++)
-        sorted[s] = (weighted_distance){samples->distances[s], samples->shares[s]};
+        sorted[s] = (weighted_distance){distances[s], samples->shares[s]};
     qsort(sorted, samples->count, sizeof *sorted, compare_weighted);
     double sum = 0;
     size_t at = 0;
-    while (at + 1 < samples->count && (sum += sorted[at].area) < share * area)
+    while (at + 1 < samples->count && (sum += sorted[at].area) < 0.99 * area)
         at++;
     *quantile = sorted[at].distance;
     free(sorted);
@@ -459,7 +469,7 @@ static bat_status triangle_strays(const cloud_geometry *geometry, double area, i
     for (size_t s = 0; s < samples->count && status == BAT_OK; s++)
         samples->distances[s] = closest[s].distance;
     if (status == BAT_OK)
-        status = quantile_of(samples, area, 0.99, strays, error);
+        status = quantile_of(samples, samples->distances, area, strays, error);
     return status;
 }
 
@@ -483,6 +493,59 @@ static bat_surface_fault fault_of(const cloud_geometry *geometry, const bat_surf
     if (!(verdict->cross_share <= MAX_CROSS))
         return BAT_SURFACE_FAULT_FOLDS;
     return ratio >= MAX_AREA[0] && ratio <= MAX_AREA[1] ? BAT_SURFACE_FAULT_NONE : BAT_SURFACE_FAULT_AREA;
+}
+
+/// The distance from tangent planes that is doubtful. With few points, planes say too little.
+static double plane_limit(const cloud_geometry *geometry)
+{
+    double spacings = fmax(OFF_PLANES[1] * geometry->middle_spacing, OFF_PLANES[2] * geometry->noise);
+    return geometry->order.cloud.count < MIN_PLANE_POINTS ? INFINITY : fmax(OFF_PLANES[0] * geometry->size, spacings);
+}
+
+static void set_doubt(const cloud_geometry *geometry, bat_surface_doubt kind, double size, size_t point,
+                      bat_surface_verdict *verdict)
+{
+    verdict->doubt = kind;
+    verdict->doubt_size = size;
+    for (int d = 0; d < 3; d++)
+        verdict->doubt_place[d] = geometry->frame.middle[d] +
+                                  ldexp(geometry->order.cloud.points[3 * point + (size_t)d], 1 - geometry->frame.exponent);
+}
+
+/// What the points leave open: data that the fit has not used in this way. Lengths are those of the scaled cloud.
+static bat_status doubt(const cloud_geometry *geometry, bat_surface_verdict *verdict, bat_error *error)
+{
+    const bat_cloud *cloud = &geometry->order.cloud;
+    size_t count = cloud->boundary_count, widest = 0, sparsest = 0;
+    double *gaps = memory_array(count, sizeof *gaps), length = 0, sparse = 0;
+    if (gaps == NULL)
+        return error_memory(error, count * sizeof *gaps);
+    for (size_t i = 0; i < count; i++)
+    {
+        size_t next = i + 1 < count ? i + 1 : 0;
+        gaps[i] = vector3_distance(cloud->points + 3 * i, cloud->points + 3 * next);
+        length += gaps[i];
+        widest = gaps[i] > gaps[widest] ? i : widest;
+        sparsest = geometry->spacing[i] > geometry->spacing[sparsest] ? i : sparsest;
+        // A neighbourhood at the outline is half a disc.
+        double spacing = (geometry->spacing[i] + geometry->spacing[next]) / sqrt(8);
+        sparse += spacing > fmax(RIM_SPACING[0] * geometry->size, RIM_SPACING[1] * geometry->middle_spacing) ? gaps[i] : 0;
+    }
+    double largest = count > 0 ? gaps[widest] : 0;
+    qsort(gaps, count, sizeof *gaps, ascending);
+    double gap = count > 0 ? gaps[count * 95 / 100] : 0;
+    free(gaps);
+    if (sparse > RIM_SHARE * length && (cloud->triangle_count == 0 || geometry->is_deep))
+        set_doubt(geometry, BAT_SURFACE_DOUBT_RIM, geometry->spacing[sparsest] / sqrt(2), sparsest, verdict);
+    if (gap > fmax(OUTLINE_GAP[0] * geometry->size, OUTLINE_GAP[1] * geometry->middle_spacing))
+        set_doubt(geometry, BAT_SURFACE_DOUBT_OUTLINE, largest, widest, verdict);
+    if (verdict->off_planes > plane_limit(geometry))
+    {
+        verdict->doubt = BAT_SURFACE_DOUBT_PLANES;
+        verdict->doubt_size = verdict->off_planes;
+        memcpy(verdict->doubt_place, verdict->place, sizeof verdict->place);
+    }
+    return BAT_OK;
 }
 
 /// Leave out samples beyond the trimming curves, or else the parameters' bounding box, where nothing is known.
@@ -537,7 +600,11 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
         sum_samples(geometry, &samples, surface->trim.loop_count > 0 ? FARTHEST_TRIMMED : FARTHEST_SPACINGS, verdict,
                     &strays);
     if (status == BAT_OK && samples.count > 0)
-        status = quantile_of(&samples, verdict->area, 0.99, &verdict->distance_from_points, error);
+        status = quantile_of(&samples, samples.distances, verdict->area, &verdict->distance_from_points, error);
+    if (status == BAT_OK && samples.count > 0)
+        status = quantile_of(&samples, samples.heights, verdict->area, &verdict->off_planes, error);
+    if (status == BAT_OK)
+        status = doubt(geometry, verdict, error);
     if (status == BAT_OK)
         status = triangle_strays(geometry, verdict->area, options->threads, &samples, &from_triangles, error);
     strays = strays || !(from_triangles <= DEEP_STRAY * geometry->size + noise_reach(geometry));
@@ -546,9 +613,12 @@ bat_status surface_judge(const cloud_geometry *geometry, const bat_spline_surfac
     int exponent = 1 - geometry->frame.exponent;
     verdict->distance_from_points = ldexp(verdict->distance_from_points, exponent);
     verdict->farthest = ldexp(verdict->farthest, exponent);
+    verdict->off_planes = ldexp(verdict->off_planes, exponent);
+    verdict->doubt_size = ldexp(verdict->doubt_size, exponent);
     verdict->spacing = ldexp(geometry->middle_spacing, exponent);
     verdict->cloud_area = ldexp(geometry->area, 2 * exponent);
     verdict->fault = fault_of(geometry, verdict, strays, tail, options->tolerance);
+    verdict->doubt = verdict->fault == BAT_SURFACE_FAULT_NONE ? verdict->doubt : BAT_SURFACE_DOUBT_NONE;
     memory_pool_free(&samples.pool);
     return status;
 }

@@ -89,6 +89,7 @@ static void test_scans_of_the_trade(void **state)
         {".pts", "1\n.5 -1 2e3 -7 1 2 3\n2\n1 2 3 -7 1 2 3\n4 5 6.25 -7 1 2 3\n", "4 others"},
         {".txt", "Z X Y\n2e3 .5 -1\nnan nan nan\n3 1 2\n6.25 4 5\n", "1 rows without"},
         {".xyz", "0,5;-1;2000\n1;2;3\n4;5;6,25\n", "decimal commas"},
+        {".xyz", "east north up\n.5 -1 2e3\n1 2 3\n4 5 6.25\n", "does not name x"},
         {".csv", "x;y;z\n0,5;-1;2000\n1;2;3\n4;5;6,25\n", "decimal commas"},
         {".xyz", "X,Y,Z,I\n.5,-1,2e3,7\n1,2,3,7\n4,5,6.25,7\n", "\"X,Y,Z,I\""},
     };
@@ -193,13 +194,14 @@ static void test_bad_files_are_refused_at_their_line(void **state)
     assert_refused("1 2 3\n4 # 5 6\n", ".xyz", BAT_BAD_FILE, 2, "point 1 has no y");
     assert_refused("1 2 3\n4 5 6x\n", ".xyz", BAT_BAD_FILE, 2, "'6x' is not a number");
     assert_refused("1,5 2 3\n", ".xyz", BAT_BAD_FILE, 1, "2 columns");
-    assert_refused("a b c\n1 2 3\n", ".xyz", BAT_BAD_FILE, 1, "'a' is not a number");
+    assert_refused("a b c\nd e f\n1 2 3\n", ".xyz", BAT_BAD_FILE, 2, "'d' is not a number");
     assert_refused("X Y Z\nX Y Z\n1 2 3\n", ".xyz", BAT_BAD_FILE, 2, "'X' is not a number");
     assert_refused("# r\n3\n1 2 3\n4 5 6\n", ".pts", BAT_BAD_FILE, 2, "3 points are announced, but 2 follow");
     assert_refused("1\n1 2 3\n4 5 6\n", ".pts", BAT_BAD_FILE, 1, "1 points are announced, but 2 follow");
     assert_refused("1\n1 2 3\n2\n4 5 6\n", ".pts", BAT_BAD_FILE, 3, "2 points are announced, but 1 follow");
     assert_refused("1 2 3\n2\n4 5 6\n", ".xyz", BAT_BAD_FILE, 2, "point 1 has no y");
     assert_refused("1,5;2;3\n1,5,2;2;3\n", ".xyz", BAT_BAD_FILE, 2, "'1,5,2' is not a number");
+    assert_refused("1\t2\t3\n1\t\t2\t3\n", ".xyz", BAT_BAD_FILE, 2, "column 2 is empty");
     assert_refused("//X Y Z\n1 2\n", ".asc", BAT_BAD_FILE, 2, "point 0 has no z");
     assert_refused("2\n", ".ptx", BAT_BAD_FILE, 2, "columns and rows");
     assert_refused("2\n1\n" PTX_FRAME "1 2 3\n", ".ptx", BAT_BAD_FILE, 12, "ends within");

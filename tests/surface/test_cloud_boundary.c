@@ -207,12 +207,13 @@ static void test_what_is_no_patch_is_refused(void **state)
     for (uint64_t seed = 0; seed < 4; seed++)
     {
         bat_random random = bat_random_seed(seed);
-        bat_cloud sphere = {0}, ring = {0}, two = {0};
+        bat_cloud sphere = {0}, ring = {0}, two = {0}, ball = {0};
         for (int i = 0; i < 800; i++)
         {
             double x = bat_random_normal(&random), y = bat_random_normal(&random), z = bat_random_normal(&random),
                    length = sqrt(x * x + y * y + z * z);
             add_point(&sphere, x / length, y / length, z / length);
+            add_point(&ball, x, y, z);
             double r = sqrt(0.25 + 0.75 * bat_random_uniform(&random)), t = 6.283185307 * bat_random_uniform(&random);
             add_point(&ring, r * cos(t), r * sin(t), 0.1 * x);
             ring.points[3 * ring.count - 1] = 0.2 * r * r;
@@ -222,6 +223,8 @@ static void test_what_is_no_patch_is_refused(void **state)
         assert_none(&sphere, "closed");
         assert_none(&ring, "several boundary loops");
         assert_none(&two, "several pieces");
+        assert_none(&ball, "fill a volume");
+        bat_cloud_free(&ball);
         bat_cloud_free(&sphere);
         bat_cloud_free(&ring);
         bat_cloud_free(&two);

@@ -27,7 +27,7 @@ static inline double *listing_next(point_listing *listing)
 /// Points that are marked as missing, withheld or noise are left out.
 typedef bat_status cloud_reader(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
                                 bat_error *error);
-cloud_reader cloud_xyz_read, cloud_csv_read, cloud_ptx_read, cloud_pcd_read, cloud_las_read;
+cloud_reader cloud_rows_read, cloud_ptx_read, cloud_pcd_read, cloud_las_read;
 /// Whether a text begins as such files do.
 bool cloud_ptx_resembles(const file_text *text);
 bool cloud_pcd_resembles(const file_text *text);
@@ -41,8 +41,7 @@ enum
 bool las_classes_read(const char *list, bool wanted[LAS_CLASSES]);
 
 /// The line of a point in a text that was read before.
-size_t cloud_xyz_line_of_point(const file_text *text, size_t point);
-size_t cloud_csv_line_of_point(const file_text *text, size_t point);
+size_t cloud_rows_line_of_point(const file_text *text, size_t point);
 
 /// The content of comments before the first point.
 typedef struct cloud_remarks

@@ -99,10 +99,10 @@ typedef struct row_layout
 typedef struct row_reader
 {
     const file_text *text;
-    bool takes_free; ///< XYZ: rows may be free
     text_line line;  ///< the next row
     bool more;       ///< there is one
     text_line names; ///< `begin` is null without
+    bool named;      ///< they name x, y and z
     row_layout layout;
     csv_field fields[BAT_SPACE_MAX_DIM];
     size_t told, told_line, begun; ///< rows of a block that a line before them tells, SIZE_MAX without; rows before it
@@ -142,14 +142,13 @@ static bool find_names(const csv_field *fields, size_t count, size_t places[3])
 static bat_status take_names(row_reader *reader, bool *taken, bat_error *error)
 {
     text_line line = reader->line;
-    size_t count = 0, places[3];
+    size_t count = 0;
     bool slashes = line.end - line.begin >= 2 && memcmp(line.begin, "//", 2) == 0;
     line.begin += slashes ? 2 : 0;
     bat_status status = split_row(reader, &line, csv_find_separator(&line), &count, error);
     *taken = status == BAT_OK && reader->names.begin == NULL;
     for (size_t i = 0; i < count && *taken && !slashes; i++)
         *taken = !number_resembles(reader->fields[i].begin, reader->fields[i].end);
-    *taken = *taken && (!reader->takes_free || slashes || find_names(reader->fields, count, places));
     if (!*taken)
         return status;
     reader->names = line;
@@ -206,14 +205,17 @@ static bat_status find_layout(row_reader *reader, bat_error *error)
     }
     if (status != BAT_OK || !reader->more)
         return status;
-    *layout = (row_layout){.separator = ' ', .places = {0, 1, 2}};
-    layout->is_free = reader->takes_free && (is_free_row(&reader->line) || csv_find_separator(&reader->line) == ' ');
-    if (!layout->is_free)
-        layout->separator = csv_find_separator(&reader->line);
+    *layout = (row_layout){.places = {0, 1, 2}};
+    const char *begin = reader->line.begin, separator = csv_find_separator(&reader->line);
+    // Tabs alone may have empty cells between them.
+    bool mixed = separator != '\t' || memchr(begin, ' ', (size_t)(reader->line.end - begin)) != NULL;
+    layout->is_free = separator == ' ' || (mixed && reader->names.begin == NULL && is_free_row(&reader->line));
+    layout->separator = layout->is_free ? ' ' : separator;
     const text_line *first = reader->names.begin != NULL ? &reader->names : &reader->line;
     size_t places[3];
     status = split_row(reader, first, csv_find_separator(first), &layout->columns, error);
-    if (status == BAT_OK && first == &reader->names && find_names(reader->fields, layout->columns, places))
+    reader->named = status == BAT_OK && first == &reader->names && find_names(reader->fields, layout->columns, places);
+    if (reader->named)
         memcpy(layout->places, places, sizeof places);
     if (status == BAT_OK && layout->columns < 3 && !layout->is_free)
         status = error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, first->number, "%zu columns, but a point has 3 coordinates",
@@ -291,15 +293,17 @@ static bat_status read_rows(row_reader *reader, size_t last, point_listing *list
 static bat_status note_rows(const row_reader *reader, bat_mesh_notes *notes, bat_error *error)
 {
     const text_line *names = &reader->names;
-    size_t further = reader->layout.columns > 3 ? reader->layout.columns - 3 : 0;
+    char excerpt[EXCERPT_SIZE];
     bat_status status = BAT_OK;
-    if (further > 0)
-        status =
-            names->begin != NULL
-                ? mesh_note(notes, error, "of the columns \"%.*s\" x, y and z are used alone",
-                            (int)(names->end - names->begin < EXCERPT_SIZE ? names->end - names->begin : EXCERPT_SIZE),
-                            names->begin)
-                : mesh_note(notes, error, "the first three columns are x, y and z; the %zu others are not used", further);
+    if (names->begin != NULL)
+        (void)text_excerpt(excerpt, names->begin, names->end);
+    if (names->begin != NULL && !reader->named && reader->layout.columns > 0)
+        status = mesh_note(notes, error, "\"%s\" does not name x, y and z: they are the first three columns", excerpt);
+    else if (names->begin != NULL && reader->layout.columns > 3)
+        status = mesh_note(notes, error, "of the columns \"%s\" x, y and z are used alone", excerpt);
+    else if (reader->layout.columns > 3)
+        status = mesh_note(notes, error, "the first three columns are x, y and z; the %zu others are not used",
+                           reader->layout.columns - 3);
     if (status == BAT_OK && reader->comma)
         status = mesh_note(notes, error, "numbers have decimal commas");
     return status == BAT_OK && reader->missing > 0
@@ -307,43 +311,21 @@ static bat_status note_rows(const row_reader *reader, bat_mesh_notes *notes, bat
                : status;
 }
 
-static bat_status rows_read(const file_text *text, bool takes_free, const bat_cloud_read_options *options,
-                            point_listing *listing, bat_error *error)
+bat_status cloud_rows_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
+                           bat_error *error)
 {
-    row_reader reader = {.text = text, .takes_free = takes_free, .line = text_line_start(text), .told = SIZE_MAX};
+    row_reader reader = {.text = text, .line = text_line_start(text), .told = SIZE_MAX};
     bat_status status = read_rows(&reader, SIZE_MAX - 1, listing, error);
     return status == BAT_OK ? note_rows(&reader, options->notes, error) : status;
 }
 
-static size_t rows_line_of_point(const file_text *text, bool takes_free, size_t point)
+size_t cloud_rows_line_of_point(const file_text *text, size_t point)
 {
     point_listing listing = {0};
-    row_reader reader = {.text = text, .takes_free = takes_free, .line = text_line_start(text), .told = SIZE_MAX};
+    row_reader reader = {.text = text, .line = text_line_start(text), .told = SIZE_MAX};
     (void)read_rows(&reader, point, &listing, NULL);
     free(listing.points);
     return reader.line.number;
-}
-
-bat_status cloud_xyz_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
-                          bat_error *error)
-{
-    return rows_read(text, true, options, listing, error);
-}
-
-bat_status cloud_csv_read(const file_text *text, const bat_cloud_read_options *options, point_listing *listing,
-                          bat_error *error)
-{
-    return rows_read(text, false, options, listing, error);
-}
-
-size_t cloud_xyz_line_of_point(const file_text *text, size_t point)
-{
-    return rows_line_of_point(text, true, point);
-}
-
-size_t cloud_csv_line_of_point(const file_text *text, size_t point)
-{
-    return rows_line_of_point(text, false, point);
 }
 
 // PTX: scans, each a grid of points with a transformation, one after another.

@@ -71,12 +71,16 @@ typedef struct loop_search
 // Fewest points at the edge of an open patch, in roots of the number of points (a disc has 3.5), and as a share of the
 // points: gaps between random points have so many.
 static const double EDGE_ROOTS = 1;
-static const double EDGE_SHARE = 0.003;
+static const double EDGE_SHARE = 0.02;
 
 /// The failure where no polygon is wide.
 static bat_status fail_without_loop(const alpha_boundary_cloud *cloud, loop_search *search, bat_error *error)
 {
     double count = (double)cloud->tree->count, edge = (double)cloud->outer_count;
+    bool fills;
+    bat_status status = diagnose_volume(cloud->points, cloud->tree, &fills, error);
+    if (status != BAT_OK || fills)
+        return status != BAT_OK ? status : no_loop(error, "the points fill a volume; a surface needs points on it alone");
     search->seems_closed = edge < fmax(EDGE_ROOTS * sqrt(count), EDGE_SHARE * count);
     if (search->seems_closed)
         return error_remedy(error,

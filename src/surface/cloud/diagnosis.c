@@ -36,6 +36,33 @@ bat_status diagnose_line(const double *points, size_t count, bat_error *error)
                      "no boundary loop was found: the points lie along a line; a surface needs points beside it");
 }
 
+// A volume
+
+bat_status diagnose_volume(const double *points, const neighbour_tree *tree, bool *fills, bat_error *error)
+{
+    enum
+    {
+        PLACES = 64,
+        MAX_NEAR = 200,
+        NEAR_SHARE = 10 ///< of the points, the largest part that is a neighbourhood
+    };
+    static const double MIN_THICK = 0.3; // The third variance of a ball is that of the second.
+    size_t wanted = tree->count / NEAR_SHARE < MAX_NEAR ? tree->count / NEAR_SHARE : MAX_NEAR, thick = 0, made = 0;
+    neighbour_list near = {0};
+    bat_status status = BAT_OK;
+    for (size_t i = 0; i < tree->count && status == BAT_OK && wanted > 0; i += tree->count / PLACES + 1, made++)
+    {
+        status = neighbours_nearest(tree, points + 3 * i, wanted, &near, error);
+        if (status != BAT_OK)
+            break;
+        local_plane plane = local_plane_fit(points, &near);
+        thick += plane.variance[2] > MIN_THICK * plane.variance[1];
+    }
+    neighbour_list_free(&near);
+    *fills = 2 * thick > made;
+    return status;
+}
+
 // Two sheets
 
 enum

@@ -215,13 +215,15 @@ void trimming_free(surface_trimming *trimming)
     outline_free(&trimming->loops);
 }
 
-bat_status trimming_make(const cloud_geometry *geometry, double fill, surface_trimming *trimming, bat_error *error)
+bat_status trimming_make(const cloud_geometry *geometry, double fill, double close, surface_trimming *trimming,
+                         bat_error *error)
 {
+    int exponent = geometry->frame.exponent - 1;
     *trimming = (surface_trimming){0};
     bat_status status = planar_chart_make(geometry, MARGIN, &trimming->chart, error);
     if (status == BAT_OK)
         status =
-            outline_find(geometry, &trimming->chart, ldexp(fill, geometry->frame.exponent - 1), &trimming->loops, error);
+            outline_find(geometry, &trimming->chart, ldexp(fill, exponent), ldexp(close, exponent), &trimming->loops, error);
     return status;
 }
 

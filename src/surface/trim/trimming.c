@@ -69,6 +69,7 @@ typedef struct outline_work
     uint32_t *gap;      ///< of an empty triangle: the first one of its gap
     uint32_t *stack;
     uint32_t *part; ///< of each triangle; NONE for not visited
+    double close;   ///< gaps whose circles have at most this diameter are closed
 } outline_work;
 
 void outline_free(outline_loops *loops)
@@ -242,6 +243,7 @@ typedef struct outline_part
 {
     size_t count;
     double area;   ///< in squared spacings
+    double widest; ///< radius of its largest circle
     bool outside;  ///< it reaches the hull, or a gap that does
     bool attached; ///< it touches an empty triangle
     bool joins;    ///< it touches two gaps
@@ -259,6 +261,7 @@ static outline_part flood(outline_work *work, uint32_t start, double radius)
         uint32_t triangle = work->stack[head];
         double spacing = mean_spacing(work, triangle);
         part.area += work->area[triangle] / (spacing * spacing);
+        part.widest = fmax(part.widest, work->circle[triangle]);
         for (uint32_t k = 0; k < 3; k++)
         {
             uint32_t side = work->opposite[3 * triangle + k], other = side / 3;
@@ -385,10 +388,12 @@ static bat_status empty_level(outline_work *work, size_t number, outline_loops *
         outline_part part = flood(work, t, level->radius);
         bool touches = part.outside || part.attached;
         double least = part.outside ? level->outside : part.attached ? level->attached : level->area;
-        bool empty = part.area >= growth * least || (part.joins && number > 0);
+        bool found = part.area >= growth * least || (part.joins && number > 0),
+             empty = found && 2 * part.widest > work->close;
         for (size_t k = 0; k < part.count && empty; k++)
             work->level[work->stack[k]] = (uint8_t)(number + 1);
-        if (empty || touches || loops == NULL || part.area < LISTED_SHARE * growth * level->area)
+        bool listed = found || (!touches && part.area >= LISTED_SHARE * growth * level->area);
+        if (empty || loops == NULL || !listed)
             continue;
         bat_surface_gap gap = gap_of(work, part.count);
         status = add_gap(loops, &gap, error);
@@ -684,10 +689,10 @@ static bat_status find_loops(outline_work *work, double fill, outline_loops *loo
     return status == BAT_OK ? list_holes(work, loops, error) : status;
 }
 
-bat_status outline_find(const cloud_geometry *geometry, const planar_chart *chart, double fill, outline_loops *loops,
-                        bat_error *error)
+bat_status outline_find(const cloud_geometry *geometry, const planar_chart *chart, double fill, double close,
+                        outline_loops *loops, bat_error *error)
 {
-    outline_work work = {.geometry = geometry, .chart = chart};
+    outline_work work = {.geometry = geometry, .chart = chart, .close = close};
     *loops = (outline_loops){0};
     bat_status status = work_make(&work, error);
     if (status == BAT_OK)

@@ -66,10 +66,11 @@ typedef struct outline_loops
 } outline_loops;
 
 /// Find the loops.
-/// @param fill holes of at most this diameter are to be closed, in units of the scaled cloud
+/// @param fill  holes of at most this diameter are to be closed, in units of the scaled cloud
+/// @param close gaps whose circles have at most this diameter are to be closed
 /// @return BAT_OK; BAT_NO_CONVERGENCE for points in several pieces; BAT_NO_MEMORY
-bat_status outline_find(const cloud_geometry *geometry, const planar_chart *chart, double fill, outline_loops *loops,
-                        bat_error *error);
+bat_status outline_find(const cloud_geometry *geometry, const planar_chart *chart, double fill, double close,
+                        outline_loops *loops, bat_error *error);
 void outline_free(outline_loops *loops);
 
 /// Fit trimming curves to loops. Points inside a patch that was scanned at random places end before the true edge. Their
@@ -90,9 +91,11 @@ typedef struct surface_trimming
 } surface_trimming;
 
 /// Make the chart and find the loops.
-/// @param fill holes of at most this diameter are to be closed, in units of the cloud
+/// @param fill  holes of at most this diameter are to be closed, in units of the cloud
+/// @param close gaps whose circles have at most this diameter are to be closed
 /// @return BAT_OK; see planar_chart_make() and outline_find(); release `trimming` in both cases
-bat_status trimming_make(const cloud_geometry *geometry, double fill, surface_trimming *trimming, bat_error *error);
+bat_status trimming_make(const cloud_geometry *geometry, double fill, double close, surface_trimming *trimming,
+                         bat_error *error);
 void trimming_free(surface_trimming *trimming);
 
 /// The parameters of the points in the chart's rectangle.

@@ -110,6 +110,7 @@ typedef struct bat_scan_verdict_row
     double noise;                      ///< standard deviation of a coordinate
     char failure[BAT_ERROR_TEXT_SIZE]; ///< why there is no surface; empty where there is one
     bat_surface_fault fault;
+    bat_surface_doubt doubt;
     bool is_accepted, is_right;
     double distance_from_surface; ///< distance from the surface of 99 % of the truth's vertices
     double distance_from_points;  ///< distance from the truth of 99 % of the surface's samples
