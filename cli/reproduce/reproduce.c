@@ -98,9 +98,11 @@ static const result RESULTS[] = {
      "-"},
     {"scan-verdict-scanner", reproduce_scan_verdict_scanner, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
      "the same of points as a scanner sees them: density by the cosine of the view, noise along it", "meshes", "-"},
+    {"scan-solids", reproduce_scan_solids, SEED | TRUTH, NULL, "meshes (OBJ, OFF, PLY)",
+     "shells of clouds that are sampled from meshes, with noise and as by a scanner: which are right, and their errors",
+     "meshes", "-"},
     {"harm", reproduce_harm, SEED | COUNTS, NULL, NULL,
-     "random inputs of many kinds with a known truth: how often a default loses to the simplest rival", NULL,
-     "--clouds 1"},
+     "random inputs of many kinds with a known truth: how often a default loses to the simplest rival", NULL, "--clouds 1"},
     {"all", reproduce_all, ALWAYS | MAY_READ | WHOLE_SET, NULL, "curves, meshes, clouds and motion",
      "every other result, each to a file in a folder; what is there already is kept", NULL, NULL},
 };
@@ -145,7 +147,7 @@ static const option_spec OPTIONS[] = {
      "surface-nefertiti, -face: where the curves, motions or clouds are; all: where their folders are",
      TEXT(reproduce_job, data)},
     {"seed", "N", METHOD, COMMON,
-     "tension-table2: of the noise; surface-clouds, scan-verdict, harm: of the inputs; tension-table3, -table4, "
+     "tension-table2: of the noise; surface-clouds, scan-verdict, -solids, harm: of the inputs; tension-table3, -table4, "
      "mesh-ablations, "
      "mesh-style, surface-ablation: of the trainings; default 1",
      WHOLE(reproduce_job, seed, 0, 1000000000)},

@@ -50,4 +50,4 @@ extern reproduce_result reproduce_all, reproduce_curve_figures, reproduce_tensio
     reproduce_motion_keyframes, reproduce_real_curves, reproduce_real_meshes, reproduce_hermite_figures,
     reproduce_hermite_order, reproduce_mesh_table2, reproduce_mesh_ablations, reproduce_mesh_style,
     reproduce_surface_ablation, reproduce_surface_clouds, reproduce_surface_nefertiti, reproduce_surface_face,
-    reproduce_surface_shapes, reproduce_scan_verdict, reproduce_scan_verdict_scanner, reproduce_harm;
+    reproduce_surface_shapes, reproduce_scan_verdict, reproduce_scan_verdict_scanner, reproduce_scan_solids, reproduce_harm;

@@ -2,6 +2,7 @@
 #define BATTEN_RESEARCH_SURFACE_STUDY_H
 
 #include "batten/research/surface_shapes.h"
+#include "batten/shell.h"
 #include "batten/surface.h"
 
 BAT_C_BEGIN
@@ -126,6 +127,42 @@ typedef struct bat_scan_verdict_row
 ///         BAT_NO_MEMORY; results are untouched on failure
 BAT_API bat_status bat_scan_verdict(const char *folder, const bat_scan_verdict_options *options, bat_scan_verdict_row **rows,
                                     size_t *count, bat_error *error);
+
+/// Options of bat_scan_solids(). Begin with bat_scan_solids_defaults().
+typedef struct bat_scan_solids_options
+{
+    size_t points; ///< of each cloud, 1000 to 10 million; default 20000
+    uint64_t seed; ///< of places and noise; default 1
+    int threads;   ///< 0: as many as OpenMP gives; the result does not depend on it; default 0
+    bat_progress progress;
+} bat_scan_solids_options;
+
+/// The options' default values.
+BAT_API bat_scan_solids_options bat_scan_solids_defaults(void);
+
+/// A cloud of a mesh, and its shell against the mesh. Lengths are shares of the mesh's diagonal.
+typedef struct bat_scan_solids_row
+{
+    char shape[BAT_SCAN_VERDICT_NAME]; ///< the mesh's file
+    double noise;                      ///< standard deviation of a coordinate
+    bool scanner;                      ///< sampled as from four views, by the cosine of the nearest; else evenly
+    char failure[BAT_ERROR_TEXT_SIZE]; ///< why there is no shell; empty where there is one
+    bool is_right;                     ///< as bat_scan_solids() has it
+    int64_t euler;                     ///< Euler's number of the shell minus that of the mesh: -2 for each handle too many
+    double rms, largest;               ///< distances between shell and mesh, the greater of both ways
+    double volume;                     ///< relative error; NaN for open meshes
+    bat_shell_report report;           ///< of the shell, in the mesh's unit
+    size_t faces;                      ///< of the shell
+} bat_scan_solids_row;
+
+/// Sample each mesh of a folder without noise and with noise of 0.001 and 0.005 of its diagonal, and fit shells. Every third
+/// cloud is as from a scanner. A shell is right if it is closed where the mesh is, has its Euler's number, is nowhere
+/// farther from it than 0.02 and four standard deviations of the noise, and has its volume to 2 %.
+/// @param folder with meshes in OBJ, OFF or PLY; those of several pieces, or that begin with "coarse-", are left out
+/// @param rows   receives the rows, in the order of the files' names; release it with free()
+/// @return as bat_scan_verdict()
+BAT_API bat_status bat_scan_solids(const char *folder, const bat_scan_solids_options *options, bat_scan_solids_row **rows,
+                                   size_t *count, bat_error *error);
 
 BAT_C_END
 
