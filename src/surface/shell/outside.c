@@ -1,16 +1,28 @@
 /// @file
-/// Orientation of tangent planes by the outside of the points of a shell; see shell.h.
+/// Orientation of tangent planes of the points of a shell; see shell.h.
+///
+/// Where a flood from far away, between balls around the points, leaves an inside, the surface is closed, and each normal
+/// leads to the nearer outside. On an open surface all normals are turned so that one sees farther along them.
 
 #include "surface/shell/shell.h"
+
+#include "linalg/vector.h"
+
+#include <math.h>
 
 #define OUTSIDE_CELLS 200 ///< most cells along the longest side of the grid that finds the outside
 #define OUTSIDE_MARGIN 8
 #define OUTSIDE_REACH 32 ///< steps
+#define SIGHTS 32        ///< directions
 #define WALL 1
 #define OUTSIDE 2
 
-/// Share of points from which the outside orients all.
-static const double MIN_DECIDED = 0.8;
+/// Share of points between the outside and an inside of a closed surface. Closed ones had 0.7 to 1, open ones 0.01.
+static const double MIN_INNER = 0.35;
+/// Difference of the shares of directions from which one normal is turned.
+static const double MIN_SIGHT = 0.25;
+/// Least sine between a line of sight and the surface.
+static const double MIN_SLOPE = 0.3;
 /// Radius of the wall around a point, in its spacings and in cells, and the length of a step through it in cells.
 static const double WALL_SPACINGS = 2.5, MIN_WALL = 2.5, MAX_WALL = 8, OUTSIDE_STEP = 0.5;
 
@@ -72,54 +84,110 @@ static void flood(const outside_grid *grid)
     }
 }
 
-/// The number of cells from a point to the outside along a direction; OUTSIDE_REACH where it is farther.
-static int cells_to_outside(const outside_grid *grid, const double *point, const double *direction, double sign)
+/// What a walk from a point along a direction meets first beyond the wall.
+typedef struct outside_walk
 {
-    for (int k = 1; k < OUTSIDE_REACH; k++)
+    int steps;   ///< to the outside; OUTSIDE_REACH where it is farther
+    bool inside; ///< it meets a cell that is neither wall nor outside first
+} outside_walk;
+
+static outside_walk walk_outside(const outside_grid *grid, const double *point, const double *direction, double sign)
+{
+    outside_walk walk = {OUTSIDE_REACH, false};
+    for (int k = 1; k < OUTSIDE_REACH && walk.steps == OUTSIDE_REACH; k++)
     {
         double at[3];
         for (int d = 0; d < 3; d++)
             at[d] = point[d] + sign * k * OUTSIDE_STEP * grid->cell * direction[d];
-        if (grid->marks[mark_index(grid, at)] == OUTSIDE)
-            return k;
+        uint8_t mark = grid->marks[mark_index(grid, at)];
+        walk.inside = walk.inside || mark == 0;
+        if (mark == OUTSIDE)
+            walk.steps = k;
     }
-    return OUTSIDE_REACH;
+    return walk;
+}
+
+/// Mark the wall around the points, and the outside.
+static bat_status outside_make(const shell_cloud *cloud, outside_grid *grid, memory_pool *pool, bat_error *error)
+{
+    const double *low = cloud->tree->boxes[1].low, *high = cloud->tree->boxes[1].high;
+    double extent = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
+    size_t cells = 1;
+    grid->cell = fmax(cloud->spacing, extent / OUTSIDE_CELLS);
+    for (int d = 0; d < 3; d++)
+    {
+        grid->origin[d] = low[d] - OUTSIDE_MARGIN * grid->cell;
+        grid->size[d] = (size_t)((high[d] - low[d]) / grid->cell) + 2 * OUTSIDE_MARGIN + 1;
+        cells *= grid->size[d];
+    }
+    grid->marks = memory_pool_zeros(pool, cells, sizeof *grid->marks);
+    grid->queue = memory_pool_array(pool, cells, sizeof *grid->queue);
+    bat_status status = memory_pool_check(pool, error);
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
+        mark_ball(grid, cloud->points + 3 * i,
+                  fmin(fmax(WALL_SPACINGS * sqrt(cloud->areas[i]) / grid->cell, MIN_WALL), MAX_WALL));
+    if (status == BAT_OK)
+        flood(grid);
+    return status;
+}
+
+/// The share of directions in which one sees far from a point, in the half-space of a normal, less that in the other one.
+static double sight_of(const outside_grid *grid, const double *point, const double normal[3])
+{
+    double sum = 0;
+    for (int k = 0; k < SIGHTS; k++)
+    {
+        // Directions of Fibonacci's lattice on the sphere.
+        double z = 1 - (2 * k + 1.0) / SIGHTS, radius = sqrt(1 - z * z), turn = 2.399963229728653 * k;
+        const double direction[3] = {radius * cos(turn), radius * sin(turn), z};
+        double slope = vector3_dot(direction, normal);
+        bool free = true;
+        if (fabs(slope) < MIN_SLOPE)
+            continue;
+        for (double step = 2 * MIN_WALL / fabs(slope); free; step++)
+        {
+            double at[3];
+            bool inside = true;
+            for (int d = 0; d < 3; d++)
+            {
+                at[d] = point[d] + step * grid->cell * direction[d];
+                inside = inside && at[d] > grid->origin[d] && at[d] < grid->origin[d] + grid->cell * (double)grid->size[d];
+            }
+            if (!inside)
+                break;
+            free = grid->marks[mark_index(grid, at)] != WALL;
+        }
+        sum += free ? (slope > 0 ? 1 : -1) : 0;
+    }
+    return 2 * sum / SIGHTS;
 }
 
 bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool *outward, bat_error *error)
 {
-    const double *low = cloud->tree->boxes[1].low, *high = cloud->tree->boxes[1].high;
-    double extent = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
-    outside_grid grid = {.cell = fmax(cloud->spacing, extent / OUTSIDE_CELLS)};
-    size_t cells = 1, decided = 0;
-    for (int d = 0; d < 3; d++)
-    {
-        grid.origin[d] = low[d] - OUTSIDE_MARGIN * grid.cell;
-        grid.size[d] = (size_t)((high[d] - low[d]) / grid.cell) + 2 * OUTSIDE_MARGIN + 1;
-        cells *= grid.size[d];
-    }
     memory_pool pool = {0};
-    grid.marks = memory_pool_zeros(&pool, cells, sizeof *grid.marks);
-    grid.queue = memory_pool_array(&pool, cells, sizeof *grid.queue);
-    int8_t *votes = memory_pool_zeros(&pool, cloud->count, sizeof *votes);
-    bat_status status = memory_pool_check(&pool, error);
-    if (status == BAT_OK)
+    outside_grid grid = {0};
+    size_t inner = 0;
+    double sum = 0;
+    float *votes = memory_pool_zeros(&pool, cloud->count, sizeof *votes);
+    bat_status status = outside_make(cloud, &grid, &pool, error);
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
     {
-        for (size_t i = 0; i < cloud->count; i++)
-            mark_ball(&grid, cloud->points + 3 * i,
-                      fmin(fmax(WALL_SPACINGS * sqrt(cloud->areas[i]) / grid.cell, MIN_WALL), MAX_WALL));
-        flood(&grid);
-        for (size_t i = 0; i < cloud->count; i++)
-        {
-            const double *point = cloud->points + 3 * i, *normal = planes->planes[i].axes[2];
-            int ahead = cells_to_outside(&grid, point, normal, 1), behind = cells_to_outside(&grid, point, normal, -1);
-            votes[i] = (int8_t)((ahead < behind) - (behind < ahead));
-            decided += votes[i] != 0;
-        }
+        const double *point = cloud->points + 3 * i, *normal = planes->planes[i].axes[2];
+        outside_walk ahead = walk_outside(&grid, point, normal, 1), behind = walk_outside(&grid, point, normal, -1);
+        votes[i] = (float)((ahead.steps < behind.steps) - (behind.steps < ahead.steps));
+        inner += votes[i] != 0 && (votes[i] > 0 ? behind : ahead).inside;
     }
-    *outward = (double)decided > MIN_DECIDED * (double)cloud->count;
-    for (size_t i = 0; i < cloud->count && status == BAT_OK && *outward; i++)
-        for (int d = 0; d < 3 && votes[i] < 0; d++)
+    *outward = (double)inner > MIN_INNER * (double)cloud->count;
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
+    {
+        if (!*outward)
+            votes[i] = (float)sight_of(&grid, cloud->points + 3 * i, planes->planes[i].axes[2]);
+        sum += votes[i];
+    }
+    // Normals of open surfaces are turned alone only where they are not all alike.
+    double least = *outward ? 0 : planes->conflicts > 0 ? MIN_SIGHT : INFINITY;
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
+        for (int d = 0; d < 3 && (fabsf(votes[i]) > least ? votes[i] < 0 : sum < 0); d++)
             planes->planes[i].axes[2][d] *= -1;
     memory_pool_free(&pool);
     return status;
