@@ -267,15 +267,18 @@ static int report_shell(const surface_job *job)
         job->call.json,
         "{input}: {points} points, noise about {noise:.3g}\n"
         "{kind} shell of {faces} patches, {control} control points; {fact}\n"
-        "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}\n"
-        "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n",
+        "distance of the points: root mean square {rms:.4g}, largest {largest:.4g}; held out {held_out:.4g}; {missed} "
+        "missed\n"
+        "normals across patches: 99 % below {jump_99:.2g}, largest {jump_largest:.2g} degrees apart\n"
+        "pieces {pieces}, left out {dropped_pieces}; holes closed {filled}; false handles cut {cut_handles}; patches that "
+        "cross others {crossings}\n",
         "-input:s points:z noise:n -kind:s faces:z control:z -fact:s rms:n largest:n held_out:n jump_99:n jump_largest:n "
         "volume:n "
-        "mesh_volume:n pieces:z holes:z filled:z dropped_pieces:z closed:b spacing:n",
+        "mesh_volume:n pieces:z holes:z filled:z dropped_pieces:z closed:b spacing:n missed:z cut_handles:z crossings:z",
         job->call.input, report->points, report->noise, shell->closed ? "closed" : "open", shell->face_count,
         shell->cage.vertex_count, fact, report->rms, report->largest, report->held_out, report->normal_jump[1] * DEGREES,
         report->normal_jump[2] * DEGREES, report->volume, report->mesh_volume, report->pieces, report->holes, report->filled,
-        report->dropped_pieces, (int)shell->closed, report->spacing);
+        report->dropped_pieces, (int)shell->closed, report->spacing, report->missed, report->cut_handles, report->crossings);
 }
 
 // A fit

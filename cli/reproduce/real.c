@@ -272,10 +272,11 @@ int reproduce_scan_solids(const reproduce_job *job)
     if (code != EXIT_DONE)
         return code;
     report_table table = report_begin(job->call.json);
-    report_head(&table, "Shells of %zu points against the mesh. rms: in standard deviations of the noise, else in %% of the "
-                        "diagonal;\nlargest: %% of the diagonal; jumps of normals: degrees; volume: %%; euler: -2 for each "
-                        "handle too many.\n\nshape              noise scanner  result       rms largest   jumps: median    "
-                        "99 %%  largest  volume euler faces\n",
+    report_head(&table,
+                "Shells of %zu points against the mesh. rms: in standard deviations of the noise, else in %% of the "
+                "diagonal;\nlargest: %% of the diagonal; jumps of normals: degrees; volume: %%; euler: -2 for each "
+                "handle too many.\n\nshape              noise scanner  result       rms largest   jumps: median    "
+                "99 %%  largest  volume euler faces cut\n",
                 options.points);
     for (size_t i = 0; i < count; i++)
     {
@@ -283,15 +284,20 @@ int reproduce_scan_solids(const reproduce_job *job)
         bool made = row->failure[0] == '\0';
         const double *jump = row->report.normal_jump;
         sums[!made ? 1 : row->is_right ? 0 : 2]++;
-        report_row(&table,
-                   "{shape:-16} {100 noise:5.2g} % [scanner?scanner][!scanner?       ]  {result:-8} [failure?{failure}]"
-                   "[!failure?{error:8.3g} {100 largest:7.3f} {jump_median:16.2f} {jump_99:7.2f} {jump_largest:8.1f} [volume?"
-                   "{100 volume:7.3f}][!volume?      -] {euler:5} {faces:5}]\n",
-                   "shape:s noise:n scanner:b result:s failure:s -error:n rms:n largest:n jump_median:n jump_99:n jump_largest:n "
-                   "volume:n euler:i faces:z",
-                   row->shape, row->noise, (int)row->scanner, !made ? "refused" : row->is_right ? "right" : "wrong",
-                   row->failure, row->noise > 0 ? row->rms / row->noise : 100 * row->rms, row->rms, row->largest,
-                   jump[0] * DEGREES, jump[1] * DEGREES, jump[2] * DEGREES, row->volume, (int)row->euler, row->faces);
+        report_row(
+            &table,
+            "{shape:-16} {100 noise:5.2g} % [scanner?scanner][!scanner?       ]  {result:-8} [failure?{failure}]"
+            "[!failure?{error:8.3g} {100 largest:7.3f} {jump_median:16.2f} {jump_99:7.2f} {jump_largest:8.1f} [volume?"
+            "{100 volume:7.3f}][!volume?      -] {euler:5} {faces:5} {cut_handles:3}]\n",
+            "shape:s noise:n scanner:b result:s failure:s -error:n rms:n largest:n jump_median:n jump_99:n jump_largest:n "
+            "volume:n euler:i faces:z cut_handles:z crossings:z missed:z",
+            row->shape, row->noise, (int)row->scanner,
+            !made           ? "refused"
+            : row->is_right ? "right"
+                            : "wrong",
+            row->failure, row->noise > 0 ? row->rms / row->noise : 100 * row->rms, row->rms, row->largest, jump[0] * DEGREES,
+            jump[1] * DEGREES, jump[2] * DEGREES, row->volume, (int)row->euler, row->faces, row->report.cut_handles,
+            row->report.crossings, row->report.missed);
     }
     free(rows);
     return report_print(job->call.json, "\nright {right}, refused {refused}, wrong {wrong}\n",

@@ -60,7 +60,8 @@ static bat_status sample(const bat_mesh *mesh, const bat_scan_solids_options *op
         vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, p);
         vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, q);
         vector3_cross(p, q, normal);
-        double area = vector3_normalize(normal);
+        double area = vector3_length(normal);
+        (void)vector3_normalize(normal);
         sums[f + 1] = sums[f] + (scanner ? area * density_of(normal) : area);
     }
     for (size_t i = 0; i < options->points; i++)

@@ -92,6 +92,16 @@ static void a_sphere_is_closed_and_round(void **state)
         check_near(point[0] * point[0] + point[1] * point[1] + point[2] * point[2], 1, 2e-2);
         assert_true(point[0] * normal[0] + point[1] * normal[1] + point[2] * normal[2] > 0.9);
     }
+    const uint32_t faces[2] = {3, (uint32_t)shell.face_count};
+    const double parameters[4] = {0.3, 0.8, 0.5, 0.5};
+    double points[6], normals[6], point[3], normal[3];
+    bat_error error;
+    check_status(bat_shell_evaluate_many(&shell, faces, parameters, 1, points, normals, NULL), BAT_OK);
+    check_status(bat_shell_evaluate(&shell, 3, 0.3, 0.8, point, normal, NULL), BAT_OK);
+    assert_memory_equal(points, point, sizeof point);
+    assert_memory_equal(normals, normal, sizeof normal);
+    check_status(bat_shell_evaluate_many(&shell, faces, parameters, 2, points, NULL, &error), BAT_INVALID_ARGUMENT);
+    assert_int_equal(error.index, 1);
     bat_shell_free(&shell);
     free(made.points);
 }
@@ -103,7 +113,9 @@ static void noise_does_not_swell(void **state)
     scatter made = sphere(6000, 1, 0.03);
     bat_shell shell;
     bat_shell_report report;
-    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
+    bat_error error = {0};
+    if (bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, &error) != BAT_OK)
+        fail_msg("%s", error.text);
     check_near(report.noise, 0.03, 0.002);
     // The mean square of the points' radii alone would give 0.4 % more.
     check_near(report.volume, 4 * PI / 3, 0.003 * 4 * PI / 3);
@@ -142,6 +154,121 @@ static void an_open_cup_stays_open(void **state)
     assert_false(shell.closed);
     assert_int_equal(report.holes, 1);
     assert_int_equal(euler_of(&shell), 1);
+    // More directions lead away from its outer side.
+    for (size_t f = 0; f < shell.face_count; f++)
+    {
+        double point[3], normal[3];
+        check_status(bat_shell_evaluate(&shell, f, 0.5, 0.5, point, normal, NULL), BAT_OK);
+        if (point[2] < 0.4)
+            assert_true(point[0] * normal[0] + point[1] * normal[1] + point[2] * normal[2] > 0);
+    }
+    bat_shell_free(&shell);
+    free(made.points);
+}
+
+/// A plate of n x n cells of size 1 and the height 0.8, with a square hole of some cells in its middle.
+static bat_mesh plate_with_hole(uint32_t n, uint32_t width)
+{
+    uint32_t row = n + 1, low = (n - width) / 2, high = low + width;
+    bat_mesh plate = {.positions = calloc((size_t)2 * row * row * 3, sizeof(double)),
+                      .faces = calloc((size_t)4 * n * n * 3 + (size_t)8 * (n + width) * 3, sizeof(uint32_t)),
+                      .vertex_count = (size_t)2 * row * row};
+    assert_non_null(plate.positions);
+    assert_non_null(plate.faces);
+    for (uint32_t v = 0; v < 2 * row * row; v++)
+    {
+        plate.positions[3 * v] = v % row;
+        plate.positions[3 * v + 1] = v / row % row;
+        plate.positions[3 * v + 2] = v < row * row ? 0 : 0.8;
+    }
+    uint32_t *face = plate.faces;
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t j = 0; j < n; j++)
+        {
+            bool hole = i >= low && i < high && j >= low && j < high;
+            const uint32_t at[4] = {j * row + i, j * row + i + 1, (j + 1) * row + i + 1, (j + 1) * row + i};
+            const int steps[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
+            for (uint32_t c = 0; c < 4 && !hole; c++)
+            {
+                uint32_t x = i + (uint32_t)steps[c][0], y = j + (uint32_t)steps[c][1], a = at[c], b = at[(c + 1) % 4];
+                bool outside = x >= n || y >= n || (x >= low && x < high && y >= low && y < high);
+                const uint32_t wall[6] = {a, b, b + row * row, a, b + row * row, a + row * row};
+                if (outside)
+                    memcpy(face, wall, sizeof wall);
+                face += outside ? 6 : 0;
+            }
+            const uint32_t sides[12] = {at[0],
+                                        at[2],
+                                        at[1],
+                                        at[0],
+                                        at[3],
+                                        at[2],
+                                        at[0] + row * row,
+                                        at[1] + row * row,
+                                        at[2] + row * row,
+                                        at[0] + row * row,
+                                        at[2] + row * row,
+                                        at[3] + row * row};
+            if (!hole)
+                memcpy(face, sides, sizeof sides);
+            face += hole ? 0 : 12;
+        }
+    plate.face_count = (size_t)(face - plate.faces) / 3;
+    return plate;
+}
+
+/// A hole of a plate is closed where there are points in its place, and stays where there are none.
+static void false_handles_are_cut(void **state)
+{
+    (void)state;
+    for (int is_false = 0; is_false < 2; is_false++)
+    {
+        uint32_t n = 13;
+        bat_mesh plate = plate_with_hole(n, is_false ? 1 : 5);
+        bat_mesh_summary summary;
+        bat_shell_report report = {0};
+        const shell_connection found = {.spacing = 0.5, .cell = 0.5};
+        scatter made = scatter_make((size_t)8 * n * n);
+        size_t count = 0;
+        for (size_t k = 0; k < made.count; k++)
+        {
+            size_t i = k / 2 % (2 * n), j = k / 2 / (2 * n);
+            double *point = made.points + 3 * count, x = 0.5 * (double)i + 0.25, y = 0.5 * (double)j + 0.25;
+            if (!is_false && fabs(x - 6.5) < 2.5 && fabs(y - 6.5) < 2.5)
+                continue;
+            point[0] = x;
+            point[1] = y;
+            point[2] = k % 2 == 0 ? 0 : 0.8;
+            count++;
+        }
+        check_status(bat_mesh_summarize(&plate, &summary, NULL), BAT_OK);
+        assert_int_equal(summary.genus, 1);
+        check_status(shell_cut_handles(made.points, count, &found, &plate, &report, NULL), BAT_OK);
+        assert_int_equal(report.cut_handles, is_false);
+        // The corners inside of the hole have no faces.
+        check_status(bat_mesh_summarize(&plate, &summary, NULL), BAT_OK);
+        assert_int_equal(summary.genus, 1 - is_false);
+        assert_true(summary.closed && summary.manifold && summary.oriented);
+        bat_mesh_free(&plate);
+        free(made.points);
+    }
+}
+
+/// A sphere does not cross itself; drawn together at its equator to a figure of eight, it does.
+static void crossings_are_counted(void **state)
+{
+    (void)state;
+    scatter made = sphere(2000, 1, 0);
+    bat_shell shell;
+    bat_shell_report report;
+    size_t crossings;
+    check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
+    assert_int_equal(report.crossings, 0);
+    assert_int_equal(report.missed, 0);
+    for (size_t k = 0; k < shell.cage.face_count * 16; k++)
+        shell.patches[3 * k + 1] *= shell.patches[3 * k + 2];
+    check_status(shell_count_crossings(&shell, &crossings, NULL), BAT_OK);
+    assert_true(crossings > 4 && crossings < shell.cage.face_count / 2);
     bat_shell_free(&shell);
     free(made.points);
 }
@@ -204,7 +331,7 @@ static void rows_are_averages(void **state)
     scatter made = torus(2000);
     shell_connection found;
     check_status(shell_connect(made.points, made.count, (bat_progress){0}, &ball, &found, NULL), BAT_OK);
-    check_status(shell_layout_make(&ball, 60, &layout, NULL), BAT_OK);
+    check_status(shell_layout_make(&ball, 60, 0, &layout, NULL), BAT_OK);
     check_status(shell_grid_make(&layout, 3, &grid, NULL), BAT_OK);
     for (size_t row = 0; row < grid.rows.row_count; row++)
     {
@@ -244,6 +371,8 @@ int main(void)
         cmocka_unit_test(noise_does_not_swell),
         cmocka_unit_test(a_torus_keeps_its_hole),
         cmocka_unit_test(an_open_cup_stays_open),
+        cmocka_unit_test(false_handles_are_cut),
+        cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),
         cmocka_unit_test(a_cube_keeps_its_edges),
         cmocka_unit_test(rows_are_averages),

@@ -25,6 +25,9 @@ static const double SPREAD = 3;
 /// Least squared size of edges, in a frame in which coordinates are up to 1.
 static const double MIN_SIZE = 1e-10;
 
+/// Angle between normals from which the smoothing around grows (5 degrees), its growth, and its largest factor.
+static const double MAX_JUMP = 0.087266462599716474, STIFFEN = 4, MAX_STIFF = 64;
+
 #define STEPS 4       ///< of a correction
 #define TRIALS 12     ///< smoothing weights of a round
 #define MAX_LOCAL 512 ///< control points of a patch
@@ -230,6 +233,11 @@ static double squared_size(const shell_fit *fit, uint32_t vertex, const uint32_t
     return sum / (double)count;
 }
 
+static double stiffness_at(const shell_fit *fit, uint32_t vertex)
+{
+    return fit->stiff != NULL ? fit->stiff[vertex] : 1;
+}
+
 static void add_ring(fit_work *work, uint32_t vertex)
 {
     const shell_fit *fit = work->fit;
@@ -237,7 +245,7 @@ static void add_ring(fit_work *work, uint32_t vertex)
     uint32_t list[130];
     bool closed;
     size_t n = neighbours_of(grid, vertex, list, &closed);
-    double size = fmax(squared_size(fit, vertex, list, n), MIN_SIZE);
+    double size = fmax(squared_size(fit, vertex, list, n), MIN_SIZE) / stiffness_at(fit, vertex);
     for (size_t k = 0; k < n && closed && grid->kinds[vertex] == SHELL_SMOOTH; k++)
     {
         double across = n % 2 == 0 ? 1 : 1 / cos(PI / (double)n);
@@ -280,7 +288,7 @@ static void fill_plate(fit_work *work)
             add_term(&row, grid->quads[4 * (size_t)q + c], c % 2 == 0 ? 1 : -1);
         const uint32_t *quad = grid->quads + 4 * (size_t)q;
         const uint32_t around[2] = {quad[1], quad[3]};
-        add_square(work, &row, 2 / fmax(squared_size(fit, quad[0], around, 2), MIN_SIZE));
+        add_square(work, &row, 2 * stiffness_at(fit, quad[0]) / fmax(squared_size(fit, quad[0], around, 2), MIN_SIZE));
     }
 }
 
@@ -459,6 +467,28 @@ static bat_status work_make(fit_work *work, bat_error *error)
     return status == BAT_OK ? fit_solver_make(&system->pattern, &work->solver, error) : status;
 }
 
+/// Raise the smoothing around the sides across which normals jump.
+static void stiffen(const shell_fit *fit)
+{
+    const shell_grid *grid = fit->grid;
+    for (uint32_t h = 0; h < 4 * grid->quad_count; h++)
+    {
+        uint32_t twin = grid->links.twin[h];
+        if (twin == BAT_MESH_NONE || twin < h || grid->sharp[h] ||
+            fmax(shell_jump(grid, fit->bezier, h, 0.3), shell_jump(grid, fit->bezier, h, 0.7)) < MAX_JUMP)
+            continue;
+        // A vertex of several such sides gets one factor: the sign marks it.
+        for (uint32_t c = 0; c < 8; c++)
+        {
+            double *factor = &fit->stiff[grid->quads[(c < 4 ? h : twin) / 4 * 4 + c % 4]];
+            *factor = -fabs(*factor);
+        }
+    }
+    for (size_t v = 0; v < grid->vertex_count; v++)
+        if (fit->stiff[v] < 0)
+            fit->stiff[v] = fmin(-STIFFEN * fit->stiff[v], MAX_STIFF);
+}
+
 static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
 {
     shell_fit *fit = work->fit;
@@ -475,6 +505,8 @@ static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
         status = shell_grid_bezier(fit->grid, fit->control, fit->bezier, error);
     if (status == BAT_OK)
         correct(fit);
+    if (status == BAT_OK && fit->stiff != NULL && fit->held == NULL && fit->unbias > 0)
+        stiffen(fit);
     return status;
 }
 

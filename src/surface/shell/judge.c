@@ -23,14 +23,22 @@ static const double NOISY = 0.4, MAX_GROWTH = 5.3;
 /// Share of places with a normal against that of the points, and of the volume.
 static const double MAX_TURNED = 0.01, MAX_VOLUME = 0.05;
 
-/// The unit normal at a place of side c of a quad.
-static void normal_on_side(const bat_shell *shell, uint32_t half_edge, double t, double normal[3])
+/// The normal at a place of side c of a quad.
+static void normal_on_side(const double *bezier, uint32_t half_edge, double t, double normal[3])
 {
     uint32_t c = half_edge % 4;
     double u = c == 0 ? t : c == 1 ? 1 : c == 2 ? 1 - t : 0, v = c == 0 ? 0 : c == 1 ? t : c == 2 ? 1 : 1 - t;
     double point[3], along[2][3];
-    shell_patch_evaluate(shell->patches + 48 * (size_t)(half_edge / 4), u, v, point, along);
+    shell_patch_evaluate(bezier + 48 * (size_t)(half_edge / 4), u, v, point, along);
     vector3_cross(along[0], along[1], normal);
+}
+
+double shell_jump(const shell_grid *grid, const double *bezier, uint32_t half_edge, double t)
+{
+    double first[3], second[3];
+    normal_on_side(bezier, half_edge, t, first);
+    normal_on_side(bezier, grid->links.twin[half_edge], 1 - t, second);
+    return vector3_angle(first, second);
 }
 
 static bat_status measure_jumps(const bat_shell *shell, const shell_grid *grid, bat_shell_report *report, bat_error *error)
@@ -45,12 +53,7 @@ static bat_status measure_jumps(const bat_shell *shell, const shell_grid *grid, 
         if (twin == BAT_MESH_NONE || twin < h || grid->sharp[h])
             continue;
         for (int k = 0; k < JUMP_PLACES; k++)
-        {
-            double t = (k + 0.5) / JUMP_PLACES, first[3], second[3];
-            normal_on_side(shell, h, t, first);
-            normal_on_side(shell, twin, 1 - t, second);
-            jumps[count++] = vector3_angle(first, second);
-        }
+            jumps[count++] = shell_jump(grid, shell->patches, h, (k + 0.5) / JUMP_PLACES);
     }
     qsort(jumps, count, sizeof *jumps, ascending);
     report->normal_jump[0] = count > 0 ? jumps[count / 2] : 0;
@@ -187,7 +190,13 @@ bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat
     report->rms = sqrt(sum / (double)fit->count);
     report->largest = sqrt(largest);
     report->noise = sqrt(sum / fmax((double)fit->count - fit->trace, 1));
+    double far = fmax(MAX_SPACINGS * report->spacing, MAX_NOISE * report->noise);
+    report->missed = 0;
+    for (size_t i = 0; i < fit->count; i++)
+        report->missed += fit->squared[i] > far * far;
     bat_status status = measure_jumps(shell, fit->grid, report, error);
+    if (status == BAT_OK)
+        status = shell_count_crossings(shell, &report->crossings, error);
     if (status == BAT_OK && report->rms > NOISY * report->spacing)
         status = measure_growth(fit, report->rms, &report->growth, error);
     if (status == BAT_OK)

@@ -268,7 +268,7 @@ static bat_status mark_creases(layout_builder *builder, bat_error *error)
     return BAT_OK;
 }
 
-bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, shell_layout *layout, bat_error *error)
+bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, double normals, shell_layout *layout, bat_error *error)
 {
     layout_builder builder = {0};
     shell_layout made = {0};
@@ -276,6 +276,7 @@ bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, shell_layout *l
     options.faces = faces / 2 > 8 ? faces / 2 : 8;
     options.min_quality = MIN_QUALITY;
     options.min_normal = MIN_NORMAL;
+    options.attributes = normals;
     bat_status status = bat_mesh_decimate(mesh, &options, &builder.coarse, &made.map, error);
     if (status == BAT_OK)
         status = bat_mesh_connect(&builder.coarse, &builder.links, error);

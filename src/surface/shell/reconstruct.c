@@ -32,7 +32,9 @@
 #define CONNECTED_FACES 24000 ///< of the mesh that connects points: grids make slivers, which decimation takes away
 
 /// Least share by which the distances of held-out points fall with twice the faces.
-static const double MIN_GAIN = 0.01;
+static const double MIN_GAIN = 0.005;
+/// Weight of normals in the error of the second layout that is tried.
+static const double NORMALS = 0.3;
 /// Factor of the smoothing where a shell is wrong.
 static const double STIFFER = 4;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
@@ -76,6 +78,7 @@ typedef struct shell_work
     bat_mesh_closest_point *closest; ///< count: of the points on the mesh
     bool *held;                      ///< count
     double noise, stiffness;
+    double normals; ///< their weight in the error of the layout
     bat_shell_report report;
     memory_pool pool;
 } shell_work;
@@ -221,6 +224,8 @@ static bat_status connect_points(shell_work *work, bat_progress progress, bat_er
             shell_open_holes(work->points, work->count, &found, ldexp(work->options->fill_holes / 2, work->frame.exponent),
                              &work->mesh, &work->report, error);
     if (status == BAT_OK)
+        status = shell_cut_handles(work->points, work->count, &found, &work->mesh, &work->report, error);
+    if (status == BAT_OK)
         status = coarsen(work, error);
     work->noise = found.noise;
     work->report.spacing = found.spacing;
@@ -268,7 +273,7 @@ static void place_on_grid(size_t spans, shell_place *place)
 static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *trial, bat_error *error)
 {
     shell_fit *fit = &trial->fit;
-    bat_status status = shell_layout_make(&work->mesh, faces, &trial->layout, error);
+    bat_status status = shell_layout_make(&work->mesh, faces, work->normals, &trial->layout, error);
     if (status == BAT_OK)
         status = shell_grid_make(&trial->layout, work->options->spans, &trial->grid, error);
     if (status != BAT_OK)
@@ -282,10 +287,13 @@ static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *
                        .control = memory_pool_array(&trial->pool, trial->grid.vertex_count, 3 * sizeof *fit->control),
                        .bezier = memory_pool_array(&trial->pool, trial->grid.quad_count, 48 * sizeof *fit->bezier),
                        .squared = memory_pool_array(&trial->pool, work->count, sizeof *fit->squared),
+                       .stiff = memory_pool_array(&trial->pool, trial->grid.vertex_count, sizeof *fit->stiff),
                        .stiffness = work->stiffness,
                        .threads = work->options->threads};
     bat_mesh_point *points = memory_pool_array(&trial->pool, work->count, sizeof *points);
     status = memory_pool_check(&trial->pool, error);
+    for (size_t v = 0; v < trial->grid.vertex_count && status == BAT_OK; v++)
+        fit->stiff[v] = 1;
     for (size_t i = 0; i < work->count && status == BAT_OK; i++)
         points[i] = work->closest[i].at;
     if (status == BAT_OK)
@@ -325,40 +333,56 @@ static bat_status fit_trial(shell_trial *trial, int rounds, bat_error *error)
     return status == BAT_OK ? shell_fit_run(fit, rounds - rounds / 2, error) : status;
 }
 
-/// Find the number of faces.
-static bat_status find_size(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
+/// Fit a layout to some of the points.
+/// @param held    receives the root mean square distance of the others
+/// @param largest receives the largest distance of all
+static bat_status try_layout(const shell_work *work, size_t faces, double *held, double *largest, bat_error *error)
 {
-    double best = INFINITY, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+    shell_trial trial = {0};
+    double fitted = 0;
+    bat_status status = trial_make(work, faces, &trial, error);
+    trial.fit.held = work->held;
+    if (status == BAT_OK)
+        status = fit_trial(&trial, TRIAL_ROUNDS, error);
+    if (status == BAT_OK)
+    {
+        *held = distance_of(work, &trial.fit, true, largest);
+        (void)distance_of(work, &trial.fit, false, &fitted);
+        *largest = fmax(*largest, fitted);
+    }
+    trial_free(&trial);
+    return status;
+}
+
+/// Find the number of faces, and whether normals have a part in the layout.
+static bat_status find_layout(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
+{
+    double best = INFINITY, held, largest, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
     size_t limit = work->count / (POINTS_PER_CONTROL * work->options->spans * work->options->spans);
+    bool goes_on = true;
+    bat_status status = BAT_OK;
     limit = limit < MAX_FACES ? limit : MAX_FACES;
     *faces = work->options->faces;
-    for (size_t wanted = *faces > 0 ? *faces : FIRST_FACES, k = 0;; wanted = 2 * wanted < limit ? 2 * wanted : limit, k++)
+    for (size_t wanted = *faces > 0 ? *faces : FIRST_FACES, k = 0; goes_on;
+         wanted = 2 * wanted < limit ? 2 * wanted : limit, k++)
     {
-        shell_trial trial = {0};
-        double largest, fitted;
-        bat_status status = progress_goes_on(progress, (double)k / 5)
-                                ? trial_make(work, wanted, &trial, error)
-                                : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
-        trial.fit.held = work->held;
-        if (status == BAT_OK)
-            status = fit_trial(&trial, TRIAL_ROUNDS, error);
-        double held = status == BAT_OK ? distance_of(work, &trial.fit, true, &largest) : 0;
-        if (status == BAT_OK)
-            (void)distance_of(work, &trial.fit, false, &fitted);
-        trial_free(&trial);
+        status = progress_goes_on(progress, (double)k / 6)
+                     ? try_layout(work, wanted, &held, &largest, error)
+                     : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
         if (status != BAT_OK)
             return status;
         bool gains = held < (1 - MIN_GAIN) * best;
-        if (held < best)
-        {
-            work->report.held_out = held;
-            *faces = work->options->faces > 0 || gains ? wanted : *faces;
-            best = held;
-        }
-        bool reached = tolerance > 0 && fmax(largest, fitted) <= tolerance;
-        if (work->options->faces > 0 || reached || wanted >= limit || (!gains && !(tolerance > 0)))
-            return BAT_OK;
+        *faces = work->options->faces > 0 || gains ? wanted : *faces;
+        best = fmin(held, best);
+        goes_on = work->options->faces == 0 && !(tolerance > 0 && largest <= tolerance) && wanted < limit &&
+                  (gains || tolerance > 0);
     }
+    work->normals = NORMALS;
+    status = try_layout(work, *faces, &held, &largest, error);
+    if (!(held < (1 - MIN_GAIN) * best) || (tolerance > 0 && largest > tolerance))
+        work->normals = 0;
+    work->report.held_out = fmin(held, best);
+    return status;
 }
 
 // The result
@@ -396,15 +420,17 @@ static bat_status make_shell(const shell_trial *trial, bat_shell *shell, bat_err
     return BAT_OK;
 }
 
-/// Distances, areas and volumes in the unit of the input.
-static void restore_report(const unit_frame *frame, bat_shell_report *report)
+/// Lengths and volumes in the unit of the input.
+static bat_shell_report restore_report(const unit_frame *frame, const bat_shell_report *report)
 {
     double unit = ldexp(2, -frame->exponent);
-    double *lengths[] = {&report->spacing, &report->noise, &report->rms, &report->largest, &report->held_out};
+    bat_shell_report restored = *report;
+    double *lengths[] = {&restored.spacing, &restored.noise, &restored.rms, &restored.largest, &restored.held_out};
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++)
         *lengths[k] *= unit;
-    report->volume *= unit * unit * unit;
-    report->mesh_volume *= unit * unit * unit;
+    restored.volume *= unit * unit * unit;
+    restored.mesh_volume *= unit * unit * unit;
+    return restored;
 }
 
 /// Turn a closed mesh that is inside out.
@@ -418,6 +444,30 @@ static bat_status face_outwards(bat_mesh *mesh, bat_error *error)
         mesh->faces[3 * f + 1] = mesh->faces[3 * f + 2];
         mesh->faces[3 * f + 2] = second;
     }
+    return status;
+}
+
+/// Give the mesh its normals as channels, so that decimation leaves more faces where it is bent.
+static bat_status add_normals(bat_mesh *mesh, bat_error *error)
+{
+    size_t count = mesh->vertex_count;
+    double *normals = memory_array(count, 3 * sizeof *normals);
+    char **names = calloc(3, sizeof *names);
+    bat_status status = normals == NULL || names == NULL
+                            ? error_memory(error, count * 3 * sizeof *normals)
+                            : bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, normals, error);
+    if (status != BAT_OK)
+    {
+        free(normals);
+        free(names);
+        return status;
+    }
+    mesh->channels = normals;
+    mesh->channel_names = names;
+    mesh->channel_count = 3;
+    for (size_t c = 0; c < 3 && status == BAT_OK; c++)
+        if ((names[c] = strdup("normal")) == NULL)
+            status = error_memory(error, sizeof "normal");
     return status;
 }
 
@@ -435,8 +485,9 @@ static bat_status fit_faces(shell_work *work, size_t faces, bat_progress progres
         status = make_shell(&trial, &made, error);
     if (status == BAT_OK)
         status = shell_measure(&made, &trial.fit, &work->mesh, &work->report, error);
+    const bat_shell_report report = restore_report(&work->frame, &work->report);
     if (status == BAT_OK && !work->options->force)
-        status = shell_judge(&made, &work->report, work->noise, error);
+        status = shell_judge(&made, &report, ldexp(2 * work->noise, -work->frame.exponent), error);
     trial_free(&trial);
     if (status == BAT_OK)
         *shell = made;
@@ -460,7 +511,7 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
     for (size_t i = 0; i < work->count && status == BAT_OK; i++)
         work->held[i] = i % HOLD_OUT == HOLD_OUT / 2;
     if (status == BAT_OK)
-        status = find_size(work, progress_of_part(&trials), &faces, error);
+        status = find_layout(work, progress_of_part(&trials), &faces, error);
     if (status == BAT_OK)
         status = fit_faces(work, faces, progress_of_part(&last), shell, error);
     for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && work->options->faces == 0 && faces > MIN_FACES; k++)
@@ -476,7 +527,7 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
     {
         restore(&work->frame, shell->patches, shell->cage.face_count * 48);
         restore(&work->frame, shell->cage.positions, shell->cage.vertex_count * 3);
-        restore_report(&work->frame, &work->report);
+        work->report = restore_report(&work->frame, &work->report);
     }
     return status;
 }
@@ -505,6 +556,8 @@ bat_status bat_shell_reconstruct(const double *points, size_t count, const bat_m
     }
     if (status == BAT_OK)
         status = face_outwards(&work.mesh, error);
+    if (status == BAT_OK)
+        status = add_normals(&work.mesh, error);
     if (status == BAT_OK)
         status = fit_and_judge(&work, &made, error);
     bat_mesh_free(&work.mesh);

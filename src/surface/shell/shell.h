@@ -41,9 +41,9 @@ typedef struct shell_cloud
     double spacing;
 } shell_cloud;
 
-/// Turn normals outwards where the outside, which is what can be reached from far away between the points, is nearer on one
-/// side. Nothing happens where it does not decide for most points, as on open surfaces.
-/// @param outward receives whether it decides
+/// Turn normals outwards: of a closed surface to the outside, which is what can be reached from far away between the points;
+/// of an open one all alike, to the side from which more directions lead away freely.
+/// @param outward receives whether the surface is closed
 bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool *outward, bat_error *error);
 
 /// Make the zero level of a smooth function whose gradients are the normals of the points.
@@ -63,6 +63,10 @@ bat_status shell_distances(const double *points, size_t count, const double *pla
 /// @param fill diameter of holes that stay closed all the same
 bat_status shell_open_holes(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
                             bat_shell_report *report, bat_error *error);
+
+/// Cut tunnels and bridges of the mesh that the points contradict, and close both sides.
+bat_status shell_cut_handles(const double *points, size_t count, const shell_connection *found, bat_mesh *mesh,
+                             bat_shell_report *report, bat_error *error);
 
 // The layout: a coarse mesh of quads, each of which becomes a face of the shell.
 
@@ -95,9 +99,10 @@ typedef struct shell_place
 } shell_place;
 
 /// Make a layout from a mesh: decimate it, pair triangles into quads, and split all faces once.
-/// @param mesh   of triangles, manifold; its creases become creases of the layout
-/// @param faces  the wanted number of faces
-bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, shell_layout *layout, bat_error *error);
+/// @param mesh    of triangles, manifold; its creases become creases of the layout
+/// @param faces   the wanted number of faces
+/// @param normals weight of the mesh's channels in the error of the decimation
+bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, double normals, shell_layout *layout, bat_error *error);
 void shell_layout_free(shell_layout *layout);
 
 /// The places on the layout of points of the mesh.
@@ -164,6 +169,9 @@ void shell_bernstein(double t, double values[4], double *slopes);
 /// @param along derivatives by u and by v; may be null
 void shell_patch_evaluate(const double *bezier, double u, double v, double point[3], double along[2][3]);
 
+/// The angle between the normals of two patches at a place of a half-edge that both share.
+double shell_jump(const shell_grid *grid, const double *bezier, uint32_t half_edge, double t);
+
 /// Move a place to the nearest one on the patches around, by Gauss-Newton steps across their sides.
 /// @param place of a quad of the grid
 /// @return the squared distance
@@ -186,6 +194,7 @@ typedef struct shell_fit
     double *squared;     ///< count: squared distances from the result
     double unbias;       ///< variance of a coordinate, whose bias on curved surfaces is taken off; 0: none
     double stiffness;    ///< factor of the noise that is assumed; 1
+    double *stiff;       ///< vertex_count: factors of the smoothing, which grow where normals jump; null: 1
     double lambda;       ///< the smoothing weight of the last round; 0 at the start
     double trace;        ///< of the influence matrix: the number of free parameters of a coordinate
     int threads;
@@ -196,6 +205,9 @@ typedef struct shell_fit
 bat_status shell_fit_run(shell_fit *fit, int rounds, bat_error *error);
 
 // The judgement.
+
+/// The number of patches that cross others.
+bat_status shell_count_crossings(const bat_shell *shell, size_t *crossings, bat_error *error);
 
 /// Measure a shell by its points and by the mesh that connects them.
 bat_status shell_measure(const bat_shell *shell, const shell_fit *fit, const bat_mesh *mesh, bat_shell_report *report,
