@@ -58,10 +58,38 @@ static void folders_without_meshes_are_refused(void **state)
     assert_null(rows);
 }
 
+static void shells_of_a_ball_are_right(void **state)
+{
+    (void)state;
+    bat_scan_solids_options options = bat_scan_solids_defaults();
+    bat_scan_solids_row *rows = NULL;
+    bat_error error;
+    size_t count = 0;
+    check_status(bat_scan_solids(".", NULL, &rows, &count, &error), BAT_FILE_ACCESS);
+    options.points = 10;
+    check_status(bat_scan_solids(".", &options, &rows, &count, &error), BAT_INVALID_ARGUMENT);
+    options.points = 2000;
+    bat_mesh fine = ball(5);
+    check_status(bat_mesh_write("ball.off", &fine, NULL, NULL), BAT_OK);
+    bat_mesh_free(&fine);
+    check_status(bat_scan_solids(".", &options, &rows, &count, NULL), BAT_OK);
+    assert_int_equal(count, 3);
+    for (size_t i = 0; i < count; i++)
+    {
+        if (!rows[i].is_right || rows[i].failure[0] != '\0')
+            fail_msg("noise %g: %s, largest %g", rows[i].noise, rows[i].failure, rows[i].largest);
+        assert_true(rows[i].rms < 0.001 + 0.4 * rows[i].noise);
+        assert_true(rows[i].largest >= rows[i].rms && fabs(rows[i].volume) < 0.005);
+    }
+    assert_true(rows[1].scanner != rows[2].scanner || rows[0].scanner != rows[1].scanner);
+    free(rows);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(right_surfaces_are_accepted, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(shells_of_a_ball_are_right, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(folders_without_meshes_are_refused, enter_folder, leave_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
