@@ -473,7 +473,7 @@ refused 2 'goes with auto and learned' surface cloud.in.xyz --parameterization u
 refused 2 'there are chord-length, centripetal, uniform' surface cloud.in.xyz --sides short
 refused 2 "ending of .out.csv. names no format" surface cloud.in.xyz -o out.csv
 refused 2 'no surface format' surface cloud.in.xyz -o out.csv --to brep
-refused 2 'no cloud format' surface cloud.in.xyz --from stl
+refused 2 'no cloud format' surface cloud.in.xyz --from dae
 refused 2 'both need standard output' surface cloud.in.xyz -o - --to step --json
 refused 2 'there is no output' surface cloud.in.xyz --quiet
 refused 2 'surface already: --tolerance goes with points' surface fit.in.xml --tolerance 1

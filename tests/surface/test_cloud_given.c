@@ -145,7 +145,7 @@ static void formats_have_names(void **state)
     (void)state;
     const bat_choice *choice;
     assert_int_equal(choice_value(&bat_cloud_format_family, "ply"), BAT_CLOUD_FORMAT_PLY);
-    check_status(bat_choice_find(&bat_cloud_format_family, "stl", &choice, NULL), BAT_INVALID_ARGUMENT);
+    check_status(bat_choice_find(&bat_cloud_format_family, "dae", &choice, NULL), BAT_INVALID_ARGUMENT);
     assert_int_equal(choice_value(&bat_surface_format_family, "step"), BAT_SURFACE_FORMAT_STEP);
     check_status(bat_choice_find(&bat_surface_format_family, "brep", &choice, NULL), BAT_INVALID_ARGUMENT);
     check_status(bat_choice_of_path(&bat_surface_format_family, "a.b/c.STP", true, &choice, NULL), BAT_OK);

@@ -1,27 +1,12 @@
 #include "io/motion/pose_translation.h"
 
 #include <math.h>
-#include <stdarg.h>
 
 /// Rows that must agree before a text without names is taken for a trajectory.
 static const int PROBED_ROWS = 100;
 
 /// Four numbers of about unit length are taken for a quaternion.
 static const double UNIT_TOLERANCE = 1e-2;
-
-void pose_note(pose_translation *work, const char *format, ...)
-{
-    va_list values;
-    va_start(values, format);
-    if (work->note_count < POSE_NOTES)
-        (void)vsnprintf(work->notes[work->note_count++], POSE_NOTE_SIZE, format, values);
-    va_end(values);
-}
-
-bat_status pose_fail(bat_error *error, size_t line, const char *text)
-{
-    return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, line, "%s", text);
-}
 
 const char *poses_euler_fault(const char *euler)
 {
@@ -40,39 +25,6 @@ const char *poses_euler_fault(const char *euler)
 }
 
 // Rows of numbers without names
-
-bool pose_read_numbers(const file_text *source, const text_line *line, size_t count, double *numbers, char *separator)
-{
-    csv_field fields[BAT_SPACE_MAX_DIM];
-    size_t found;
-    bool comma = false;
-    *separator = csv_find_separator(line);
-    if (csv_split(source, line, *separator, fields, &found) != NULL)
-        return false;
-    while (found > count && fields[found - 1].begin == fields[found - 1].end)
-        found--;
-    if (found != count)
-        return false;
-    for (size_t i = 0; i < count; i++)
-        if (csv_read_number(fields[i], *separator, &numbers[i], &comma) != NULL)
-            return false;
-    return !comma;
-}
-
-void pose_write_tum(pose_translation *work, const char *time, const double *place, const double *quaternion)
-{
-    char *out;
-    text_append_string(&work->text, time);
-    double row[7] = {place[0], place[1], place[2], quaternion[1], quaternion[2], quaternion[3], quaternion[0]};
-    if ((out = text_reserve(&work->text, 7 * (NUMBER_TEXT_SIZE + 1) + 1)) == NULL)
-        return;
-    for (int i = 0; i < 7; i++)
-    {
-        *out++ = ' ';
-        out = number_write(out, row[i]);
-    }
-    text_advance(&work->text, out);
-}
 
 static bool is_unit(const double *q)
 {
