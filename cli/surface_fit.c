@@ -249,7 +249,7 @@ static json_t *report_verdict(const bat_surface_verdict *verdict, bool as_json)
         "distance_from_points:n farthest:n far_share:n cross_share:n "
         "area:n cloud_area:n spacing:n",
         surface_verdict(verdict), (int)(verdict->doubt != BAT_SURFACE_DOUBT_NONE), verdict->doubt_size, at[0], at[1], at[2],
-        DOUBTS[verdict->doubt], json_pack("[f, f, f]", at[0], at[1], at[2]), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
+        DOUBTS[verdict->doubt], report_numbers(at, 3), (int)(verdict->fault == BAT_SURFACE_FAULT_NONE),
         NAMES[verdict->fault], verdict->distance_from_surface, verdict->distance_from_points, verdict->farthest,
         verdict->far_share, verdict->cross_share, verdict->area, verdict->cloud_area, verdict->spacing);
 }

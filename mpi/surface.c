@@ -344,7 +344,8 @@ static int report(const fit_job *job, const fit_result *made, const counts_summa
     // Given parameters have no corners to be printed.
     if (!job->finds && !job->call.json)
         cloud.boundary_count = 0;
-    surface_findings findings = {job->input, &cloud, &job->options, &made->result, NULL};
+    static const bat_mesh_notes NO_NOTES;
+    surface_findings findings = {job->input, &cloud, &job->options, &made->result, &NO_NOTES};
     if (job->call.json)
     {
         json_t *object = surface_report(&findings, true);
