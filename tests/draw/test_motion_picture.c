@@ -253,11 +253,15 @@ static void splines_are_drawn(void **state)
         for (size_t i = 0; i < 2; i++)
             texts[i] = slurp(paths[i], &sizes[i]);
         assert_true(sizes[0] == sizes[1] && memcmp(texts[0], texts[1], sizes[0]) == 0);
+        // A gyroscope adds keys, but none may be missing.
+        bat_motion_spline *shorter;
         set.curves[0].count--;
-        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_NONE, NULL, &error),
-                         BAT_INVALID_ARGUMENT);
-        assert_non_null(strstr(error.text, "7 points"));
+        assert_int_equal(bat_motion_curve_spline(&set, 0, &motion, &shorter, NULL), BAT_OK);
         set.curves[0].count++;
+        assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &shorter, BAT_MOTION_OUTLIERS_NONE, NULL, &error),
+                         BAT_INVALID_ARGUMENT);
+        assert_non_null(strstr(error.text, "8 points"));
+        bat_motion_spline_free(shorter);
         set.space->point_dim++;
         assert_int_equal(bat_motion_splines_picture_write(paths[0], &set, &spline, BAT_MOTION_OUTLIERS_NONE, NULL, &error),
                          BAT_INVALID_ARGUMENT);
