@@ -136,7 +136,7 @@ export function analyzeTab(app, section) {
     inspect: () => ({ state, result }),
     commands: () => ({
       shell: `batten analyze ${name()} --picture basis.png`,
-      c: `bat_curve_scheme scheme;\nbat_analysis analysis;\nbat_error error;\nbat_curve_scheme_by_name("${name()}", &scheme, &error);\nif (bat_mask_analyze(&scheme.mask, NULL, &analysis, &error) == BAT_OK)\n    printf("C%d\\n", analysis.smooth_proven);\nbat_analysis_free(&analysis);`,
+      c: `// #include <batten/research/curve_analysis.h>, which batten-research has\nbat_curve_scheme scheme;\nbat_analysis analysis;\nbat_error error;\nbat_curve_scheme_by_name("${name()}", &scheme, &error);\nif (bat_mask_analyze(&scheme.mask, NULL, &analysis, &error) == BAT_OK)\n    printf("C%d\\n", analysis.smooth_proven);\nbat_analysis_free(&analysis);`,
       python: `import batten\n\nanalysis = batten.analyze("${name()}")\nprint(analysis)`,
     }),
   };

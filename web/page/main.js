@@ -43,7 +43,7 @@ const app = {
     const control = controls[error.remedy];
     alertBox.textContent = `batten: ${place ? `${place}: ` : ""}${control ? `${error.text}; “${control}” ${error.effect}` : error.message}`;
   },
-  /** Results clear the message; that of a broken link stays until the user does something. */
+  /** Results clear the message; that of a broken link or file stays until the user does something. */
   clear() {
     if (!kept) alertBox.textContent = "";
   },
@@ -288,6 +288,7 @@ async function openFile(file) {
   const names = await tabsFor(file);
   if (names === null) {
     app.fail(new Error("this page reads lines, maps, poses, meshes and points: CSV, GeoJSON, GPX, TUM, OBJ, PLY, OFF, STL, glTF, XYZ, PCD, LAS"), file.name);
+    kept = true;
     return;
   }
   const before = current;
@@ -299,6 +300,7 @@ async function openFile(file) {
   }
   show(before);
   alertBox.textContent = told;
+  kept = told !== "";
 }
 
 let resizing = 0;

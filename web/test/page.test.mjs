@@ -345,9 +345,9 @@ test("the C of every tab compiles", async () => {
   const lines = [];
   for (const name of TABS) lines.push(`static void ${name}_tab(void)\n{\n${(await page.evaluate((key) => window.batten.tabs[key].commands().c, name)).replaceAll("…", "0")}\n}`);
   const path = join(folder, "tabs.c");
-  writeFileSync(path, `#include "batten/batten.h"\n#include <stdio.h>\n${lines.join("\n")}\nint main(void)\n{\n${TABS.map((name) => `${name}_tab();`).join("\n")}\nreturn 0;\n}\n`);
+  writeFileSync(path, `#include "batten/batten.h"\n#include "batten/research/curve_analysis.h"\n#include <stdio.h>\n${lines.join("\n")}\nint main(void)\n{\n${TABS.map((name) => `${name}_tab();`).join("\n")}\nreturn 0;\n}\n`);
   const built = join(program, "../include");
-  execFileSync("gcc", ["-std=c11", "-fsyntax-only", "-Werror=incompatible-pointer-types", `-I${join(source, "include")}`, `-I${built}`, path], { stdio: "pipe" });
+  execFileSync("gcc", ["-std=c11", "-fsyntax-only", "-Werror=incompatible-pointer-types", `-I${join(source, "include")}`, `-I${join(source, "research/include")}`, `-I${built}`, path], { stdio: "pipe" });
 });
 
 test("a large file can be cancelled", async () => {
