@@ -1,7 +1,7 @@
 #include "verb.h"
 
-#include "batten/research/curve_analysis.h"
 #include "batten/curve_picture.h"
+#include "batten/research/curve_analysis.h"
 #include "batten/research/mask_sweep.h"
 
 #include <errno.h>

@@ -4,8 +4,8 @@
 #include "batten/research/curve_shapes.h"
 #include "batten/research/curve_study.h"
 
-#include "batten/research/curve_analysis.h"
 #include "batten/curve_picture.h"
+#include "batten/research/curve_analysis.h"
 #include "batten/space.h"
 
 #include <math.h>

@@ -55,4 +55,3 @@ row_average hermite_row_average;
 /// where there are times, a time. Null: averages of directions.
 bat_status hermite_refine_by(const bat_hermite_curve *coarse, const bat_hermite_refine_options *options,
                              const refine_kernel *linear, bat_hermite_curve *fine, bat_error *error);
-

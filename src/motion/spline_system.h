@@ -288,4 +288,3 @@ double spline_timing_share(const spline_timing *timing, size_t interval, double 
 
 /// The new time at a share of an interval.
 double spline_timing_time(const spline_timing *timing, size_t interval, double share);
-

@@ -1,9 +1,9 @@
 #ifndef BATTEN_RESEARCH_CURVE_STUDY_H
 #define BATTEN_RESEARCH_CURVE_STUDY_H
 
-#include "batten/research/curve_analysis.h"
 #include "batten/curve_measure.h"
 #include "batten/curve_scheme.h"
+#include "batten/research/curve_analysis.h"
 #include "batten/research/curve_data.h"
 #include "batten/research/curve_train.h"
 
