@@ -338,7 +338,7 @@ static bat_mesh take_mesh(mesh_builder *builder)
 static size_t clear_numbers(double *numbers, size_t count)
 {
     size_t cleared = 0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; numbers != NULL && i < count; i++)
         if (!isfinite(numbers[i]))
         {
             numbers[i] = 0;
@@ -416,7 +416,8 @@ static bat_status clean_numbers(bat_mesh *mesh, const bat_mesh_read_options *opt
 {
     size_t cleared = clear_numbers(mesh->channels, mesh->vertex_count * mesh->channel_count) +
                      clear_numbers(mesh->texture, 2 * mesh->texture_count),
-           vertices = mesh->vertex_count, faces = mesh->face_count, corners = faces > 0 ? mesh->offsets[faces] : 0;
+           vertices = mesh->positions != NULL ? mesh->vertex_count : 0, faces = mesh->face_count,
+           corners = mesh->offsets != NULL ? mesh->offsets[faces] : 0;
     bat_status status = BAT_OK;
     if (cleared > 0)
         status = mesh_note(options->notes, error, "%zu values that are not finite were set to 0", cleared);
