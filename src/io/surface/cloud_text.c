@@ -188,7 +188,10 @@ static bool is_free_row(const text_line *line)
 {
     word_scan scan = word_scan_start(line->begin, (size_t)(line->end - line->begin));
     double value;
-    return scan_number(&scan, &value) && scan_number(&scan, &value) && scan_number(&scan, &value);
+    size_t found = 0;
+    while (found < 3 && scan_number(&scan, &value))
+        found++;
+    return found == 3;
 }
 
 /// Read what stands before the points, and find their columns: those named x, y and z if all exist, else the first three.
@@ -345,8 +348,8 @@ static bool scan_count_line(word_scan *scan, uint64_t *count)
 bool cloud_ptx_resembles(const file_text *text)
 {
     word_scan scan = word_scan_start(text->data, text->size);
-    uint64_t count;
-    return scan_count_line(&scan, &count) && scan_count_line(&scan, &count);
+    uint64_t rows, columns;
+    return scan_count_line(&scan, &rows) && scan_count_line(&scan, &columns);
 }
 
 /// Read the next numbers, which go over lines.
