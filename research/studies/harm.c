@@ -43,12 +43,6 @@ static harm_result run_case(uint64_t seed, size_t kind, size_t number)
     return result;
 }
 
-static int ascending_ratios(const void *first, const void *second)
-{
-    double a = *(const double *)first, b = *(const double *)second;
-    return (a > b) - (a < b);
-}
-
 /// Sum up the cases of a kind. `ratios` is room for them.
 static bat_harm_row row_of(const harm_kind *kind, const harm_result *results, size_t count, double *ratios)
 {
@@ -70,7 +64,7 @@ static bat_harm_row row_of(const harm_kind *kind, const harm_result *results, si
         }
         ratios[made++] = results[i].ratio;
     }
-    qsort(ratios, made, sizeof *ratios, ascending_ratios);
+    qsort(ratios, made, sizeof *ratios, ascending);
     if (made > 0)
         row.median = (ratios[(made - 1) / 2] + ratios[made / 2]) / 2;
     return row;

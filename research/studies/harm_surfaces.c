@@ -8,7 +8,7 @@
 #include "batten/research/mesh_shapes.h"
 #include "batten/shell.h"
 #include "batten/surface.h"
-#include "linalg/vector.h"
+#include "research/studies/mesh_points.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -83,17 +83,6 @@ static bat_status make_prism(bat_random *random, bat_mesh *solid, double *roundn
     return status;
 }
 
-static double diagonal_of(const bat_mesh *mesh)
-{
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], mesh->positions[i]);
-        high[i % 3] = fmax(high[i % 3], mesh->positions[i]);
-    }
-    return sqrt(pow(high[0] - low[0], 2) + pow(high[1] - low[1], 2) + pow(high[2] - low[2], 2));
-}
-
 static bat_status refine(const bat_mesh *coarse, bat_mesh_scheme scheme, bat_mesh *fine, bat_error *error)
 {
     bat_mesh_refine_options options = bat_mesh_refine_defaults();
@@ -124,7 +113,7 @@ static bat_status run_prism(bat_random *random, int variant, double *ratio, bat_
     if (status == BAT_OK)
         status = compare(&fine, &solid, &distance, error);
     if (status == BAT_OK)
-        *ratio = distance.hausdorff / (RIVAL * diagonal_of(&solid) + roundness);
+        *ratio = distance.hausdorff / (RIVAL * distance.diagonal + roundness);
     bat_mesh_free(&solid);
     bat_mesh_free(&fine);
     return status;
@@ -149,17 +138,14 @@ static bat_status coarsen(const bat_mesh *body, bat_mesh_decimate_method method,
     return bat_mesh_decimate(body, &options, coarse, NULL, error);
 }
 
-/// The mean distance from a body of what a scheme makes of a coarse mesh.
-static bat_status refined_error(const bat_mesh *coarse, const bat_mesh *body, bat_mesh_scheme scheme, double *mean,
-                                bat_error *error)
+/// The distance from a body of what a scheme makes of a coarse mesh.
+static bat_status refined_error(const bat_mesh *coarse, const bat_mesh *body, bat_mesh_scheme scheme,
+                                bat_mesh_distance *distance, bat_error *error)
 {
     bat_mesh fine = {0};
-    bat_mesh_distance distance;
     bat_status status = refine(coarse, scheme, &fine, error);
     if (status == BAT_OK)
-        status = compare(&fine, body, &distance, error);
-    if (status == BAT_OK)
-        *mean = distance.mean;
+        status = compare(&fine, body, distance, error);
     bat_mesh_free(&fine);
     return status;
 }
@@ -171,7 +157,8 @@ static bat_status run_body(bat_random *random, int variant, double *ratio, bat_e
 {
     static const bat_mesh_scheme RIVALS[] = {BAT_MESH_SCHEME_MIDPOINT, BAT_MESH_SCHEME_LOOP, BAT_MESH_SCHEME_BUTTERFLY};
     bat_mesh body = {0}, coarse = {0};
-    double ours = 0, best = INFINITY;
+    bat_mesh_distance ours = {0}, other;
+    double best = INFINITY;
     (void)variant;
     bat_status status = make_body(random, &body, error);
     if (status == BAT_OK)
@@ -180,11 +167,10 @@ static bat_status run_body(bat_random *random, int variant, double *ratio, bat_e
         status = refined_error(&coarse, &body, BAT_MESH_SCHEME_AUTO, &ours, error);
     for (size_t i = 0; i < sizeof RIVALS / sizeof *RIVALS && status == BAT_OK; i++)
     {
-        double other = 0;
         status = refined_error(&coarse, &body, RIVALS[i], &other, error);
-        best = fmin(best, other);
+        best = fmin(best, other.mean);
     }
-    *ratio = ours / fmax(best, MIN_ERROR * diagonal_of(&body));
+    *ratio = ours.mean / fmax(best, MIN_ERROR * ours.diagonal);
     bat_mesh_free(&body);
     bat_mesh_free(&coarse);
     return status;
@@ -205,7 +191,7 @@ static bat_status run_decimate(bat_random *random, int variant, double *ratio, b
             status = compare(&coarse[i], &body, &distance[i], error);
     }
     if (status == BAT_OK)
-        *ratio = distance[0].mean / fmax(distance[1].mean, MIN_ERROR * diagonal_of(&body));
+        *ratio = distance[0].mean / fmax(distance[1].mean, MIN_ERROR * distance[1].diagonal);
     bat_mesh_free(&body);
     bat_mesh_free(&coarse[0]);
     bat_mesh_free(&coarse[1]);
@@ -287,27 +273,16 @@ static double plane_at(const double *points, size_t count, double x, double y)
 /// Triangles of a surface over its whole rectangle.
 static bat_status mesh_of(const bat_spline_surface *surface, bat_mesh *mesh, bat_error *error)
 {
-    size_t row = GRID + 1, at = 0;
-    *mesh = (bat_mesh){.positions = memory_array(3 * row * row, sizeof(double)),
-                       .faces = memory_array((size_t)6 * GRID * GRID, sizeof(uint32_t)),
-                       .vertex_count = row * row,
-                       .face_count = (size_t)2 * GRID * GRID};
+    size_t row = GRID + 1;
     double *places = memory_array(2 * row * row, sizeof *places);
-    bat_status status = BAT_OK;
-    if (mesh->positions == NULL || mesh->faces == NULL || places == NULL)
-        status = error_memory(error, 3 * row * row * sizeof(double));
+    bat_status status = mesh_of_grid(GRID, mesh, error);
+    if (status == BAT_OK && places == NULL)
+        status = error_memory(error, 2 * row * row * sizeof *places);
     for (size_t i = 0; i < row * row && status == BAT_OK; i++)
     {
         places[2 * i] = (double)(i / row) / GRID;
         places[2 * i + 1] = (double)(i % row) / GRID;
     }
-    for (size_t i = 0; i < GRID && status == BAT_OK; i++)
-        for (size_t k = 0; k < GRID; k++)
-        {
-            const size_t a = i * row + k, cell[6] = {a, a + row, a + row + 1, a, a + row + 1, a + 1};
-            for (int c = 0; c < 6; c++)
-                mesh->faces[at++] = (uint32_t)cell[c];
-        }
     if (status == BAT_OK)
         status = bat_spline_surface_evaluate(surface, places, row * row, 0, mesh->positions, error);
     free(places);
@@ -383,46 +358,6 @@ static bat_status run_field(bat_random *random, int variant, double *ratio, bat_
 
 // Closed clouds
 
-/// Spread points over a mesh, with noise along the axes.
-static bat_status sample(const bat_mesh *mesh, bat_random *random, double sigma, size_t count, double *points,
-                         bat_error *error)
-{
-    double *sums = memory_array(mesh->face_count, sizeof *sums), total = 0;
-    if (sums == NULL)
-        return error_memory(error, mesh->face_count * sizeof *sums);
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        const uint32_t *face = mesh->faces + 3 * f;
-        const double *a = mesh->positions + 3 * (size_t)face[0], *b = mesh->positions + 3 * (size_t)face[1],
-                     *c = mesh->positions + 3 * (size_t)face[2];
-        const double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-        total +=
-            sqrt(pow(u[1] * v[2] - u[2] * v[1], 2) + pow(u[2] * v[0] - u[0] * v[2], 2) + pow(u[0] * v[1] - u[1] * v[0], 2));
-        sums[f] = total;
-    }
-    for (size_t i = 0; i < count; i++)
-    {
-        double wanted = total * bat_random_uniform(random), s = sqrt(bat_random_uniform(random)),
-               t = bat_random_uniform(random);
-        size_t low = 0, high = mesh->face_count - 1;
-        while (low < high)
-        {
-            size_t middle = (low + high) / 2;
-            if (sums[middle] < wanted)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        const uint32_t *face = mesh->faces + 3 * low;
-        for (size_t c = 0; c < 3; c++)
-            points[3 * i + c] = (1 - s) * mesh->positions[3 * (size_t)face[0] + c] +
-                                s * (1 - t) * mesh->positions[3 * (size_t)face[1] + c] +
-                                s * t * mesh->positions[3 * (size_t)face[2] + c] + sigma * bat_random_normal(random);
-    }
-    free(sums);
-    return BAT_OK;
-}
-
 static bat_status run_closed(bat_random *random, int variant, double *ratio, bat_error *error)
 {
     static const double NOISES[] = {0, 0.001, 0.005}, LEAST = 5e-4, VOLUME = 0.01; // of the diagonal, and of the volume
@@ -434,18 +369,18 @@ static bat_status run_closed(bat_random *random, int variant, double *ratio, bat
     bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
     double *points = memory_array((size_t)3 * CLOSED, sizeof *points), *distances = NULL, sum = 0;
     bat_status status = points != NULL ? make_body(random, &body, error) : error_memory(error, 3 * CLOSED * sizeof *points);
-    double size = status == BAT_OK ? diagonal_of(&body) : 0, sigma = NOISES[variant] * size;
+    if (status == BAT_OK)
+        status = bat_mesh_summarize(&body, &summary, error);
+    double size = status == BAT_OK ? summary.diagonal : 0, sigma = NOISES[variant] * size;
     options.threads = 1;
     if (status == BAT_OK)
-        status = sample(&body, random, sigma, CLOSED, points, error);
+        status = mesh_points_draw(&body, NULL, NULL, sigma, CLOSED, random, points, error);
     if (status == BAT_OK)
         status = bat_shell_reconstruct(points, CLOSED, NULL, &options, &shell, &report, error);
     if (status == BAT_OK)
         status = bat_shell_tessellate(&shell, SAMPLES, &quads, error);
     if (status == BAT_OK)
         status = bat_mesh_triangulate(&quads, &mesh, error);
-    if (status == BAT_OK)
-        status = bat_mesh_summarize(&body, &summary, error);
     distances = memory_array(body.vertex_count + 1, sizeof *distances);
     if (status == BAT_OK && distances == NULL)
         status = error_memory(error, body.vertex_count * sizeof *distances);

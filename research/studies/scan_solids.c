@@ -11,6 +11,7 @@
 #include "batten/mesh_measure.h"
 #include "linalg/vector.h"
 #include "research/studies/folder.h"
+#include "research/studies/mesh_points.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,58 +37,14 @@ bat_scan_solids_options bat_scan_solids_defaults(void)
 }
 
 /// The density of a scanner's points on a face: the cosine to the nearest of four views, the corners of a tetrahedron.
-static double density_of(const double normal[3])
+static double density_of(const void *context, const double normal[3])
 {
     static const double VIEWS[4][3] = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     double most = MIN_DENSITY;
+    (void)context;
     for (size_t k = 0; k < 4; k++)
         most = fmax(most, vector3_dot(normal, VIEWS[k]) / sqrt(3));
     return most;
-}
-
-/// Random points of a mesh, with noise.
-static bat_status sample(const bat_mesh *mesh, const bat_scan_solids_options *options, bool scanner, double noise,
-                         bat_random *random, double *points, bat_error *error)
-{
-    double *sums = memory_array(mesh->face_count + 1, sizeof *sums);
-    if (sums == NULL)
-        return error_memory(error, (mesh->face_count + 1) * sizeof *sums);
-    sums[0] = 0;
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        double p[3], q[3], normal[3];
-        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, p);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, q);
-        vector3_cross(p, q, normal);
-        double area = vector3_length(normal);
-        (void)vector3_normalize(normal);
-        sums[f + 1] = sums[f] + (scanner ? area * density_of(normal) : area);
-    }
-    for (size_t i = 0; i < options->points; i++)
-    {
-        double at = bat_random_uniform(random) * sums[mesh->face_count], root = sqrt(bat_random_uniform(random)),
-               v = bat_random_uniform(random);
-        size_t low = 0, high = mesh->face_count - 1;
-        while (low < high)
-        {
-            size_t middle = low + (high - low) / 2;
-            if (sums[middle + 1] <= at)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        const double weights[3] = {1 - root, root * (1 - v), root * v};
-        for (size_t c = 0; c < 3; c++)
-        {
-            double place = noise * bat_random_normal(random);
-            for (size_t k = 0; k < 3; k++)
-                place += weights[k] * mesh->positions[3 * (size_t)mesh->faces[3 * low + k] + c];
-            points[3 * i + c] = place;
-        }
-    }
-    free(sums);
-    return BAT_OK;
 }
 
 static bat_status measure(const bat_shell *shell, const bat_mesh *truth, const bat_mesh_summary *whole, int threads,
@@ -131,7 +88,8 @@ static bat_status study_cloud(const bat_mesh *truth, const bat_mesh_summary *who
     double *points = memory_array(options->points, 3 * sizeof *points);
     if (points == NULL)
         return error_memory(error, options->points * 3 * sizeof *points);
-    bat_status status = sample(truth, options, row->scanner, row->noise * whole->diagonal, random, points, error);
+    bat_status status = mesh_points_draw(truth, row->scanner ? density_of : NULL, NULL, row->noise * whole->diagonal,
+                                         options->points, random, points, error);
     if (status == BAT_OK)
         status = bat_shell_reconstruct(points, options->points, NULL, &fit, &shell, &row->report, &failure);
     free(points);

@@ -17,6 +17,7 @@
 #include "batten/mesh_measure.h"
 #include "io/surface/step.h"
 #include "linalg/vector.h"
+#include "research/studies/mesh_points.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -116,29 +117,6 @@ enum
     SHAPE_COUNT = sizeof SHAPES / sizeof *SHAPES
 };
 
-/// Two triangles for each cell of a grid of (GRID + 1)^2 vertices.
-static bat_status make_grid(bat_mesh *mesh, bat_error *error)
-{
-    size_t row = GRID + 1, made = 0;
-    *mesh = (bat_mesh){.positions = malloc(row * row * 3 * sizeof *mesh->positions),
-                       .faces = malloc((size_t)GRID * GRID * 6 * sizeof *mesh->faces),
-                       .vertex_count = row * row,
-                       .face_count = (size_t)GRID * GRID * 2};
-    if (mesh->positions == NULL || mesh->faces == NULL)
-    {
-        bat_mesh_free(mesh);
-        return error_memory(error, row * row * 3 * sizeof *mesh->positions);
-    }
-    for (size_t i = 0; i < GRID; i++)
-        for (size_t k = 0; k < GRID; k++)
-        {
-            const size_t a = i * row + k, cell[6] = {a, a + row, a + row + 1, a, a + row + 1, a + 1};
-            for (int c = 0; c < 6; c++)
-                mesh->faces[made++] = (uint32_t)cell[c];
-        }
-    return BAT_OK;
-}
-
 /// The parameters of a vertex of the grid.
 static void grid_place(size_t vertex, double at[2])
 {
@@ -150,7 +128,7 @@ static void grid_place(size_t vertex, double at[2])
 /// A truth of a formula, random points on it, and points along its boundary.
 static bat_status make_shape(size_t shape, bat_random *random, bat_mesh *truth, bat_cloud *cloud, bat_error *error)
 {
-    bat_status status = make_grid(truth, error);
+    bat_status status = mesh_of_grid(GRID, truth, error);
     if (status != BAT_OK)
         return status;
     for (size_t v = 0; v < truth->vertex_count; v++)
@@ -309,49 +287,43 @@ static void choose_view(const bat_mesh *mesh, bat_random *random, double view[3]
     (void)vector3_normalize(view);
 }
 
-/// Replace a cloud by four times as many random places of a mesh, at least 2,000 and at most 15,000. Their density is the
-/// cosine of the angle of view, at least MIN_DENSITY.
+/// The least density of points, as a share of the largest.
+static const double MIN_DENSITY = 0.08;
+
+/// The density of points on a face: the cosine of the angle of view.
+static double density_of(const void *view, const double normal[3])
+{
+    return fmax(fabs(vector3_dot(normal, view)), MIN_DENSITY);
+}
+
+/// Replace a cloud by four times as many random places of a mesh, at least 2,000 and at most 15,000.
 static bat_status see(const bat_mesh *mesh, const double view[3], bat_random *random, bat_cloud *cloud, bat_error *error)
 {
-    static const double MIN_DENSITY = 0.08;
     size_t count = cloud->count < SCAN_MIN / 4 ? SCAN_MIN : cloud->count > SCAN_MAX / 4 ? SCAN_MAX : 4 * cloud->count;
-    double *ends = memory_array(mesh->face_count, sizeof *ends), total = 0;
+    double *sums = memory_array(mesh->face_count + 1, sizeof *sums);
     double *points = realloc(cloud->points, count * 3 * sizeof *points);
     cloud->points = points != NULL ? points : cloud->points;
-    if (ends == NULL || points == NULL)
+    if (sums == NULL || points == NULL)
     {
-        free(ends);
-        return error_memory(error, mesh->face_count * sizeof *ends);
+        free(sums);
+        return error_memory(error, (mesh->face_count + 1) * sizeof *sums);
     }
     cloud->count = count;
-    for (size_t f = 0; f < mesh->face_count; f++)
-    {
-        double u[3], v[3], normal[3];
-        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, u);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, v);
-        vector3_cross(u, v, normal);
-        total += fmax(fabs(vector3_dot(normal, view)), MIN_DENSITY * sqrt(vector3_dot(normal, normal)));
-        ends[f] = total;
-    }
+    mesh_face_sums(mesh, density_of, view, sums);
     for (size_t i = 0; i < cloud->count; i++)
     {
-        double wanted = bat_random_uniform(random) * total, u = bat_random_uniform(random), v = bat_random_uniform(random);
-        size_t low = 0, high = mesh->face_count - 1;
-        while (low < high)
-        {
-            size_t middle = (low + high) / 2;
-            *(ends[middle] < wanted ? &low : &high) = middle + (ends[middle] < wanted);
-        }
+        double wanted = bat_random_uniform(random) * sums[mesh->face_count];
+        double u = bat_random_uniform(random), v = bat_random_uniform(random);
+        const uint32_t *face = mesh->faces + 3 * mesh_face_at(sums, mesh->face_count, wanted);
         const double shares[3] = {u + v > 1 ? u + v - 1 : 1 - u - v, u + v > 1 ? 1 - u : u, u + v > 1 ? 1 - v : v};
         for (size_t d = 0; d < 3; d++)
         {
             cloud->points[3 * i + d] = 0;
             for (size_t k = 0; k < 3; k++)
-                cloud->points[3 * i + d] += shares[k] * mesh->positions[3 * (size_t)mesh->faces[3 * low + k] + d];
+                cloud->points[3 * i + d] += shares[k] * mesh->positions[3 * (size_t)face[k] + d];
         }
     }
-    free(ends);
+    free(sums);
     return BAT_OK;
 }
 
