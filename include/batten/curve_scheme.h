@@ -170,11 +170,11 @@ typedef struct bat_mask_stencil
     int first;    ///< offset of the first point, may be negative
 } bat_mask_stencil;
 
-/// The stencil that moves points of any level onto the limit curve: the limit at the parameter of point i is the sum over
+/// The stencil that moves points of any level onto the limit curve. The limit at the parameter of point i is the sum over
 /// k of weights[k] p(i + first + k). For an interpolatory mask it is [1]; for Chaikin's [1, 6, 1] / 8.
 ///
-/// The weights are values of the basic limit function at the mask's shift plus integers, exact but for rounding of the
-/// shift to 40 binary digits, whatever the shift is.
+/// The weights are values of the basic limit function at the mask's shift plus integers. They are exact but for rounding of
+/// the shift to 40 binary digits.
 /// @return BAT_OK, BAT_INVALID_ARGUMENT for a malformed mask, BAT_NO_CONVERGENCE when the scheme is not proven to converge
 ///         by products of 12 steps, or BAT_NO_MEMORY
 BAT_API bat_status bat_mask_limit_stencil(const bat_mask *mask, bat_mask_stencil *stencil, bat_error *error);

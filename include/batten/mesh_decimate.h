@@ -25,8 +25,8 @@ typedef enum bat_mesh_decimate_method
     /// wanted vertices or faces are left; memoryless errors in order from there on. `candidates` act in the second part
     /// alone.
     BAT_MESH_DECIMATE_METHOD_FAST,
-    /// Memoryless errors; then again, where no collapse may bring samples of the surfaces farther apart than three fifths of
-    /// the greatest distance of the first result. Takes six times as long; as memoryless with `tolerance`.
+    /// Memoryless errors, twice. The second time no collapse may bring samples of the surfaces farther apart than three
+    /// fifths of the greatest distance of the first result. Takes six times as long; as memoryless with `tolerance`.
     BAT_MESH_DECIMATE_METHOD_EVEN
 } bat_mesh_decimate_method;
 

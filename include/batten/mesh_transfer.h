@@ -6,12 +6,12 @@
 BAT_C_BEGIN
 
 /// @file
-/// From a fine mesh to its decimation, through the bijective map between both: values and labels, an atlas for texture, and
-/// images of normals, colours and occlusion. docs/algorithms/decimation.md describes the algorithms.
+/// From a fine mesh to its decimation, through the bijective map between both. Values and labels, an atlas for texture, and
+/// images of normals, colours and occlusion go that way. docs/algorithms/decimation.md describes the algorithms.
 
-/// Carry the fine mesh's channels and labels to the coarse one: values that are nearest in the mean square over the area of
-/// the fine mesh, within the range of the values around, and for each face the label with most area in it, where the coarse
-/// mesh has the fine one's labels, as after bat_mesh_decimate(). Texture coordinates are transferred by
+/// Carry the fine mesh's channels and labels to the coarse one. Values are nearest in the mean square over the area of the
+/// fine mesh, within the range of the values around. Each face gets the label with most area in it, where the coarse mesh
+/// has the fine one's labels, as after bat_mesh_decimate(). Texture coordinates are transferred by
 /// bat_mesh_map_transfer() where the coarse mesh has none.
 ///
 /// @param coarse  its channels and its faces' labels are replaced
@@ -36,7 +36,7 @@ BAT_API bat_mesh_unwrap_options bat_mesh_unwrap_defaults(void);
 extern BAT_API const bat_options_table bat_mesh_unwrap_fields;
 
 /// Make texture coordinates from 0 to 1 in which faces do not overlap. Charts grow from face to face and are projected onto
-/// the plane of their mean normal; they are packed by their outlines (Lévy et al., "Least squares conformal maps", 2002).
+/// the plane of their mean normal. They are packed by their outlines (Lévy et al., "Least squares conformal maps", 2002).
 ///
 /// @param mesh   of triangles; receives the texture coordinates, in place of its own
 /// @param charts receives the number of charts; may be null
@@ -82,8 +82,8 @@ typedef struct bat_mesh_baked
 /// the unit square, an atlas is made. A texel shows the image of its centre under the map, so thin and folded parts do not
 /// mix.
 ///
-/// Normals are those of tangent space as in glTF: red along the tangent, green along the bitangent, upwards in the image,
-/// with vertex normals `normals` and the tangents that bat_mesh_write() writes on demand. As with MikkTSpace, interpolated
+/// Normals are those of tangent space as in glTF: red along the tangent, green along the bitangent, upwards in the image.
+/// Vertex normals are `normals`, tangents those that bat_mesh_write() writes on demand. As with MikkTSpace, interpolated
 /// vectors are not normalized, and the bitangent is made in each texel. Tangents weigh faces by their angles.
 ///
 /// @param coarse its texture coordinates may be replaced
@@ -93,8 +93,9 @@ BAT_API bat_status bat_mesh_bake(const bat_mesh_map *map, const bat_mesh *fine, 
                                  const bat_mesh_bake_options *options, bat_mesh_baked *baked, bat_error *error);
 BAT_API void bat_mesh_baked_free(bat_mesh_baked *baked);
 
-/// A tangent for each corner: the direction in which the first texture coordinate grows, perpendicular to the vertex normal,
-/// and 1 or -1: the sign of the bitangent. Corners with the same vertex and texture coordinate have the same tangent.
+/// A tangent for each corner: the direction in which the first texture coordinate grows, perpendicular to the vertex normal.
+/// The fourth number is 1 or -1, the sign of the bitangent. Corners with the same vertex and texture coordinate have the
+/// same tangent.
 /// @param normals  vertex_count x 3
 /// @param tangents receives face_count x 3 x 4 numbers; release them with free()
 /// @return BAT_OK, BAT_INVALID_ARGUMENT for no texture coordinates, or BAT_NO_MEMORY

@@ -153,7 +153,7 @@ BAT_API bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_m
 BAT_API bat_status bat_motion_times_read(const char *path, const bat_curve_set *set, double **times, size_t *count,
                                          bat_error *error);
 
-/// Read the rates of a gyroscope for bat_motion_gyro: a table whose first columns are a time, as above, and the angular
+/// Read the rates of a gyroscope for bat_motion_gyro. The first columns of the table are a time, as above, and the angular
 /// rates about x, y and z in the body's frame, in radians a second. Other columns do not matter.
 ///
 /// @param rates receives `count` x 3 numbers; release them with free(), too. Null: a line has a time alone

@@ -43,8 +43,8 @@ typedef struct bat_hermite_mask
 /// Merrien's interpolatory schemes (1992). The new point is (p + q) / 2 + lambda (d(q) - d(p)). The new derivative is
 /// ((1 - mu) (q - p) + mu (d(p) + d(q)) / 2) / 2. lambda = -1/8, mu = -1/2 gives the cubic Hermite interpolant.
 BAT_API bat_hermite_mask bat_hermite_mask_merrien(double lambda, double mu);
-/// The cubic Hermite interpolant at 1/4 and 3/4 of every edge, the de Rham transform (Dubuc and Merrien 2008) of Merrien's
-/// scheme that gives it: corner cutting with derivatives. Limits are C2, and cubics reproduced.
+/// The cubic Hermite interpolant at 1/4 and 3/4 of every edge: corner cutting with derivatives. It is the de Rham transform
+/// (Dubuc and Merrien 2008) of Merrien's scheme. Limits are C2, and cubics reproduced.
 BAT_API bat_hermite_mask bat_hermite_mask_de_rham(void);
 
 /// A linear Hermite scheme on manifolds.
@@ -54,7 +54,7 @@ typedef struct bat_hermite_linear
     bat_curve_base base; ///< in whose tangent space to sum
 } bat_hermite_linear;
 
-/// Refine by a linear Hermite scheme, with logarithms and parallel transport (Moosmüller 2017): derivatives of evenly spaced
+/// Refine by a linear Hermite scheme, with logarithms and parallel transport (Moosmüller 2017). Derivatives of evenly spaced
 /// samples by the index become derivatives by the new index.
 ///
 /// @param scheme null: bat_hermite_refine()

@@ -156,8 +156,8 @@ typedef struct bat_scan_solids_row
 } bat_scan_solids_row;
 
 /// Sample each mesh of a folder without noise and with noise of 0.001 and 0.005 of its diagonal, and fit shells. Every third
-/// cloud is as from a scanner. A shell is right if it is closed where the mesh is, has its Euler's number, is nowhere
-/// farther from it than 0.02 and four standard deviations of the noise, and has its volume to 2 %.
+/// cloud is as from a scanner. A shell is right if it is closed where the mesh is, has its Euler's number and, to 2 %, its
+/// volume. It may be farther from it by 0.02 and four standard deviations of the noise at most.
 /// @param folder with meshes in OBJ, OFF or PLY; those of several pieces, or that begin with "coarse-", are left out
 /// @param rows   receives the rows, in the order of the files' names; release it with free()
 /// @return as bat_scan_verdict()
