@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "linalg/vector.h"
+#include "search/nearest.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,8 +28,7 @@ typedef struct cross_box
 typedef struct cross_tree
 {
     const bat_mesh *quads; ///< cut along the diagonal from corner 0
-    double *keys;          ///< three times the centres of triangles, 3 each
-    uint32_t *order;
+    keyed *order;          ///< triangles, leaf by leaf
     cross_box *boxes;
     size_t box_count;
     memory_pool pool;
@@ -48,35 +48,23 @@ static const double *place_of(const cross_tree *tree, uint32_t vertex)
     return tree->quads->positions + 3 * (size_t)vertex;
 }
 
-/// Swap the lesser keys of an axis to the front of a range, so that `middle` separates both parts.
-static void halve(cross_tree *tree, size_t begin, size_t end, size_t middle, size_t axis)
+static uint32_t triangle_at(const cross_tree *tree, size_t place)
 {
-    uint32_t *order = tree->order;
-    while (end - begin > 1)
+    return (uint32_t)tree->order[place].item;
+}
+
+/// Divide a range at `middle` by the centres of its triangles along an axis.
+static void divide(cross_tree *tree, size_t begin, size_t end, size_t middle, size_t axis)
+{
+    for (size_t k = begin; k < end; k++)
     {
-        double pivot = tree->keys[3 * (size_t)order[begin + (end - begin) / 2] + axis];
-        size_t low = begin, high = end - 1;
-        while (low <= high)
-        {
-            while (tree->keys[3 * (size_t)order[low] + axis] < pivot)
-                low++;
-            while (tree->keys[3 * (size_t)order[high] + axis] > pivot)
-                high--;
-            if (low > high)
-                break;
-            uint32_t swapped = order[low];
-            order[low++] = order[high];
-            order[high] = swapped;
-            if (high-- == 0)
-                break;
-        }
-        if (middle <= high && high < end)
-            end = high + 1;
-        else if (middle >= low)
-            begin = low;
-        else
-            return;
+        uint32_t corners[3];
+        triangle_of(tree, triangle_at(tree, k), corners);
+        tree->order[k].key = 0;
+        for (size_t c = 0; c < 3; c++)
+            tree->order[k].key += place_of(tree, corners[c])[axis];
     }
+    select_nth(tree->order + begin, end - begin, middle - begin);
 }
 
 /// Make the box of a range and those below. Returns its number.
@@ -87,7 +75,7 @@ static uint32_t grow(cross_tree *tree, size_t begin, size_t end)
     for (size_t k = begin; k < end; k++)
     {
         uint32_t corners[3];
-        triangle_of(tree, tree->order[k], corners);
+        triangle_of(tree, triangle_at(tree, k), corners);
         for (int c = 0; c < 3; c++)
             for (size_t d = 0; d < 3; d++)
             {
@@ -101,7 +89,7 @@ static uint32_t grow(cross_tree *tree, size_t begin, size_t end)
         size_t axis = 0, middle = begin + (end - begin) / 2;
         for (size_t d = 1; d < 3; d++)
             axis = box.high[d] - box.low[d] > box.high[axis] - box.low[axis] ? d : axis;
-        halve(tree, begin, end, middle, axis);
+        divide(tree, begin, end, middle, axis);
         (void)grow(tree, begin, middle);
         box.right = grow(tree, middle, end);
     }
@@ -183,8 +171,11 @@ static void search(const cross_tree *tree, const cross_box *leaf, bool *marks)
         }
         for (uint32_t a = leaf->begin; a < leaf->end; a++)
             for (uint32_t b = a + 1 > box->begin ? a + 1 : box->begin; b < box->end; b++)
-                if (cross(tree, tree->order[a], tree->order[b]))
-                    marks[tree->order[a] / (2 * SAMPLES * SAMPLES)] = marks[tree->order[b] / (2 * SAMPLES * SAMPLES)] = true;
+            {
+                uint32_t i = triangle_at(tree, a), k = triangle_at(tree, b);
+                if (cross(tree, i, k))
+                    marks[i / (2 * SAMPLES * SAMPLES)] = marks[k / (2 * SAMPLES * SAMPLES)] = true;
+            }
     }
 }
 
@@ -196,20 +187,12 @@ bat_status shell_count_crossings(const bat_shell *shell, size_t *crossings, bat_
     if (status != BAT_OK)
         return status;
     size_t count = 2 * sampled.face_count;
-    tree.keys = memory_pool_zeros(&tree.pool, count, 3 * sizeof *tree.keys);
     tree.order = memory_pool_array(&tree.pool, count, sizeof *tree.order);
     tree.boxes = memory_pool_array(&tree.pool, count, sizeof *tree.boxes);
     bool *marks = memory_pool_zeros(&tree.pool, shell->cage.face_count, sizeof *marks);
     status = memory_pool_check(&tree.pool, error);
-    for (uint32_t k = 0; k < count && status == BAT_OK; k++)
-    {
-        uint32_t corners[3];
-        triangle_of(&tree, k, corners);
-        for (size_t c = 0; c < 3; c++)
-            for (size_t d = 0; d < 3; d++)
-                tree.keys[3 * (size_t)k + d] += place_of(&tree, corners[c])[d];
-        tree.order[k] = k;
-    }
+    for (size_t k = 0; k < count && status == BAT_OK; k++)
+        tree.order[k].item = k;
     *crossings = 0;
     if (status == BAT_OK)
     {
