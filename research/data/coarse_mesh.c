@@ -402,10 +402,9 @@ static double area_of(const bat_mesh *mesh)
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const uint32_t *corner = mesh->faces + 3 * f;
-        double u[3], v[3], normal[3];
-        vector3_subtract(mesh->positions + 3 * corner[1], mesh->positions + 3 * corner[0], u);
-        vector3_subtract(mesh->positions + 3 * corner[2], mesh->positions + 3 * corner[0], v);
-        vector3_cross(u, v, normal);
+        double normal[3];
+        vector3_triangle(mesh->positions + 3 * corner[0], mesh->positions + 3 * corner[1], mesh->positions + 3 * corner[2],
+                         normal);
         area += 0.5 * sqrt(vector3_dot(normal, normal));
     }
     return area;

@@ -95,10 +95,7 @@ edit_corner edit_corner_of(const edit_mesh *edit, uint32_t vertex)
 /// (b - a) x (c - a)
 static void cross(const double *a, const double *b, const double *c, double normal[3])
 {
-    double u[3], v[3];
-    vector3_subtract(b, a, u);
-    vector3_subtract(c, a, v);
-    vector3_cross(u, v, normal);
+    vector3_triangle(a, b, c, normal);
 }
 
 void edit_normal(const edit_mesh *edit, size_t face, double normal[3])

@@ -12,11 +12,10 @@ void mesh_face_sums(const bat_mesh *mesh, point_density *density, const void *co
     sums[0] = 0;
     for (size_t f = 0; f < mesh->face_count; f++)
     {
-        double p[3], q[3], normal[3];
-        const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, p);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, q);
-        vector3_cross(p, q, normal);
+        double normal[3];
+        const uint32_t *face = mesh->faces + 3 * f;
+        vector3_triangle(mesh->positions + 3 * (size_t)face[0], mesh->positions + 3 * (size_t)face[1],
+                         mesh->positions + 3 * (size_t)face[2], normal);
         double area = vector3_length(normal);
         (void)vector3_normalize(normal);
         sums[f + 1] = sums[f] + (density != NULL ? area * density(context, normal) : area);

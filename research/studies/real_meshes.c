@@ -108,10 +108,8 @@ static int compare_numbers(const void *a, const void *b)
 static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
 {
     const uint32_t *corner = mesh->faces + 3 * face;
-    double u[3], v[3];
-    vector3_subtract(mesh->positions + 3 * (size_t)corner[1], mesh->positions + 3 * (size_t)corner[0], u);
-    vector3_subtract(mesh->positions + 3 * (size_t)corner[2], mesh->positions + 3 * (size_t)corner[0], v);
-    vector3_cross(u, v, normal);
+    vector3_triangle(mesh->positions + 3 * (size_t)corner[0], mesh->positions + 3 * (size_t)corner[1],
+                     mesh->positions + 3 * (size_t)corner[2], normal);
 }
 
 /// The 95 % quantile of the angles between neighbouring faces.

@@ -269,15 +269,13 @@ static bat_status make_crop(const bat_mesh *mesh, bat_random *random, bat_mesh *
 static void choose_view(const bat_mesh *mesh, bat_random *random, double view[3])
 {
     static const double TILT = 0.4;
-    double u[3], v[3], normal[3], sum[3] = {0};
+    double normal[3], sum[3] = {0};
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const double *corners[3];
         for (size_t k = 0; k < 3; k++)
             corners[k] = mesh->positions + 3 * (size_t)mesh->faces[3 * f + k];
-        vector3_subtract(corners[1], corners[0], u);
-        vector3_subtract(corners[2], corners[0], v);
-        vector3_cross(u, v, normal);
+        vector3_triangle(corners[0], corners[1], corners[2], normal);
         for (int k = 0; k < 3; k++)
             sum[k] += normal[k];
     }
@@ -348,12 +346,10 @@ static double size_of(const bat_mesh *mesh)
 static double area_of_face(const bat_mesh *mesh, size_t face)
 {
     const double *corners[3];
-    double u[3], v[3], normal[3];
+    double normal[3];
     for (size_t k = 0; k < 3; k++)
         corners[k] = mesh->positions + 3 * (size_t)mesh->faces[3 * face + k];
-    vector3_subtract(corners[1], corners[0], u);
-    vector3_subtract(corners[2], corners[0], v);
-    vector3_cross(u, v, normal);
+    vector3_triangle(corners[0], corners[1], corners[2], normal);
     return 0.5 * sqrt(vector3_dot(normal, normal));
 }
 

@@ -282,10 +282,8 @@ static bool face_normals(const mesh_task *task, const double *positions, double 
         return false;
     for (size_t f = 0; f < faces; f++, corner += 3)
     {
-        double u[3], v[3], *n = (*normals)[f];
-        vector3_subtract(positions + 3 * corner[1], positions + 3 * corner[0], u);
-        vector3_subtract(positions + 3 * corner[2], positions + 3 * corner[0], v);
-        vector3_cross(u, v, n);
+        double *n = (*normals)[f];
+        vector3_triangle(positions + 3 * corner[0], positions + 3 * corner[1], positions + 3 * corner[2], n);
         double length = sqrt(vector3_dot(n, n)), factor = length > 1e-14 ? 1 / length : 0;
         for (int c = 0; c < 3; c++)
             n[c] *= factor;

@@ -57,6 +57,15 @@ static inline void vector3_subtract(const double a[3], const double b[3], double
         difference[c] = a[c] - b[c];
 }
 
+/// (b - a) x (c - a): perpendicular to a triangle, with twice its area.
+static inline void vector3_triangle(const double a[3], const double b[3], const double c[3], double product[3])
+{
+    double u[3], v[3];
+    vector3_subtract(b, a, u);
+    vector3_subtract(c, a, v);
+    vector3_cross(u, v, product);
+}
+
 static inline double vector3_length(const double a[3])
 {
     return sqrt(vector3_dot(a, a));

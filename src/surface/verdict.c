@@ -167,10 +167,8 @@ static bat_status measure_points(cloud_geometry *geometry, int threads, bat_prog
 
 static void cross_of(const bat_cloud *cloud, const uint32_t corners[3], double product[3])
 {
-    double u[3], v[3];
-    vector3_subtract(cloud->points + 3 * (size_t)corners[1], cloud->points + 3 * (size_t)corners[0], u);
-    vector3_subtract(cloud->points + 3 * (size_t)corners[2], cloud->points + 3 * (size_t)corners[0], v);
-    vector3_cross(u, v, product);
+    vector3_triangle(cloud->points + 3 * (size_t)corners[0], cloud->points + 3 * (size_t)corners[1],
+                     cloud->points + 3 * (size_t)corners[2], product);
 }
 
 /// Take tangent planes and areas from the triangles of a mesh: where sheets are near each other, neighbours in space are not

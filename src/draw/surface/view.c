@@ -63,10 +63,8 @@ static void vector_area(const patch_points *patch, const double middle[3], doubl
     area[0] = area[1] = area[2] = 0;
     for (size_t i = 0; i < patch->loop_count; i++)
     {
-        double a[3], b[3], product[3];
-        vector3_subtract(patch->points + 3 * i, middle, a);
-        vector3_subtract(patch->points + 3 * ((i + 1) % patch->loop_count), middle, b);
-        vector3_cross(a, b, product);
+        double product[3];
+        vector3_triangle(middle, patch->points + 3 * i, patch->points + 3 * ((i + 1) % patch->loop_count), product);
         for (int c = 0; c < 3; c++)
             area[c] += 0.5 * product[c];
     }

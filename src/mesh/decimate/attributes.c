@@ -120,10 +120,8 @@ static void measure_areas(const bat_mesh *mesh, double *space, double *texture)
         const uint32_t *corner = mesh->faces + 3 * f, *at = mesh->texture_faces + 3 * f;
         const double *p = mesh->positions + 3 * (size_t)corner[0], *u = mesh->texture + 2 * (size_t)at[0],
                      *v = mesh->texture + 2 * (size_t)at[1], *w = mesh->texture + 2 * (size_t)at[2];
-        double ab[3], ac[3], normal[3];
-        vector3_subtract(mesh->positions + 3 * (size_t)corner[1], p, ab);
-        vector3_subtract(mesh->positions + 3 * (size_t)corner[2], p, ac);
-        vector3_cross(ab, ac, normal);
+        double normal[3];
+        vector3_triangle(p, mesh->positions + 3 * (size_t)corner[1], mesh->positions + 3 * (size_t)corner[2], normal);
         *space += sqrt(vector3_dot(normal, normal)) / 2;
         *texture += fabs(vector2_turn(u, v, w)) / 2;
     }

@@ -48,10 +48,8 @@ void error_vertices_set(const bat_mesh *mesh, const collapse_mesh *topology, dou
     for (size_t f = 0; f < mesh->face_count; f++)
     {
         const uint32_t *corner = mesh->faces + 3 * f;
-        double ab[3], ac[3], normal[3];
-        vector3_subtract(vertices[corner[1]].position, vertices[corner[0]].position, ab);
-        vector3_subtract(vertices[corner[2]].position, vertices[corner[0]].position, ac);
-        vector3_cross(ab, ac, normal);
+        double normal[3];
+        vector3_triangle(vertices[corner[0]].position, vertices[corner[1]].position, vertices[corner[2]].position, normal);
         double twice_area = sqrt(vector3_dot(normal, normal));
         if (!(twice_area > 0))
             continue;

@@ -68,10 +68,7 @@ static double height_over(const mesh_shape *shape, uint32_t half_edge)
 static void measure_face(mesh_shape *shape, uint32_t f)
 {
     const uint32_t *corner = shape->level->faces + 3 * (size_t)f;
-    double along[3], aside[3];
-    vector3_subtract(place(shape, corner[1]), place(shape, corner[0]), along);
-    vector3_subtract(place(shape, corner[2]), place(shape, corner[0]), aside);
-    vector3_cross(along, aside, shape->normal[f]);
+    vector3_triangle(place(shape, corner[0]), place(shape, corner[1]), place(shape, corner[2]), shape->normal[f]);
     (void)vector3_normalize(shape->normal[f]);
     shape->height[f] = INFINITY;
     for (uint32_t h = 3 * f; h < 3 * f + 3; h++)
@@ -413,11 +410,8 @@ void brake_bound(const mesh_brake *brake, double *positions)
 /// Twice the area of a face times its normal.
 static void area_vector(const uint32_t *corner, const double *positions, double area[3])
 {
-    double along[3], aside[3];
     const double *begin = positions + 3 * (size_t)corner[0];
-    vector3_subtract(positions + 3 * (size_t)corner[1], begin, along);
-    vector3_subtract(positions + 3 * (size_t)corner[2], begin, aside);
-    vector3_cross(along, aside, area);
+    vector3_triangle(begin, positions + 3 * (size_t)corner[1], positions + 3 * (size_t)corner[2], area);
 }
 
 /// Let a coarse face stay, with its vertices but those of a free boundary.

@@ -128,7 +128,7 @@ static void normal_at(const baking *all, const bat_mesh_point *point, double nor
     static const double near = 0.7; // the cosine of 45 degrees
     const bat_mesh *fine = all->fine;
     const double *corners[3], *positions[3];
-    double u[3], v[3], own[3];
+    double own[3];
     for (size_t c = 0; c < 3; c++)
     {
         size_t vertex = fine->faces[3 * (size_t)point->face + c];
@@ -136,9 +136,7 @@ static void normal_at(const baking *all, const bat_mesh_point *point, double nor
         positions[c] = fine->positions + 3 * vertex;
     }
     blend(corners, point->barycentric, normal);
-    vector3_subtract(positions[1], positions[0], u);
-    vector3_subtract(positions[2], positions[0], v);
-    vector3_cross(u, v, own);
+    vector3_triangle(positions[0], positions[1], positions[2], own);
     bool flat = !vector3_normalize(own), smooth = vector3_normalize(normal);
     if (!flat && (!smooth || vector3_dot(own, normal) < near))
         memcpy(normal, own, sizeof own);
@@ -386,10 +384,9 @@ static void face_normals(const bat_mesh *mesh, double *normals)
         for (size_t f = 0; f < mesh->face_count; f++)
         {
             const uint32_t *corner = mesh->faces + 3 * f;
-            double u[3], v[3], own[3];
-            vector3_subtract(mesh->positions + 3 * (size_t)corner[1], mesh->positions + 3 * (size_t)corner[0], u);
-            vector3_subtract(mesh->positions + 3 * (size_t)corner[2], mesh->positions + 3 * (size_t)corner[0], v);
-            vector3_cross(u, v, own);
+            double own[3];
+            vector3_triangle(mesh->positions + 3 * (size_t)corner[0], mesh->positions + 3 * (size_t)corner[1],
+                             mesh->positions + 3 * (size_t)corner[2], own);
             for (size_t c = 0; c < 3 && vector3_normalize(own); c++)
             {
                 double *normal = normals + 3 * (size_t)corner[c], lack = least - vector3_dot(normal, own);

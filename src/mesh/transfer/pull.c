@@ -119,10 +119,8 @@ static bat_status begin(const bat_mesh_map *map, pull *all, memory_pool *pool, b
         const double *a = fine->positions + 3 * (size_t)fine->faces[3 * f],
                      *b = fine->positions + 3 * (size_t)fine->faces[3 * f + 1],
                      *c = fine->positions + 3 * (size_t)fine->faces[3 * f + 2];
-        double u[3], v[3], normal[3];
-        vector3_subtract(b, a, u);
-        vector3_subtract(c, a, v);
-        vector3_cross(u, v, normal);
+        double normal[3];
+        vector3_triangle(a, b, c, normal);
         all->weights[f] = vector3_length(normal);
         total += all->weights[f];
         for (size_t s = 0; s < SAMPLES; s++)

@@ -72,10 +72,8 @@ static void measure_faces(atlas *all)
 {
     for (uint32_t f = 0; f < all->mesh->face_count; f++)
     {
-        double u[3], v[3], *normal = all->normals + 3 * (size_t)f;
-        vector3_subtract(corner_of(all, f, 1), corner_of(all, f, 0), u);
-        vector3_subtract(corner_of(all, f, 2), corner_of(all, f, 0), v);
-        vector3_cross(u, v, normal);
+        double *normal = all->normals + 3 * (size_t)f;
+        vector3_triangle(corner_of(all, f, 0), corner_of(all, f, 1), corner_of(all, f, 2), normal);
         all->areas[f] = vector3_length(normal) / 2;
         (void)vector3_normalize(normal);
         all->rank[f] = f;

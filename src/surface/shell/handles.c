@@ -188,11 +188,10 @@ static void vertex_normal(const handle_search *work, uint32_t vertex, double nor
     memset(normal, 0, 3 * sizeof *normal);
     do
     {
-        double p[3], q[3], part[3];
+        double part[3];
         const double *place = mesh->positions + 3 * (size_t)vertex;
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)], place, p);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], place, q);
-        vector3_cross(p, q, part);
+        vector3_triangle(place, mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)],
+                         mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], part);
         for (int c = 0; c < 3; c++)
             normal[c] += part[c];
         h = bat_mesh_next_around(&work->links, h);
@@ -210,10 +209,9 @@ static bat_status judge_loop(handle_search *work, const handle_loop *loop, bool 
             middle[c] += positions[3 * (size_t)loop->vertices[k] + c] / loop->count;
     for (uint32_t k = 0; k < loop->count; k++)
     {
-        double p[3], q[3], part[3];
-        vector3_subtract(positions + 3 * (size_t)loop->vertices[k], middle, p);
-        vector3_subtract(positions + 3 * (size_t)loop->vertices[(k + 1) % loop->count], middle, q);
-        vector3_cross(p, q, part);
+        double part[3];
+        vector3_triangle(middle, positions + 3 * (size_t)loop->vertices[k],
+                         positions + 3 * (size_t)loop->vertices[(k + 1) % loop->count], part);
         for (size_t c = 0; c < 3; c++)
             area[c] += part[c];
     }

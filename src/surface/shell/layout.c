@@ -60,11 +60,8 @@ static double angle_at(const double *a, const double *b, const double *c)
 
 static void normal_of(const bat_mesh *mesh, uint32_t face, double normal[3])
 {
-    double p[3], q[3];
     const double *a = corner_of(mesh, 3 * face);
-    vector3_subtract(corner_of(mesh, 3 * face + 1), a, p);
-    vector3_subtract(corner_of(mesh, 3 * face + 2), a, q);
-    vector3_cross(p, q, normal);
+    vector3_triangle(a, corner_of(mesh, 3 * face + 1), corner_of(mesh, 3 * face + 2), normal);
 }
 
 /// The cost of joining the triangles on both sides of an edge.

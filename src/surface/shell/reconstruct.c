@@ -118,11 +118,10 @@ static bat_status sample_mesh(shell_work *work, bat_error *error)
     sums[0] = 0;
     for (size_t f = 0; f < mesh->face_count; f++)
     {
-        double p[3], q[3], normal[3];
+        double normal[3];
         const double *a = mesh->positions + 3 * (size_t)mesh->faces[3 * f];
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1], a, p);
-        vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], a, q);
-        vector3_cross(p, q, normal);
+        vector3_triangle(a, mesh->positions + 3 * (size_t)mesh->faces[3 * f + 1],
+                         mesh->positions + 3 * (size_t)mesh->faces[3 * f + 2], normal);
         sums[f + 1] = sums[f] + vector3_length(normal);
     }
     work->report.spacing = sqrt(sums[mesh->face_count] / 2 / (double)count);
