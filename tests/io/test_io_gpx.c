@@ -102,6 +102,23 @@ static void single_points_stay_in_the_file(void **state)
     bat_curve_set_free(&set);
 }
 
+/// Bounds after a point are no bounds of the file.
+static void bounds_among_points_stay(void **state)
+{
+    (void)state;
+    static const char text[] =
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>" ROOT "<rte><rtept lat=\"0\" lon=\"0\"/>"
+        "<bounds minlat=\"0\" minlon=\"0\" maxlat=\"1\" maxlon=\"1\"/><rtept lat=\"2\" lon=\"0\"/></rte></gpx>";
+    bat_curve_set set = must_read(text, BAT_CURVE_FORMAT_GPX, NULL), again;
+    char *written = must_write(&set, BAT_CURVE_FORMAT_GPX);
+    assert_true(strncmp(written, text, strlen("<?xml version=\"1.0\" encoding=\"UTF-8\"?>" ROOT)) == 0);
+    again = must_read(written, BAT_CURVE_FORMAT_GPX, NULL);
+    assert_int_equal(again.curves[0].count, 2);
+    bat_curve_set_free(&again);
+    free(written);
+    bat_curve_set_free(&set);
+}
+
 static void a_loop_is_closed_where_times_allow(void **state)
 {
     (void)state;
@@ -301,11 +318,17 @@ static void bad_files_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_file_comes_back_as_it_was),       cmocka_unit_test(new_points_get_values_between),
-        cmocka_unit_test(single_points_stay_in_the_file),    cmocka_unit_test(a_loop_is_closed_where_times_allow),
-        cmocka_unit_test(bounds_grow_with_the_curves),       cmocka_unit_test(other_formats_keep_times),
-        cmocka_unit_test(what_a_format_cannot_hold_is_told), cmocka_unit_test(other_formats_become_gpx),
-        cmocka_unit_test(geojson_with_times_becomes_gpx),    cmocka_unit_test(bad_files_are_refused),
+        cmocka_unit_test(a_file_comes_back_as_it_was),
+        cmocka_unit_test(new_points_get_values_between),
+        cmocka_unit_test(single_points_stay_in_the_file),
+        cmocka_unit_test(bounds_among_points_stay),
+        cmocka_unit_test(a_loop_is_closed_where_times_allow),
+        cmocka_unit_test(bounds_grow_with_the_curves),
+        cmocka_unit_test(other_formats_keep_times),
+        cmocka_unit_test(what_a_format_cannot_hold_is_told),
+        cmocka_unit_test(other_formats_become_gpx),
+        cmocka_unit_test(geojson_with_times_becomes_gpx),
+        cmocka_unit_test(bad_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

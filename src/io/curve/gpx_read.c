@@ -211,12 +211,12 @@ static void end_waypoint(gpx_reader *reader)
     reader->properties = NULL;
 }
 
-/// Keep where the bounds of the file stand, which grow with the curves.
+/// Keep where the bounds of the file stand, which grow with the curves. They stand before all points.
 static void take_bounds(gpx_reader *reader, text_range tag, const XML_Char **attributes)
 {
     static const char *const names[] = {"minlon", "minlat", "maxlon", "maxlat"};
     gpx_source *source = reader->source;
-    bool known = source->bounds.end == 0 && source->curve_count == 0;
+    bool known = source->bounds.end == 0 && source->curve_count == 0 && reader->sink == &source->frame;
     for (size_t i = 0; i < sizeof names / sizeof *names && known; i++)
     {
         const char *text = xml_attribute(attributes, names[i]);

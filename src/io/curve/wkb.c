@@ -164,16 +164,18 @@ bat_status wkb_scan_geometry(wkt_scanner *scan, text_buffer *geojson)
     bat_status status = text.failed     ? error_memory(scan->error, text.size)
                         : fault != NULL ? wkt_fault(scan, "the binary geometry %s", fault)
                                         : BAT_OK;
-    wkt_scanner inner = *scan;
-    inner.place = scan->at;
-    inner.at = text.data;
-    inner.end = text.data + text.size;
     if (status == BAT_OK)
+    {
+        wkt_scanner inner = *scan;
+        inner.place = scan->at;
+        inner.at = text.data;
+        inner.end = text.data + text.size;
         status = wkt_scan_geometry(&inner, geojson);
-    inner.at = inner.end = scan->end;
-    inner.place = NULL;
-    inner.binary = true;
-    *scan = inner;
+        inner.at = inner.end = scan->end;
+        inner.place = NULL;
+        inner.binary = true;
+        *scan = inner;
+    }
     text_free(&text);
     return status;
 }
