@@ -80,7 +80,10 @@ bool wkb_begins(const char *begin, const char *end)
 {
     wkb_type type;
     wkb_digits digits = {.at = begin, .end = end};
-    return end - begin >= MIN_DIGITS && (end - begin) % 2 == 0 && take_type(&digits, &type) == NULL;
+    const char *at = begin;
+    while (at < end && digit_value(*at) >= 0)
+        at++;
+    return at == end && end - begin >= MIN_DIGITS && (end - begin) % 2 == 0 && take_type(&digits, &type) == NULL;
 }
 
 /// Take a position, which is empty where all of its numbers are no numbers.

@@ -45,6 +45,7 @@ size_t wkt_count_numbers(const json_t *coordinates);
 
 // Well-known binary in hexadecimal digits.
 
+/// Whether a text has hexadecimal digits alone and begins like a geometry.
 bool wkb_begins(const char *begin, const char *end);
 
 /// Read the geometry that the scanner's text is.
