@@ -222,8 +222,8 @@ void cells_places(const csv_cells *cells, const bat_curve *curve, size_t curve_i
 
 /// Append a cell at a place: its text, or a value between those of two rows.
 void cells_write(const csv_cells *cells, csv_kind kind, size_t column, size_t curve_index, double place, text_buffer *text);
-/// Append a text as a field between commas, in quotes where it needs them.
-void cells_write_text(const char *cell, text_buffer *text);
+/// Append a text as a field between commas, in quotes where it needs them: blanks separate fields of one column alone.
+void cells_write_text(const char *cell, bool alone, text_buffer *text);
 
 enum
 {

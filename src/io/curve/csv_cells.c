@@ -154,9 +154,9 @@ static bool is_quoted(const char *cell)
     return true;
 }
 
-void cells_write_text(const char *cell, text_buffer *text)
+void cells_write_text(const char *cell, bool alone, text_buffer *text)
 {
-    if (is_quoted(cell) || strpbrk(cell, ",;\t\"") == NULL)
+    if (is_quoted(cell) || strpbrk(cell, alone ? " ,;\t\"" : ",;\t\"") == NULL)
     {
         text_append_string(text, cell);
         return;
@@ -213,7 +213,7 @@ void cells_write(const csv_cells *cells, csv_kind kind, size_t column, size_t cu
     else if (kind == CSV_GAPS && share > 0)
         write_between(cell, next, share, text);
     else
-        cells_write_text(cell, text);
+        cells_write_text(cell, false, text);
 }
 
 static bool is_blank(char c)

@@ -194,7 +194,8 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
             text_append(text, &separator, 1);
         if (i == layout->corner)
             text_append_string(text, "corner,");
-        cells_write_text(layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other, text);
+        cells_write_text(layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other,
+                         layout->column_count == 1, text);
     }
     text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
 }
