@@ -253,10 +253,11 @@ static void find_ways(const bat_hermite_curve *keys, const double *turns, const 
         for (size_t i = 0; i < system->intervals; i++)
         {
             size_t next = i + 1 == system->count ? 0 : i + 1;
-            const double *p = system->points + 4 * i, *q = system->points + 4 * next, *turn = turns + 3 * i;
+            const double *p = system->points + 4 * i, *q = system->points + 4 * next,
+                         *turn = turns != NULL ? turns + 3 * i : NULL;
             const double *v = system->velocities + 3 * i, *w = system->velocities + 3 * next;
             double *way = ways + 3 * i, wanted[3];
-            bool told = turns != NULL && !isnan(turn[0]), moves = keys->tangents != NULL && system->fixed[i] == KEY_GIVEN;
+            bool told = turn != NULL && !isnan(turn[0]), moves = keys->tangents != NULL && system->fixed[i] == KEY_GIVEN;
             bool shortest = true, known = told || (moves && system->fixed[next] == KEY_GIVEN);
             for (size_t c = 0; c < 3; c++)
                 wanted[c] = told ? turn[c] : system->lengths[i] * (v[c] + w[c]) / 2;
