@@ -504,14 +504,15 @@ static json_t *report_map(const bat_curve_map_refine_report *map, const char *un
         "[dropped?simplified: {dropped} points dropped\n]"
         "[joints?lines: {joints} pairs of ends meet where no third line does, and go on smoothly\n]"
         "[snapped?joined: {snapped} points moved onto others or added to edges, by {snap:.3g}{unit} at most\n]"
+        "[spikes?dropped: {spikes} points of spikes, edges that lead there and back\n]"
         "[given_crossing?crossing before: {given_crossing} pairs of given edges cross or touch, and may do so refined\n]"
         "[keeps_areas?areas kept to {largest_area_error:.1g} of them\n]"
         "[crossings?kept apart: {crossings} pairs of refined edges met; the new points of {drawn_back} edges were drawn "
         "back\n]",
         "arcs:z -one_arc:b nodes:z -one_node:b shared:z dropped:z joints:z given_crossing:z crossings:z drawn_back:z "
-        "snapped:z largest_area_error:n -keeps_areas:b -snap:n -unit:s",
+        "snapped:z spikes:z largest_area_error:n -keeps_areas:b -snap:n -unit:s",
         map->arcs, (int)(map->arcs == 1), map->nodes, (int)(map->nodes == 1), map->shared, map->dropped, map->joints,
-        map->given_crossing, map->crossings, map->drawn_back, map->snapped, map->largest_area_error,
+        map->given_crossing, map->crossings, map->drawn_back, map->snapped, map->spikes, map->largest_area_error,
         (int)(map->largest_area_error > 0), map->largest_snap * (unit[0] != '\0' ? BAT_EARTH_RADIUS : 1), unit);
 }
 

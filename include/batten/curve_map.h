@@ -56,6 +56,7 @@ typedef struct bat_curve_map_refine_report
     size_t crossings;               ///< pairs of refined edges that crossed or touched, over all levels
     size_t drawn_back;              ///< edges whose new points were drawn back, over all levels
     size_t snapped;                 ///< vertices that were moved onto others or added to edges, see snap_tolerance
+    size_t spikes;                  ///< vertices that were dropped from spikes of rings, edges that lead there and back
     double largest_snap;            ///< the longest way of a vertex
     double largest_area_error;      ///< of a ring, relative to its area, with keep_area; else 0
 } bat_curve_map_refine_report;

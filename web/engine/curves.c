@@ -95,6 +95,7 @@ static bat_status refine(const engine_call *call, engine_object *result, bat_err
         engine_set(json, "shared", engine_size(report.shared));
         engine_set(json, "nodes", engine_size(report.nodes));
         engine_set(json, "snapped", engine_size(report.snapped));
+        engine_set(json, "spikes", engine_size(report.spikes));
         engine_set(json, "largest_snap", engine_number(report.largest_snap));
         engine_set(json, "largest_area_error", engine_number(report.largest_area_error));
     }

@@ -167,6 +167,7 @@ typedef struct snapped_curves
     size_t **origins; ///< of each curve, the given point that each point comes from; of an added one, that before it
     size_t moved;     ///< points that were moved
     size_t added;     ///< vertices that were added to edges
+    size_t spikes;    ///< vertices of spikes of rings that were dropped
     double largest;   ///< the longest way of a point
 } snapped_curves;
 

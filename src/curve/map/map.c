@@ -161,6 +161,7 @@ static bat_status prepare(map_job *job, const map_chart *chart, const bat_curve_
     if (job->snapped.curves != NULL)
         job->curves = job->snapped.curves;
     job->report.snapped = job->snapped.moved + job->snapped.added;
+    job->report.spikes = job->snapped.spikes;
     job->report.largest_snap = job->snapped.largest;
     if (options->simplify > 0)
     {

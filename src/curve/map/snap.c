@@ -3,6 +3,7 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "curve/polygon.h"
+#include "search/nearest.h"
 #include "space/builtin.h"
 
 #include <math.h>
@@ -342,8 +343,32 @@ static bool rows_agree(const bat_curve *curve, size_t i, size_t j)
     return memcmp(curve->points + i * dim, curve->points + j * dim, dim * sizeof(double)) == 0;
 }
 
-/// Drop the spikes of a ring: edges that lead there and back, which rounding had kept apart.
-static void drop_spikes(bat_curve *curve, size_t *origins)
+/// Whether a row is the tip of a spike no longer than `limit`, between two rows that agree.
+static bool is_tip(const bat_curve *curve, size_t before, size_t tip, size_t after, double limit)
+{
+    size_t dim = curve->space->point_dim;
+    return rows_agree(curve, before, after) &&
+           curve->space->distance(curve->space, curve->points + before * dim, curve->points + tip * dim) <= limit;
+}
+
+/// The median edge of a ring. NaN without memory.
+static double median_edge(const bat_curve *ring)
+{
+    size_t dim = ring->space->point_dim;
+    keyed *edges = memory_array(ring->count, sizeof *edges);
+    for (size_t i = 0; i < ring->count && edges != NULL; i++)
+        edges[i] = (keyed){
+            ring->space->distance(ring->space, ring->points + i * dim, ring->points + (i + 1) % ring->count * dim), i};
+    if (edges == NULL)
+        return NAN;
+    select_nth(edges, ring->count, ring->count / 2);
+    double median = edges[ring->count / 2].key;
+    free(edges);
+    return median;
+}
+
+/// Drop the spikes of a ring: edges that lead there and back, which rounding had kept apart. Those longer than `limit` stay.
+static void drop_spikes(bat_curve *curve, size_t *origins, double limit)
 {
     enum
     {
@@ -352,7 +377,7 @@ static void drop_spikes(bat_curve *curve, size_t *origins)
     size_t kept = 0, count = curve->count;
     for (size_t i = 0; i < count; i++)
     {
-        if (kept >= 2 && rows_agree(curve, kept - 2, i))
+        if (kept >= 2 && is_tip(curve, kept - 2, kept - 1, i, limit))
             kept--; // the tip; row i repeats the row that is last now
         else
         {
@@ -362,9 +387,11 @@ static void drop_spikes(bat_curve *curve, size_t *origins)
         }
     }
     size_t begin = 0;
-    while (kept - begin > FEWEST && (rows_agree(curve, begin, kept - 2) || rows_agree(curve, begin + 1, kept - 1)))
+    while (kept - begin > FEWEST)
     {
-        bool last_is_tip = rows_agree(curve, begin, kept - 2);
+        bool last_is_tip = is_tip(curve, kept - 2, kept - 1, begin, limit);
+        if (!last_is_tip && !is_tip(curve, begin + 1, begin, kept - 1, limit))
+            break;
         kept -= last_is_tip ? 2 : 1;
         begin += last_is_tip ? 0 : 1;
     }
@@ -407,8 +434,13 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
         }
     }
     copy->count = row;
-    if (curve->closed && row > curve->count)
-        drop_spikes(copy, *origins);
+    if (!curve->closed || row == curve->count)
+        return BAT_OK;
+    double limit = median_edge(curve) / 2;
+    if (isnan(limit))
+        return error_memory(error, curve->count * sizeof(keyed));
+    drop_spikes(copy, *origins, limit);
+    job->result->spikes += row - copy->count;
     return BAT_OK;
 }
 

@@ -136,6 +136,29 @@ static bat_status find_fault(const flat_rings *flat, bool *found, double *place,
     return status;
 }
 
+/// Whether a ring leads there and back along a line. Rounding can keep the two ways apart, on the globe by two units.
+static bool has_spike(const flat_rings *flat, bool globe)
+{
+    for (size_t r = 0; r < flat->count; r++)
+    {
+        const double *points = flat->rings[r].points;
+        size_t count = flat->rings[r].count;
+        double apart = globe ? 2 : 0;
+        for (size_t i = 0; i < 2 * count && !globe; i++)
+            apart = fmax(apart, SNAP_ROUNDING_FLAT * fabs(points[i]));
+        for (size_t i = 0; i < count; i++)
+        {
+            const double *tip = points + 2 * i, *p = points + 2 * ((i + count - 1) % count),
+                         *q = points + 2 * ((i + 1) % count);
+            double to[2] = {p[0] - tip[0], p[1] - tip[1]}, from[2] = {q[0] - tip[0], q[1] - tip[1]};
+            double longer = fmax(hypot(to[0], to[1]), hypot(from[0], from[1]));
+            if (to[0] * from[0] + to[1] * from[1] > 0 && fabs(to[0] * from[1] - to[1] * from[0]) <= apart * longer)
+                return true;
+        }
+    }
+    return false;
+}
+
 // Areas
 
 /// Twice the area on the left of a ring.
@@ -252,6 +275,8 @@ bat_status judge_polygons(const geojson_shape *given, const geojson_shape *fine,
         status = flat_rings_make(given, style, &before, error);
     if (status == BAT_OK && crosses)
         status = find_fault(&before, &crossed, old_place, error);
+    if (status == BAT_OK && crosses && !crossed)
+        crossed = has_spike(&before, style->globe);
     double unit = style->globe ? (double)style->grid.half_turn / 180 : 1;
     if (status == BAT_OK && crosses && !crossed)
         status =

@@ -471,6 +471,28 @@ static void test_point_on_a_border_becomes_its_vertex(void **state)
     bat_curve_set_free(&coarse);
 }
 
+// A ring leads there and back along a line, with other points: a short spike is dropped and told, a long one stays.
+static void test_spikes_are_dropped_where_they_are_short(void **state)
+{
+    (void)state;
+    static const double TIPS[] = {3.5, 2.4}, BACKS[] = {2.5, 2.2};
+    static const size_t DROPPED[] = {0, 4}, EDGES[] = {9, 5};
+    bat_space plane = bat_euclidean(2);
+    for (size_t i = 0; i < 2; i++)
+    {
+        const double points[] = {0, 0, 2, 0, 2, 2, 1, 2, 1, TIPS[i], 1, BACKS[i], 1, 2, 0, 2};
+        static const size_t COUNT[] = {8};
+        bat_curve_set coarse = rings_of(&plane, points, COUNT, 1);
+        bat_curve_map_refine_report report;
+        bat_curve_map_refine_options how = map_options("four-point", 1, &report);
+        bat_curve_set fine = refined_map(&coarse, &how);
+        assert_int_equal(report.spikes, DROPPED[i]);
+        assert_int_equal(fine.curves[0].count, 2 * EDGES[i]);
+        bat_curve_set_free(&fine);
+        bat_curve_set_free(&coarse);
+    }
+}
+
 static void test_near_points_are_joined(void **state)
 {
     (void)state;
@@ -728,6 +750,7 @@ int main(void)
         cmocka_unit_test(test_order_direction_and_threads_do_not_matter),
         cmocka_unit_test(test_separate_is_curves_refine),
         cmocka_unit_test(test_point_on_a_border_becomes_its_vertex),
+        cmocka_unit_test(test_spikes_are_dropped_where_they_are_short),
         cmocka_unit_test(test_near_points_are_joined),
         cmocka_unit_test(test_areas_are_kept),
         cmocka_unit_test(test_channels_follow_the_points),
