@@ -1,4 +1,3 @@
-#include "reproduce/reproduce.h"
 #include "verb.h"
 
 #include "batten/batten.h"

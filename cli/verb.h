@@ -187,3 +187,6 @@ extern const verb *const VERBS[];
 
 extern const verb VERB_ANALYZE, VERB_COMPLETION, VERB_CURVE, VERB_DECIMATE, VERB_LIST, VERB_MANUAL, VERB_MEASURE, VERB_MESH,
     VERB_MOTION, VERB_REPRODUCE, VERB_SHAPE, VERB_SURFACE, VERB_TRAIN_CURVE, VERB_TRAIN_MESH, VERB_TRAIN_SURFACE;
+
+/// The published results that can be reproduced; `index` from 0 on. False past the last.
+bool reproduce_row(size_t index, const char **name, const char **summary);

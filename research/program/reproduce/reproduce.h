@@ -5,9 +5,6 @@
 #include "batten/batten.h"
 #include "batten/research/research.h"
 
-/// The published results that can be reproduced; `index` from 0 on. False past the last.
-bool reproduce_row(size_t index, const char **name, const char **summary);
-
 /// What `batten reproduce all` knows of a result.
 typedef struct reproduce_part
 {
