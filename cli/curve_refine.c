@@ -70,6 +70,7 @@ static int refine_set(curve_job *job, size_t levels, bat_curve_set *fine, bat_cu
     bat_curve_map_refine_options how = job->map;
     how.refine = job->refine;
     how.refine.levels = levels;
+    how.refine.strict = job->read.strict;
     if (report == NULL)
         how.refine.relative_tolerance = 0; // of a panel
     how.refine.progress = report_progress("refining");
@@ -80,21 +81,6 @@ static int refine_set(curve_job *job, size_t levels, bat_curve_set *fine, bat_cu
     if (status == BAT_OK && report != NULL && report->map)
         job->write.given = &job->coarse;
     return status == BAT_OK ? EXIT_DONE : report_curve(job, report_error());
-}
-
-/// With --strict, refuse what crosses itself.
-static int check_crossings(const curve_job *job)
-{
-    const bat_curve_map_refine_report *done = &job->findings.done;
-    size_t crossing = done->map ? done->given_crossing : done->curves.given_crossing + done->curves.left_crossing;
-    bat_error error = {.text = ""};
-    if (!job->read.strict || crossing == 0)
-        return EXIT_DONE;
-    (void)snprintf(error.text, sizeof error.text,
-                   done->map ? "pairs of edges that cross or touch: %zu; without --strict they may do so refined"
-                             : "curves that cross or overlap themselves: %zu; without --strict they may do so refined",
-                   crossing);
-    return report_failure(job->call.input, &error);
 }
 
 /// Replace the tension of the scheme by the best for the truth, and its name.
@@ -320,6 +306,7 @@ static int refine_stream(curve_job *job)
     stream_context stream = {job, EXIT_DONE};
     bat_curve_refine_file_report report;
     bat_curve_refine_file_options options = {.read = job->read, .refine = job->refine, .write = job->write};
+    options.refine.strict = job->read.strict;
     options.refine.progress = report_progress("refining");
     options.refine.report = &job->findings.done.curves;
     options.write.report = &job->findings.written;
@@ -333,7 +320,7 @@ static int refine_stream(curve_job *job)
     if (status != BAT_OK)
         return report_bad_input(job->call.given, error.operand == 1 ? job->call.output : job->call.input, &error);
     job->fine = (bat_curve_set){.space = &job->space, .count = report.curves};
-    return check_crossings(job);
+    return EXIT_DONE;
 }
 
 // Pictures
@@ -794,8 +781,6 @@ int curve_make(void *of)
     int code = read_curves(job);
     if (code == EXIT_DONE)
         code = refine_set(job, job->refine.levels, &job->fine, &job->findings.done);
-    if (code == EXIT_DONE)
-        code = check_crossings(job);
     if (code == EXIT_DONE && !job->call.quiet)
         code = measure_part(job, &job->coarse, &job->fine);
     findings->compared = job->truth != NULL && !job->call.quiet;

@@ -112,6 +112,7 @@ typedef struct bat_curve_refine_options
     /// Find corners, for schemes that keep them: right angles, where the curve has so many that they are meant, and ends of
     /// straight runs. docs/algorithms/curve-schemes.md tells the rule. Default false.
     bool find_corners;
+    bool strict; ///< refuse curves that cross themselves and given edges of maps that meet, if `simple` tests; default false
     /// A stop, in the unit of the space's distance: each edge gets the smallest number of levels for which none of its
     /// pieces is longer, whatever its neighbours get. 0: none. Default 0.
     double max_edge;

@@ -29,12 +29,16 @@ typedef struct arc_job
 
 // Edges that meet before refinement
 
-/// Find the given edges that meet, which may meet after refinement as well.
+/// Find the given edges that meet, which may meet after refinement as well, or are refused.
 static bat_status find_given(arc_job *job, bat_error *error)
 {
     bat_status status = met_edges_find(&job->before, job->chart, job->options->threads, &job->given, error);
     job->report->given_crossing = job->given.count / 2;
-    return status;
+    if (status != BAT_OK || !job->options->strict || job->given.count == 0)
+        return status;
+    edge_place first = job->given.pairs[0].places[0];
+    status = error_set(error, BAT_INVALID_POINT, first.edge, 0, "the edge after this point crosses or touches another one");
+    return error_curve(error, status, first.curve);
 }
 
 bat_status arc_anchors_make(const arc_graph *graph, const map_chart *chart, const chart_curves *charts, anchor_grid *anchors,

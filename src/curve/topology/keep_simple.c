@@ -57,6 +57,13 @@ static bat_status only_count(const bat_curve *fine, bool must, bat_curve_refine_
     return BAT_OK;
 }
 
+/// A curve that crosses itself stays as it is, or is refused.
+static bat_status leave_crossing(const bat_curve_refine_options *options, bat_error *error)
+{
+    return !options->strict ? BAT_OK
+                            : error_set(error, BAT_INVALID_POINT, BAT_NO_INDEX, 0, "the curve crosses or overlaps itself");
+}
+
 bool wants_simple(const bat_curve *coarse, const bat_curve_refine_options *options)
 {
     surface_kind kind;
@@ -78,9 +85,9 @@ bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *
     report->checked = 1;
     report->given_crossing = !apart;
     if (!apart)
-        return BAT_OK;
+        return leave_crossing(options, error);
     if (!contains_points(coarse, fine, starts))
-        return only_count(fine, options->simple == BAT_CURVE_SIMPLE_ALWAYS, report, error);
+        return only_count(fine, options->strict || options->simple == BAT_CURVE_SIMPLE_ALWAYS, report, error);
     draw_back_counts counts;
     drawn_curve drawn = {.coarse = coarse, .starts = starts};
     draw_rules rules = {.pairs = EDGE_PAIRS_SAME_CURVE, .straight_may_meet = options->simple <= BAT_CURVE_SIMPLE_RINGS};
@@ -92,7 +99,7 @@ bat_status keep_simple(const bat_curve *coarse, const bat_curve_refine_options *
     report->drawn_back = counts.edges;
     report->straight = counts.straight;
     report->left_crossing = counts.stuck.curve != BAT_NO_INDEX;
-    return BAT_OK;
+    return report->left_crossing ? leave_crossing(options, error) : BAT_OK;
 }
 
 /// Edges need a unique geodesic.

@@ -715,6 +715,7 @@ static void test_what_cannot_be_is_refused(void **state)
     bat_space plane = bat_euclidean(2);
     bat_curve_set coarse = make_map(&plane, 0.3), fine;
     bat_error error;
+    bat_curve_map_refine_report report;
     bat_curve_map_refine_options how = map_options("four-point", 2, NULL);
     how.refine.ends = BAT_CURVE_END_RULE_FREE;
     assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_UNSUPPORTED);
@@ -737,6 +738,19 @@ static void test_what_cannot_be_is_refused(void **state)
     assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_OK);
     assert_true(count_crossings(&fine) > 0);
     bat_curve_set_free(&fine);
+    bat_curve_set_free(&coarse);
+
+    // The second of two rings is a bow tie, which stays one unless that is refused.
+    static const double BOW_TIE[] = {10, 0, 11, 0, 11, 1, 0, 0, 2, 2, 2, 0, 0, 2};
+    coarse = rings_of(&plane, BOW_TIE, (const size_t[]){3, 4}, 2);
+    how = map_options("four-point", 3, &report);
+    fine = refined_map(&coarse, &how);
+    assert_int_equal(report.given_crossing, 1);
+    bat_curve_set_free(&fine);
+    how.refine.strict = true;
+    assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.curve, 1);
+    assert_int_equal(error.index, 0);
     bat_curve_set_free(&coarse);
 }
 

@@ -355,12 +355,16 @@ static void choices_and_refusals(void **state)
     bat_curve_refine_options how = options("four-point", 3);
     how.report = &report;
 
-    // A bow tie stays one.
+    // A bow tie stays one, or is refused.
     double tie[] = {0, 0, 1, 1, 1, 0, 0, 1};
     bat_curve bow_tie = {.space = &plane, .points = tie, .count = 4, .closed = true};
     fine = refined(&bow_tie, &how);
     assert_true(report.checked == 1 && report.given_crossing == 1 && report.crossing == 0);
     bat_curve_free(&fine);
+    how.strict = true;
+    assert_int_equal(bat_curves_refine(&bow_tie, 1, &how, &fine, &error), BAT_INVALID_POINT);
+    assert_int_equal(error.curve, 0);
+    how.strict = false;
 
     // Other spaces: nothing by default, unsupported when it is asked for.
     double space_points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
