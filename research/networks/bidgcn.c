@@ -16,7 +16,7 @@
 #include "batten/research/networks.h"
 #include "learn/weights.h"
 #include "research/learn/functions.h"
-#include "surface/cloud/neighbours.h"
+#include "search/nearest.h"
 #include "surface/network/chart_network.h"
 
 #include <assert.h>
@@ -317,7 +317,7 @@ typedef struct inference_run
     int threads;
     size_t count;            ///< points of the network
     size_t boundary_count;   ///< boundary points with parameters; 0 without the informed layer
-    const uint32_t *order;   ///< count: indices of the points in a spatially coherent order
+    const size_t *order;     ///< count: indices of the points in a spatially coherent order
     real *position;          ///< count x 3
     real *boundary_position; ///< boundary_count x 3
     real *boundary_features; ///< boundary_count x SOURCE_FEATURES: positions and parameters
@@ -655,7 +655,7 @@ static void read_places(const inference_run *r, const double *points, const doub
 {
     size_t tiles = learn_whole_tiles(r->count);
     for (size_t i = 0; i < 3 * r->count; i++)
-        r->position[i] = (real)points[3 * (size_t)r->order[i / 3] + i % 3];
+        r->position[i] = (real)points[3 * r->order[i / 3] + i % 3];
     for (size_t i = 0; i < 3 * r->boundary_count; i++)
         r->boundary_position[i] = (real)boundary_count[i];
     for (size_t i = 0; i < SOURCE_FEATURES * r->boundary_count; i++)
@@ -692,16 +692,16 @@ bat_status surface_inference_run(const void *network, const bat_cloud *cloud, co
     const surface_inference *made = network;
     size_t begin = made->informed ? cloud->boundary_count : 0;
     inference_run r = {.network = made, .count = cloud->count - begin, .boundary_count = begin};
-    neighbour_tree tree;
+    nearest_tree tree;
     if (cloud->count == cloud->boundary_count)
         return BAT_OK;
     r.threads = threads_for(threads, blocks_of(&r));
-    bat_status status = neighbour_tree_build(cloud->points + 3 * begin, r.count, &tree, error);
+    bat_status status = neighbours_build(cloud->points + 3 * begin, r.count, &tree, error);
     if (status != BAT_OK)
         return status;
     r.order = tree.items;
     status = run_network(&r, cloud, boundary, interior, error);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 

@@ -8,8 +8,8 @@
 #include "surface/candidate.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 #include "surface/cloud/part.h"
+#include "surface/cloud/spatial_order.h"
 #include "surface/fit/points.h"
 #include "surface/spline/hierarchical_space.h"
 
@@ -336,9 +336,9 @@ bat_status bat_surface_loop_frames(const bat_cloud *cloud, double *frames, bat_e
 {
     if (cloud->boundary_count < 3)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is not known");
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     neighbour_list near = {0};
-    bat_status status = neighbour_tree_build(cloud->points, cloud->count, &tree, error);
+    bat_status status = neighbours_build(cloud->points, cloud->count, &tree, error);
     for (size_t i = 0; i < cloud->boundary_count && status == BAT_OK; i++)
     {
         status = neighbours_nearest(&tree, cloud->points + 3 * i, PLANE_POINTS, &near, error);
@@ -348,14 +348,14 @@ bat_status bat_surface_loop_frames(const bat_cloud *cloud, double *frames, bat_e
         memcpy(frames + i * BAT_SURFACE_LOOP_FRAME, &frame, sizeof frame);
     }
     neighbour_list_free(&near);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 
 bat_status bat_surface_loop_outermost(const double *frames, size_t loop, const double *points, size_t count,
                                       double *outwards, size_t *outer, bat_error *error)
 {
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     neighbour_list near = {0};
     double *places = memory_array(loop, 3 * sizeof *places);
     if (places == NULL)
@@ -366,7 +366,7 @@ bat_status bat_surface_loop_outermost(const double *frames, size_t loop, const d
         outwards[k] = 0;
         outer[k] = BAT_NO_INDEX;
     }
-    bat_status status = neighbour_tree_build(places, loop, &tree, error);
+    bat_status status = neighbours_build(places, loop, &tree, error);
     for (size_t i = 0; i < count && status == BAT_OK; i++)
     {
         status = neighbours_nearest(&tree, points + 3 * i, 1, &near, error);
@@ -386,7 +386,7 @@ bat_status bat_surface_loop_outermost(const double *frames, size_t loop, const d
         }
     }
     neighbour_list_free(&near);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     free(places);
     return status;
 }

@@ -5,7 +5,7 @@
 #include "batten/research/surface_shapes.h"
 #include "mesh/measure/unit_box.h"
 #include "research/train/bezier_fit.h"
-#include "surface/cloud/neighbours.h"
+#include "search/nearest.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -21,7 +21,7 @@ static size_t draw_count(size_t min, size_t max, bat_random *random)
 }
 
 /// Rows in the order of `places`.
-static bool reorder(double *rows, size_t columns, const uint32_t *places, size_t count)
+static bool reorder(double *rows, size_t columns, const size_t *places, size_t count)
 {
     double *copy = memory_array(count, columns * sizeof *copy);
     if (copy == NULL)
@@ -37,14 +37,14 @@ static bool reorder(double *rows, size_t columns, const uint32_t *places, size_t
 static bat_status put_in_order(surface_sample *sample, bat_error *error)
 {
     size_t bound = sample->cloud.boundary_count, interior = sample->cloud.count - bound;
-    neighbour_tree tree;
-    bat_status status = neighbour_tree_build(sample->cloud.points + 3 * bound, interior, &tree, error);
+    nearest_tree tree;
+    bat_status status = neighbours_build(sample->cloud.points + 3 * bound, interior, &tree, error);
     if (status != BAT_OK)
         return status;
     if (!reorder(sample->cloud.points + 3 * bound, 3, tree.items, interior) ||
         !reorder(sample->parameters + 2 * bound, 2, tree.items, interior))
         status = error_memory(error, interior * 3 * sizeof(double));
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 

@@ -1,5 +1,6 @@
 #include "search/nearest.h"
 
+#include "base/array_grow.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -12,8 +13,10 @@
 enum
 {
     ROOT = 1,
-    LEAF_ITEMS = 8,
-    MAX_DEPTH = 64
+    LEAF_POINTS = 16, ///< of a leaf; a segment has two
+    MAX_DEPTH = 64,
+    /// Up to this many neighbours are sorted by insertion.
+    FEW_ENTRIES = 48
 };
 
 static size_t middle_of(size_t begin, size_t end)
@@ -25,6 +28,12 @@ static size_t middle_of(size_t begin, size_t end)
 static size_t item_size(const nearest_tree *tree)
 {
     return tree->dim * (size_t)tree->kind;
+}
+
+/// Whether so many items are a leaf.
+static inline bool is_leaf(const nearest_tree *tree, size_t count)
+{
+    return count * (size_t)tree->kind <= LEAF_POINTS;
 }
 
 static double *box_of(const nearest_tree *tree, size_t node)
@@ -46,11 +55,11 @@ typedef struct builder
     keyed *entries;
 } builder;
 
-/// Fill in what a node knows of its items begin … end - 1.
-static void describe(const builder *build, size_t node, size_t begin, size_t end)
+/// Fill in what a node knows of its items begin … end - 1. Inlined with constants, its loops over axes unroll.
+static inline __attribute__((always_inline)) void describe(const builder *build, size_t node, size_t begin, size_t end,
+                                                           size_t dim, size_t size)
 {
     const nearest_tree *tree = build->tree;
-    size_t dim = tree->dim, size = item_size(tree);
     double *low = box_of(tree, node), *high = low + dim, min_weight = INFINITY;
     size_t min_item = BAT_NO_INDEX;
     for (size_t axis = 0; axis < dim; axis++)
@@ -65,8 +74,8 @@ static void describe(const builder *build, size_t node, size_t begin, size_t end
         for (size_t corner = 0; corner < size; corner += dim)
             for (size_t axis = 0; axis < dim; axis++)
             {
-                low[axis] = fmin(low[axis], row[corner + axis]);
-                high[axis] = fmax(high[axis], row[corner + axis]);
+                low[axis] = row[corner + axis] < low[axis] ? row[corner + axis] : low[axis];
+                high[axis] = row[corner + axis] > high[axis] ? row[corner + axis] : high[axis];
             }
         min_item = item < min_item ? item : min_item;
         if (build->weights != NULL)
@@ -80,10 +89,13 @@ static void describe(const builder *build, size_t node, size_t begin, size_t end
 /// Order items begin … end - 1 below a node: halve them across the longest side of the box until a leaf holds few.
 static void arrange(const builder *build, size_t node, size_t begin, size_t end)
 {
-    describe(build, node, begin, end);
-    if (end - begin <= LEAF_ITEMS)
-        return;
     size_t dim = build->tree->dim, size = item_size(build->tree), widest = 0;
+    if (dim == 3 && size == 3)
+        describe(build, node, begin, end, 3, 3);
+    else
+        describe(build, node, begin, end, dim, size);
+    if (is_leaf(build->tree, end - begin))
+        return;
     const double *low = box_of(build->tree, node), *high = low + dim;
     for (size_t axis = 1; axis < dim; axis++)
         if (high[axis] - low[axis] > high[widest] - low[widest])
@@ -99,18 +111,18 @@ static void arrange(const builder *build, size_t node, size_t begin, size_t end)
     arrange(build, 2 * node + 1, middle, end);
 }
 
-/// Heap numbers up to the deepest level that `count` items need.
-static size_t node_capacity(size_t count)
+/// Heap numbers up to the deepest level that the items need.
+static size_t node_capacity(const nearest_tree *tree)
 {
     size_t leaves = 1;
-    for (size_t largest = count; largest > LEAF_ITEMS; largest = largest / 2 + largest % 2)
+    for (size_t largest = tree->count; !is_leaf(tree, largest); largest = largest / 2 + largest % 2)
         leaves *= 2;
     return 2 * leaves;
 }
 
 static bool allocate(nearest_tree *tree, bool weighted)
 {
-    size_t row, box, nodes = node_capacity(tree->count);
+    size_t row, box, nodes = node_capacity(tree);
     if (size_multiply_overflows(item_size(tree), sizeof(double), &row) ||
         size_multiply_overflows(2 * tree->dim, sizeof(double), &box))
         return false;
@@ -175,6 +187,18 @@ typedef struct visit
     double bound;
 } visit;
 
+/// The children of a node, the nearer one first.
+static inline __attribute__((always_inline)) void
+visit_children(const nearest_tree *tree, const visit *here, const double *point, size_t dim, double scale, visit children[2])
+{
+    size_t middle = middle_of(here->begin, here->end), child = 2 * here->node;
+    visit lower = {child, here->begin, middle, box_squared(tree, child, point, dim, scale)};
+    visit upper = {child + 1, middle, here->end, box_squared(tree, child + 1, point, dim, scale)};
+    bool lower_first = lower.bound <= upper.bound;
+    children[0] = lower_first ? lower : upper;
+    children[1] = lower_first ? upper : lower;
+}
+
 /// The best item so far.
 typedef struct finding
 {
@@ -213,14 +237,12 @@ static inline __attribute__((always_inline)) finding search(const nearest_tree *
     while (top > 0)
     {
         visit here = waiting[--top];
-        while (can_improve(tree, &here, &best) && here.end - here.begin > LEAF_ITEMS)
+        while (can_improve(tree, &here, &best) && !is_leaf(tree, here.end - here.begin))
         {
-            size_t middle = middle_of(here.begin, here.end), child = 2 * here.node;
-            visit lower = {child, here.begin, middle, box_squared(tree, child, point, dim, scale)};
-            visit upper = {child + 1, middle, here.end, box_squared(tree, child + 1, point, dim, scale)};
-            bool lower_first = lower.bound <= upper.bound;
-            here = lower_first ? lower : upper;
-            waiting[top++] = lower_first ? upper : lower;
+            visit children[2];
+            visit_children(tree, &here, point, dim, scale, children);
+            here = children[0];
+            waiting[top++] = children[1];
         }
         if (can_improve(tree, &here, &best))
             search_leaf(tree, &here, point, dim, scale, &best);
@@ -268,6 +290,187 @@ nearest_hit nearest_find(const nearest_tree *tree, const double *point)
     found = search_scaled(tree, point, scale);
     return (nearest_hit){found.item, sqrt(found.squared) / scale};
 }
+
+// Neighbours in R^3
+
+void neighbour_list_free(neighbour_list *list)
+{
+    free(list->entries);
+    *list = (neighbour_list){0};
+}
+
+bat_status neighbours_build(const double *points, size_t count, nearest_tree *tree, bat_error *error)
+{
+    if (count > UINT32_MAX)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "there are %zu points, more than %u", count, UINT32_MAX);
+    return nearest_build(NEAREST_POINTS, points, NULL, count, 3, tree, error);
+}
+
+static inline bool nearer(neighbour a, neighbour b)
+{
+    return a.squared < b.squared || (a.squared == b.squared && a.item < b.item);
+}
+
+/// Restore the max-heap property below index `at`.
+static void sift_down(neighbour *heap, size_t count, size_t at)
+{
+    neighbour entry = heap[at];
+    for (size_t child = 2 * at + 1; child < count; child = 2 * at + 1)
+    {
+        child += child + 1 < count && nearer(heap[child], heap[child + 1]);
+        if (!nearer(entry, heap[child]))
+            break;
+        heap[at] = heap[child];
+        at = child;
+    }
+    heap[at] = entry;
+}
+
+static void heap_make(neighbour *entries, size_t count)
+{
+    for (size_t at = count / 2; at-- > 0;)
+        sift_down(entries, count, at);
+}
+
+static void heap_sort(neighbour *heap, size_t count)
+{
+    while (count > 1)
+    {
+        neighbour greatest = heap[0];
+        heap[0] = heap[--count];
+        heap[count] = greatest;
+        sift_down(heap, count, 0);
+    }
+}
+
+static void insertion_sort(neighbour *entries, size_t count)
+{
+    for (size_t i = 1; i < count; i++)
+    {
+        neighbour entry = entries[i];
+        size_t at = i;
+        for (; at > 0 && nearer(entry, entries[at - 1]); at--)
+            entries[at] = entries[at - 1];
+        entries[at] = entry;
+    }
+}
+
+static inline void leaf_distances(const nearest_tree *tree, const visit *leaf, const double place[3],
+                                  double squared[LEAF_POINTS])
+{
+    const double *row = tree->coordinates + 3 * leaf->begin;
+    for (size_t i = 0; i < leaf->end - leaf->begin; i++, row += 3)
+        squared[i] = point_squared(row, place, 3, 1);
+}
+
+/// Append the points of a leaf within the radius. False when out of memory.
+static bool add_leaf(const nearest_tree *tree, const visit *leaf, const double place[3], double max_squared,
+                     neighbour_list *list)
+{
+    double squared[LEAF_POINTS];
+    size_t count = leaf->end - leaf->begin;
+    if (!ARRAY_GROW(list->entries, list->capacity, list->count + count))
+        return false;
+    leaf_distances(tree, leaf, place, squared);
+    neighbour *out = list->entries + list->count;
+    for (size_t i = 0; i < count; i++)
+    {
+        *out = (neighbour){squared[i], (uint32_t)tree->items[leaf->begin + i]};
+        out += squared[i] <= max_squared;
+    }
+    list->count = (size_t)(out - list->entries);
+    return true;
+}
+
+bat_status neighbours_within(const nearest_tree *tree, const double place[3], double radius, neighbour_list *list,
+                             bat_error *error)
+{
+    double max_squared = radius * radius;
+    visit waiting[MAX_DEPTH], children[2];
+    size_t top = 0;
+    list->count = 0;
+    waiting[top++] = (visit){ROOT, 0, tree->count, 0};
+    while (top > 0)
+    {
+        visit here = waiting[--top];
+        if (here.bound > max_squared)
+            continue;
+        if (here.end - here.begin > LEAF_POINTS)
+        {
+            visit_children(tree, &here, place, 3, 1, children);
+            waiting[top++] = children[1];
+            waiting[top++] = children[0]; // first, so that the list is almost in order
+        }
+        else if (!add_leaf(tree, &here, place, max_squared, list))
+            return error_memory(error, list->capacity * sizeof *list->entries);
+    }
+    if (list->count > FEW_ENTRIES)
+    {
+        heap_make(list->entries, list->count);
+        heap_sort(list->entries, list->count);
+    }
+    else
+        insertion_sort(list->entries, list->count);
+    return BAT_OK;
+}
+
+/// Update the `wanted` nearest points by those of a leaf. The list becomes a heap once it is full.
+static void update_nearest(const nearest_tree *tree, const visit *leaf, const double place[3], size_t wanted,
+                           neighbour_list *list)
+{
+    double squared[LEAF_POINTS];
+    leaf_distances(tree, leaf, place, squared);
+    for (size_t i = 0; i < leaf->end - leaf->begin; i++)
+    {
+        neighbour found = {squared[i], (uint32_t)tree->items[leaf->begin + i]};
+        if (list->count < wanted)
+        {
+            list->entries[list->count++] = found;
+            if (list->count == wanted)
+                heap_make(list->entries, wanted);
+        }
+        else if (nearer(found, list->entries[0]))
+        {
+            list->entries[0] = found;
+            sift_down(list->entries, wanted, 0);
+        }
+    }
+}
+
+bat_status neighbours_nearest(const nearest_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
+                              bat_error *error)
+{
+    visit waiting[MAX_DEPTH], children[2];
+    size_t top = 0;
+    list->count = 0;
+    wanted = wanted < tree->count ? wanted : tree->count;
+    if (wanted == 0)
+        return BAT_OK;
+    if (!ARRAY_GROW(list->entries, list->capacity, wanted))
+        return error_memory(error, wanted * sizeof *list->entries);
+    waiting[top++] = (visit){ROOT, 0, tree->count, 0};
+    while (top > 0)
+    {
+        visit here = waiting[--top];
+        // A point at the same distance may have a lower index.
+        if (list->count == wanted && here.bound > list->entries[0].squared)
+            continue;
+        if (here.end - here.begin <= LEAF_POINTS)
+        {
+            update_nearest(tree, &here, place, wanted, list);
+            continue;
+        }
+        visit_children(tree, &here, place, 3, 1, children);
+        waiting[top++] = children[1];
+        waiting[top++] = children[0];
+    }
+    if (list->count < wanted)
+        heap_make(list->entries, list->count);
+    heap_sort(list->entries, list->count);
+    return BAT_OK;
+}
+
+// Selection
 
 static bool precedes(keyed a, keyed b)
 {

@@ -75,8 +75,8 @@ static inline double segment_squared(const double *a, const double *b, const dou
 // Exact nearest neighbours in R^n, for everyone: points, or segments between points, under the Euclidean distance or the
 // Euclidean distance times a weight of each item.
 //
-// A k-d tree with the items' coordinates copied into the order of its leaves, and a bounding box for each node. Building
-// takes O(n log n), a query O(log n) for items spread along a curve or a surface.
+// A k-d tree (Bentley, 1975) with the items' coordinates copied into the order of its leaves, and a bounding box for each
+// node. Building takes O(n log n), a query O(log n) for items spread along a curve or a surface.
 
 /// One of the items nearest to a query.
 typedef struct nearest_hit
@@ -116,3 +116,42 @@ void nearest_free(nearest_tree *tree);
 /// The item nearest to a point of dim coordinates of at most DBL_MAX / 2; item BAT_NO_INDEX when the tree is empty.
 /// Distances neither overflow nor underflow on the way; one that a double cannot hold is infinite.
 nearest_hit nearest_find(const nearest_tree *tree, const double *point);
+
+/// The bounding box of all items: dim lowest, then dim highest coordinates.
+static inline const double *nearest_bounds(const nearest_tree *tree)
+{
+    return tree->boxes + 2 * tree->dim;
+}
+
+// Of points in R^3: all within a radius, or the k nearest. Results are exact and do not depend on the order of the points.
+
+/// A point and its distance.
+typedef struct neighbour
+{
+    double squared; ///< squared distance
+    uint32_t item;  ///< index of the point
+} neighbour;
+
+/// Neighbours by distance, then index. All zero: empty. Reused between queries; every thread needs its own.
+typedef struct neighbour_list
+{
+    neighbour *entries;
+    size_t count, capacity;
+} neighbour_list;
+
+void neighbour_list_free(neighbour_list *list);
+
+/// Build the tree over points.
+/// @param points count x 3, finite; squares of differences must not overflow
+/// @return BAT_OK, BAT_TOO_LARGE (indices have 32 bits) or BAT_NO_MEMORY; `tree` is untouched on failure
+bat_status neighbours_build(const double *points, size_t count, nearest_tree *tree, bat_error *error);
+
+/// All points with squared distance <= radius * radius from a place, including a point at the place itself.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status neighbours_within(const nearest_tree *tree, const double place[3], double radius, neighbour_list *list,
+                             bat_error *error);
+
+/// The `wanted` nearest points, or all when there are fewer.
+/// @return BAT_OK or BAT_NO_MEMORY
+bat_status neighbours_nearest(const nearest_tree *tree, const double place[3], size_t wanted, neighbour_list *list,
+                              bat_error *error);

@@ -150,7 +150,7 @@ static void sample_cells(const bat_hierarchical_space *space, size_t cells, doub
     }
 }
 
-static bat_status farthest_sample(const double *positions, size_t count, const neighbour_tree *tree, double *distance,
+static bat_status farthest_sample(const double *positions, size_t count, const nearest_tree *tree, double *distance,
                                   bat_error *error)
 {
     neighbour_list list = {0};
@@ -171,8 +171,8 @@ static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const d
                                       double *distance, bat_error *error)
 {
     size_t cells = bat_hierarchical_space_cells(surface->space), samples = cells * CELL_SAMPLES;
-    neighbour_tree tree;
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    nearest_tree tree;
+    bat_status status = neighbours_build(points, count, &tree, error);
     if (status != BAT_OK)
         return status;
     memory_pool pool = {0};
@@ -186,7 +186,7 @@ static bat_status one_sided_hausdorff(const bat_spline_surface *surface, const d
     if (status == BAT_OK)
         status = farthest_sample(positions, samples, &tree, distance, error);
     memory_pool_free(&pool);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 

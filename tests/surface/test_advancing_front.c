@@ -3,7 +3,7 @@
 #include "cloud_helpers.h"
 
 #include "surface/cloud/boundary.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 
 #include "batten/cloud_parameterize.h"
 #include "surface/cloud/boundary.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 #include "surface/parameterize/weights.h"
 
 static const double PI = 3.14159265358979323846;

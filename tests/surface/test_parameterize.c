@@ -2,7 +2,7 @@
 
 #include "patch_clouds.h"
 
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 #include "surface/parameterize/weights.h"
 
 static const bat_cloud_parameterization MESHLESS[] = {BAT_CLOUD_PARAMETERIZATION_UNIFORM,

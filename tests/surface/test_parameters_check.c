@@ -94,9 +94,9 @@ static void planes_agree_on_a_sphere(void **state)
     patch cloud = patch_scatter(patch_sphere, 40, 2000, 0, 1);
     for (int turned = 0; turned < 2; turned++)
     {
-        neighbour_tree tree;
+        nearest_tree tree;
         oriented_planes oriented;
-        check_status(neighbour_tree_build(cloud.cloud.points, cloud.cloud.count, &tree, NULL), BAT_OK);
+        check_status(neighbours_build(cloud.cloud.points, cloud.cloud.count, &tree, NULL), BAT_OK);
         check_status(oriented_planes_make(&cloud.cloud, &tree, &oriented, NULL), BAT_OK);
         for (size_t i = 0; i < cloud.cloud.count; i++)
         {
@@ -108,7 +108,7 @@ static void planes_agree_on_a_sphere(void **state)
             check_near(up, axes[2][2], 1e-12);
         }
         oriented_planes_free(&oriented);
-        neighbour_tree_free(&tree);
+        nearest_free(&tree);
         // Turn the loop round.
         double *points = cloud.cloud.points;
         for (size_t i = 0, last = cloud.cloud.boundary_count - 1; i < last; i++, last--)

@@ -11,8 +11,8 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
+#include "search/nearest.h"
 #include "surface/cloud/delaunay.h"
-#include "surface/cloud/neighbours.h"
 #include "surface/trim/trimming.h"
 
 #include <assert.h>
@@ -398,10 +398,10 @@ static double middle_of(const cut_points *cut, size_t edge, double middle[3])
 /// Divide the edges whose circles hold other points of the curves. `divided` tells whether there were any.
 static bat_status divide_edges(cut_points *cut, bool *divided, bat_error *error)
 {
-    neighbour_tree tree;
+    nearest_tree tree;
     neighbour_list near = {0};
     size_t count = cut->count;
-    bat_status status = neighbour_tree_build(*cut->places, count, &tree, error);
+    bat_status status = neighbours_build(*cut->places, count, &tree, error);
     if (status != BAT_OK)
         return status;
     *divided = false;
@@ -421,7 +421,7 @@ static bat_status divide_edges(cut_points *cut, bool *divided, bat_error *error)
             status = error_memory(error, cut->count * sizeof *cut->places);
     }
     neighbour_list_free(&near);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 
@@ -429,7 +429,7 @@ static bat_status divide_edges(cut_points *cut, bool *divided, bat_error *error)
 static bat_status gather_places(const surface_tessellation *grid, const trim_region *region, const cut_points *cut,
                                 double (*places)[2], size_t *count, bat_error *error)
 {
-    neighbour_tree tree;
+    nearest_tree tree;
     neighbour_list near = {0};
     memory_pool pool = {0};
     double(*inner)[3] = memory_pool_array(&pool, grid->vertex_count, sizeof *inner);
@@ -446,7 +446,7 @@ static bat_status gather_places(const surface_tessellation *grid, const trim_reg
         inner[made++][2] = 0;
     }
     if (made > 0)
-        status = neighbour_tree_build(*inner, made, &tree, error);
+        status = neighbours_build(*inner, made, &tree, error);
     for (size_t i = 0; i < cut->count && made > 0 && status == BAT_OK; i++)
     {
         double middle[3], half = middle_of(cut, i, middle);
@@ -461,7 +461,7 @@ static bat_status gather_places(const surface_tessellation *grid, const trim_reg
         if (!left_out[i])
             memcpy(places[(*count)++], inner[i], sizeof *places);
     if (made > 0 && status != BAT_NO_MEMORY)
-        neighbour_tree_free(&tree);
+        nearest_free(&tree);
     neighbour_list_free(&near);
     memory_pool_free(&pool);
     return status;

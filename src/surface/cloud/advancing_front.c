@@ -245,7 +245,7 @@ static double mean_spacing(const front *work, const uint32_t corners[3])
     return (work->spacing[corners[0]] + work->spacing[corners[1]] + work->spacing[corners[2]]) / 3;
 }
 
-static bat_status measure_spacing(front *work, const neighbour_tree *tree, bat_error *error)
+static bat_status measure_spacing(front *work, const nearest_tree *tree, bat_error *error)
 {
     neighbour_list near = {0};
     bat_status status = BAT_OK;
@@ -595,7 +595,7 @@ static const double MAX_SEED_RADIUS = 0.8;
 static const double MIN_SHARE = 0.6;
 
 /// Choose triangles that lie in the tangent planes of flat neighbourhoods, the best first.
-static bat_status find_seeds(const front *work, const neighbour_tree *tree, front_seed seeds[SEEDS], size_t *count,
+static bat_status find_seeds(const front *work, const nearest_tree *tree, front_seed seeds[SEEDS], size_t *count,
                              bat_error *error)
 {
     neighbour_list near = {0};
@@ -636,7 +636,7 @@ static void reset(front *work)
 }
 
 /// Let the surface grow from one triangle after another, until it has most of the points.
-static bat_status grow_from_best(front *work, const neighbour_tree *tree, bat_progress progress, bat_error *error)
+static bat_status grow_from_best(front *work, const nearest_tree *tree, bat_progress progress, bat_error *error)
 {
     front_seed seeds[SEEDS];
     size_t count, used = 0;
@@ -908,7 +908,7 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
                              bat_error *error)
 {
     size_t count = cloud->count;
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     spatial_tetrahedra tetrahedra = {0};
     work->points = points;
     work->count = count;
@@ -917,7 +917,7 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
     work->used = calloc(count + 1, sizeof *work->used);
     if (work->spacing == NULL || work->first_out == NULL || work->used == NULL)
         return error_memory(error, count * sizeof *work->spacing);
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    bat_status status = neighbours_build(points, count, &tree, error);
     if (status == BAT_OK)
         status = measure_spacing(work, &tree, error);
     if (status == BAT_OK)
@@ -927,7 +927,7 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
     spatial_tetrahedra_free(&tetrahedra);
     if (status == BAT_OK)
         status = grow_from_best(work, &tree, progress, error);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     if (status == BAT_OK)
         status = close_holes(work, error);
     return status == BAT_OK ? add_left(work, error) : status;

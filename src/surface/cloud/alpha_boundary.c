@@ -445,7 +445,7 @@ static bool mark_block(const alpha_boundary_cloud *cloud, size_t begin, size_t e
     return !failed;
 }
 
-bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, size_t plane_points,
+bat_status alpha_boundary_cloud_make(const double *points, const nearest_tree *tree, size_t plane_points,
                                      bat_progress progress, alpha_boundary_cloud *cloud, bat_error *error)
 {
     size_t count = tree->count;

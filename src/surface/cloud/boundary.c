@@ -142,7 +142,7 @@ static bat_status find_loop_by(const alpha_boundary_cloud *cloud, double scale, 
 }
 
 /// Find the loop with planes of at least some points, and discs of several radii. The first failure is reported.
-static bat_status find_loop_with(const double *points, const neighbour_tree *tree, size_t plane_points, loop_search *search,
+static bat_status find_loop_with(const double *points, const nearest_tree *tree, size_t plane_points, loop_search *search,
                                  alpha_boundary_cycle *loop, bat_error *error)
 {
     alpha_boundary_cloud cloud;
@@ -160,8 +160,8 @@ static bat_status find_loop_with(const double *points, const neighbour_tree *tre
 
 /// Find the loop. A disc that rolls along a boundary may find no way on where tangent planes are uncertain; then other discs
 /// and planes are tried. The failure of the first is reported. Release `loop` also on failure.
-static bat_status find_loop(const double *points, const neighbour_tree *tree, loop_search *search,
-                            alpha_boundary_cycle *loop, bat_error *error)
+static bat_status find_loop(const double *points, const nearest_tree *tree, loop_search *search, alpha_boundary_cycle *loop,
+                            bat_error *error)
 {
     bat_status status = find_loop_with(points, tree, ALPHA_BOUNDARY_PLANE, search, loop, error);
     loop_search again = *search;
@@ -183,7 +183,7 @@ static const double MAX_CLEAN = 0.4;
 static const double SMOOTH_REACH = 8;
 static const double PI = 3.14159265358979323846;
 
-static bat_status measure_cloud(const double *points, const neighbour_tree *tree, loop_search *search, bat_error *error)
+static bat_status measure_cloud(const double *points, const nearest_tree *tree, loop_search *search, bat_error *error)
 {
     double spacings[MAX_SAMPLES];
     size_t stride = tree->count / MAX_SAMPLES + 1, taken = 0;
@@ -202,7 +202,7 @@ static bat_status measure_cloud(const double *points, const neighbour_tree *tree
 }
 
 /// Move points to local quadratic fits of `wanted` neighbours, along the normals of their tangent planes.
-static bat_status smooth_points(const double *points, const neighbour_tree *tree, size_t wanted, double *smooth,
+static bat_status smooth_points(const double *points, const nearest_tree *tree, size_t wanted, double *smooth,
                                 bat_error *error)
 {
     bool complete = true;
@@ -233,21 +233,21 @@ static bat_status smooth_points(const double *points, const neighbour_tree *tree
 }
 
 /// Find the loop in points that are smoothed first. `density` is the ratio of the spacing to that of the cloud.
-static bat_status find_smooth_loop(const double *points, const neighbour_tree *tree, double density, loop_search *search,
+static bat_status find_smooth_loop(const double *points, const nearest_tree *tree, double density, loop_search *search,
                                    alpha_boundary_cycle *loop, bat_error *error)
 {
     double reach = SMOOTH_REACH * search->noise / (density * search->spacing), share = fmin(PI * reach * reach, SMOOTH_MAX);
     size_t wanted = share < SMOOTH_MIN ? SMOOTH_MIN : (size_t)share, count = tree->count;
     double *smooth = memory_array(count, 3 * sizeof *smooth);
-    neighbour_tree moved = {0};
+    nearest_tree moved = {0};
     bat_status status = smooth == NULL
                             ? error_memory(error, count * 3 * sizeof *smooth)
                             : smooth_points(points, tree, wanted < count / 4 ? wanted : count / 4 + 1, smooth, error);
     if (status == BAT_OK)
-        status = neighbour_tree_build(smooth, count, &moved, error);
+        status = neighbours_build(smooth, count, &moved, error);
     if (status == BAT_OK)
         status = find_loop(smooth, &moved, search, loop, error);
-    neighbour_tree_free(&moved);
+    nearest_free(&moved);
     free(smooth);
     return status;
 }
@@ -260,7 +260,7 @@ typedef struct point_subset
     size_t *chosen; ///< count: the points that are kept, ascending
     double *points; ///< count x 3
     size_t count;
-    neighbour_tree tree;
+    nearest_tree tree;
 } point_subset;
 
 /// Make room for marks in `kept`.
@@ -281,7 +281,7 @@ static bat_status subset_take(const double *points, size_t all, point_subset *su
     bat_status status = memory_pool_check(&subset->pool, error);
     for (size_t i = 0; i < subset->count && status == BAT_OK; i++)
         memcpy(subset->points + 3 * i, points + 3 * subset->chosen[i], 3 * sizeof *points);
-    return status == BAT_OK ? neighbour_tree_build(subset->points, subset->count, &subset->tree, error) : status;
+    return status == BAT_OK ? neighbours_build(subset->points, subset->count, &subset->tree, error) : status;
 }
 
 /// Free a subset. Points of a loop that was found in it get their indices among all points.
@@ -289,7 +289,7 @@ static void subset_end(point_subset *subset, bat_status status, alpha_boundary_c
 {
     for (size_t i = 0; i < loop->count && status == BAT_OK; i++)
         loop->points[i] = (uint32_t)subset->chosen[loop->points[i]];
-    neighbour_tree_free(&subset->tree);
+    nearest_free(&subset->tree);
     memory_pool_free(&subset->pool);
 }
 
@@ -305,7 +305,7 @@ static void draw_sample(size_t count, size_t wanted, bool *kept)
     }
 }
 
-static bat_status find_loop_of_sample(const double *points, const neighbour_tree *tree, size_t wanted, loop_search *search,
+static bat_status find_loop_of_sample(const double *points, const nearest_tree *tree, size_t wanted, loop_search *search,
                                       alpha_boundary_cycle *loop, bat_error *error)
 {
     size_t count = tree->count;
@@ -330,7 +330,7 @@ static bat_status find_loop_of_sample(const double *points, const neighbour_tree
 
 /// Find the loop in a possibly noisy cloud. Noise destroys the order around the loop where it exceeds the spacing. The first
 /// subset is chosen so that the noise is at most the spacing; further ones have half as many points each.
-static bat_status find_loop_in_noise(const double *points, const neighbour_tree *tree, loop_search *search,
+static bat_status find_loop_in_noise(const double *points, const nearest_tree *tree, loop_search *search,
                                      alpha_boundary_cycle *loop, bat_error *error)
 {
     enum
@@ -362,7 +362,7 @@ static const double MAX_OUTLIERS = 0.02;
 
 /// Find the loop in the points that belong to the one piece, where others are many or `all` is set. BAT_NO_CONVERGENCE, with
 /// no text, where there is nothing to leave out.
-static bat_status find_loop_of_piece(const double *points, const neighbour_tree *tree, bool all, loop_search *search,
+static bat_status find_loop_of_piece(const double *points, const nearest_tree *tree, bool all, loop_search *search,
                                      alpha_boundary_cycle *loop, bat_error *error)
 {
     size_t count = tree->count, left = 0;
@@ -380,7 +380,7 @@ static bat_status find_loop_of_piece(const double *points, const neighbour_tree 
 }
 
 /// Find the loop. Where there is none, tell why; outliers are left out.
-static bat_status find_loop_or_tell(const double *points, const neighbour_tree *tree, loop_search *search,
+static bat_status find_loop_or_tell(const double *points, const nearest_tree *tree, loop_search *search,
                                     alpha_boundary_cycle *loop, bat_error *error)
 {
     bat_error failure = {0}, told = {0};
@@ -406,12 +406,12 @@ static bat_status find_loop_or_tell(const double *points, const neighbour_tree *
 static bat_status find_any_loop(const double *points, size_t count, loop_search *search, alpha_boundary_cycle *loop,
                                 bat_error *error)
 {
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     point_subset even = {0};
     double radius = 0;
     bat_status status = diagnose_line(points, count, error);
     if (status == BAT_OK)
-        status = neighbour_tree_build(points, count, &tree, error);
+        status = neighbours_build(points, count, &tree, error);
     if (status == BAT_OK)
         status = even_sample_radius(points, &tree, &radius, error);
     if (status == BAT_OK && isinf(radius))
@@ -429,7 +429,7 @@ static bat_status find_any_loop(const double *points, size_t count, loop_search 
     }
     else if (status == BAT_OK)
         status = find_loop_or_tell(points, &tree, search, loop, error);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 
@@ -480,7 +480,7 @@ static bat_status reorder(bat_cloud *cloud, const alpha_boundary_cycle *loop, ba
 static bat_status sort_points(const bat_cloud *cloud, double **points, size_t **places, bat_error *error)
 {
     size_t count = cloud->count;
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     double *unit = points_to_unit_size(cloud->points, count);
     *points = memory_array(count, 3 * sizeof **points);
     *places = memory_array(count, sizeof **places);
@@ -492,7 +492,7 @@ static bat_status sort_points(const bat_cloud *cloud, double **points, size_t **
     for (size_t i = 0; status == BAT_OK && i < count; i++)
         memcpy(*points + 3 * i, unit + 3 * (*places)[i], 3 * sizeof *unit);
     if (status == BAT_OK)
-        status = neighbour_tree_build(*points, count, &tree, error);
+        status = neighbours_build(*points, count, &tree, error);
     size_t *sorted = status == BAT_OK ? memory_array(count, sizeof *sorted) : NULL;
     if (status == BAT_OK && sorted == NULL)
         status = error_memory(error, count * sizeof *sorted);
@@ -505,7 +505,7 @@ static bat_status sort_points(const bat_cloud *cloud, double **points, size_t **
         memcpy(*places, sorted, count * sizeof *sorted);
     free(sorted);
     free(unit);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 

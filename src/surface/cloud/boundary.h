@@ -3,7 +3,7 @@
 #include "batten/base.h"
 #include "batten/cloud.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 
 /// @file
 /// The boundary of a cloud, in three steps: what the cloud is, closed polygons along its edge, the choice of one.
@@ -45,7 +45,7 @@ typedef struct alpha_boundary_plane
 typedef struct alpha_boundary_cloud
 {
     const double *points; ///< count x 3
-    const neighbour_tree *tree;
+    const nearest_tree *tree;
     alpha_boundary_plane *planes; ///< count: those of the points that are not in the interior by the quick test
     bool *outer;                  ///< count: points that a disc of scale 1 touches
     size_t outer_count;
@@ -62,7 +62,7 @@ enum
 /// @param plane_points least number of points of a plane
 /// @param progress may be silent; cancels
 /// @return BAT_OK, BAT_CANCELLED or BAT_NO_MEMORY; release `cloud` in all cases
-bat_status alpha_boundary_cloud_make(const double *points, const neighbour_tree *tree, size_t plane_points,
+bat_status alpha_boundary_cloud_make(const double *points, const nearest_tree *tree, size_t plane_points,
                                      bat_progress progress, alpha_boundary_cloud *cloud, bat_error *error);
 void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud);
 
@@ -70,7 +70,7 @@ void alpha_boundary_cloud_free(alpha_boundary_cloud *cloud);
 typedef struct alpha_boundary_search
 {
     const double *points; ///< count x 3
-    const neighbour_tree *tree;
+    const nearest_tree *tree;
     alpha_boundary_plane *planes; ///< planes that are known; null: none are kept
     size_t plane_points;          ///< least number of points of a plane
     neighbour_list near;
@@ -114,20 +114,20 @@ bat_status cloud_find_boundary(bat_cloud *cloud, double scale, bat_progress prog
 bat_status diagnose_line(const double *points, size_t count, bat_error *error);
 /// Whether most neighbourhoods are about as thick as wide.
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status diagnose_volume(const double *points, const neighbour_tree *tree, bool *fills, bat_error *error);
+bat_status diagnose_volume(const double *points, const nearest_tree *tree, bool *fills, bat_error *error);
 
 /// Whether the points lie on two parallel sheets that are closer than their points are: the heights of neighbours above a
 /// quadratic polynomial have two modes, which makes their kurtosis small.
 /// @param noise    standard deviation of these heights
 /// @param spacing  mean spacing of the points
 /// @param unit     length of a unit of the points in that of the cloud, for the text
-bat_status diagnose_sheets(const double *points, const neighbour_tree *tree, double noise, double spacing, double unit,
+bat_status diagnose_sheets(const double *points, const nearest_tree *tree, double noise, double spacing, double unit,
                            bat_error *error);
 
 /// Whether the cloud has several pieces: components of the graph of near neighbours, without outliers.
 /// @param kept  count; receives which points belong to the one piece
 /// @param left  receives the number of the others
-bat_status diagnose_pieces(const double *points, const neighbour_tree *tree, bool *kept, size_t *left, bat_error *error);
+bat_status diagnose_pieces(const double *points, const nearest_tree *tree, bool *kept, size_t *left, bat_error *error);
 
 // Triangulation of a cloud that is a topological disc: Cohen-Steiner and Da, "A greedy Delaunay-based surface
 // reconstruction algorithm" (2004). Triangles of the Delaunay triangulation in space are added one by one at the edge of an
@@ -146,7 +146,7 @@ typedef struct advancing_front_options
 } advancing_front_options;
 
 /// Triangulate a cloud.
-/// @param cloud   made in canonical order (neighbours.h); its boundary and its triangles are not used
+/// @param cloud   made in canonical order (spatial_order.h); its boundary and its triangles are not used
 /// @param disc    receives a cloud with the same points, a boundary, and triangles
 /// @return BAT_OK; BAT_NO_CONVERGENCE without such triangulation; BAT_CANCELLED; BAT_NO_MEMORY; `disc` stays on failure
 bat_status advancing_front_triangulate(const bat_cloud *cloud, advancing_front_options options, bat_progress progress,

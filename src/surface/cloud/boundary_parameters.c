@@ -89,9 +89,9 @@ typedef struct corner_search
 {
     memory_pool pool;
     cloud_loop loop;
-    double *points;      ///< points of the cloud, scaled to unit size
-    double *samples;     ///< a subset of them
-    neighbour_tree tree; ///< of the samples
+    double *points;    ///< points of the cloud, scaled to unit size
+    double *samples;   ///< a subset of them
+    nearest_tree tree; ///< of the samples
     neighbour_list near;
     double *sharpness; ///< sharpness of every point of the loop
 } corner_search;
@@ -99,7 +99,7 @@ typedef struct corner_search
 static void search_free(corner_search *search)
 {
     memory_pool_free(&search->pool);
-    neighbour_tree_free(&search->tree);
+    nearest_free(&search->tree);
     neighbour_list_free(&search->near);
 }
 
@@ -122,7 +122,7 @@ static bat_status search_begin(const bat_cloud *cloud, corner_search *search, ba
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary has no length");
     for (size_t i = 0; i < samples; i++)
         memcpy(search->samples + 3 * i, search->points + 3 * i * stride, 3 * sizeof *search->samples);
-    return neighbour_tree_build(search->samples, samples, &search->tree, error);
+    return neighbours_build(search->samples, samples, &search->tree, error);
 }
 
 /// Project a vector to the plane with a unit normal.

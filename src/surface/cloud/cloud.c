@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/hash_table.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -38,7 +38,7 @@ bat_status diagnose_line(const double *points, size_t count, bat_error *error)
 
 // A volume
 
-bat_status diagnose_volume(const double *points, const neighbour_tree *tree, bool *fills, bat_error *error)
+bat_status diagnose_volume(const double *points, const nearest_tree *tree, bool *fills, bat_error *error)
 {
     enum
     {
@@ -94,7 +94,7 @@ static double kurtosis_at(const double *points, const neighbour_list *near)
     return second > 0 ? fourth * (double)near->count / (second * second) : 3;
 }
 
-bat_status diagnose_sheets(const double *points, const neighbour_tree *tree, double noise, double spacing, double unit,
+bat_status diagnose_sheets(const double *points, const nearest_tree *tree, double noise, double spacing, double unit,
                            bat_error *error)
 {
     if (noise < SHEET_MIN_NOISE * spacing || tree->count < SHEET_MIN_POINTS)
@@ -148,7 +148,7 @@ typedef struct piece_graph
 {
     memory_pool pool;
     const double *points;
-    const neighbour_tree *tree;
+    const nearest_tree *tree;
     uint32_t *links;  ///< count x LINKS
     double *lengths;  ///< count x LINKS
     double *reach;    ///< count: distance of the neighbour of rank LINK_RANK
@@ -156,7 +156,7 @@ typedef struct piece_graph
     size_t *sizes;    ///< count: of components, at their roots
 } piece_graph;
 
-static bat_status graph_make(const double *points, const neighbour_tree *tree, piece_graph *graph, bat_error *error)
+static bat_status graph_make(const double *points, const nearest_tree *tree, piece_graph *graph, bat_error *error)
 {
     size_t count = tree->count;
     *graph = (piece_graph){.points = points, .tree = tree};
@@ -368,7 +368,7 @@ static bat_status peel(const piece_graph *graph, bool *kept, size_t *left, bat_e
     return status;
 }
 
-bat_status diagnose_pieces(const double *points, const neighbour_tree *tree, bool *kept, size_t *left, bat_error *error)
+bat_status diagnose_pieces(const double *points, const nearest_tree *tree, bool *kept, size_t *left, bat_error *error)
 {
     piece_graph graph;
     bat_status status = graph_make(points, tree, &graph, error);

@@ -105,7 +105,7 @@ double *points_to_unit_size(const double *points, size_t count)
 /// Largest ratio of the variance across the plane to the smaller one along it.
 static const double MAX_THICKNESS = 0.25;
 
-bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, const double place[3], size_t wanted,
+bat_status neighbourhood_find(const nearest_tree *tree, const double *points, const double place[3], size_t wanted,
                               neighbour_list *near, local_plane *plane, bat_error *error)
 {
     for (;; wanted *= 2)
@@ -229,7 +229,7 @@ static double variance_at(const double *points, const neighbour_list *near, cons
     return squares / (freedom * root * root * root);
 }
 
-bat_status noise_estimate(const double *points, const neighbour_tree *tree, double *sigma, bat_error *error)
+bat_status noise_estimate(const double *points, const nearest_tree *tree, double *sigma, bat_error *error)
 {
     size_t stride = tree->count / MAX_PLACES + 1, made = 0;
     double *variances = memory_array(tree->count / stride + 1, sizeof *variances);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "batten/cloud.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 
 /// @file
 /// Planes fitted to neighbourhoods of points, by total least squares (principal component analysis), the choice of
@@ -55,7 +55,7 @@ enum
 /// @param points the points of the tree
 /// @param wanted initial number of points, at least NEIGHBOURHOOD_MIN
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status neighbourhood_find(const neighbour_tree *tree, const double *points, const double place[3], size_t wanted,
+bat_status neighbourhood_find(const nearest_tree *tree, const double *points, const double place[3], size_t wanted,
                               neighbour_list *near, local_plane *plane, bat_error *error);
 
 // Quadratic polynomials over tangent planes, by least squares.
@@ -85,7 +85,7 @@ double local_quadratic_height(const local_quadratic *quadratic, const double poi
 /// outliers in less than half of the neighbourhoods do not count.
 /// @param points of the tree
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status noise_estimate(const double *points, const neighbour_tree *tree, double *sigma, bat_error *error);
+bat_status noise_estimate(const double *points, const nearest_tree *tree, double *sigma, bat_error *error);
 
 // Consistently oriented tangent planes of a cloud.
 
@@ -102,6 +102,6 @@ typedef struct oriented_planes
 /// majority. Components without boundary points keep an arbitrary sign.
 /// @param tree the tree of the cloud's points
 /// @return BAT_OK or BAT_NO_MEMORY; all zero on failure
-bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented,
+bat_status oriented_planes_make(const bat_cloud *cloud, const nearest_tree *tree, oriented_planes *oriented,
                                 bat_error *error);
 void oriented_planes_free(oriented_planes *oriented);

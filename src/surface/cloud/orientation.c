@@ -35,7 +35,7 @@ void oriented_planes_free(oriented_planes *oriented)
 }
 
 /// Compute the plane and the LINKS nearest neighbours of each point.
-static bat_status fit_planes(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented, uint32_t *links,
+static bat_status fit_planes(const bat_cloud *cloud, const nearest_tree *tree, oriented_planes *oriented, uint32_t *links,
                              bat_error *error)
 {
     bat_status status = BAT_OK;
@@ -169,7 +169,7 @@ static void flip_planes(const bat_cloud *cloud, const uint32_t *links, const uni
     }
 }
 
-bat_status oriented_planes_make(const bat_cloud *cloud, const neighbour_tree *tree, oriented_planes *oriented,
+bat_status oriented_planes_make(const bat_cloud *cloud, const nearest_tree *tree, oriented_planes *oriented,
                                 bat_error *error)
 {
     size_t count = cloud->count;

@@ -42,9 +42,9 @@ static void choose_random(const bat_cloud *cloud, size_t wanted, bool *chosen)
 static bat_status choose_even(const bat_cloud *cloud, bool *chosen, bool *is_needed, bat_error *error)
 {
     double *unit = points_to_unit_size(cloud->points, cloud->count), radius = 0;
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     bat_status status = unit == NULL ? error_memory(error, cloud->count * 3 * sizeof *unit)
-                                     : neighbour_tree_build(unit, cloud->count, &tree, error);
+                                     : neighbours_build(unit, cloud->count, &tree, error);
     if (status == BAT_OK)
         status = even_sample_radius(unit, &tree, &radius, error);
     *is_needed = radius > 0 && isfinite(radius);
@@ -52,7 +52,7 @@ static bat_status choose_even(const bat_cloud *cloud, bool *chosen, bool *is_nee
         status = even_sample_choose(unit, &tree, radius, chosen, error);
     for (size_t i = 0; i < cloud->boundary_count && *is_needed; i++)
         chosen[i] = chosen[i] || is_corner(cloud, i);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     free(unit);
     return status;
 }
@@ -115,8 +115,8 @@ bat_status cloud_part_spread(const unit_frame *frame, const bat_cloud *part, con
         return error_memory(error, members * 3 * sizeof *unit);
     for (size_t i = 0; i < members; i++)
         unit_frame_place(frame, part->points + 3 * i, unit + 3 * i);
-    neighbour_tree tree = {0};
-    bat_status status = neighbour_tree_build(unit, members, &tree, error);
+    nearest_tree tree = {0};
+    bat_status status = neighbours_build(unit, members, &tree, error);
     bool complete = status == BAT_OK;
 #pragma omp parallel num_threads(threads_for(0, count / 1024 + 1)) if (complete) reduction(&& : complete)
     {
@@ -132,7 +132,7 @@ bat_status cloud_part_spread(const unit_frame *frame, const bat_cloud *part, con
         }
         neighbour_list_free(&near);
     }
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     free(unit);
     return complete || status != BAT_OK ? status : error_memory(error, count * 2 * sizeof *parameters);
 }
@@ -161,7 +161,7 @@ static const double GROWTH = 1.3;
 static const double MIN_END = 0.45;
 
 /// The median over places of the ratio of the second variance to the first, and of the distance of the nearest neighbour.
-static bat_status measure(const double *points, const neighbour_tree *tree, double *ratio, double *nearest, bat_error *error)
+static bat_status measure(const double *points, const nearest_tree *tree, double *ratio, double *nearest, bat_error *error)
 {
     double ratios[MAX_PLACES], distances[MAX_PLACES];
     size_t stride = tree->count / MAX_PLACES + 1, made = 0;
@@ -185,7 +185,7 @@ static bat_status measure(const double *points, const neighbour_tree *tree, doub
 }
 
 /// Whether the median point has the neighbours of a surface.
-static bat_status has_discs(const double *points, const neighbour_tree *tree, double radius, bool *discs, bat_error *error)
+static bat_status has_discs(const double *points, const nearest_tree *tree, double radius, bool *discs, bat_error *error)
 {
     double counts[MAX_PLACES];
     size_t stride = tree->count / MAX_PLACES + 1, made = 0;
@@ -203,10 +203,10 @@ static bat_status has_discs(const double *points, const neighbour_tree *tree, do
 }
 
 /// The ratio of an even sample, 0 for one of a curve; `count` receives its size.
-static bat_status measure_sample(const double *points, const neighbour_tree *tree, double radius, bool *chosen,
-                                 double *sample, size_t *count, double *ratio, bat_error *error)
+static bat_status measure_sample(const double *points, const nearest_tree *tree, double radius, bool *chosen, double *sample,
+                                 size_t *count, double *ratio, bat_error *error)
 {
-    neighbour_tree thinned = {0};
+    nearest_tree thinned = {0};
     double nearest;
     bat_status status = even_sample_choose(points, tree, radius, chosen, error);
     *count = 0;
@@ -214,18 +214,18 @@ static bat_status measure_sample(const double *points, const neighbour_tree *tre
         if (chosen[i])
             memcpy(sample + 3 * (*count)++, points + 3 * i, 3 * sizeof *sample);
     if (status == BAT_OK)
-        status = neighbour_tree_build(sample, *count, &thinned, error);
+        status = neighbours_build(sample, *count, &thinned, error);
     if (status == BAT_OK)
         status = measure(sample, &thinned, ratio, &nearest, error);
     bool discs = false;
     if (status == BAT_OK)
         status = has_discs(sample, &thinned, radius, &discs, error);
     *ratio = discs ? *ratio : 0;
-    neighbour_tree_free(&thinned);
+    nearest_free(&thinned);
     return status;
 }
 
-bat_status even_sample_radius(const double *points, const neighbour_tree *tree, double *radius, bat_error *error)
+bat_status even_sample_radius(const double *points, const nearest_tree *tree, double *radius, bat_error *error)
 {
     double ratio, nearest;
     *radius = 0;
@@ -261,8 +261,7 @@ static double one_sidedness(const double *points, const double *here, const neig
     return farthest > 0 ? sqrt((arm[0] * arm[0] + arm[1] * arm[1] + arm[2] * arm[2]) / farthest) : 0;
 }
 
-bat_status even_sample_choose(const double *points, const neighbour_tree *tree, double radius, bool *chosen,
-                              bat_error *error)
+bat_status even_sample_choose(const double *points, const nearest_tree *tree, double radius, bool *chosen, bat_error *error)
 {
     bool *covered = memory_array(tree->count, 2 * sizeof *covered);
     if (covered == NULL)

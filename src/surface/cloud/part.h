@@ -2,7 +2,7 @@
 
 #include "batten/cloud.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 
 /// @file
 /// A part of a cloud that stands for all of it: a random sample of a large cloud, or an even sample of scan lines.
@@ -37,10 +37,9 @@ bat_status cloud_part_spread(const unit_frame *frame, const bat_cloud *part, con
 /// The least distance of points at which a cloud is as dense in all directions.
 /// @param radius receives 0 for a cloud that already is, and infinity where none is found: the points lie along a curve
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status even_sample_radius(const double *points, const neighbour_tree *tree, double *radius, bat_error *error);
+bat_status even_sample_radius(const double *points, const nearest_tree *tree, double *radius, bat_error *error);
 
 /// Choose points that are at least `radius` apart (dart throwing): ends of lines first, then in ascending order.
 /// @param chosen count; receives which points are chosen
 /// @return BAT_OK or BAT_NO_MEMORY
-bat_status even_sample_choose(const double *points, const neighbour_tree *tree, double radius, bool *chosen,
-                              bat_error *error);
+bat_status even_sample_choose(const double *points, const nearest_tree *tree, double radius, bool *chosen, bat_error *error);

@@ -1,5 +1,5 @@
 /// @file
-/// Renumbering of clouds in spatial order; see neighbours.h.
+/// Renumbering of clouds in spatial order; see spatial_order.h.
 
 #include "base/error.h"
 #include "base/memory.h"
@@ -12,7 +12,7 @@
 void spatial_order_free(spatial_order *order)
 {
     bat_cloud_free(&order->cloud);
-    neighbour_tree_free(&order->tree);
+    nearest_free(&order->tree);
     free(order->places);
     *order = (spatial_order){0};
 }
@@ -25,10 +25,10 @@ static void renumber(const bat_cloud *cloud, spatial_order *order, uint32_t *num
         order->places[i] = numbers[i] = (uint32_t)i;
     for (size_t k = 0; k < cloud->count; k++)
     {
-        uint32_t *item = &order->tree.items[k];
+        size_t *item = &order->tree.items[k];
         if (*item >= cloud->boundary_count)
         {
-            order->places[next] = *item;
+            order->places[next] = (uint32_t)*item;
             numbers[*item] = (uint32_t)next++;
         }
         *item = numbers[*item];
@@ -63,7 +63,7 @@ bat_status spatial_order_make(const bat_cloud *cloud, spatial_order *order, bat_
         order->cloud.order == NULL || order->cloud.triangles == NULL)
         status = error_memory(error, cloud->count * 3 * sizeof(double));
     if (status == BAT_OK)
-        status = neighbour_tree_build(points, cloud->count, &order->tree, error);
+        status = neighbours_build(points, cloud->count, &order->tree, error);
     if (status == BAT_OK)
     {
         renumber(cloud, order, numbers);

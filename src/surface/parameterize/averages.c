@@ -328,8 +328,8 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
                                          const bat_cloud_parameterize_options *options, double *parameters, bat_error *error)
 {
     double radius = options->radius > 0 ? options->radius : RADIUS_FACTOR / sqrt((double)cloud->count);
-    neighbour_tree tree;
-    bat_status status = neighbour_tree_build(cloud->points, cloud->count, &tree, error);
+    nearest_tree tree;
+    bat_status status = neighbours_build(cloud->points, cloud->count, &tree, error);
     if (status != BAT_OK)
         return status;
     weight_source source = {
@@ -352,7 +352,7 @@ static bat_status parameterize_published(const bat_cloud *cloud, const double *b
         status = averages_solve(cloud, &rows, NULL, parameters, error);
     }
     sparse_rows_free(&rows);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 

@@ -154,7 +154,7 @@ double weights_longest_side(const bat_cloud *cloud)
     return longest;
 }
 
-bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, const bat_cloud_parameterize_options *options,
+bat_status weights_make(const bat_cloud *cloud, const nearest_tree *tree, const bat_cloud_parameterize_options *options,
                         sparse_rows *rows, bat_error *error)
 {
     weight_source source = {

@@ -6,7 +6,7 @@
 #include "batten/cloud_parameterize.h"
 #include "linalg/multifrontal.h"
 #include "linalg/sparse.h"
-#include "surface/cloud/neighbours.h"
+#include "surface/cloud/spatial_order.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -20,7 +20,7 @@
 typedef struct weight_source
 {
     const bat_cloud *cloud;
-    const neighbour_tree *tree; ///< tree of the cloud's points
+    const nearest_tree *tree; ///< tree of the cloud's points
     bat_cloud_parameterization method;
     double radius; ///< radius of neighbourhoods in the units of the cloud; 0: adaptive
 } weight_source;
@@ -55,7 +55,7 @@ typedef bat_status weight_maker(const weight_source *source, weight_scratch *scr
 
 /// All rows by the method of the options, with adaptive neighbourhoods, and every point connected to the boundary.
 /// @return BAT_OK; BAT_NO_CONVERGENCE for mean values at a point without triangles; BAT_NO_MEMORY
-bat_status weights_make(const bat_cloud *cloud, const neighbour_tree *tree, const bat_cloud_parameterize_options *options,
+bat_status weights_make(const bat_cloud *cloud, const nearest_tree *tree, const bat_cloud_parameterize_options *options,
                         sparse_rows *rows, bat_error *error);
 
 /// All rows by a weight function, in parallel.

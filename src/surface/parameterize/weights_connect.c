@@ -77,7 +77,7 @@ static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t 
     table->links = memory_pool_array(&table->pool, count, LINKS * sizeof *table->links);
     double *points = memory_pool_array(&table->pool, joined_count, 3 * sizeof *points);
     uint32_t *numbers = memory_pool_array(&table->pool, joined_count, sizeof *numbers);
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     neighbour_list near = {0};
     bat_status status = memory_pool_check(&table->pool, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
@@ -87,7 +87,7 @@ static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t 
             numbers[end++] = (uint32_t)i;
         }
     if (status == BAT_OK)
-        status = neighbour_tree_build(points, joined_count, &tree, error);
+        status = neighbours_build(points, joined_count, &tree, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
         if (!joined[i])
         {
@@ -100,7 +100,7 @@ static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t 
             }
             table->count++;
         }
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     neighbour_list_free(&near);
     return status;
 }

@@ -63,7 +63,7 @@ typedef struct connection
 {
     const double *points;
     size_t count;
-    const neighbour_tree *tree;
+    const nearest_tree *tree;
     oriented_planes *planes;
     double *areas; ///< count
     level_grid grid;
@@ -321,7 +321,7 @@ static bat_status fix_border(connection *work, bat_error *error)
 static bat_status first_grid(connection *work, double cell, bat_error *error)
 {
     level_grid *grid = &work->grid;
-    const double *low = work->tree->boxes[1].low, *high = work->tree->boxes[1].high;
+    const double *low = nearest_bounds(work->tree), *high = low + 3;
     grid->cell = cell;
     uint64_t at[3];
     for (int d = 0; d < 3; d++)
@@ -570,7 +570,7 @@ static bat_status cut_out(const level_grid *grid, bat_mesh *mesh, bat_error *err
 // The points
 
 /// The spacing of all points, and the area of each.
-static bat_status measure_points(connection *work, const neighbour_tree *tree, double *spacing, bat_error *error)
+static bat_status measure_points(connection *work, const nearest_tree *tree, double *spacing, bat_error *error)
 {
     neighbour_list near = {0};
     double *sorted = memory_array(work->count, sizeof *sorted);
@@ -627,13 +627,13 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
                          bat_error *error)
 {
     connection work = {.points = points, .count = count};
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     oriented_planes planes = {0};
     const bat_cloud cloud = {.points = (double *)points, .count = count};
     work.areas = memory_pool_array(&work.pool, count, sizeof *work.areas);
     bat_status status = memory_pool_check(&work.pool, error);
     if (status == BAT_OK)
-        status = neighbour_tree_build(points, count, &tree, error);
+        status = neighbours_build(points, count, &tree, error);
     if (status == BAT_OK)
         status = measure_points(&work, &tree, &found->spacing, error);
     if (status == BAT_OK)
@@ -642,7 +642,7 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
     {
         double extent = 0;
         for (int d = 0; d < 3; d++)
-            extent = fmax(extent, tree.boxes[1].high[d] - tree.boxes[1].low[d]);
+            extent = fmax(extent, nearest_bounds(&tree)[3 + d] - nearest_bounds(&tree)[d]);
         status = noise_estimate(points, &tree, &found->noise, error);
         work.tree = &tree;
         work.planes = &planes;
@@ -658,7 +658,7 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
         status = cut_out(&work.grid, mesh, error);
     grid_free(&work.grid);
     oriented_planes_free(&planes);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     memory_pool_free(&work.pool);
     return status;
 }

@@ -40,7 +40,7 @@ typedef struct handle_search
     bat_mesh *mesh;
     bat_mesh_connectivity links;
     const double *points;
-    const neighbour_tree *tree;
+    const nearest_tree *tree;
     double cell;
     uint32_t *depth, *parent, *queue; ///< vertex_count each: of the tree of vertices
     uint32_t *joined;                 ///< face_count + vertex_count: union-find of faces, and of the boundaries' vertices
@@ -376,16 +376,16 @@ static bat_status cut_once(handle_search *work, bool *cut, bat_error *error)
 bat_status shell_cut_handles(const double *points, size_t count, const shell_connection *found, bat_mesh *mesh,
                              bat_shell_report *report, bat_error *error)
 {
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     handle_search work = {.mesh = mesh, .points = points, .tree = &tree, .cell = found->cell};
     bool cut = true;
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    bat_status status = neighbours_build(points, count, &tree, error);
     while (cut && report->cut_handles < MAX_CUTS && status == BAT_OK)
     {
         status = cut_once(&work, &cut, error);
         report->cut_handles += cut;
     }
     neighbour_list_free(&work.near);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }

@@ -33,9 +33,9 @@ typedef struct opening
 bat_status shell_distances(const double *points, size_t count, const double *places, size_t place_count, double less,
                            double least, double *distances, bat_error *error)
 {
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     neighbour_list near = {0};
-    bat_status status = neighbour_tree_build(points, count, &tree, error);
+    bat_status status = neighbours_build(points, count, &tree, error);
     for (size_t k = 0; k < place_count && status == BAT_OK; k++)
     {
         status = neighbours_nearest(&tree, places + 3 * k, 1, &near, error);
@@ -47,7 +47,7 @@ bat_status shell_distances(const double *points, size_t count, const double *pla
             distances[k] = distance / fmax(shell_spacing(&near), least);
     }
     neighbour_list_free(&near);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     return status;
 }
 

@@ -154,10 +154,10 @@ static bat_status measure_turns(const bat_mesh *mesh, const shell_fit *fit, cons
 /// space.
 static bat_status measure_growth(const shell_fit *fit, double rms, double *growth, bat_error *error)
 {
-    neighbour_tree tree = {0};
+    nearest_tree tree = {0};
     neighbour_list near = {0};
     double ratios[GROWTH_PLACES];
-    bat_status status = neighbour_tree_build(fit->points, fit->count, &tree, error);
+    bat_status status = neighbours_build(fit->points, fit->count, &tree, error);
     for (size_t k = 0; k < GROWTH_PLACES && status == BAT_OK; k++)
     {
         const double *place = fit->points + 3 * (k * fit->count / GROWTH_PLACES);
@@ -168,7 +168,7 @@ static bat_status measure_growth(const shell_fit *fit, double rms, double *growt
         ratios[k] = (double)near.count / inner;
     }
     neighbour_list_free(&near);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     if (status != BAT_OK)
         return status;
     qsort(ratios, GROWTH_PLACES, sizeof *ratios, ascending);

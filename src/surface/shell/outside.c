@@ -110,7 +110,7 @@ static outside_walk walk_outside(const outside_grid *grid, const double *point, 
 /// Mark the wall around the points, and the outside.
 static bat_status outside_make(const shell_cloud *cloud, outside_grid *grid, memory_pool *pool, bat_error *error)
 {
-    const double *low = cloud->tree->boxes[1].low, *high = cloud->tree->boxes[1].high;
+    const double *low = nearest_bounds(cloud->tree), *high = low + 3;
     double extent = fmax(fmax(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
     size_t cells = 1;
     grid->cell = fmax(cloud->spacing, extent / OUTSIDE_CELLS);

@@ -4,8 +4,8 @@
 #include "batten/mesh_decimate.h"
 #include "batten/shell.h"
 #include "linalg/sparse.h"
+#include "search/nearest.h"
 #include "surface/cloud/local_plane.h"
-#include "surface/cloud/neighbours.h"
 
 #include <math.h>
 
@@ -36,7 +36,7 @@ typedef struct shell_cloud
 {
     const double *points; ///< count x 3
     size_t count;
-    const neighbour_tree *tree;
+    const nearest_tree *tree;
     const double *areas; ///< count: the area that each point has for itself
     double spacing;
 } shell_cloud;

@@ -110,7 +110,7 @@ typedef struct unrolling
     memory_pool pool;
     uint32_t *nodes; ///< node_count: points
     size_t node_count;
-    neighbour_tree tree; ///< of the nodes
+    nearest_tree tree;   ///< of the nodes
     double *positions;   ///< node_count x 3
     chart_link *links;   ///< by `from`; each pair of neighbours in both directions
     size_t *first;       ///< node_count + 1
@@ -123,7 +123,7 @@ typedef struct unrolling
 static void unrolling_free(unrolling *work)
 {
     memory_pool_free(&work->pool);
-    neighbour_tree_free(&work->tree);
+    nearest_free(&work->tree);
     multifrontal_free(work->solver);
 }
 
@@ -161,7 +161,7 @@ static bat_status choose_nodes(unrolling *work, bat_error *error)
         work->nodes[i] = (uint32_t)(i * count / work->node_count);
         memcpy(work->positions + 3 * i, work->geometry->order.cloud.points + 3 * (size_t)work->nodes[i], 3 * sizeof(double));
     }
-    return neighbour_tree_build(work->positions, work->node_count, &work->tree, error);
+    return neighbours_build(work->positions, work->node_count, &work->tree, error);
 }
 
 DEFINE_ORDER(compare_links, chart_link, from, to)

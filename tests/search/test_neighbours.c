@@ -1,7 +1,7 @@
 // Neighbours in space: every answer is what searching all points gives.
 #include "check.h"
 
-#include "surface/cloud/neighbours.h"
+#include "search/nearest.h"
 
 static double *random_points(uint64_t seed, size_t count)
 {
@@ -63,7 +63,7 @@ static void assert_list(const neighbour_list *list, const neighbour *expected, s
     }
 }
 
-static void agree_at(const neighbour_tree *tree, const double *points, const double place[3], neighbour_list *list)
+static void agree_at(const nearest_tree *tree, const double *points, const double place[3], neighbour_list *list)
 {
     size_t count = tree->count;
     neighbour *all = sort_all(points, count, place);
@@ -84,9 +84,9 @@ static void agree_at(const neighbour_tree *tree, const double *points, const dou
 
 static void agree_with_search_of_all(double *points, size_t count)
 {
-    neighbour_tree tree;
+    nearest_tree tree;
     neighbour_list list = {0};
-    check_status(neighbour_tree_build(points, count, &tree, NULL), BAT_OK);
+    check_status(neighbours_build(points, count, &tree, NULL), BAT_OK);
     size_t step = count / 20 + 1;
     for (size_t i = 0; i < count; i += step)
         agree_at(&tree, points, points + 3 * i, &list);
@@ -94,7 +94,7 @@ static void agree_with_search_of_all(double *points, size_t count)
     for (size_t i = 0; i < sizeof places / sizeof *places; i++)
         agree_at(&tree, points, places[i], &list);
     neighbour_list_free(&list);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
     free(points);
 }
 
@@ -120,16 +120,16 @@ static void test_equal_points_are_all_found(void **state)
     double points[3 * COUNT];
     for (size_t i = 0; i < 3 * (size_t)COUNT; i++)
         points[i] = 0.1;
-    neighbour_tree tree;
+    nearest_tree tree;
     neighbour_list list = {0};
-    check_status(neighbour_tree_build(points, COUNT, &tree, NULL), BAT_OK);
+    check_status(neighbours_build(points, COUNT, &tree, NULL), BAT_OK);
     check_status(neighbours_within(&tree, points, 0, &list, NULL), BAT_OK);
     assert_int_equal(list.count, COUNT);
     check_status(neighbours_nearest(&tree, points, 7, &list, NULL), BAT_OK);
     for (uint32_t i = 0; i < 7; i++)
         assert_int_equal(list.entries[i].item, i);
     neighbour_list_free(&list);
-    neighbour_tree_free(&tree);
+    nearest_free(&tree);
 }
 
 int main(void)
