@@ -1,6 +1,7 @@
 #include "research/studies/folder.h"
 
 #include "base/error.h"
+#include "batten/research/mesh_study.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -50,4 +51,14 @@ void folder_list_free(folder_list *list)
         free(list->names[i]);
     free(list->names);
     *list = (folder_list){.names = NULL};
+}
+
+bat_status folder_mesh_read(const char *path, bat_mesh *mesh, bat_error *error)
+{
+    bat_status status = bat_mesh_study_read(path, mesh, NULL, NULL, error);
+    if (status == BAT_OK || error == NULL || error->line == 0)
+        return error_prefix(error, status, "%s: ", path);
+    size_t line = error->line;
+    error->line = 0;
+    return error_prefix(error, status, "%s:%zu: ", path, line);
 }

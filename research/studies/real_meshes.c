@@ -91,7 +91,7 @@ static bat_status read_shape(const char *folder, const char *shape, bat_mesh *me
         if (file == NULL)
             continue;
         (void)fclose(file);
-        return error_prefix(error, bat_mesh_study_read(path, mesh, NULL, NULL, error), "%s: ", path);
+        return folder_mesh_read(path, mesh, error);
     }
     return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: there is no %s.obj, %s.ply or %s.off", folder, shape,
                      shape, shape);
@@ -212,7 +212,7 @@ static bat_status measure_file(const char *folder, const char *file, const bat_r
     (void)snprintf(path, sizeof path, "%s/coarse-by/%s", folder, file);
     bat_status status = read_shape(folder, name, &shape, error);
     if (status == BAT_OK)
-        status = error_prefix(error, bat_mesh_study_read(path, &coarse, NULL, NULL, error), "%s: ", path);
+        status = folder_mesh_read(path, &coarse, error);
     double best = INFINITY;
     for (size_t i = 0; i < methods && status == BAT_OK; i++)
     {

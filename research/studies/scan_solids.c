@@ -112,6 +112,17 @@ static bool is_mesh(const char *name)
            strncmp(name, "coarse-", 7) != 0 && strlen(name) < BAT_SCAN_VERDICT_NAME;
 }
 
+/// Refuse a mesh that cannot be read before the others are studied.
+static bat_status check_mesh(const char *folder, const char *name, bat_error *error)
+{
+    char path[PATH_SIZE];
+    bat_mesh mesh = {0};
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    bat_status status = folder_mesh_read(path, &mesh, error);
+    bat_mesh_free(&mesh);
+    return status;
+}
+
 /// Add the rows of a mesh of one piece.
 static bat_status study_mesh(const char *folder, const char *name, const bat_scan_solids_options *options,
                              bat_scan_solids_row *rows, size_t *count, bat_error *error)
@@ -120,9 +131,10 @@ static bat_status study_mesh(const char *folder, const char *name, const bat_sca
     bat_mesh mesh;
     bat_mesh_summary summary;
     (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    if (bat_mesh_study_read(path, &mesh, NULL, NULL, NULL) != BAT_OK)
-        return BAT_OK;
-    bat_status status = bat_mesh_summarize(&mesh, &summary, error);
+    bat_status status = folder_mesh_read(path, &mesh, error);
+    if (status != BAT_OK)
+        return status;
+    status = bat_mesh_summarize(&mesh, &summary, error);
     for (size_t k = 0; k < CASES && status == BAT_OK && summary.components == 1; k++)
     {
         bat_scan_solids_row *row = &rows[*count];
@@ -158,12 +170,16 @@ bat_status bat_scan_solids(const char *folder, const bat_scan_solids_options *op
     if (status == BAT_OK && (all = memory_array(list.count * CASES, sizeof *all)) == NULL)
         status = error_memory(error, list.count * CASES * sizeof *all);
     for (size_t i = 0; i < list.count && status == BAT_OK; i++)
+        status = check_mesh(folder, list.names[i], error);
+    for (size_t i = 0; i < list.count && status == BAT_OK; i++)
     {
         progress_part part = {options->progress, (double)i / (double)list.count, 1 / (double)list.count};
         bat_scan_solids_options one = *options;
         one.progress = progress_of_part(&part);
         status = study_mesh(folder, list.names[i], &one, all, &made, error);
     }
+    if (status == BAT_OK && made == 0)
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "%s: no mesh is of one piece", folder);
     folder_list_free(&list);
     if (status != BAT_OK)
     {

@@ -296,6 +296,12 @@ refused 1 'folder' reproduce hermite-figures -o good.in.csv/folder
 refused 2 'no row' reproduce tension-table3 --model good.in.csv
 refused 2 'no chance' reproduce tension-iss --seed 2
 refused 2 'whole number' reproduce tension-table4 --seed two
+mkdir solids.in
+echo 'v 0 0' > solids.in/b.obj
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 0 0 9\nv 1 0 9\nv 0 1 9\nf 4 5 6\n' > solids.in/a.obj
+refused 1 'solids\.in/b\.obj:1: a vertex has' reproduce scan-solids --data solids.in
+rm solids.in/b.obj
+refused 1 'solids\.in: no mesh is of one piece$' reproduce scan-solids --data solids.in
 refused 1 'none.in: cannot open' reproduce tension-table2 --model none.in
 refused 1 'none.in: cannot open' reproduce tension-mechanism --model none.in
 refused 1 'good.in.csv: ' reproduce tension-mechanism --model good.in.csv

@@ -160,7 +160,7 @@ typedef struct bat_scan_solids_row
 /// volume. It may be farther from it by 0.02 and four standard deviations of the noise at most.
 /// @param folder with meshes in OBJ, OFF or PLY; those of several pieces, or that begin with "coarse-", are left out
 /// @param rows   receives the rows, in the order of the files' names; release it with free()
-/// @return as bat_scan_verdict()
+/// @return as bat_scan_verdict(); BAT_UNSUPPORTED where no mesh is of one piece; the failures of bat_mesh_study_read()
 BAT_API bat_status bat_scan_solids(const char *folder, const bat_scan_solids_options *options, bat_scan_solids_row **rows,
                                    size_t *count, bat_error *error);
 
