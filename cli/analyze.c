@@ -1,6 +1,6 @@
 #include "verb.h"
 
-#include "batten/curve_picture.h"
+#include "batten/research/chart_picture.h"
 #include "batten/research/curve_analysis.h"
 #include "batten/research/mask_sweep.h"
 

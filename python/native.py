@@ -44,17 +44,17 @@ extern "Python"
 """
 
 
-#: The one header of the research library whose functions the package has, too.
-ANALYSIS = "batten/research/curve_analysis.h"
+#: The headers of the research library whose functions the package has, too.
+RESEARCH = ["batten/research/curve_analysis.h", "batten/research/chart_picture.h"]
 
 
 def declarations(folder: Path) -> str:
     """The declarations of all headers, as the parser of cffi takes them."""
-    headers = re.findall(r'#include "(batten/[a-z_]+\.h)"', (folder / "batten.h").read_text()) + [ANALYSIS]
+    headers = re.findall(r'#include "(batten/[a-z_]+\.h)"', (folder / "batten.h").read_text()) + RESEARCH
     ordered: list[str] = []
 
     def path(name: str) -> Path:
-        return folder.parents[1] / "research" / "include" / name if name == ANALYSIS else folder.parent / name
+        return folder.parents[1] / "research" / "include" / name if name in RESEARCH else folder.parent / name
 
     def visit(name: str) -> None:
         text = path(name).read_text()
@@ -83,7 +83,8 @@ def main() -> None:
     ffi = FFI()
     ffi.cdef(declarations(include / "batten") + MORE)
     ragged = (Path(__file__).parent / "ragged.c").read_text()
-    ffi.set_source("batten._native", f"#include <batten/batten.h>\n#include <{ANALYSIS}>\n#include <stdlib.h>\n" + ragged)
+    includes = "".join(f"#include <{name}>\n" for name in ["batten/batten.h", *RESEARCH, "stdlib.h"])
+    ffi.set_source("batten._native", includes + ragged)
     output.parent.mkdir(parents=True, exist_ok=True)
     ffi.emit_c_code(str(output))
 

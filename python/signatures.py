@@ -51,8 +51,8 @@ def comments(folder):
     """The comments of all fields of structs in the headers: {struct: {field: text}}."""
     found = {}
     field = re.compile(r"((?:[ \t]*///(?!<)[^\n]*\n)*)\s*([^;/]+?);[ \t]*((?:///<[^\n]*\n?\s*)*)")
-    analysis = folder.parents[1] / "research" / "include" / "batten" / "research" / "curve_analysis.h"
-    for header in [*sorted(folder.glob("*.h")), analysis]:
+    research = folder.parents[1] / "research" / "include" / "batten" / "research"
+    for header in [*sorted(folder.glob("*.h")), research / "curve_analysis.h", research / "chart_picture.h"]:
         text = header.read_text()
         for name, body in re.findall(r"^(?:typedef )?struct (\w+)\n\{\n(.*?)^\}", text, flags=re.S | re.M):
             texts = found.setdefault(name, {})

@@ -132,9 +132,9 @@ static void place_label(cairo_t *cairo, obstacles *around, const point_label *po
 
 /// Collect the visible points of the labelled series. Points without a text are included, because labels must not cover
 /// them.
-static size_t collect(const bat_chart_series *series, const char *const *texts, const plot_axis *x, const plot_axis *y,
-                      point_label *points)
+static size_t collect(const plot_axes *axes, const bat_chart_series *series, const char *const *texts, point_label *points)
 {
+    const plot_axis *x = &axes->x, *y = &axes->y;
     size_t count = 0;
     for (size_t i = 0; i < series->count; i++)
     {
@@ -154,9 +154,10 @@ static int compare(const void *a, const void *b)
     return p->y != q->y ? (p->y > q->y) - (p->y < q->y) : (p->x > q->x) - (p->x < q->x);
 }
 
-bat_status chart_labels_draw(cairo_t *cairo, const bat_chart_series *series, const char *const *texts, const plot_axis *x,
-                             const plot_axis *y, bat_error *error)
+bat_status chart_labels_draw(cairo_t *cairo, const plot_axes *axes, const bat_chart_series *series, const char *const *texts,
+                             bat_error *error)
 {
+    const plot_axis *x = &axes->x, *y = &axes->y;
     point_label *points = memory_array(series->count, sizeof *points);
     rectangle *taken = memory_array(2 * series->count, sizeof *taken);
     if (points == NULL || taken == NULL)
@@ -166,7 +167,7 @@ bat_status chart_labels_draw(cairo_t *cairo, const bat_chart_series *series, con
         return error_memory(error, 2 * series->count * sizeof *taken);
     }
     obstacles around = {.plot = {x->start, y->end, x->end - x->start, y->start - y->end}, .taken = taken};
-    around.dots = around.count = collect(series, texts, x, y, points);
+    around.dots = around.count = collect(axes, series, texts, points);
     qsort(points, around.dots, sizeof *points, compare);
     for (size_t i = 0; i < around.dots; i++)
         taken[i] = (rectangle){points[i].x - 3.0, points[i].y - 3.0, 6.0, 6.0};

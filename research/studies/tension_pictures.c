@@ -3,7 +3,6 @@
 
 #include "batten/research/curve_study.h"
 
-#include "batten/curve_picture.h"
 #include "batten/space.h"
 #include "research/studies/chart_labels.h"
 
@@ -78,13 +77,13 @@ static bat_chart chart_of(frontier *f, const char *space, bool bending)
 }
 
 /// Name the other schemes of a chart: those of the frontier that has its series.
-static bat_status draw_names(const void *context, cairo_t *cairo, const bat_chart *chart, const plot_axis *x,
-                             const plot_axis *y, bat_error *error)
+static bat_status draw_names(const void *context, cairo_t *cairo, const bat_chart *chart, const plot_axes *axes,
+                             bat_error *error)
 {
     const frontier *f = context;
     while (chart->series != f->series)
         f++;
-    return chart_labels_draw(cairo, &f->series[1], f->other_names, x, y, error);
+    return chart_labels_draw(cairo, axes, &f->series[1], f->other_names, error);
 }
 
 bat_status bat_tension_frontier_draw(const char *path, const bat_tension_row *rows, size_t count, bat_error *error)
@@ -102,8 +101,8 @@ bat_status bat_tension_frontier_draw(const char *path, const bat_tension_row *ro
     draw.columns = SPACES;
     draw.width = 1400;
     draw.height = 900;
-    const plot_overlay names = {draw_names, frontiers};
-    return plot_write(path, charts, CHARTS, &draw, &names, error);
+    const chart_overlay names = {draw_names, frontiers};
+    return chart_write(path, charts, CHARTS, &draw, &names, error);
 }
 
 // The histograms

@@ -2,7 +2,7 @@
 
 #include "base/array_grow.h"
 #include "base/error.h"
-#include "batten/curve_picture.h"
+#include "batten/research/chart_picture.h"
 #include "io/common/file_text.h"
 #include "io/common/number_text.h"
 

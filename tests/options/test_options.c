@@ -6,6 +6,7 @@
 #include "polygon_makers.h"
 
 #include "batten/batten.h"
+#include "batten/research/chart_picture.h"
 #include "batten/research/curve_analysis.h"
 #include "batten/research/curve_study.h"
 #include "batten/research/map_shapes.h"

@@ -1,3 +1,4 @@
+#include "draw/common/ticks.h"
 #include "draw/curve/scene.h"
 
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "batten/curve_picture.h"
 #include "draw/common/legend.h"
 #include "draw/common/style.h"
-#include "draw/common/ticks.h"
 #include "draw/curve/view.h"
 
 #include <cairo.h>
@@ -300,44 +299,3 @@ insets grid_plane_room(const scene_frame *frame);
 void grid_solid(cairo_t *cairo, const draw_view *view, const scene_frame *frame);
 /// The margin for the labels of the axes.
 #define GRID_SOLID_MARGIN 10.0
-
-// One chart of a page.
-
-/// An axis that maps [low, high] to [start, end] on the page; logarithmic axes use decimal logarithms.
-typedef struct plot_axis
-{
-    double low, high;
-    double start, end;
-    bool logarithmic;
-} plot_axis;
-
-/// A value on an axis: its decimal logarithm if the axis is logarithmic.
-static inline double plot_number(const plot_axis *axis, double value)
-{
-    return axis->logarithmic ? log10(value) : value;
-}
-
-static inline double plot_place(const plot_axis *axis, double number)
-{
-    return axis->start + (number - axis->low) / (axis->high - axis->low) * (axis->end - axis->start);
-}
-
-/// Check a chart and find the ranges of its axes.
-/// @return BAT_OK, BAT_INVALID_ARGUMENT or BAT_INVALID_POINT
-bat_status plot_measure(const bat_chart *chart, size_t index, plot_axis *x, plot_axis *y, bat_error *error);
-/// The room to the left of a chart's y axis in the box (x, y, width, height), to align charts.
-double plot_margin(cairo_t *cairo, const bat_chart *chart, plot_axis x, plot_axis y, const double box[4]);
-/// Draws over a chart, whose axes have their places.
-typedef struct plot_overlay
-{
-    bat_status (*draw)(const void *context, cairo_t *cairo, const bat_chart *chart, const plot_axis *x, const plot_axis *y,
-                       bat_error *error);
-    const void *context;
-} plot_overlay;
-
-/// @param overlay null for nothing
-bat_status plot_draw(cairo_t *cairo, const bat_chart *chart, const bat_curve_picture_options *options, plot_axis x,
-                     plot_axis y, const double box[4], const plot_overlay *overlay, bat_error *error);
-/// bat_chart_write() with an overlay on each chart.
-bat_status plot_write(const char *path, const bat_chart *charts, size_t count, const bat_curve_picture_options *options,
-                      const plot_overlay *overlay, bat_error *error);

@@ -2,6 +2,7 @@
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "draw/common/sheet.h"
+#include "draw/curve/plot.h"
 #include "draw/curve/scene.h"
 #include "draw/motion/film.h"
 
@@ -31,6 +32,22 @@ enum
 #define CHART_ASPECT 0.27
 #define SHAPE_TALLEST 0.9
 
+/// Lines over time, or the dots of keyframes.
+typedef struct time_series
+{
+    plot_series drawn;
+    bool dots;
+    const char *label;
+} time_series;
+
+typedef struct time_chart
+{
+    plot_axes axes;
+    double low, high; ///< the ends of the y axis; NaN: from the numbers
+    const time_series *series;
+    size_t series_count;
+} time_chart;
+
 typedef struct film_page
 {
     film film;
@@ -42,10 +59,9 @@ typedef struct film_page
     bat_curve_picture_panel panel;
     bool has_scene;
     size_t first_chart; ///< the number of boxes above the charts: 0 or 1
-    bat_chart charts[MAX_CHARTS];
-    plot_axis axes[2 * MAX_CHARTS];
+    time_chart charts[MAX_CHARTS];
     size_t chart_count;
-    bat_chart_series series[MAX_SERIES];
+    time_series series[MAX_SERIES];
     size_t series_count;
     double *columns[MAX_COORDINATES * BAT_MOTION_PICTURE_MOTIONS];
     char labels[MAX_SERIES][LABEL_SIZE];
@@ -80,18 +96,17 @@ const bat_options_table bat_motion_picture_fields = {"bat_motion_picture_options
 
 // Charts
 
-static bat_chart *add_chart(film_page *page, const char *label)
+static time_chart *add_chart(film_page *page, const char *label)
 {
-    bat_chart *chart = &page->charts[page->chart_count++];
-    *chart = bat_chart_defaults();
-    chart->series = page->series + page->series_count;
-    chart->y_label = label;
-    chart->x_low = page->film.begin;
-    chart->x_high = page->film.end;
+    time_chart *chart = &page->charts[page->chart_count++];
+    *chart = (time_chart){.axes = {.y = {.low = INFINITY, .high = -INFINITY, .label = label}},
+                          .low = NAN,
+                          .high = NAN,
+                          .series = page->series + page->series_count};
     return chart;
 }
 
-static void add_series(film_page *page, bat_chart *chart, bat_chart_series series)
+static void add_series(film_page *page, time_chart *chart, time_series series)
 {
     page->series[page->series_count++] = series;
     chart->series_count++;
@@ -105,7 +120,7 @@ static int colour_of(const film_page *page, size_t track)
 /// A chart of speeds, or of angular speeds, from 0 on.
 static void add_speeds(film_page *page, bool turns, const char *label)
 {
-    bat_chart *chart = add_chart(page, label);
+    time_chart *chart = add_chart(page, label);
     double highest = 0;
     for (size_t k = 0; k < page->film.count; k++)
     {
@@ -113,25 +128,20 @@ static void add_speeds(film_page *page, bool turns, const char *label)
         const double *values = turns ? track->turns : track->speeds, *at_keys = turns ? track->key_turns : track->key_speeds;
         for (size_t i = 0; i < track->count; i++)
             highest = fmax(highest, values[i]);
-        add_series(page, chart,
-                   (bat_chart_series){.x = track->times, .y = values, .count = track->count, .colour = colour_of(page, k)});
+        add_series(page, chart, (time_series){{track->times, values, track->count, colour_of(page, k)}, false, NULL});
         if (track->key_count <= MARKED_KEYS)
             add_series(page, chart,
-                       (bat_chart_series){.x = track->key_times,
-                                          .y = at_keys,
-                                          .count = track->key_count,
-                                          .mark = BAT_CHART_MARK_POINTS,
-                                          .colour = colour_of(page, k)});
+                       (time_series){{track->key_times, at_keys, track->key_count, colour_of(page, k)}, true, NULL});
     }
-    chart->y_low = 0;
-    chart->y_high = highest > 0 ? 1.06 * highest : 1;
+    chart->low = 0;
+    chart->high = highest > 0 ? 1.06 * highest : 1;
 }
 
 static bat_status add_coordinates(film_page *page, size_t index, bat_error *error)
 {
     const film_track *track = &page->film.tracks[index];
     size_t dim = page->film.space->point_dim, shown = dim < MAX_COORDINATES ? dim : MAX_COORDINATES;
-    bat_chart *chart = add_chart(page, "coordinates");
+    time_chart *chart = add_chart(page, "coordinates");
     for (size_t c = 0; c < shown; c++)
     {
         double *column = memory_array(track->count, sizeof *column);
@@ -140,12 +150,13 @@ static bat_status add_coordinates(film_page *page, size_t index, bat_error *erro
             return error_memory(error, track->count * sizeof *column);
         page->columns[index * MAX_COORDINATES + c] = column;
         for (size_t i = 0; i < track->count; i++)
+        {
             column[i] = track->points[i * dim + c];
+            plot_include(&chart->axes.y, column[i]);
+        }
         (void)snprintf(label, LABEL_SIZE, c + 1 == shown && shown < dim ? "coordinate %zu (of %zu)" : "coordinate %zu",
                        c + 1, dim);
-        add_series(
-            page, chart,
-            (bat_chart_series){.x = track->times, .y = column, .count = track->count, .label = label, .colour = (int)c + 1});
+        add_series(page, chart, (time_series){{track->times, column, track->count, (int)c + 1}, false, label});
     }
     return BAT_OK;
 }
@@ -192,10 +203,15 @@ static bat_status add_charts(film_page *page, bat_error *error)
         add_speeds(page, false, page->speed_label);
     if (shown->tracks[0].turns != NULL)
         add_speeds(page, true, page->turn_label);
-    page->charts[page->chart_count - 1].x_label = page->time_label;
-    for (size_t i = 0; i < page->chart_count && status == BAT_OK; i++)
-        status = plot_measure(&page->charts[i], i, &page->axes[2 * i], &page->axes[2 * i + 1], error);
-    return status;
+    page->charts[page->chart_count - 1].axes.x.label = page->time_label;
+    for (size_t i = 0; i < page->chart_count; i++)
+    {
+        time_chart *chart = &page->charts[i];
+        if (!plot_set_range(&chart->axes.x, shown->begin, shown->end) ||
+            !plot_set_range(&chart->axes.y, chart->low, chart->high))
+            return error_set(error, BAT_INVALID_ARGUMENT, i, 0, "chart %zu: the range of an axis is empty", i);
+    }
+    return BAT_OK;
 }
 
 // Curves and tensors
@@ -279,7 +295,7 @@ static void add_items(film_page *page)
 {
     for (size_t i = 0; i < page->series_count && page->film.kind == FILM_COORDINATES; i++)
         if (page->series[i].label != NULL)
-            add_item(page, page->series[i].label, style_curve(page->series[i].colour), LEGEND_NO_MARK);
+            add_item(page, page->series[i].label, style_curve(page->series[i].drawn.colour), LEGEND_NO_MARK);
     for (size_t i = 0; i < page->panel.layer_count && page->has_scene; i++)
         if (page->item_count < MAX_ITEMS)
             legend_add(page->items, &page->item_count, panel_legend_item(&page->scene.panels[0], i, &page->shape));
@@ -301,20 +317,29 @@ static double content_height(const void *context, size_t index, double width)
     return fmin(panel_height(&page->scene.panels[0], &page->shape, SHAPE_TALLEST, width), SHAPE_TALLEST * width);
 }
 
+/// Draw a chart, whose y axis is in line with those of the others.
+static void draw_chart(cairo_t *cairo, const film_page *page, const time_chart *chart, const double box[4])
+{
+    plot_axes axes = chart->axes;
+    double widest = 0, own = plot_margin(cairo, axes, box);
+    for (size_t i = 0; i < page->chart_count; i++)
+        widest = fmax(widest, plot_margin(cairo, page->charts[i].axes, box));
+    const double inner[4] = {box[0] + (widest - own), box[1], box[2] - (widest - own), box[3]};
+    plot_begin(cairo, &axes, inner, page->page.grid);
+    for (int dots = 0; dots < 2; dots++)
+        for (size_t i = 0; i < chart->series_count; i++)
+            if (chart->series[i].dots == (dots > 0))
+                (dots > 0 ? plot_dots : plot_line)(cairo, &axes, &chart->series[i].drawn);
+    plot_end(cairo, &axes, inner);
+}
+
 static bat_status content_draw(const void *context, cairo_t *cairo, size_t index, const double box[4], bat_error *error)
 {
     const film_page *page = context;
     if (index >= page->first_chart)
     {
-        size_t chart = index - page->first_chart;
-        double widest = 0, own, inner[4] = {box[0], box[1], box[2], box[3]};
-        for (size_t i = 0; i < page->chart_count; i++)
-            widest = fmax(widest, plot_margin(cairo, &page->charts[i], page->axes[2 * i], page->axes[2 * i + 1], box));
-        own = plot_margin(cairo, &page->charts[chart], page->axes[2 * chart], page->axes[2 * chart + 1], box);
-        inner[0] += widest - own;
-        inner[2] -= widest - own;
-        return plot_draw(cairo, &page->charts[chart], &page->page, page->axes[2 * chart], page->axes[2 * chart + 1], inner,
-                         NULL, error);
+        draw_chart(cairo, page, &page->charts[index - page->first_chart], box);
+        return BAT_OK;
     }
     if (page->film.kind == FILM_PATH)
         return path_draw(&page->film, &page->view, cairo, box, error);

@@ -4,6 +4,7 @@
 /// @file
 /// Everything that the library batten-research offers.
 
+#include "batten/research/chart_picture.h"
 #include "batten/research/curve_analysis.h"
 #include "batten/research/curve_data.h"
 #include "batten/research/curve_shapes.h"
