@@ -60,21 +60,6 @@ BAT_API bat_status bat_hermite_check(const bat_hermite_curve *curve, bat_error *
 /// zero or not finite; those before it are done
 BAT_API bat_status bat_hermite_normalize(bat_hermite_curve *curve, bat_error *error);
 
-/// The manifold-Hermite De Casteljau average (algorithm 3 of Ben-Zion Vardi, Dyn and Sharon): a point and a direction at
-/// share `weight` of the geodesic De Casteljau cubic between two points with directions. Weight 0 gives the first, 1 the
-/// second, bit for bit; weights outside 0 … 1 extrapolate. Two equal points with equal directions are their own average.
-///
-/// All geodesics between points are the shortest ones, also those to inner control points beyond the injectivity radius.
-/// The direction is the last geodesic's own velocity where it passes the point, not a difference of points.
-///
-/// @param p0, v0    a point and a direction there, of unit length to BAT_HERMITE_TANGENT_TOLERANCE; likewise p1, v1
-/// @param point, direction receive the average; they may not overlap the inputs
-/// @return BAT_OK; BAT_INVALID_ARGUMENT where the space lacks a function; BAT_CUT_LOCUS where a geodesic is not unique;
-///         BAT_INVALID_POINT where a direction is not of unit length, the pair is not admissible, the points are equal but
-///         not the directions, or the average has no direction
-BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
-                                       const double *v1, double weight, double *point, double *direction);
-
 /// The highest order of the Lane-Riesenfeld schemes: the highest that is published. Each order averages once more, over
 /// points ever farther away.
 #define BAT_HERMITE_MAX_ORDER 10
@@ -96,8 +81,8 @@ extern BAT_API const bat_options_table bat_hermite_refine_fields;
 
 /// Refine Hermite data by repeated subdivision.
 ///
-/// Algorithm 4 of Ben-Zion Vardi, Dyn and Sharon, with bat_hermite_average() at 1/2. Order 1 interpolates with fourth-order
-/// accuracy.
+/// Algorithm 4 of Ben-Zion Vardi, Dyn and Sharon, with the averages of their algorithm 3 at 1/2. Order 1 interpolates with
+/// fourth-order accuracy.
 ///
 /// Old point i becomes new point i 2^levels where the order is odd. A closed curve gets count 2^levels points, an open one
 /// (count - 1) 2^levels + 1. Even orders give two new points on every edge instead; an open curve then gets its ends back,

@@ -128,29 +128,8 @@ static bat_status last_geodesic(const bat_space *space, const double *a, const d
     return isfinite(unit) && unit > 0 ? BAT_OK : BAT_INVALID_POINT;
 }
 
-static bool are_equal(size_t n, const double *u, const double *v)
-{
-    for (size_t i = 0; i < n; i++)
-        if (u[i] != v[i])
-            return false;
-    return true;
-}
-
-static void copy_pair(const bat_space *space, const double *p, const double *v, double *point, double *direction)
-{
-    memcpy(point, p, space->point_dim * sizeof *point);
-    memcpy(direction, v, space->tangent_dim * sizeof *direction);
-}
-
-static bool is_unit(const bat_space *space, const double *point, const double *direction)
-{
-    double length = sqrt(space->inner(space, point, direction, direction));
-    return fabs(length - 1) <= BAT_HERMITE_TANGENT_TOLERANCE;
-}
-
-/// bat_hermite_average() of points that do not coincide.
-static bat_status average_distinct(const bat_space *space, const double *p0, const double *v0, const double *p1,
-                                   const double *v1, double weight, double *point, double *direction)
+bat_status hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1, const double *v1,
+                           double weight, double *point, double *direction)
 {
     double block[4 * BAT_SPACE_MAX_DIM], *vectors[4];
     hermite_edge edge;
@@ -166,30 +145,13 @@ static bat_status average_distinct(const bat_space *space, const double *p0, con
     return status == BAT_OK ? last_geodesic(space, ends[0], ends[1], weight, point, direction) : status;
 }
 
-bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
-                               const double *v1, double weight, double *point, double *direction)
-{
-    hermite_edge edge;
-    if (space_lack(space) != NULL)
-        return BAT_INVALID_ARGUMENT;
-    if (!is_unit(space, p0, v0) || !is_unit(space, p1, v1))
-        return BAT_INVALID_POINT;
-    bool coincide = space->distance(space, p0, p1) == 0 && are_equal(space->tangent_dim, v0, v1);
-    if (weight != 0 && weight != 1 && !coincide)
-        return average_distinct(space, p0, v0, p1, v1, weight, point, direction);
-    bat_status status = coincide ? BAT_OK : hermite_edge_measure(space, p0, v0, p1, v1, &edge);
-    if (status == BAT_OK)
-        copy_pair(space, weight == 1 ? p1 : p0, weight == 1 ? v1 : v0, point, direction);
-    return status;
-}
-
-/// bat_hermite_average() of two rows at 1/2, with the mean of their times.
+/// The average of two rows at 1/2, with the mean of their times.
 static bat_status average_row(const refine_kernel *kernel, const double *a, const double *b, double *average)
 {
     const bat_space *space = kernel->space;
     size_t n = space->point_dim, width = n + space->tangent_dim;
     double made[2 * BAT_SPACE_MAX_DIM];
-    bat_status status = average_distinct(space, a, a + n, b, b + n, 0.5, made, made + n);
+    bat_status status = hermite_average(space, a, a + n, b, b + n, 0.5, made, made + n);
     if (width < kernel->dim)
         average[width] = 0.5 * (a[width] + b[width]);
     memcpy(average, made, width * sizeof *average);

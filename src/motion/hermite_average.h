@@ -48,7 +48,13 @@ typedef enum hermite_legs
 bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
                               double weight, hermite_legs legs, double *before, double *after);
 
-/// Rows of a point, a direction and, where the kernel is timed, a time: averages by bat_hermite_average() at 1/2.
+/// Algorithm 3, the manifold-Hermite De Casteljau average, of unit directions at points that differ: a point and a direction
+/// at share `weight` of the cubic.
+/// @return BAT_OK, BAT_CUT_LOCUS or BAT_INVALID_POINT
+bat_status hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1, const double *v1,
+                           double weight, double *point, double *direction);
+
+/// Rows of a point, a direction and, where the kernel is timed, a time: averages at 1/2.
 row_average hermite_row_average;
 
 /// bat_hermite_refine() by another step: a linear one of derivatives by the index, on rows of a point, a derivative and,

@@ -9,6 +9,21 @@ BAT_C_BEGIN
 /// @file
 /// Measurements of the claims of Ben-Zion Vardi, Dyn and Sharon on Hermite schemes on manifolds, and their figures 1 to 4.
 
+/// The manifold-Hermite De Casteljau average (algorithm 3 of Ben-Zion Vardi, Dyn and Sharon): a point and a direction at
+/// share `weight` of the geodesic De Casteljau cubic between two points with directions. Weight 0 gives the first, 1 the
+/// second, bit for bit; weights outside 0 … 1 extrapolate. Two equal points with equal directions are their own average.
+///
+/// All geodesics between points are the shortest ones, also those to inner control points beyond the injectivity radius.
+/// The direction is the last geodesic's own velocity where it passes the point, not a difference of points.
+///
+/// @param p0, v0    a point and a direction there, of unit length to BAT_HERMITE_TANGENT_TOLERANCE; likewise p1, v1
+/// @param point, direction receive the average; they may not overlap the inputs
+/// @return BAT_OK; BAT_INVALID_ARGUMENT where the space lacks a function; BAT_CUT_LOCUS where a geodesic is not unique;
+///         BAT_INVALID_POINT where a direction is not of unit length, the pair is not admissible, the points are equal but
+///         not the directions, or the average has no direction
+BAT_API bat_status bat_hermite_average(const bat_space *space, const double *p0, const double *v0, const double *p1,
+                                       const double *v1, double weight, double *point, double *direction);
+
 /// The measured quantities.
 typedef enum bat_hermite_quantity
 {
