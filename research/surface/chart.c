@@ -5,6 +5,7 @@
 #include "base/option.h"
 #include "base/progress.h"
 #include "linalg/vector.h"
+#include "research/surface/regions.h"
 #include "surface/candidate.h"
 #include "surface/cloud/boundary.h"
 #include "surface/cloud/local_plane.h"
@@ -406,5 +407,29 @@ bat_status bat_surface_judge(const bat_spline_surface *surface, const bat_cloud 
     if (status == BAT_OK)
         status = surface_judge(&geometry, surface, parameters, distances, cloud->count, options, verdict, error);
     cloud_geometry_free(&geometry);
+    return status;
+}
+
+bat_status hierarchical_space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
+                                         bat_hierarchical_space **space, bat_error *error)
+{
+    // A region of a level consists of cells of the level before.
+    for (size_t k = 0; k < count; k++)
+    {
+        boxes[k].level--;
+        for (int d = 0; d < 2; d++)
+        {
+            boxes[k].low[d] /= 2;
+            boxes[k].high[d] /= 2;
+        }
+    }
+    bat_hierarchical_space *made = NULL;
+    bat_status status = bat_hierarchical_space_make(options, &made, error);
+    if (status == BAT_OK && count > 0)
+        status = bat_hierarchical_space_refine(made, boxes, count, error);
+    if (status == BAT_OK)
+        *space = made;
+    else
+        bat_hierarchical_space_free(made);
     return status;
 }

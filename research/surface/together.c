@@ -11,6 +11,7 @@
 #include "base/progress.h"
 #include "base/threads.h"
 #include "research/surface/group.h"
+#include "research/surface/regions.h"
 #include "surface/fit/loop.h"
 #include "surface/spline/hierarchical_space.h"
 

@@ -20,6 +20,26 @@ static void start(learn_parameters *parameters, uint64_t seed)
     }
 }
 
+void surface_chart_move_back(const surface_chart *chart, const double *moves, const double *by_interior, double *by_moves)
+{
+    double share = chart_gate(moves), by_share = 0;
+    for (size_t i = 0; i < chart->count; i++)
+    {
+        const double *at = chart->parameters + 2 * i, *by = by_interior + 2 * i;
+        double u[CHART_DEGREE + 1], v[CHART_DEGREE + 1], height = chart_bubble(at);
+        legendre_polynomials(at[0], CHART_DEGREE, u);
+        legendre_polynomials(at[1], CHART_DEGREE, v);
+        for (size_t k = 0; k < CHART_TERMS; k++)
+        {
+            double term = height * u[k / (CHART_DEGREE + 1)] * v[k % (CHART_DEGREE + 1)];
+            by_moves[2 * k] += term * by[0];
+            by_moves[2 * k + 1] += term * by[1];
+        }
+        by_share += by[0] * chart->steps[2 * i] + by[1] * chart->steps[2 * i + 1];
+    }
+    by_moves[CHART_GATE] += by_share * share * (1 - share);
+}
+
 typedef struct movement
 {
     surface_chart chart;

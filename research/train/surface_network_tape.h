@@ -31,6 +31,11 @@ typedef struct surface_network_tape
 
 extern const surface_network_tape surface_tape_published, surface_tape_uninformed, surface_tape_batten;
 
+/// Backpropagate through surface_chart_move(). Clamping to [0, 1] is ignored.
+/// @param by_interior count x 2: derivatives with respect to `interior`
+/// @param by_moves    CHART_MOVES numbers, to which the derivatives are added
+void surface_chart_move_back(const surface_chart *chart, const double *moves, const double *by_interior, double *by_moves);
+
 /// The numbers of neighbours in the graphs of the published network: interior, boundary, then the hidden layers'.
 typedef struct surface_edges
 {

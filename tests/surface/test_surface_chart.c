@@ -2,7 +2,7 @@
 
 #include "patch_clouds.h"
 
-#include "surface/network/chart_network.h"
+#include "research/train/surface_network_tape.h"
 
 // Helpers
 

@@ -12,12 +12,8 @@
 
 enum
 {
-    ORDERS = CHART_DEGREE + 1,
-    GATE = 2 * CHART_TERMS
+    ORDERS = CHART_DEGREE + 1
 };
-
-/// The logit of the gate for a zero output of the network: most of a step is taken.
-static const double GATE_BIAS = 2;
 
 /// A chart is treated as folded when the residual of its patch, beyond the noise, exceeds this in the unit box.
 static const double MAX_RESIDUAL = 0.05;
@@ -62,23 +58,13 @@ bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, do
     return status;
 }
 
-static double gate(const double *moves)
-{
-    return 1 / (1 + exp(-moves[GATE] - GATE_BIAS));
-}
-
-static double bubble(const double parameter[2])
-{
-    return 16 * parameter[0] * (1 - parameter[0]) * parameter[1] * (1 - parameter[1]);
-}
-
 void surface_chart_move(const surface_chart *chart, const double *moves, double *interior)
 {
-    double share = gate(moves);
+    double share = chart_gate(moves);
     for (size_t i = 0; i < chart->count; i++)
     {
         const double *at = chart->parameters + 2 * i;
-        double u[ORDERS], v[ORDERS], field[2] = {0}, height = bubble(at);
+        double u[ORDERS], v[ORDERS], field[2] = {0}, height = chart_bubble(at);
         legendre_polynomials(at[0], CHART_DEGREE, u);
         legendre_polynomials(at[1], CHART_DEGREE, v);
         for (size_t k = 0; k < CHART_TERMS; k++)
@@ -90,26 +76,6 @@ void surface_chart_move(const surface_chart *chart, const double *moves, double 
         for (size_t d = 0; d < 2; d++)
             interior[2 * i + d] = fmin(fmax(at[d] + share * chart->steps[2 * i + d] + height * field[d], 0), 1);
     }
-}
-
-void surface_chart_move_back(const surface_chart *chart, const double *moves, const double *by_interior, double *by_moves)
-{
-    double share = gate(moves), by_share = 0;
-    for (size_t i = 0; i < chart->count; i++)
-    {
-        const double *at = chart->parameters + 2 * i, *by = by_interior + 2 * i;
-        double u[ORDERS], v[ORDERS], height = bubble(at);
-        legendre_polynomials(at[0], CHART_DEGREE, u);
-        legendre_polynomials(at[1], CHART_DEGREE, v);
-        for (size_t k = 0; k < CHART_TERMS; k++)
-        {
-            double term = height * u[k / ORDERS] * v[k % ORDERS];
-            by_moves[2 * k] += term * by[0];
-            by_moves[2 * k + 1] += term * by[1];
-        }
-        by_share += by[0] * chart->steps[2 * i] + by[1] * chart->steps[2 * i + 1];
-    }
-    by_moves[GATE] += by_share * share * (1 - share);
 }
 
 // Parameters

@@ -2,8 +2,10 @@
 
 #include "batten/base.h"
 #include "batten/cloud.h"
+
 #include "batten/cloud_parameterize.h"
 #include "learn/model.h"
+#include <math.h>
 
 /// @file
 /// Networks that parameterize clouds, as rows of learn/model.h: training, files and bat_surface_model_parameterize() use
@@ -112,8 +114,20 @@ enum
 {
     CHART_DEGREE = 4,
     CHART_TERMS = (CHART_DEGREE + 1) * (CHART_DEGREE + 1),
-    CHART_MOVES = 2 * CHART_TERMS + 1 ///< q by term and parameter, then the logit of the gate minus 2
+    CHART_GATE = 2 * CHART_TERMS,
+    CHART_MOVES = CHART_GATE + 1 ///< q by term and parameter, then the logit of the gate minus 2
 };
+
+/// For a zero output of the network most of a step is taken.
+static inline double chart_gate(const double *moves)
+{
+    return 1 / (1 + exp(-moves[CHART_GATE] - 2.0));
+}
+
+static inline double chart_bubble(const double parameter[2])
+{
+    return 16 * parameter[0] * (1 - parameter[0]) * parameter[1] * (1 - parameter[1]);
+}
 
 /// A chart of a cloud.
 typedef struct surface_chart
@@ -138,10 +152,6 @@ bat_status surface_chart_make(const bat_cloud *cloud, const double *boundary, do
 /// @param moves    CHART_MOVES outputs of the network
 /// @param interior receives count x 2, in [0, 1]
 void surface_chart_move(const surface_chart *chart, const double *moves, double *interior);
-/// Backpropagate through surface_chart_move(). Clamping to [0, 1] is ignored.
-/// @param by_interior count x 2: derivatives with respect to `interior`
-/// @param by_moves    CHART_MOVES numbers, to which the derivatives are added
-void surface_chart_move_back(const surface_chart *chart, const double *moves, const double *by_interior, double *by_moves);
 
 enum
 {

@@ -215,11 +215,6 @@ static inline size_t hierarchical_local(const bat_hierarchical_space *space, con
     return (size_t)(function->j - cell->row) * ((size_t)space->options.degree[0] + 1) + (function->i - cell->column);
 }
 
-/// The space that has the regions of hierarchical_space_regions(). Changes `boxes`.
-/// @return the failures of bat_hierarchical_space_make() and bat_hierarchical_space_refine()
-bat_status hierarchical_space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
-                                         bat_hierarchical_space **space, bat_error *error);
-
 /// Build the levels from options and tree, and count cells and functions. The space can be freed after a failure.
 bat_status hierarchical_number(bat_hierarchical_space *space, bat_error *error);
 

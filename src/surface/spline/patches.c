@@ -65,30 +65,6 @@ bat_status hierarchical_space_regions(const bat_hierarchical_space *space, bat_s
     return BAT_OK;
 }
 
-bat_status hierarchical_space_of_regions(const bat_hierarchical_options *options, bat_spline_box *boxes, size_t count,
-                                         bat_hierarchical_space **space, bat_error *error)
-{
-    // A region of a level consists of cells of the level before.
-    for (size_t k = 0; k < count; k++)
-    {
-        boxes[k].level--;
-        for (int d = 0; d < 2; d++)
-        {
-            boxes[k].low[d] /= 2;
-            boxes[k].high[d] /= 2;
-        }
-    }
-    bat_hierarchical_space *made = NULL;
-    bat_status status = bat_hierarchical_space_make(options, &made, error);
-    if (status == BAT_OK && count > 0)
-        status = bat_hierarchical_space_refine(made, boxes, count, error);
-    if (status == BAT_OK)
-        *space = made;
-    else
-        bat_hierarchical_space_free(made);
-    return status;
-}
-
 /// Allocate a patch with the knots of its level's B-splines that do not vanish on its box.
 static bat_status make_piece(const bat_spline_surface *surface, const bat_spline_box *box, tensor_surface *piece,
                              bat_error *error)
