@@ -80,8 +80,10 @@ static void include_series(const bat_chart_series *series, plot_axis *x, plot_ax
 static bat_status measure(const bat_chart *chart, size_t index, plot_axes *axes, bat_error *error)
 {
     plot_axis *x = &axes->x, *y = &axes->y;
-    *x = (plot_axis){.low = INFINITY, .high = -INFINITY, .logarithmic = chart->log_x, .label = chart->x_label};
-    *y = (plot_axis){.low = INFINITY, .high = -INFINITY, .logarithmic = chart->log_y, .label = chart->y_label};
+    *x = (plot_axis){
+        .low = INFINITY, .high = -INFINITY, .logarithmic = chart->log_x ? ticks_logarithmic : NULL, .label = chart->x_label};
+    *y = (plot_axis){
+        .low = INFINITY, .high = -INFINITY, .logarithmic = chart->log_y ? ticks_logarithmic : NULL, .label = chart->y_label};
     if (chart->series == NULL || chart->series_count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, index, 0, "chart %zu has no series", index);
     if (!text_is_valid(chart->title) || !text_is_valid(chart->x_label) || !text_is_valid(chart->y_label))

@@ -1,6 +1,44 @@
 #include "picture_helpers.h"
 
-#include "batten/research/chart_picture.h"
+#include "research/analysis/chart.h"
+
+static size_t labelled(tick_list ticks)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < ticks.count; i++)
+    {
+        count += ticks.labelled[i] ? 1 : 0;
+    }
+    return count;
+}
+
+static void logarithmic_ticks_are_round(void **state)
+{
+    (void)state;
+    tick_list ticks = ticks_logarithmic(0.5, 300.0, 6.0);
+    for (size_t i = 0; i < ticks.count; i++)
+    {
+        assert_true(ticks.values[i] >= 0.5 * (1.0 - 1e-9) && ticks.values[i] <= 300.0);
+        assert_true(i == 0 || ticks.values[i] > ticks.values[i - 1]);
+    }
+    for (int i = 0; i < 200; i++) // never none, whatever the range
+    {
+        double low = 1.1 * pow(10.0, -150.0 + i);
+        double high = low * (1.5 + i);
+        assert_true(labelled(ticks_logarithmic(low, high, 8.0)) >= 1);
+        assert_true(labelled(ticks_logarithmic(low, low * pow(10.0, 0.7 * i + 0.4), 8.0)) >= 1);
+    }
+}
+
+static void logarithmic_labels_have_powers(void **state)
+{
+    (void)state;
+    tick_list ticks = ticks_logarithmic(1.1e6, 2e6, 5.0);
+    char label[TICK_LABEL_SIZE];
+    power_label(ticks.values[0], label);
+    assert_string_equal(label, "1.2\xc3\x97"
+                               "10");
+}
 
 static void writes_charts(void **state)
 {
@@ -72,6 +110,8 @@ static void bad_charts_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(logarithmic_ticks_are_round),
+        cmocka_unit_test(logarithmic_labels_have_powers),
         cmocka_unit_test(writes_charts),
         cmocka_unit_test(bad_charts_are_refused),
     };

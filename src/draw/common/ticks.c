@@ -7,17 +7,14 @@
 /// @file
 /// Choice of round steps and of the shortest labels that distinguish all ticks.
 
-#define EXPONENT_SHARE 0.72
-
-/// The number 1, 2 or 5 times a power of ten that is nearest to `step` on a logarithmic scale.
-static double nice_step(double step)
+double ticks_step(double step)
 {
     double power = pow(10.0, floor(log10(step)));
     double share = step / power;
     return power * (share < sqrt(2.0) ? 1.0 : share < sqrt(10.0) ? 2.0 : share < sqrt(50.0) ? 5.0 : 10.0);
 }
 
-static void add_tick(tick_list *ticks, double value, bool labelled)
+void ticks_add(tick_list *ticks, double value, bool labelled)
 {
     if (ticks->count < TICKS_MAX)
     {
@@ -35,11 +32,11 @@ static int decimals_of(double step)
 
 tick_list ticks_linear(double low, double high, double wanted)
 {
-    double step = nice_step((high - low) / fmax(wanted, 1.0));
+    double step = ticks_step((high - low) / fmax(wanted, 1.0));
     double slack = 1e-9 * (high - low);
     tick_list ticks = {.step = step, .decimals = decimals_of(step)};
     for (double i = ceil((low - slack) / step); i * step <= high + slack && ticks.count < TICKS_MAX; i += 1.0)
-        add_tick(&ticks, i * step, true);
+        ticks_add(&ticks, i * step, true);
     return ticks;
 }
 
@@ -97,116 +94,33 @@ void tick_scale_text(tick_scale scale, char *text)
     (void)snprintf(text, TICK_SCALE_SIZE, "%s%s%s%s%s", power, gap, sign, gap, offset);
 }
 
-/// The multiples of powers of ten that have ticks on an axis over `decades` powers.
-static size_t multiples(double decades, const double **shares)
-{
-    static const double few[] = {1.0, 2.0, 5.0};
-    static const double many[] = {1.0, 2.0, 3.0, 4.0, 6.0, 8.0};
-    *shares = decades < 1.2 ? many : few;
-    return decades < 1.2 ? 6 : decades < 3.0 ? 3 : 1;
-}
-
-tick_list ticks_logarithmic(double low, double high, double wanted)
-{
-    double decades = log10(high / low);
-    if (decades < 0.4)
-    {
-        tick_list linear = ticks_linear(low, high, wanted);
-        linear.decimals = -1;
-        linear.powers = low < 1e-4 || high > 1e5;
-        return linear;
-    }
-    tick_list ticks = {.decimals = -1};
-    const double *shares;
-    size_t share_count = multiples(decades, &shares);
-    double first = floor(log10(low) + 1e-9);
-    double every = fmax(1.0, nice_step(decades / fmax(wanted, 1.0)));
-    ticks.powers = share_count == 1 || first < -4.0 || log10(high) > 5.0;
-    double stride = decades > TICKS_MAX - 2 ? every : 1.0;
-    for (double i = stride * floor(first / stride); i <= log10(high) + 1e-9; i += stride)
-    {
-        for (size_t k = 0; k < share_count; k++)
-        {
-            // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): shares has share_count numbers
-            double value = shares[k] * pow(10.0, i);
-            bool whole = k == 0 && fmod(fabs(i), every) == 0.0;
-            if (value >= low * (1.0 - 1e-9) && value <= high * (1.0 + 1e-9))
-                add_tick(&ticks, value, whole || !ticks.powers || decades < 1.2);
-        }
-    }
-    return ticks;
-}
-
-/// The exponent of the leading digit of a positive number.
-static double exponent_of(double value)
-{
-    return floor(log10(value) + 1e-9);
-}
-
 void tick_label(const tick_list *ticks, size_t index, char *label)
 {
     double value = (ticks->values[index] - ticks->scale.offset) * pow(10.0, -ticks->scale.exponent);
-    if (ticks->powers)
-    {
-        double leading = value / pow(10.0, exponent_of(value));
-        (void)snprintf(label, TICK_LABEL_SIZE,
-                       leading > 1.0 + 1e-9 ? "%.6g\xc3\x97"
-                                              "10"
-                                            : "10",
-                       leading);
-        return;
-    }
     double size = fabs(value);
-    bool general = ticks->decimals < 0;
-    bool zero = !general && size < 0.5 * pow(10.0, -ticks->decimals);
+    bool zero = size < 0.5 * pow(10.0, -ticks->decimals);
     const char *sign = value < 0.0 && !zero ? "\xe2\x80\x93" : "";
-    if (general)
-    {
-        (void)snprintf(label, TICK_LABEL_SIZE, "%s%.6g", sign, size);
-        return;
-    }
     (void)snprintf(label, TICK_LABEL_SIZE, "%s%.*f", sign, ticks->decimals, size);
-}
-
-static void exponent_label(const tick_list *ticks, size_t index, char *label)
-{
-    double exponent = exponent_of(ticks->values[index]);
-    (void)snprintf(label, TICK_LABEL_SIZE, "%s%.0f", exponent < 0.0 ? "\xe2\x80\x93" : "", fabs(exponent));
-}
-
-static double font_size(cairo_t *cairo)
-{
-    cairo_matrix_t font;
-    cairo_get_font_matrix(cairo, &font);
-    return font.yy;
 }
 
 double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index)
 {
     char label[TICK_LABEL_SIZE];
+    if (ticks->label != NULL)
+        return ticks->label(cairo, ticks->values[index], NULL);
     tick_label(ticks, index, label);
-    double width = text_width(cairo, label);
-    if (ticks->powers)
-    {
-        exponent_label(ticks, index, label);
-        width += EXPONENT_SHARE * text_width(cairo, label);
-    }
-    return width;
+    return text_width(cairo, label);
 }
 
 void tick_draw(cairo_t *cairo, const tick_list *ticks, size_t index, double x, double y, double align)
 {
     char label[TICK_LABEL_SIZE];
     double left = x - align * tick_width(cairo, ticks, index);
+    if (ticks->label != NULL)
+    {
+        (void)ticks->label(cairo, ticks->values[index], (double[]){left, y});
+        return;
+    }
     tick_label(ticks, index, label);
     text_draw_middle(cairo, label, left, y, 0.0);
-    if (ticks->powers)
-    {
-        double size = font_size(cairo);
-        left += text_width(cairo, label);
-        exponent_label(ticks, index, label);
-        cairo_set_font_size(cairo, EXPONENT_SHARE * size);
-        text_draw_middle(cairo, label, left, y - 0.38 * size, 0.0);
-        cairo_set_font_size(cairo, size);
-    }
 }

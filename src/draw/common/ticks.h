@@ -23,10 +23,12 @@ typedef struct tick_list
     double values[TICKS_MAX];
     bool labelled[TICKS_MAX]; ///< ticks without labels are short
     size_t count;
-    double step;  ///< of linear ticks
-    int decimals; ///< of the labels; negative: as many as each label needs
-    bool powers;  ///< labels are multiples of powers of ten, with an exponent
+    double step;
+    int decimals; ///< of the labels
     tick_scale scale;
+    /// Draws the label of a value with the middle of its left side at a place, unless that is null. Returns its width. Null:
+    /// tick_label().
+    double (*label)(cairo_t *cairo, double value, const double place[2]);
 } tick_list;
 
 /// About `wanted` ticks within [low, high], at multiples of 1, 2 or 5 times a power of ten.
@@ -39,10 +41,12 @@ void ticks_use_scale(tick_list *ticks, tick_scale scale);
 /// The text beside an axis for its offset and exponent: "×10⁻⁶", "+1000000", "×10³ – 5000000", or "". `text` has space for
 /// TICK_SCALE_SIZE bytes.
 void tick_scale_text(tick_scale scale, char *text);
-/// The ticks of a logarithmic axis: powers of ten, and their multiples where there are few powers; 0 < low < high.
-tick_list ticks_logarithmic(double low, double high, double wanted);
+/// The number 1, 2 or 5 times a power of ten that is nearest to `step` on a logarithmic scale.
+double ticks_step(double step);
+/// Append a tick, unless there are TICKS_MAX.
+void ticks_add(tick_list *ticks, double value, bool labelled);
 
-/// The label of a tick, without the exponent of powers: "10" or "2×10", with an en dash for a minus, no negative zero.
+/// The label of a tick, with an en dash for a minus, no negative zero.
 void tick_label(const tick_list *ticks, size_t index, char *label);
 double tick_width(cairo_t *cairo, const tick_list *ticks, size_t index);
 /// Draw a label with y in the middle of its height and x at the fraction `align` of its width.

@@ -33,8 +33,8 @@ static const double TURN = 6.28318530717958647693;
 static tick_list axis_ticks(const plot_axis *axis, double spacing)
 {
     double wanted = fabs(axis->end - axis->start) / spacing;
-    if (axis->logarithmic)
-        return ticks_logarithmic(pow(10.0, axis->low), pow(10.0, axis->high), wanted);
+    if (axis->logarithmic != NULL)
+        return axis->logarithmic(pow(10.0, axis->low), pow(10.0, axis->high), wanted);
     tick_list ticks = ticks_linear(axis->low, axis->high, wanted);
     ticks_use_scale(&ticks, ticks_scale(axis->low, axis->high));
     return ticks;
@@ -45,7 +45,7 @@ static const char *axis_text(const plot_axis *axis, char text[AXIS_TEXT_SIZE])
 {
     char left_out[TICK_SCALE_SIZE] = "";
     const char *given = text_given(axis->label) ? axis->label : "";
-    if (!axis->logarithmic)
+    if (axis->logarithmic == NULL)
         tick_scale_text(ticks_scale(axis->low, axis->high), left_out);
     bool both = *given != '\0' && *left_out != '\0';
     (void)snprintf(text, AXIS_TEXT_SIZE, both ? "%s (%s)" : "%s%s", given, left_out);

@@ -13,8 +13,9 @@ typedef struct plot_axis
 {
     double low, high;
     double start, end;
-    bool logarithmic;
     const char *label; ///< null or "" for none
+    /// The ticks between two values on a logarithmic axis; null: the axis is linear.
+    tick_list (*logarithmic)(double low, double high, double wanted);
     tick_list ticks;
 } plot_axis;
 
@@ -26,7 +27,7 @@ typedef struct plot_axes
 /// A value on an axis: its decimal logarithm if the axis is logarithmic.
 static inline double plot_number(const plot_axis *axis, double value)
 {
-    return axis->logarithmic ? log10(value) : value;
+    return axis->logarithmic != NULL ? log10(value) : value;
 }
 
 static inline double plot_place(const plot_axis *axis, double number)
