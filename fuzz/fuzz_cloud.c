@@ -1,6 +1,7 @@
 #include "promise.h"
 
 #include "io/surface/cloud_formats.h"
+#include "research/shapes/cloud_write.h"
 
 #include <stdlib.h>
 #include <string.h>

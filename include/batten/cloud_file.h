@@ -70,13 +70,6 @@ extern BAT_API const bat_options_table bat_cloud_read_fields;
 ///         BAT_UNSUPPORTED or BAT_NO_MEMORY; `cloud` is untouched on failure
 BAT_API bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud,
                                   bat_error *error);
-/// Write a cloud. The ending chooses XYZ, CSV, PLY or OBJ; "-" is standard output in XYZ. The file appears whole or not at
-/// all. All formats are text with all digits of the doubles, and hold boundary and corners in remarks at the top. PLY and
-/// OBJ also hold the triangles.
-/// @return BAT_OK; BAT_INVALID_ARGUMENT for an unknown ending; the failures of bat_cloud_check(); BAT_FILE_ACCESS or
-///         BAT_NO_MEMORY
-BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error);
-
 /// Write parameters as lines "u v", in the order of the input. "nan nan" stands for a point that was left out.
 /// @param path       "-" for standard output
 /// @param parameters cloud->count x 2

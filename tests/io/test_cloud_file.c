@@ -1,4 +1,5 @@
 // Clouds in files: reading, writing, and errors with their lines.
+#include "batten/research/surface_shapes.h"
 #include "cloud_helpers.h"
 
 #include <unistd.h>

@@ -2,7 +2,6 @@
 
 #include "base/array_grow.h"
 #include "batten/cloud_file.h"
-#include "io/common/block_writer.h"
 #include "io/common/file_text.h"
 
 /// @file
@@ -61,6 +60,3 @@ bat_status cloud_text_read(const file_text *text, bat_cloud_format format, const
 
 /// The format of a text, by its content.
 bat_cloud_format cloud_format_of_text(const file_text *text);
-
-/// Write a cloud that passes bat_cloud_check().
-bat_status cloud_write(const bat_cloud *cloud, bat_cloud_format format, text_sink *sink, bat_error *error);

@@ -46,6 +46,13 @@ BAT_API bat_status bat_cloud_shape(const char *name, size_t points, uint64_t see
 /// The names of the shapes, terminated by null.
 BAT_API const char *const *bat_cloud_shape_names(void);
 
+/// Write a cloud. The ending chooses XYZ, CSV, PLY or OBJ; "-" is standard output in XYZ. The file appears whole or not at
+/// all. All formats are text with all digits of the doubles, and hold boundary and corners in remarks at the top. PLY and
+/// OBJ also hold the triangles.
+/// @return BAT_OK; BAT_INVALID_ARGUMENT for an unknown ending; the failures of bat_cloud_check(); BAT_FILE_ACCESS or
+///         BAT_NO_MEMORY
+BAT_API bat_status bat_cloud_write(const char *path, const bat_cloud *cloud, bat_error *error);
+
 BAT_C_END
 
 #endif
