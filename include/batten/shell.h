@@ -32,15 +32,6 @@ BAT_API void bat_shell_free(bat_shell *shell);
 BAT_API bat_status bat_shell_evaluate(const bat_shell *shell, size_t face, double u, double v, double point[3],
                                       double normal[3], bat_error *error);
 
-/// Points and normals of many places; see bat_shell_evaluate().
-/// @param faces      count
-/// @param parameters count x 2: u, v
-/// @param points     receives count x 3
-/// @param normals    receives count x 3; may be null
-/// @return BAT_OK; BAT_INVALID_ARGUMENT with the index of the first place that does not exist
-BAT_API bat_status bat_shell_evaluate_many(const bat_shell *shell, const uint32_t *faces, const double *parameters,
-                                           size_t count, double *points, double *normals, bat_error *error);
-
 /// Sample each patch on a grid of quads; neighbouring patches share their vertices.
 /// @param samples of a patch and direction, 1 to 256
 /// @param mesh    receives polygons; release it with bat_mesh_free()

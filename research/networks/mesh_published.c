@@ -40,7 +40,7 @@ static bat_status refine(const bat_mesh_rule *rule, const bat_mesh *coarse, cons
     if (status == BAT_OK)
         status = mesh_inference_refine(rule->context, &all, threads, from, to, fallback, error);
     for (size_t i = 0; i < 3 * all.vertex_count && status == BAT_OK; i++)
-        fine->positions[i] = unit_box_out(&box, i, (double)to[i]);
+        fine->positions[i] = box.low[i % 3] + box.size * (double)to[i];
     free(from);
     free(to);
     mesh_levels_free(&all);

@@ -30,8 +30,3 @@ static inline double unit_box_in(const unit_box *box, size_t i, double coordinat
 {
     return (coordinate - box->low[i % 3]) / box->size;
 }
-
-static inline double unit_box_out(const unit_box *box, size_t i, double coordinate)
-{
-    return box->low[i % 3] + box->size * coordinate;
-}

@@ -623,21 +623,6 @@ bat_status bat_shell_evaluate(const bat_shell *shell, size_t face, double u, dou
     return BAT_OK;
 }
 
-bat_status bat_shell_evaluate_many(const bat_shell *shell, const uint32_t *faces, const double *parameters, size_t count,
-                                   double *points, double *normals, bat_error *error)
-{
-    bat_status status = BAT_OK;
-    for (size_t i = 0; i < count && status == BAT_OK; i++)
-    {
-        bat_error failure;
-        status = bat_shell_evaluate(shell, faces[i], parameters[2 * i], parameters[2 * i + 1], points + 3 * i,
-                                    normals != NULL ? normals + 3 * i : NULL, &failure);
-        if (status != BAT_OK)
-            (void)error_set(error, status, i, 0, "place %zu: %s", i, failure.text);
-    }
-    return status;
-}
-
 bat_status bat_shell_tessellate(const bat_shell *shell, size_t samples, bat_mesh *mesh, bat_error *error)
 {
     const bat_mesh *cage = &shell->cage;
