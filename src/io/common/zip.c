@@ -1,5 +1,7 @@
 #include "io/common/zip.h"
 
+#include "io/common/bytes.h"
+
 #include <strings.h>
 #include <zlib.h>
 
@@ -24,22 +26,14 @@ enum
     DATE = (1 << 5) + 1 ///< 1980-01-01
 };
 
-static uint64_t number_at(const unsigned char *bytes, int size)
-{
-    uint64_t value = 0;
-    while (size-- > 0)
-        value = value << 8 | bytes[size];
-    return value;
-}
-
 static uint32_t u32_at(const unsigned char *bytes)
 {
-    return (uint32_t)number_at(bytes, 4);
+    return (uint32_t)bytes_whole(bytes, 4, false);
 }
 
 static size_t u16_at(const unsigned char *bytes)
 {
-    return (size_t)number_at(bytes, 2);
+    return (size_t)bytes_whole(bytes, 2, false);
 }
 
 typedef struct zip_reader
@@ -81,12 +75,12 @@ static bat_status open_directory(const file_text *text, zip_reader *reader, bat_
     bool large = count == UINT16_MAX || directory == UINT32_MAX || begin == UINT32_MAX;
     if (large && end >= LOCATOR64_SIZE && u32_at(bytes + end - LOCATOR64_SIZE) == LOCATOR64)
     {
-        limit = number_at(bytes + end - LOCATOR64_SIZE + 8, 8);
+        limit = bytes_whole(bytes + end - LOCATOR64_SIZE + 8, 8, false);
         if (!fits(limit, END64_SIZE, end) || u32_at(bytes + limit) != END64)
             return fault(error, "has no ZIP64 record where its locator points");
-        count = number_at(bytes + limit + 32, 8);
-        directory = number_at(bytes + limit + 40, 8);
-        begin = number_at(bytes + limit + 48, 8);
+        count = bytes_whole(bytes + limit + 32, 8, false);
+        directory = bytes_whole(bytes + limit + 40, 8, false);
+        begin = bytes_whole(bytes + limit + 48, 8, false);
     }
     else if (u16_at(bytes + end + 4) != 0 || u16_at(bytes + end + 6) != 0)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the ZIP archive has several volumes");
@@ -113,7 +107,7 @@ static bool read_extra(const unsigned char *extra, size_t size, uint64_t *const 
     for (int i = 0; i < 3; i++)
         if (*numbers[i] == UINT32_MAX && found_size >= 8)
         {
-            *numbers[i] = number_at(found, 8);
+            *numbers[i] = bytes_whole(found, 8, false);
             found += 8;
             found_size -= 8;
         }
@@ -250,16 +244,13 @@ bat_status zip_inflate(const zip_part *part, zip_receiver *receive, void *contex
                             : part_fault(part, BAT_BAD_FILE, "is damaged: its checksum differs", error);
 }
 
-static unsigned char *put(unsigned char *out, uint64_t value, int size)
+static char *put(char *out, uint64_t value, size_t size)
 {
-    for (int i = 0; i < size; i++)
-        *out++ = (unsigned char)(value >> 8 * i);
-    return out;
+    return bytes_put(out, value, size, false);
 }
 
 /// What the header of a part and its entry in the directory share: 26 bytes from the version to the extra field's size.
-static unsigned char *put_common(unsigned char *out, const char *name, uint64_t stored, const text_buffer *content,
-                                 uLong crc)
+static char *put_common(char *out, const char *name, uint64_t stored, const text_buffer *content, uLong crc)
 {
     out = put(put(put(out, VERSION, 2), UTF8_NAMES, 2), DEFLATED, 2);
     out = put(put(out, 0, 2), DATE, 2);
@@ -289,7 +280,7 @@ static bat_status deflate_text(const text_buffer *content, text_buffer *deflated
 
 bat_status zip_add(zip_writer *writer, const char *name, const text_buffer *content, bat_error *error)
 {
-    unsigned char local[LOCAL_SIZE], entry[ENTRY_SIZE];
+    char local[LOCAL_SIZE], entry[ENTRY_SIZE];
     text_buffer out = {0}, deflated = {0};
     if (content->failed)
         return error_memory(error, content->size);
@@ -300,13 +291,13 @@ bat_status zip_add(zip_writer *writer, const char *name, const text_buffer *cont
     {
         uLong crc = crc32_z(crc32(0, NULL, 0), (const unsigned char *)content->data, content->size);
         (void)put_common(put(local, LOCAL, 4), name, deflated.size, content, crc);
-        unsigned char *end = put_common(put(put(entry, ENTRY, 4), VERSION, 2), name, deflated.size, content, crc);
+        char *end = put_common(put(put(entry, ENTRY, 4), VERSION, 2), name, deflated.size, content, crc);
         end = put(put(put(put(end, 0, 2), 0, 2), 0, 2), 0, 4); // comment, volume, attributes
         (void)put(end, writer->written, 4);
-        text_append(&out, (const char *)local, sizeof local);
+        text_append(&out, local, sizeof local);
         text_append_string(&out, name);
         text_append(&out, deflated.data, deflated.size);
-        text_append(&writer->directory, (const char *)entry, sizeof entry);
+        text_append(&writer->directory, entry, sizeof entry);
         text_append_string(&writer->directory, name);
         writer->written += out.size;
         writer->count++;
@@ -319,10 +310,10 @@ bat_status zip_add(zip_writer *writer, const char *name, const text_buffer *cont
 
 bat_status zip_end(zip_writer *writer, bat_status status, bat_error *error)
 {
-    unsigned char end[END_SIZE] = {0};
+    char end[END_SIZE] = {0};
     size_t size = writer->directory.size;
     (void)put(put(put(put(put(put(end, END, 4), 0, 4), writer->count, 2), writer->count, 2), size, 4), writer->written, 4);
-    text_append(&writer->directory, (const char *)end, sizeof end);
+    text_append(&writer->directory, end, sizeof end);
     if (status == BAT_OK)
         status = sink_write(writer->sink, &writer->directory, error);
     text_free(&writer->directory);

@@ -2,6 +2,7 @@
 
 #include "base/file_bytes.h"
 #include "io/common/base64.h"
+#include "io/common/bytes.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -15,8 +16,7 @@
 
 static uint32_t word_at(const void *bytes)
 {
-    const unsigned char *b = bytes;
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+    return (uint32_t)bytes_whole(bytes, 4, false);
 }
 
 bool mesh_glb_resembles(const file_text *text)
@@ -442,10 +442,7 @@ static size_t size_of_type(size_t type)
 /// The number at some bytes, which are little-endian.
 static double number_at(const unsigned char *bytes, number_form form)
 {
-    uint32_t bits = 0;
-    float real;
-    for (size_t i = 0; i < form.size; i++)
-        bits |= (uint32_t)bytes[i] << 8 * i;
+    const uint32_t bits = (uint32_t)bytes_whole(bytes, form.size, false);
     switch (form.type)
     {
     case GLTF_INT8:
@@ -457,8 +454,7 @@ static double number_at(const unsigned char *bytes, number_form form)
     case GLTF_UINT16:
         return form.normalized ? bits / (double)UINT16_MAX : bits;
     case GLTF_FLOAT:
-        memcpy(&real, &bits, sizeof real);
-        return real;
+        return bytes_real(bytes, sizeof(float), false);
     case GLTF_UINT32:
         break;
     }

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "batten/mesh_transfer.h"
 #include "io/common/base64.h"
+#include "io/common/bytes.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"
 
@@ -213,21 +214,6 @@ static bool number_vertices(gltf_writer *writer)
 
 // Bytes
 
-static char *put_word(char *out, uint32_t bits)
-{
-    for (int i = 0; i < WORD; i++)
-        *out++ = (char)(bits >> 8 * i & 0xff);
-    return out;
-}
-
-static char *put_float(char *out, double value)
-{
-    float single = (float)value;
-    uint32_t bits;
-    memcpy(&bits, &single, sizeof bits);
-    return put_word(out, bits);
-}
-
 static const double *position_of(const gltf_writer *writer, size_t written)
 {
     return writer->mesh->positions + 3 * (size_t)writer->origins[written];
@@ -304,27 +290,27 @@ static char *put_vertex(const gltf_writer *writer, gltf_part part, size_t i, cha
     {
     case PART_POSITIONS:
         for (size_t k = 0; k < AXES; k++)
-            out = put_float(out, (double)coordinate(writer, i, k));
+            out = bytes_put_float(out, (double)coordinate(writer, i, k));
         break;
     case PART_NORMALS:
         for (size_t k = 0; k < AXES; k++)
-            out = put_float(out, undefined ? k == 2 : normal[k]);
+            out = bytes_put_float(out, undefined ? k == 2 : normal[k]);
         break;
     case PART_TANGENTS:
         for (size_t k = 0; k < 4; k++)
-            out = put_float(out, writer->tangents[4 * (size_t)writer->sources[i] + k]);
+            out = bytes_put_float(out, writer->tangents[4 * (size_t)writer->sources[i] + k]);
         break;
     case PART_TEXTURE:
-        out = put_float(out, mesh->texture[2 * (size_t)writer->textures[i]]);
-        out = put_float(out, 1 - mesh->texture[2 * (size_t)writer->textures[i] + 1]);
+        out = bytes_put_float(out, mesh->texture[2 * (size_t)writer->textures[i]]);
+        out = bytes_put_float(out, 1 - mesh->texture[2 * (size_t)writer->textures[i] + 1]);
         break;
     case PART_COLOURS:
         for (size_t k = 0; k < writer->colours && writer->byte_colours; k++)
             bytes |= (uint32_t)round(colour(writer, i, k) * UINT8_MAX) << 8 * k;
         for (size_t k = 0; k < writer->colours && !writer->byte_colours; k++)
-            out = put_float(out, colour(writer, i, k));
+            out = bytes_put_float(out, colour(writer, i, k));
         if (writer->byte_colours)
-            out = put_word(out, bytes);
+            out = bytes_put(out, bytes, WORD, false);
         break;
     default:
         break;
@@ -353,7 +339,7 @@ static bat_status fill_bytes(gltf_writer *writer, bat_error *error)
         while (i / 3 >= writer->label_faces[label + 1])
             label++;
         size_t first = writer->node_vertices[writer->node_of[writer->label_order[label]]];
-        out = put_word(out, writer->corners[i] - (uint32_t)first);
+        out = bytes_put(out, writer->corners[i] - (uint32_t)first, WORD, false);
     }
     for (gltf_part part = PART_POSITIONS; part < PART_COUNT; part++)
         for (size_t i = 0; i < writer->vertex_count && width_of(writer, part) > 0; i++)
@@ -822,7 +808,7 @@ bat_status mesh_gltf_write(const bat_mesh *mesh, const bat_mesh_write_options *o
 static void append_chunk(text_buffer *text, size_t size, uint32_t kind)
 {
     char header[GLB_CHUNK_HEADER];
-    (void)put_word(put_word(header, (uint32_t)size), kind);
+    (void)bytes_put(bytes_put(header, size, WORD, false), kind, WORD, false);
     text_append(text, header, sizeof header);
 }
 
@@ -840,7 +826,9 @@ bat_status mesh_glb_write(const bat_mesh *mesh, const bat_mesh_write_options *op
         status =
             error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the mesh takes %zu bytes in glTF, more than GLB holds", total);
     char header[GLB_HEADER];
-    (void)put_word(put_word(put_word(header, GLB_MAGIC), GLB_VERSION), (uint32_t)total);
+    const uint64_t words[] = {GLB_MAGIC, GLB_VERSION, total};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        (void)bytes_put(header + WORD * i, words[i], WORD, false);
     text_append(&head, header, sizeof header);
     append_chunk(&head, json.size, GLB_JSON);
     append_chunk(&middle, writer.bytes.size, GLB_BIN);

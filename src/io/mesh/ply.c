@@ -1,6 +1,7 @@
 #include "io/mesh/ply.h"
 
 #include "base/json_scan.h"
+#include "io/common/bytes.h"
 #include "io/common/json.h"
 
 #include <math.h>
@@ -165,66 +166,27 @@ bat_status ply_header_read(word_scan *scan, ply_header *header, bat_error *error
     return status;
 }
 
-#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-static const bool machine_is_big_endian = true;
-#else
-static const bool machine_is_big_endian = false;
-#endif
-
-/// The bytes of a number as an integer.
-static uint64_t gather(const char *bytes, size_t size, bool big_endian)
-{
-    bool swap = big_endian != machine_is_big_endian;
-    uint16_t two;
-    uint32_t four;
-    uint64_t eight;
-    switch (size)
-    {
-    case sizeof two:
-        memcpy(&two, bytes, sizeof two);
-        return swap ? __builtin_bswap16(two) : two;
-    case sizeof four:
-        memcpy(&four, bytes, sizeof four);
-        return swap ? __builtin_bswap32(four) : four;
-    case sizeof eight:
-        memcpy(&eight, bytes, sizeof eight);
-        return swap ? __builtin_bswap64(eight) : eight;
-    default:
-        return (unsigned char)*bytes;
-    }
-}
-
-static double float_of(uint64_t bits)
-{
-    uint32_t low = (uint32_t)bits;
-    float value;
-    memcpy(&value, &low, sizeof value);
-    return value;
-}
-
-static double double_of(uint64_t bits)
-{
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static double number_of(ply_type type, uint64_t bits)
+/// The number at some bytes.
+static double number_of(ply_type type, const char *bytes, bool big_endian)
 {
     switch (type)
     {
     case PLY_INT8:
-        return (int8_t)bits;
+        return (int8_t)*bytes;
     case PLY_INT16:
-        return (int16_t)bits;
+        return (int16_t)bytes_whole(bytes, 2, big_endian);
+    case PLY_UINT16:
+        return (double)bytes_whole(bytes, 2, big_endian);
     case PLY_INT32:
-        return (int32_t)bits;
+        return (int32_t)bytes_whole(bytes, 4, big_endian);
+    case PLY_UINT32:
+        return (double)bytes_whole(bytes, 4, big_endian);
     case PLY_FLOAT32:
-        return float_of(bits);
+        return bytes_real(bytes, 4, big_endian);
     case PLY_FLOAT64:
-        return double_of(bits);
+        return bytes_real(bytes, 8, big_endian);
     default:
-        return (double)bits;
+        return (unsigned char)*bytes;
     }
 }
 
@@ -253,7 +215,7 @@ bool ply_number(ply_source *source, ply_type type, double *value)
     size_t size = ply_type_size(type);
     if ((size_t)(source->scan.end - source->scan.at) < size)
         return false;
-    double number = number_of(type, gather(source->scan.at, size, source->encoding == PLY_BIG_ENDIAN));
+    double number = number_of(type, source->scan.at, source->encoding == PLY_BIG_ENDIAN);
     if (!isfinite(number) && !source->lenient)
         return false;
     *value = number;

@@ -1,3 +1,4 @@
+#include "io/common/bytes.h"
 #include "io/mesh/ply.h"
 #include "mesh/sides.h"
 
@@ -108,14 +109,6 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
     return status;
 }
 
-/// Store the `size` lowest bytes of an integer.
-static char *put_bytes(char *out, uint64_t bits, int size, bool big_endian)
-{
-    for (int i = 0; i < size; i++)
-        *out++ = (char)(bits >> 8 * (big_endian ? size - 1 - i : i) & 0xff);
-    return out;
-}
-
 static char *put_double(char *out, double value, const ply_plan *plan)
 {
     uint64_t bits;
@@ -126,13 +119,13 @@ static char *put_double(char *out, double value, const ply_plan *plan)
         return out;
     }
     memcpy(&bits, &value, sizeof bits);
-    return put_bytes(out, bits, sizeof bits, plan->big_endian);
+    return bytes_put(out, bits, sizeof bits, plan->big_endian);
 }
 
-static char *put_integer(char *out, uint32_t value, int size, const ply_plan *plan)
+static char *put_integer(char *out, uint32_t value, size_t size, const ply_plan *plan)
 {
     if (!plan->text)
-        return put_bytes(out, value, size, plan->big_endian);
+        return bytes_put(out, value, size, plan->big_endian);
     out = number_write_fixed(out, value, 0);
     *out++ = ' ';
     return out;
@@ -170,10 +163,10 @@ static void format_vertex(const void *context, size_t v, text_buffer *text)
 
 static void format_face(const void *context, size_t f, text_buffer *text)
 {
-    static const int INDEX_SIZE = 4;
+    static const size_t INDEX_SIZE = 4;
     const ply_plan *plan = context;
     const bat_mesh *mesh = plan->mesh;
-    int length_size = plan->long_lists ? 4 : 1;
+    size_t length_size = plan->long_lists ? 4 : 1;
     size_t first = mesh_corners_until(mesh, f), last = mesh_corners_until(mesh, f + 1);
     uint32_t corners = (uint32_t)(last - first);
     char *out = text_reserve(text, (3 * (size_t)corners + 3) * (NUMBER_TEXT_SIZE + 1));

@@ -1,3 +1,4 @@
+#include "io/common/bytes.h"
 #include "io/mesh/builder.h"
 
 #include <math.h>
@@ -27,25 +28,11 @@ static bool add_corner(mesh_builder *builder, const double point[3])
     return vertex != BAT_MESH_NONE && mesh_builder_corner(builder, vertex, BAT_MESH_NONE);
 }
 
-static uint32_t little_endian(const char *bytes)
-{
-    const unsigned char *b = (const unsigned char *)bytes;
-    return b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-static double little_float(const char *bytes)
-{
-    uint32_t bits = little_endian(bytes);
-    float value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 /// Whether the size agrees with the count of a binary file. Some binary files begin with "solid" like text files.
 static bool is_binary(const file_text *text)
 {
     return text->size >= HEADER_SIZE + COUNT_SIZE &&
-           (uint64_t)little_endian(text->data + HEADER_SIZE) * TRIANGLE_SIZE == text->size - HEADER_SIZE - COUNT_SIZE;
+           bytes_whole(text->data + HEADER_SIZE, COUNT_SIZE, false) * TRIANGLE_SIZE == text->size - HEADER_SIZE - COUNT_SIZE;
 }
 
 /// Skip the next word of the line if it is `word`, in upper or lower case.
@@ -77,7 +64,7 @@ static bat_status read_binary_triangle(mesh_builder *builder, const char *bytes,
         double point[3];
         for (size_t k = 0; k < 3; k++)
         {
-            point[k] = little_float(bytes + NORMAL_SIZE + 4 * (3 * c + k));
+            point[k] = bytes_real(bytes + NORMAL_SIZE + 4 * (3 * c + k), 4, false);
             if (!isfinite(point[k]) && !repair)
                 return error_remedy(
                     error, error_set(error, BAT_BAD_FILE, index, 0, "a corner of triangle %zu is not finite", index),
@@ -94,7 +81,8 @@ static bat_status read_binary(mesh_builder *builder, const file_text *text, bool
     if (text->size < HEADER_SIZE + COUNT_SIZE)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
                          "the file neither begins with 'solid' nor holds the 84 bytes that binary STL begins with");
-    size_t count = little_endian(text->data + HEADER_SIZE), data = text->size - HEADER_SIZE - COUNT_SIZE;
+    size_t count = (size_t)bytes_whole(text->data + HEADER_SIZE, COUNT_SIZE, false),
+           data = text->size - HEADER_SIZE - COUNT_SIZE;
     if (!is_binary(text))
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0,
                          "the header gives %zu triangles, but the file holds %zu bytes, enough for %zu%s", count, data,
@@ -229,22 +217,10 @@ static void face_normal(const bat_mesh *mesh, size_t face, double normal[3])
         normal[k] = length > 0 ? normal[k] / length + 0.0 : 0.0;
 }
 
-static char *put_bytes(char *out, uint32_t bits)
-{
-    for (int i = 0; i < 4; i++)
-        *out++ = (char)(bits >> 8 * i & 0xff);
-    return out;
-}
-
 static char *put_floats(char *out, const double values[3])
 {
     for (int k = 0; k < 3; k++)
-    {
-        float value = (float)values[k];
-        uint32_t bits;
-        memcpy(&bits, &value, sizeof bits);
-        out = put_bytes(out, bits);
-    }
+        out = bytes_put_float(out, values[k]);
     return out;
 }
 
@@ -290,7 +266,7 @@ static bat_status write_binary(const bat_mesh *mesh, const bat_mesh_write_option
                                bat_error *error)
 {
     char header[HEADER_SIZE + 4] = "binary STL";
-    (void)put_bytes(header + HEADER_SIZE, (uint32_t)mesh->face_count);
+    (void)bytes_put(header + HEADER_SIZE, mesh->face_count, COUNT_SIZE, false);
     text_buffer text = {0};
     bat_status status = check_range(mesh, error);
     if (status == BAT_OK)

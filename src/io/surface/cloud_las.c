@@ -1,3 +1,4 @@
+#include "io/common/bytes.h"
 #include "io/mesh/formats.h"
 #include "io/surface/cloud_formats.h"
 
@@ -30,30 +31,6 @@ enum
     AT_COUNT_14 = 247
 };
 
-static uint64_t whole(const unsigned char *bytes, size_t size)
-{
-    uint64_t value = 0;
-    for (size_t k = size; k-- > 0;)
-        value = value << 8 | bytes[k];
-    return value;
-}
-
-static double real(const unsigned char *bytes)
-{
-    const uint64_t bits = whole(bytes, sizeof bits);
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static int32_t coordinate(const unsigned char *bytes)
-{
-    const uint32_t bits = (uint32_t)whole(bytes, sizeof bits);
-    int32_t value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 typedef struct las_header
 {
     size_t format, record, begin;
@@ -72,7 +49,7 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
     static const size_t RECORDS[POINT_FORMATS] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
     if (size < MIN_HEADER || !cloud_las_resembles(&(file_text){.data = (char *)bytes, .size = size}))
         return bad(error, "this is no LAS file: it does not begin with a header of LASF");
-    size_t header_size = (size_t)whole(bytes + AT_HEADER_SIZE, 2), format = bytes[AT_FORMAT];
+    size_t header_size = (size_t)bytes_whole(bytes + AT_HEADER_SIZE, 2, false), format = bytes[AT_FORMAT];
     if ((format & COMPRESSED) != 0)
         return error_set(
             error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0,
@@ -83,17 +60,17 @@ static bat_status read_header(const unsigned char *bytes, size_t size, las_heade
                          "version %d.%d with point format %zu is not supported, only 1.0 to 1.4 with 0 to 10",
                          bytes[AT_MINOR - 1], bytes[AT_MINOR], format);
     *header = (las_header){.format = format,
-                           .record = (size_t)whole(bytes + AT_RECORD, 2),
-                           .begin = (size_t)whole(bytes + AT_POINTS, 4),
-                           .count = whole(bytes + AT_COUNT, 4)};
+                           .record = (size_t)bytes_whole(bytes + AT_RECORD, 2, false),
+                           .begin = (size_t)bytes_whole(bytes + AT_POINTS, 4, false),
+                           .count = bytes_whole(bytes + AT_COUNT, 4, false)};
     if (bytes[AT_MINOR] == 4 && header_size >= HEADER_14 && size >= HEADER_14)
-        header->count = whole(bytes + AT_COUNT_14, 8);
+        header->count = bytes_whole(bytes + AT_COUNT_14, 8, false);
     if (header->record < RECORDS[format])
         return bad(error, "the records of points are shorter than their format");
     for (size_t d = 0; d < 3; d++)
     {
-        header->scale[d] = real(bytes + AT_SCALE + 8 * d);
-        header->offset[d] = real(bytes + AT_OFFSET + 8 * d);
+        header->scale[d] = bytes_real(bytes + AT_SCALE + 8 * d, 8, false);
+        header->offset[d] = bytes_real(bytes + AT_OFFSET + 8 * d, 8, false);
         if (!isfinite(header->scale[d]) || !isfinite(header->offset[d]) || header->scale[d] == 0)
             return bad(error, "a scale or an offset of the header is zero or not finite");
     }
@@ -168,7 +145,7 @@ bat_status cloud_las_read(const file_text *text, const bat_cloud_read_options *o
             return error_memory(error, listing->count * 3 * sizeof *point);
         for (size_t d = 0; d < 3; d++)
         {
-            point[d] = coordinate(record + 4 * d) * header.scale[d] + header.offset[d];
+            point[d] = (int32_t)bytes_whole(record + 4 * d, 4, false) * header.scale[d] + header.offset[d];
             if (!isfinite(point[d]))
                 return error_set(error, BAT_INVALID_POINT, i, 0, "point %zu is not finite", i);
         }

@@ -1,3 +1,4 @@
+#include "io/common/bytes.h"
 #include "io/surface/cloud_formats.h"
 
 #include <math.h>
@@ -209,20 +210,6 @@ static bat_status read_text(word_scan *scan, const pcd_header *header, point_lis
     return BAT_OK;
 }
 
-/// A floating-point number in little-endian order.
-static double decode(const unsigned char *bytes, size_t size)
-{
-    uint64_t bits = 0;
-    for (size_t k = size; k-- > 0;)
-        bits = bits << 8 | bytes[k];
-    float narrow;
-    double wide;
-    const uint32_t low = (uint32_t)bits;
-    memcpy(&narrow, &low, sizeof narrow);
-    memcpy(&wide, &bits, sizeof wide);
-    return size == sizeof narrow ? (double)narrow : wide;
-}
-
 /// Read points from bytes. The records follow each other; of compressed data, the fields do.
 static bat_status decode_points(const unsigned char *bytes, const pcd_header *header, point_listing *listing,
                                 bat_error *error)
@@ -237,7 +224,7 @@ static bat_status decode_points(const unsigned char *bytes, const pcd_header *he
             const pcd_field *field = &header->fields[header->axes[d]];
             size_t at = header->encoding == PCD_COMPRESSED ? field->offset * header->points + i * field->size
                                                            : i * header->record + field->offset;
-            point[d] = decode(bytes + at, field->size);
+            point[d] = bytes_real(bytes + at, field->size, false);
         }
         for (int d = 0; d < 3; d++)
             if (isinf(point[d]))
@@ -290,16 +277,14 @@ static bat_status read_compressed(const unsigned char *bytes, size_t left, const
     {
         SIZES = 8
     };
-    size_t sizes[2] = {0, 0};
-    for (size_t k = 0; k < SIZES && left >= SIZES; k++)
-        sizes[k / 4] |= (size_t)bytes[k] << 8 * (k % 4);
-    if (left < SIZES || sizes[0] > left - SIZES || sizes[1] != wanted)
+    uint64_t size = left >= SIZES ? bytes_whole(bytes, 4, false) : 0;
+    if (left < SIZES || size > left - SIZES || bytes_whole(bytes + 4, 4, false) != wanted)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the compressed data is not that of %zu points",
                          header->points);
     unsigned char *data = memory_array(wanted, 1);
     if (data == NULL)
         return error_memory(error, wanted);
-    bat_status status = decompress(bytes + SIZES, sizes[0], data, wanted)
+    bat_status status = decompress(bytes + SIZES, (size_t)size, data, wanted)
                             ? decode_points(data, header, listing, error)
                             : error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the compressed data is damaged");
     free(data);
