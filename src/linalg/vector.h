@@ -95,3 +95,33 @@ static inline double vector3_distance(const double a[3], const double b[3])
     vector3_subtract(a, b, difference);
     return vector3_length(difference);
 }
+
+// Boxes along the axes of n dimensions, from `low` to `high`.
+
+/// Make a box empty: every point widens it.
+static inline void box_clear(size_t n, double *low, double *high)
+{
+    for (size_t k = 0; k < n; k++)
+    {
+        low[k] = INFINITY;
+        high[k] = -INFINITY;
+    }
+}
+
+/// Widen a box so that it contains a point.
+static inline void box_include(size_t n, const double *point, double *low, double *high)
+{
+    for (size_t k = 0; k < n; k++)
+    {
+        low[k] = fmin(low[k], point[k]);
+        high[k] = fmax(high[k], point[k]);
+    }
+}
+
+/// The box of `count` points; empty without any.
+static inline void box_of_points(size_t n, const double *points, size_t count, double *low, double *high)
+{
+    box_clear(n, low, high);
+    for (size_t i = 0; i < count; i++)
+        box_include(n, points + n * i, low, high);
+}

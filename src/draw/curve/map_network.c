@@ -119,18 +119,13 @@ static void include_point(void *context, const double *point)
     window *seen = context;
     double place[2];
     view_project(&seen->view, point, &place[0], &place[1]);
-    for (int k = 0; k < 2; k++)
-    {
-        seen->low[k] = fmin(seen->low[k], place[k]);
-        seen->high[k] = fmax(seen->high[k], place[k]);
-    }
+    box_include(2, place, seen->low, seen->high);
 }
 
 static window window_about(const bat_curve *const *curves, size_t count, double longitude, double latitude)
 {
-    window seen = {.view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3},
-                   .low = {INFINITY, INFINITY},
-                   .high = {-INFINITY, -INFINITY}};
+    window seen = {.view = {.kind = VIEW_LOCAL, .space = VIEW_SPHERE, .point_dim = 3}};
+    box_clear(2, seen.low, seen.high);
     view_set_globe(&seen.view, longitude, latitude);
     visit_edges(curves, count, include_point, &seen);
     return seen;

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "linalg/vector.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -171,22 +172,13 @@ static bat_status add_rotations(proxy *made, const bat_curve_picture_panel *pane
 /// The diagonal of the bounding box of all translations; 1 if it is a point.
 static double paths_extent(const bat_curve_picture_panel *panel)
 {
-    double square = 0.0;
-    for (size_t k = 0; k < 3; k++)
-    {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < panel->layer_count; i++)
-        {
-            const bat_curve *curve = panel->layers[i].curve;
-            for (size_t j = 0; j < curve->count; j++)
-            {
-                low = fmin(low, curve->points[7 * j + k]);
-                high = fmax(high, curve->points[7 * j + k]);
-            }
-        }
-        square += (high - low) * (high - low);
-    }
-    return square > 0.0 ? sqrt(square) : 1.0;
+    double low[3], high[3];
+    box_clear(3, low, high);
+    for (size_t i = 0; i < panel->layer_count; i++)
+        for (size_t j = 0; j < panel->layers[i].curve->count; j++)
+            box_include(3, panel->layers[i].curve->points + 7 * j, low, high);
+    double diagonal = vector3_distance(low, high);
+    return diagonal > 0.0 ? diagonal : 1.0;
 }
 
 static bat_status add_path(proxy *made, const bat_curve_picture_layer *layer, int colour, bat_error *error)

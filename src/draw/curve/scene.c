@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
+#include "linalg/vector.h"
 
 #include <stdlib.h>
 
@@ -146,25 +147,14 @@ static bat_status make_combs(scene_panel *panel, bat_error *error)
 static scene_frame empty_frame(void)
 {
     scene_frame frame = {.comb_scale = INFINITY};
-    for (int k = 0; k < 3; k++)
-    {
-        frame.box_low[k] = INFINITY;
-        frame.box_high[k] = -INFINITY;
-    }
-    for (int k = 0; k < 2; k++)
-    {
-        frame.low[k] = INFINITY;
-        frame.high[k] = -INFINITY;
-    }
+    box_clear(3, frame.box_low, frame.box_high);
+    box_clear(2, frame.low, frame.high);
     return frame;
 }
 
 static void include_place(scene_frame *frame, double u, double v)
 {
-    frame->low[0] = fmin(frame->low[0], u);
-    frame->high[0] = fmax(frame->high[0], u);
-    frame->low[1] = fmin(frame->low[1], v);
-    frame->high[1] = fmax(frame->high[1], v);
+    box_include(2, (const double[]){u, v}, frame->low, frame->high);
 }
 
 static void include_point(scene_frame *frame, const draw_view *view, const double *point)
@@ -172,11 +162,8 @@ static void include_point(scene_frame *frame, const draw_view *view, const doubl
     double u, v;
     view_project(view, point, &u, &v);
     include_place(frame, u, v);
-    for (int k = 0; k < 3 && view->space == VIEW_SOLID; k++)
-    {
-        frame->box_low[k] = fmin(frame->box_low[k], point[k]);
-        frame->box_high[k] = fmax(frame->box_high[k], point[k]);
-    }
+    if (view->space == VIEW_SOLID)
+        box_include(3, point, frame->box_low, frame->box_high);
 }
 
 static bool same_space(const scene_panel *a, const scene_panel *b)

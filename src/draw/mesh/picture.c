@@ -6,6 +6,7 @@
 #include "draw/common/sheet.h"
 #include "draw/common/style.h"
 #include "draw/mesh/shade.h"
+#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>
@@ -122,10 +123,7 @@ static void find_values(mesh_scene *made)
         const bat_mesh_picture_panel *panel = &made->panels[i];
         made->has_values = made->has_values || panel->values != NULL;
         for (size_t v = 0; panel->values != NULL && v < panel->mesh->vertex_count; v++)
-        {
-            low = fmin(low, panel->values[v]);
-            high = fmax(high, panel->values[v]);
-        }
+            box_include(1, &panel->values[v], &low, &high);
     }
     const bat_mesh_picture_options *options = made->options;
     made->value_high = !isnan(options->value_high) ? options->value_high : low <= high ? high : 1;

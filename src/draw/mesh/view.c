@@ -1,4 +1,5 @@
 #include "draw/mesh/shade.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 
@@ -104,16 +105,13 @@ mesh_view mesh_view_of(const bat_mesh *mesh, const bat_mesh_picture_options *opt
 
 mesh_frame mesh_frame_of(const double *points, const uint32_t *indices, size_t count, const mesh_view *view)
 {
-    mesh_frame frame = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    mesh_frame frame;
+    box_clear(2, frame.low, frame.high);
     for (size_t i = 0; i < count; i++)
     {
         double turned[3];
         mesh_view_turn(view, points + 3 * (indices != NULL ? indices[i] : i), turned);
-        for (int c = 0; c < 2; c++)
-        {
-            frame.low[c] = fmin(frame.low[c], turned[c]);
-            frame.high[c] = fmax(frame.high[c], turned[c]);
-        }
+        box_include(2, turned, frame.low, frame.high);
     }
     return frame;
 }

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "draw/common/sheet.h"
 #include "draw/common/ticks.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -71,11 +72,7 @@ static void include_point(const film *shown, const double *point, path_view *vie
 {
     double taken[3];
     take_point(shown, view, point, taken);
-    for (int c = 0; c < 3; c++)
-    {
-        view->low[c] = fmin(view->low[c], taken[c]);
-        view->high[c] = fmax(view->high[c], taken[c]);
-    }
+    box_include(3, taken, view->low, view->high);
 }
 
 static void find_box(const film *shown, path_view *view)
@@ -83,11 +80,7 @@ static void find_box(const film *shown, path_view *view)
     size_t dim = shown->space->point_dim;
     for (int pass = 0; pass < 2; pass++)
     {
-        for (int c = 0; c < 3; c++)
-        {
-            view->low[c] = INFINITY;
-            view->high[c] = -INFINITY;
-        }
+        box_clear(3, view->low, view->high);
         for (size_t k = 0; k < shown->count; k++)
         {
             const film_track *track = &shown->tracks[k];

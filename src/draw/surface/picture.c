@@ -4,6 +4,7 @@
 #include "draw/common/legend.h"
 #include "draw/common/sheet.h"
 #include "draw/surface/scene.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -192,12 +193,8 @@ static void describe_row(surface_row *row)
 
 static void cut_beyond_points(const bat_cloud *cloud, bat_mesh *patch)
 {
-    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, extent = 0;
-    for (size_t i = 0; i < 3 * cloud->count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], cloud->points[i]);
-        high[i % 3] = fmax(high[i % 3], cloud->points[i]);
-    }
+    double low[3], high[3], extent = 0;
+    box_of_points(3, cloud->points, cloud->count, low, high);
     for (int c = 0; c < 3; c++)
         extent = fmax(extent, high[c] - low[c]);
     for (int c = 0; c < 3; c++)

@@ -2,6 +2,7 @@
 #include "base/choice.h"
 #include "base/option.h"
 #include "io/mesh/formats.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <sys/stat.h>
@@ -190,18 +191,9 @@ static double weld_distance(const bat_mesh *mesh, bat_mesh_format format, bool r
     bool soup = format != BAT_MESH_FORMAT_3MF && mesh->vertex_count == 3 * mesh->face_count && mesh->channel_count == 0;
     if (wanted >= 0 || (format != BAT_MESH_FORMAT_STL && !soup && !repair))
         return fmax(0, wanted);
-    double square = 0;
-    for (size_t c = 0; c < 3; c++)
-    {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t v = 0; v < mesh->vertex_count; v++)
-        {
-            low = fmin(low, mesh->positions[3 * v + c]);
-            high = fmax(high, mesh->positions[3 * v + c]);
-        }
-        square += (high - low) * (high - low);
-    }
-    return share * sqrt(square);
+    double low[3], high[3];
+    box_of_points(3, mesh->positions, mesh->vertex_count, low, high);
+    return share * vector3_distance(low, high);
 }
 
 /// Weld a mesh that was read. One whose triangles lose a corner stays, unless a repair follows or the distance was given.

@@ -6,6 +6,7 @@
 #include "io/common/bytes.h"
 #include "io/mesh/formats.h"
 #include "io/mesh/gltf.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -235,16 +236,14 @@ static double colour(const gltf_writer *writer, size_t written, size_t k)
 static void choose_shift(gltf_writer *writer)
 {
     static const double far = 4;
+    double low[AXES], high[AXES];
+    box_clear(AXES, low, high);
+    for (size_t i = 0; i < writer->vertex_count; i++)
+        box_include(AXES, position_of(writer, i), low, high);
     for (size_t k = 0; k < AXES; k++)
     {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < writer->vertex_count; i++)
-        {
-            low = fmin(low, position_of(writer, i)[k]);
-            high = fmax(high, position_of(writer, i)[k]);
-        }
-        double middle = low / 2 + high / 2;
-        writer->shift[k] = fabs(middle) > far * (high - low) ? middle : 0;
+        double middle = low[k] / 2 + high[k] / 2;
+        writer->shift[k] = fabs(middle) > far * (high[k] - low[k]) ? middle : 0;
     }
 }
 
@@ -442,16 +441,13 @@ static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first
         made = json_object_set_new(accessor, "normalized", json_true()) == 0;
     if (made && part == PART_POSITIONS)
     {
-        double low[AXES], high[AXES];
-        for (size_t k = 0; k < AXES; k++)
+        double low[AXES], high[AXES], place[AXES];
+        box_clear(AXES, low, high);
+        for (size_t i = first; i < first + count; i++)
         {
-            low[k] = INFINITY;
-            high[k] = -INFINITY;
-            for (size_t i = first; i < first + count; i++)
-            {
-                low[k] = fmin(low[k], (double)coordinate(writer, i, k));
-                high[k] = fmax(high[k], (double)coordinate(writer, i, k));
-            }
+            for (size_t k = 0; k < AXES; k++)
+                place[k] = (double)coordinate(writer, i, k);
+            box_include(AXES, place, low, high);
         }
         made = json_object_set_new(accessor, "min", numbers_json(low, AXES)) == 0 &&
                json_object_set_new(accessor, "max", numbers_json(high, AXES)) == 0;

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "io/common/number_text.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,15 +26,13 @@ static const double IMAGE_TOLERANCE = 10;
 
 double model_tolerance(const tensor_surface *patches, size_t count)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, diagonal = 0;
+    double low[3], high[3], diagonal = 0;
+    box_clear(3, low, high);
     for (size_t p = 0; p < count; p++)
     {
         size_t points = knot_vector_functions(&patches[p].knots[0]) * knot_vector_functions(&patches[p].knots[1]);
-        for (size_t i = 0; i < 3 * points; i++)
-        {
-            low[i % 3] = fmin(low[i % 3], patches[p].control[i]);
-            high[i % 3] = fmax(high[i % 3], patches[p].control[i]);
-        }
+        for (size_t i = 0; i < points; i++)
+            box_include(3, patches[p].control + 3 * i, low, high);
     }
     for (int c = 0; c < 3; c++)
         diagonal = hypot(diagonal, high[c] - low[c]);
