@@ -231,12 +231,9 @@ bat_status cloud_geometry_make(const bat_cloud *cloud, int threads, bat_progress
         status = measure_triangles(geometry, error);
     if (status == BAT_OK)
         status = noise_estimate(geometry->order.cloud.points, &geometry->order.tree, &geometry->noise, error);
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t k = 0; status == BAT_OK && k < 3 * cloud->count; k++)
-    {
-        low[k % 3] = fmin(low[k % 3], geometry->order.cloud.points[k]);
-        high[k % 3] = fmax(high[k % 3], geometry->order.cloud.points[k]);
-    }
+    double low[3], high[3];
+    if (status == BAT_OK)
+        box_of_points(3, geometry->order.cloud.points, cloud->count, low, high);
     for (int k = 0; status == BAT_OK && k < 3; k++)
         geometry->size = fmax(geometry->size, high[k] - low[k]);
     return status;
@@ -555,11 +552,8 @@ static bat_status clip_samples(const bat_spline_trim *trim, const double *parame
     if (status != BAT_OK)
         return status;
     double low[2] = {1, 1}, high[2] = {0, 0};
-    for (size_t k = 0; k < 2 * count; k++)
-    {
-        low[k % 2] = fmin(low[k % 2], parameters[k]);
-        high[k % 2] = fmax(high[k % 2], parameters[k]);
-    }
+    for (size_t i = 0; i < count; i++)
+        box_include(2, parameters + 2 * i, low, high);
     size_t kept = 0;
     for (size_t s = 0; s < samples->count; s++)
     {

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "base/threads.h"
 #include "curve/polygon.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,14 +25,8 @@ static size_t cell_of(const anchor_grid *grid, const double *point)
 /// About one anchor a cell.
 static void lay_out(const double *points, anchor_grid *grid)
 {
-    double high[2] = {-INFINITY, -INFINITY};
-    grid->low[0] = grid->low[1] = INFINITY;
-    for (size_t i = 0; i < grid->count; i++)
-        for (size_t k = 0; k < 2; k++)
-        {
-            grid->low[k] = fmin(grid->low[k], points[2 * i + k]);
-            high[k] = fmax(high[k], points[2 * i + k]);
-        }
+    double high[2];
+    box_of_points(2, points, grid->count, grid->low, high);
     grid->columns = grid->rows = 1 + (size_t)sqrt((double)grid->count);
     for (size_t k = 0; k < 2; k++)
     {

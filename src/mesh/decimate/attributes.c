@@ -151,21 +151,14 @@ static bat_status set_channels(const bat_mesh *mesh, double weight, attribute_fi
     bat_status status = allocate(field, mesh->vertex_count, width, error);
     if (status != BAT_OK)
         return status;
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], mesh->positions[i]);
-        high[i % 3] = fmax(high[i % 3], mesh->positions[i]);
-    }
+    double low[3], high[3];
+    box_of_points(3, mesh->positions, mesh->vertex_count, low, high);
     double diagonal = vector3_distance(low, high);
     for (size_t k = 0; k < width; k++)
     {
         double least = INFINITY, greatest = -INFINITY;
         for (size_t v = 0; v < mesh->vertex_count; v++)
-        {
-            least = fmin(least, mesh->channels[width * v + k]);
-            greatest = fmax(greatest, mesh->channels[width * v + k]);
-        }
+            box_include(1, &mesh->channels[width * v + k], &least, &greatest);
         double scale = power_of_two(weight * RANGE_SHARE * diagonal / (greatest - least));
         field->scales[k] = scale > 0 ? scale : 1;
         for (size_t v = 0; v < mesh->vertex_count; v++)

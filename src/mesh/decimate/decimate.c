@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
+#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"
@@ -627,19 +628,11 @@ static double bound_of(const bat_mesh *fine, const bat_mesh_decimate_options *op
 {
     if (!options->relative_tolerance)
         return options->tolerance;
-    double square = 0;
-    for (size_t c = 0; c < 3; c++)
-    {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < 3 * fine->face_count; i++)
-        {
-            double coordinate = fine->positions[3 * (size_t)fine->faces[i] + c];
-            low = fmin(low, coordinate);
-            high = fmax(high, coordinate);
-        }
-        square += (high - low) * (high - low);
-    }
-    return options->tolerance * sqrt(square);
+    double low[3], high[3];
+    box_clear(3, low, high);
+    for (size_t i = 0; i < 3 * fine->face_count; i++)
+        box_include(3, fine->positions + 3 * (size_t)fine->faces[i], low, high);
+    return options->tolerance * vector3_distance(low, high);
 }
 
 /// Release a result.

@@ -4,6 +4,7 @@
 #include "base/shared_work.h"
 #include "base/threads.h"
 #include "batten/mesh_measure.h"
+#include "linalg/vector.h"
 #include "mesh/check.h"
 #include "mesh/measure/closest.h"
 
@@ -638,14 +639,10 @@ static bat_status side_make(const bat_mesh *mesh, const char *which, double scal
 /// The diagonal of the bounding box of the faces.
 static double diagonal_of(const compare_side *side)
 {
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double low[3], high[3];
+    box_clear(3, low, high);
     for (size_t i = 0; i < side->vertex_count; i++)
-        for (int k = 0; k < 3; k++)
-        {
-            double x = side->mesh.positions[3 * (size_t)side->vertices[i] + (size_t)k];
-            low[k] = fmin(low[k], x);
-            high[k] = fmax(high[k], x);
-        }
+        box_include(3, side->mesh.positions + 3 * (size_t)side->vertices[i], low, high);
     return hypot(hypot(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
 }
 

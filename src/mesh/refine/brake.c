@@ -188,13 +188,7 @@ static bool is_solid(const mesh_shape *shape)
 static double diagonal_of(const bat_mesh *mesh)
 {
     double low[3], high[3];
-    for (int c = 0; c < 3; c++)
-        low[c] = high[c] = mesh->positions[c];
-    for (size_t i = 0; i < 3 * mesh->vertex_count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], mesh->positions[i]);
-        high[i % 3] = fmax(high[i % 3], mesh->positions[i]);
-    }
+    box_of_points(3, mesh->positions, mesh->vertex_count, low, high);
     return vector3_distance(low, high);
 }
 

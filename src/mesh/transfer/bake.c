@@ -295,12 +295,8 @@ static bat_status find_open(baking *all, memory_pool *pool, bat_error *error)
     static const double plastic[2] = {0.7548776662466927, 0.5698402909980532}, lift = 1e-4, turn = 6.283185307179586;
     const bat_mesh *fine = all->fine;
     closest_tree tree;
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, extent[3];
-    for (size_t i = 0; i < 3 * fine->vertex_count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], fine->positions[i]);
-        high[i % 3] = fmax(high[i % 3], fine->positions[i]);
-    }
+    double low[3], high[3], extent[3];
+    box_of_points(3, fine->positions, fine->vertex_count, low, high);
     vector3_subtract(high, low, extent);
     double diagonal = vector3_length(extent);
     all->open = memory_pool_array(pool, fine->vertex_count, sizeof *all->open);

@@ -104,16 +104,12 @@ static void project(const atlas *all, const chart *of, uint32_t face, double fla
 static void find_box(const atlas *all, chart *of)
 {
     double flat[3][2];
-    of->low[0] = of->low[1] = INFINITY;
-    of->high[0] = of->high[1] = -INFINITY;
+    box_clear(2, of->low, of->high);
     for (uint32_t i = of->begin; i < of->end; i++)
     {
         project(all, of, all->order[i], flat);
-        for (size_t c = 0; c < 6; c++)
-        {
-            of->low[c % 2] = fmin(of->low[c % 2], flat[c / 2][c % 2]);
-            of->high[c % 2] = fmax(of->high[c % 2], flat[c / 2][c % 2]);
-        }
+        for (size_t c = 0; c < 3; c++)
+            box_include(2, flat[c], of->low, of->high);
     }
 }
 
@@ -121,14 +117,11 @@ static void find_box(const atlas *all, chart *of)
 /// one is occupied already.
 static bool cover(atlas *all, double flat[3][2], const double origin[2], double cell, bool mark)
 {
-    double p[3][2], low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    double p[3][2], low[2], high[2];
     for (size_t c = 0; c < 3; c++)
         for (size_t k = 0; k < 2; k++)
-        {
             p[c][k] = (flat[c][k] - origin[k]) / cell;
-            low[k] = fmin(low[k], p[c][k]);
-            high[k] = fmax(high[k], p[c][k]);
-        }
+    box_of_points(2, p[0], 3, low, high);
     double most = (double)all->cell_side - 1;
     for (double y = fmax(0, floor(low[1])); y <= fmin(most, high[1]); y++)
         for (double x = fmax(0, floor(low[0])); x <= fmin(most, high[0]); x++)

@@ -68,12 +68,8 @@ void local_plane_project(const local_plane *plane, const double origin[3], const
 unit_frame unit_frame_of(const double *points, size_t count)
 {
     unit_frame frame = {.exponent = 1};
-    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, half = 0;
-    for (size_t i = 0; i < 3 * count; i++)
-    {
-        low[i % 3] = fmin(low[i % 3], points[i]);
-        high[i % 3] = fmax(high[i % 3], points[i]);
-    }
+    double low[3], high[3], half = 0;
+    box_of_points(3, points, count, low, high);
     for (int k = 0; k < 3; k++)
     {
         frame.middle[k] = low[k] * 0.5 + high[k] * 0.5;

@@ -8,6 +8,7 @@
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -66,11 +67,7 @@ cell_points cell_points_of_places(const fit_points *points, size_t begin, size_t
         gathered.sum += points->weight[row] * points->distance[row] * points->distance[row];
         gathered.largest = fmax(gathered.largest, points->distance[row]);
         gathered.count++;
-        for (int k = 0; k < 2; k++)
-        {
-            gathered.low[k] = fmin(gathered.low[k], points->parameter[2 * row + (size_t)k]);
-            gathered.high[k] = fmax(gathered.high[k], points->parameter[2 * row + (size_t)k]);
-        }
+        box_include(2, points->parameter + 2 * row, gathered.low, gathered.high);
     }
     return gathered;
 }

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/option.h"
 #include "base/progress.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -98,10 +99,7 @@ static void write_solution(const bat_cloud *cloud, const average_problem *proble
         double low = INFINITY, high = -INFINITY;
         for (size_t i = 0; i < cloud->count; i++)
             if (problem->numbers[i] == FIXED)
-            {
-                low = fmin(low, parameters[2 * i + c]);
-                high = fmax(high, parameters[2 * i + c]);
-            }
+                box_include(1, &parameters[2 * i + c], &low, &high);
         for (size_t n = 0; n < problem->count; n++)
             parameters[2 * (size_t)problem->points[n] + c] = fmin(fmax(problem->solution[2 * n + c], low), high);
     }

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/threads.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -140,17 +141,10 @@ bat_status weights_build(const weight_source *source, weight_maker *maker, int t
 
 double weights_longest_side(const bat_cloud *cloud)
 {
-    double longest = 0;
+    double low[3], high[3], longest = 0;
+    box_of_points(3, cloud->points, cloud->count, low, high);
     for (size_t c = 0; c < 3; c++)
-    {
-        double low = INFINITY, high = -INFINITY;
-        for (size_t i = 0; i < cloud->count; i++)
-        {
-            low = fmin(low, cloud->points[3 * i + c]);
-            high = fmax(high, cloud->points[3 * i + c]);
-        }
-        longest = fmax(longest, high - low);
-    }
+        longest = fmax(longest, high[c] - low[c]);
     return longest;
 }
 

@@ -77,12 +77,7 @@ static uint32_t grow(cross_tree *tree, size_t begin, size_t end)
         uint32_t corners[3];
         triangle_of(tree, triangle_at(tree, k), corners);
         for (int c = 0; c < 3; c++)
-            for (size_t d = 0; d < 3; d++)
-            {
-                double place = place_of(tree, corners[c])[d];
-                box.low[d] = fmin(box.low[d], place);
-                box.high[d] = fmax(box.high[d], place);
-            }
+            box_include(3, place_of(tree, corners[c]), box.low, box.high);
     }
     if (end - begin > LEAF)
     {

@@ -103,17 +103,11 @@ static void drop_pieces(opening *work, bat_shell_report *report)
 /// The diagonal of the box around the listed vertices.
 static double extent_of(const opening *work, size_t members)
 {
-    double box[2][3] = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}, sum = 0;
+    double low[3], high[3];
+    box_clear(3, low, high);
     for (size_t k = 0; k < members; k++)
-        for (int d = 0; d < 3; d++)
-        {
-            double place = work->mesh->positions[3 * (size_t)work->stack[k] + (size_t)d];
-            box[0][d] = fmin(box[0][d], place);
-            box[1][d] = fmax(box[1][d], place);
-        }
-    for (int d = 0; d < 3; d++)
-        sum += (box[1][d] - box[0][d]) * (box[1][d] - box[0][d]);
-    return sqrt(sum);
+        box_include(3, work->mesh->positions + 3 * (size_t)work->stack[k], low, high);
+    return vector3_distance(low, high);
 }
 
 static void open_holes(opening *work, double fill, bat_shell_report *report)

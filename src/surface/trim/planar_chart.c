@@ -441,16 +441,11 @@ static size_t find_hull(const double (*sorted)[2], size_t count, double (*hull)[
 /// The box of a polygon in rotated axes.
 static void box_of(const double (*hull)[2], size_t count, const double axis[2], double low[2], double high[2])
 {
-    low[0] = low[1] = INFINITY;
-    high[0] = high[1] = -INFINITY;
+    box_clear(2, low, high);
     for (size_t i = 0; i < count; i++)
     {
         const double turned[2] = {axis[0] * hull[i][0] + axis[1] * hull[i][1], axis[0] * hull[i][1] - axis[1] * hull[i][0]};
-        for (int d = 0; d < 2; d++)
-        {
-            low[d] = fmin(low[d], turned[d]);
-            high[d] = fmax(high[d], turned[d]);
-        }
+        box_include(2, turned, low, high);
     }
 }
 

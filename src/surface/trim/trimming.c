@@ -314,7 +314,8 @@ static size_t largest_piece(outline_work *work, uint32_t *best, size_t *second, 
 static bat_surface_gap gap_of(const outline_work *work, size_t count)
 {
     bat_surface_gap gap = {.closed = true};
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    double low[2], high[2];
+    box_clear(2, low, high);
     for (size_t k = 0; k < count; k++)
     {
         uint32_t triangle = work->stack[k];
@@ -324,11 +325,7 @@ static bat_surface_gap gap_of(const outline_work *work, size_t count)
             uint32_t corner = work->triangles.corners[3 * (size_t)triangle + c];
             for (size_t d = 0; d < 3; d++)
                 gap.place[d] += work->geometry->order.cloud.points[3 * (size_t)corner + d] / (3 * (double)count);
-            for (size_t d = 0; d < 2; d++)
-            {
-                low[d] = fmin(low[d], place_of(work, corner)[d]);
-                high[d] = fmax(high[d], place_of(work, corner)[d]);
-            }
+            box_include(2, place_of(work, corner), low, high);
         }
     }
     gap.diameter = fmax(high[0] - low[0], high[1] - low[1]);
@@ -482,13 +479,10 @@ static double loop_area(const outline_work *work, const uint32_t *corners, size_
 
 static double loop_diameter(const outline_work *work, const uint32_t *corners, size_t count)
 {
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    double low[2], high[2];
+    box_clear(2, low, high);
     for (size_t i = 0; i < count; i++)
-        for (int d = 0; d < 2; d++)
-        {
-            low[d] = fmin(low[d], place_of(work, corners[i])[d]);
-            high[d] = fmax(high[d], place_of(work, corners[i])[d]);
-        }
+        box_include(2, place_of(work, corners[i]), low, high);
     return fmax(high[0] - low[0], high[1] - low[1]);
 }
 
