@@ -108,13 +108,13 @@ static inline void box_clear(size_t n, double *low, double *high)
     }
 }
 
-/// Widen a box so that it contains a point.
+/// Widen a box so that it contains a point. Of two zeros the first stays, and what is no number is left out.
 static inline void box_include(size_t n, const double *point, double *low, double *high)
 {
     for (size_t k = 0; k < n; k++)
     {
-        low[k] = fmin(low[k], point[k]);
-        high[k] = fmax(high[k], point[k]);
+        low[k] = point[k] < low[k] ? point[k] : low[k];
+        high[k] = point[k] > high[k] ? point[k] : high[k];
     }
 }
 
