@@ -388,6 +388,17 @@ static bat_status check_range(const gltf_writer *writer, bat_error *error)
 
 // JSON
 
+// Members and elements that are null are refused by jansson, so that each call passes on that memory lacked.
+
+/// An object whose members were all set; else it is released, and null comes back.
+static json_t *complete(json_t *object, bool set)
+{
+    if (set)
+        return object;
+    json_decref(object);
+    return NULL;
+}
+
 /// Append an object to an array of the root. Returns its index, SIZE_MAX when out of memory.
 static size_t add_to(const gltf_writer *writer, const char *array, json_t *object)
 {
@@ -404,6 +415,12 @@ static size_t add_to(const gltf_writer *writer, const char *array, json_t *objec
     return json_array_append_new(list, object) == 0 ? json_array_size(list) - 1 : SIZE_MAX;
 }
 
+/// What add_to() returned as a number.
+static json_t *index_json(size_t index)
+{
+    return index != SIZE_MAX ? json_integer((json_int_t)index) : NULL;
+}
+
 static json_t *text_json(const char *text)
 {
     char *copy = label_name_copy((label_name){text, strlen(text)});
@@ -412,20 +429,13 @@ static json_t *text_json(const char *text)
     return made;
 }
 
-static json_t *numbers_json(const double *numbers, size_t count)
+static json_t *point_json(const double point[AXES])
 {
-    json_t *list = json_array();
-    for (size_t i = 0; i < count && list != NULL; i++)
-        if (json_array_append_new(list, json_real(numbers[i])) != 0)
-        {
-            json_decref(list);
-            list = NULL;
-        }
-    return list;
+    return json_pack("[f, f, f]", point[0], point[1], point[2]);
 }
 
-/// Add the accessor of `count` elements from element `first` on of a part.
-static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first, size_t count, json_t **number)
+/// Add the accessor of `count` elements from element `first` on of a part. Returns its number, null when out of memory.
+static json_t *add_accessor(const gltf_writer *writer, gltf_part part, size_t first, size_t count)
 {
     static const char *const types[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
     const size_t components[PART_COUNT] = {1, 3, 3, 4, 2, writer->colours};
@@ -436,10 +446,8 @@ static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first
     json_t *accessor = json_pack("{s:I, s:I, s:i, s:I, s:s}", "bufferView", (json_int_t)view, "byteOffset",
                                  (json_int_t)first * (json_int_t)width, "componentType", type, "count", (json_int_t)count,
                                  "type", types[components[part] - 1]);
-    bool made = accessor != NULL;
-    if (made && type == GLTF_UINT8)
-        made = json_object_set_new(accessor, "normalized", json_true()) == 0;
-    if (made && part == PART_POSITIONS)
+    bool set = type != GLTF_UINT8 || json_object_set_new(accessor, "normalized", json_true()) == 0;
+    if (part == PART_POSITIONS)
     {
         double low[AXES], high[AXES], place[AXES];
         box_clear(AXES, low, high);
@@ -449,17 +457,10 @@ static bool add_accessor(const gltf_writer *writer, gltf_part part, size_t first
                 place[k] = (double)coordinate(writer, i, k);
             box_include(AXES, place, low, high);
         }
-        made = json_object_set_new(accessor, "min", numbers_json(low, AXES)) == 0 &&
-               json_object_set_new(accessor, "max", numbers_json(high, AXES)) == 0;
+        set = set && json_object_set_new(accessor, "min", point_json(low)) == 0 &&
+              json_object_set_new(accessor, "max", point_json(high)) == 0;
     }
-    if (!made)
-    {
-        json_decref(accessor);
-        return false;
-    }
-    size_t index = add_to(writer, "accessors", accessor);
-    *number = index != SIZE_MAX ? json_integer((json_int_t)index) : NULL;
-    return *number != NULL;
+    return index_json(add_to(writer, "accessors", complete(accessor, set)));
 }
 
 static bool add_views(const gltf_writer *writer)
@@ -467,15 +468,14 @@ static bool add_views(const gltf_writer *writer)
     for (gltf_part part = PART_INDICES; part < PART_COUNT; part++)
     {
         size_t size = writer->begins[part + 1] - writer->begins[part];
+        if (size == 0)
+            continue;
         json_t *view =
             json_pack("{s:i, s:I, s:I, s:i}", "buffer", 0, "byteOffset", (json_int_t)writer->begins[part], "byteLength",
                       (json_int_t)size, "target", part == PART_INDICES ? (int)TARGET_INDICES : (int)TARGET_VERTICES);
-        bool made = view != NULL;
-        if (made && part != PART_INDICES)
-            made = json_object_set_new(view, "byteStride", json_integer((json_int_t)width_of(writer, part))) == 0;
-        if (!made || size == 0)
-            json_decref(view);
-        if (!made || (size > 0 && add_to(writer, "bufferViews", view) == SIZE_MAX))
+        bool set = part == PART_INDICES ||
+                   json_object_set_new(view, "byteStride", json_integer((json_int_t)width_of(writer, part))) == 0;
+        if (add_to(writer, "bufferViews", complete(view, set)) == SIZE_MAX)
             return false;
     }
     return true;
@@ -531,12 +531,11 @@ static bat_status add_definitions(const gltf_writer *writer, bat_error *error)
     return room ? BAT_OK : no_memory(writer, error);
 }
 
-static bool find_material(const gltf_writer *writer, const char *name, json_t **number)
+/// The number of the material of a name, which is added where there is none. Null when out of memory.
+static json_t *find_material(const gltf_writer *writer, const char *name)
 {
     json_t *materials = json_object_get(writer->root, "materials"), *material, *made = text_json(name);
     size_t index, found = SIZE_MAX;
-    if (made == NULL)
-        return false;
     json_array_foreach(materials, index, material)
     {
         if (found == SIZE_MAX && json_equal(json_object_get(material, "name"), made))
@@ -545,8 +544,7 @@ static bool find_material(const gltf_writer *writer, const char *name, json_t **
     if (found == SIZE_MAX)
         found = add_to(writer, "materials", json_pack("{s:O}", "name", made));
     json_decref(made);
-    *number = found != SIZE_MAX ? json_integer((json_int_t)found) : NULL;
-    return *number != NULL;
+    return index_json(found);
 }
 
 static bool set_text(json_t *object, const char *key, const char *text)
@@ -557,13 +555,12 @@ static bool set_text(json_t *object, const char *key, const char *text)
 /// Set the material of a primitive, and as extras the names that glTF has no place for.
 static bool set_names(const gltf_writer *writer, const bat_mesh_label *label, json_t *primitive)
 {
-    json_t *extras = json_object(), *material = NULL;
+    json_t *extras = json_object();
     bool room = extras != NULL && set_text(extras, "group", label->group) &&
                 set_text(extras, "smoothing", label->smoothing) &&
                 (!writer->one_node || set_text(extras, "object", label->object));
     if (room && label->material != NULL)
-        room =
-            find_material(writer, label->material, &material) && json_object_set_new(primitive, "material", material) == 0;
+        room = json_object_set_new(primitive, "material", find_material(writer, label->material)) == 0;
     if (room && json_object_size(extras) > 0)
         room = json_object_set(primitive, "extras", extras) == 0;
     json_decref(extras);
@@ -575,15 +572,12 @@ static json_t *attributes_of(const gltf_writer *writer, size_t node)
 {
     static const char *const names[PART_COUNT] = {NULL, "POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"};
     size_t first = writer->node_vertices[node], count = writer->node_vertices[node + 1] - first;
-    json_t *attributes = json_object(), *number;
-    for (gltf_part part = PART_POSITIONS; part < PART_COUNT && attributes != NULL; part++)
-        if (width_of(writer, part) > 0 && (!add_accessor(writer, part, first, count, &number) ||
-                                           json_object_set_new(attributes, names[part], number) != 0))
-        {
-            json_decref(attributes);
-            attributes = NULL;
-        }
-    return attributes;
+    json_t *attributes = json_object();
+    bool set = true;
+    for (gltf_part part = PART_POSITIONS; part < PART_COUNT; part++)
+        if (width_of(writer, part) > 0)
+            set = set && json_object_set_new(attributes, names[part], add_accessor(writer, part, first, count)) == 0;
+    return complete(attributes, set);
 }
 
 /// The primitives of a node: its labels that have faces. `*at` is the node's first place in label_order, then its end.
@@ -594,22 +588,17 @@ static json_t *primitives_of(const gltf_writer *writer, size_t node, size_t *at)
     for (; *at < writer->label_count && writer->node_of[writer->label_order[*at]] == node; ++*at)
     {
         size_t begin = writer->label_faces[*at], end = writer->label_faces[*at + 1];
-        json_t *number = NULL, *primitive = NULL;
         if (begin == end || !room)
             continue;
-        room = add_accessor(writer, PART_INDICES, 3 * begin, 3 * (end - begin), &number);
-        if (room)
-            primitive = json_pack("{s:O, s:o, s:i}", "attributes", attributes, "indices", number, "mode", GLTF_TRIANGLES);
-        room = primitive != NULL && (writer->mesh->face_labels == NULL ||
-                                     set_names(writer, &writer->mesh->labels[writer->label_order[*at]], primitive));
-        if (room)
-            room = json_array_append(list, primitive) == 0;
-        json_decref(primitive);
+        json_t *primitive =
+            json_pack("{s:O, s:o, s:i}", "attributes", attributes, "indices",
+                      add_accessor(writer, PART_INDICES, 3 * begin, 3 * (end - begin)), "mode", GLTF_TRIANGLES);
+        bool set = primitive != NULL && (writer->mesh->face_labels == NULL ||
+                                         set_names(writer, &writer->mesh->labels[writer->label_order[*at]], primitive));
+        room = json_array_append_new(list, complete(primitive, set)) == 0;
     }
     json_decref(attributes);
-    if (!room)
-        json_decref(list);
-    return room ? list : NULL;
+    return complete(list, room);
 }
 
 /// Add a node with its mesh to the scene.
@@ -626,25 +615,14 @@ static bool add_node(const gltf_writer *writer, size_t number, size_t *at, json_
     const char *name = writer->mesh->face_labels != NULL && !writer->one_node
                            ? writer->mesh->labels[writer->label_order[first]].object
                            : NULL;
-    json_t *mesh = primitives != NULL ? json_pack("{s:o}", "primitives", primitives) : NULL;
-    bool room = mesh != NULL && (name == NULL || set_text(mesh, "name", name));
-    if (!room)
-    {
-        json_decref(mesh);
-        return false;
-    }
-    size_t index = add_to(writer, "meshes", mesh);
-    json_t *node = index != SIZE_MAX ? json_pack("{s:I}", "mesh", (json_int_t)index) : NULL;
-    room = node != NULL && (name == NULL || set_text(node, "name", name));
-    if (room && (writer->shift[0] != 0 || writer->shift[1] != 0 || writer->shift[2] != 0))
-        room = json_object_set_new(node, "translation", numbers_json(writer->shift, AXES)) == 0;
-    if (!room)
-    {
-        json_decref(node);
-        return false;
-    }
-    index = add_to(writer, "nodes", node);
-    return index != SIZE_MAX && json_array_append_new(scene, json_integer((json_int_t)index)) == 0;
+    json_t *mesh = json_pack("{s:o}", "primitives", primitives);
+    size_t index = add_to(writer, "meshes", complete(mesh, set_text(mesh, "name", name)));
+    json_t *node = json_pack("{s:o}", "mesh", index_json(index));
+    bool set = set_text(node, "name", name);
+    if (writer->shift[0] != 0 || writer->shift[1] != 0 || writer->shift[2] != 0)
+        set = set && json_object_set_new(node, "translation", point_json(writer->shift)) == 0;
+    index = add_to(writer, "nodes", complete(node, set));
+    return json_array_append_new(scene, index_json(index)) == 0;
 }
 
 /// Begin the JSON of the file.
@@ -658,10 +636,8 @@ static bat_status begin_json(gltf_writer *writer, bat_error *error)
     if (status != BAT_OK || files == NULL)
         return status;
     json_t *extras = json_object();
-    bool room =
-        extras != NULL && set_text(extras, "material_files", files) && json_object_set(writer->root, "extras", extras) == 0;
-    json_decref(extras);
-    return room ? BAT_OK : no_memory(writer, error);
+    bool set = set_text(extras, "material_files", files);
+    return json_object_set_new(writer->root, "extras", complete(extras, set)) == 0 ? BAT_OK : no_memory(writer, error);
 }
 
 /// Append the mesh to the bytes and the JSON; `nodes` receives the numbers of its nodes.
@@ -768,18 +744,16 @@ static bat_status writer_fill(gltf_writer *writer, bat_error *error)
 static bat_status finish_json(const gltf_writer *writer, bool embedded, text_buffer *text, bat_error *error)
 {
     json_t *buffer = json_pack("{s:I}", "byteLength", (json_int_t)writer->bytes.size);
-    bool room = buffer != NULL;
-    if (room && embedded)
+    bool set = true;
+    if (embedded)
     {
         text_buffer uri = {0};
         text_append_string(&uri, "data:application/octet-stream;base64,");
         base64_append(&uri, writer->bytes.data, writer->bytes.size);
-        room = !uri.failed && json_object_set_new(buffer, "uri", json_stringn(uri.data, uri.size)) == 0;
+        set = !uri.failed && json_object_set_new(buffer, "uri", json_stringn(uri.data, uri.size)) == 0;
         text_free(&uri);
     }
-    if (!room)
-        json_decref(buffer);
-    if (!room || add_to(writer, "buffers", buffer) == SIZE_MAX)
+    if (add_to(writer, "buffers", complete(buffer, set)) == SIZE_MAX)
         return no_memory(writer, error);
     json_text(text, writer->root);
     return text->failed ? no_memory(writer, error) : BAT_OK;
