@@ -462,40 +462,50 @@ static bat_status make_entities(size_t vertices, size_t edges, size_t faces, ste
     return memory_pool_check(&entities->pool, error);
 }
 
+/// Write a file of patches, or of a trimmed surface where `trimmed` is not null.
+static bat_status write_file(const step_model *model, const trimmed_model *trimmed, bat_surface_unit unit, text_sink *sink,
+                             bat_error *error)
+{
+    step_entities entities = {0};
+    step_text step = {.sink = sink, .error = error};
+    const surface_shell *shell = &model->shell;
+    size_t pieces = trimmed != NULL ? trimmed->piece_count : 0;
+    bat_status status = trimmed != NULL ? make_entities(pieces, pieces, trimmed->trim->loop_count, &entities, error)
+                                        : check_count(model, error);
+    if (status == BAT_OK && trimmed == NULL)
+        status = make_entities(shell->vertex_count, shell->edge_count, shell->face_count, &entities, error);
+    if (status == BAT_OK)
+    {
+        write_header(&step);
+        write_product(&step, &entities);
+        write_context(&step, unit, trimmed != NULL ? trimmed->tolerance : model->tolerance, &entities);
+        if (trimmed != NULL)
+            write_trimmed_face(&step, trimmed, &entities);
+        else
+        {
+            write_vertices(&step, model, &entities);
+            write_edges(&step, model, &entities);
+            write_faces(&step, model, &entities);
+        }
+        if (model->pieces != NULL)
+            status = write_parts(&step, model, &entities, error);
+        else
+            write_shell(&step, &entities);
+    }
+    text_free(&step.text);
+    memory_pool_free(&entities.pool);
+    return status == BAT_OK ? step.status : status;
+}
+
 bat_status surface_step_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
                               bat_error *error)
 {
     step_model model = {0};
     trimmed_model trimmed = {0};
-    step_entities entities = {0};
-    step_text step = {.sink = sink, .error = error};
     bool is_trimmed = surface->trim.loop_count > 0;
     bat_status status = is_trimmed ? trimmed_model_make(surface, &trimmed, error) : step_model_make(surface, &model, error);
-    if (status == BAT_OK && !is_trimmed)
-        status = check_count(&model, error);
     if (status == BAT_OK)
-        status =
-            is_trimmed
-                ? make_entities(trimmed.piece_count, trimmed.piece_count, surface->trim.loop_count, &entities, error)
-                : make_entities(model.shell.vertex_count, model.shell.edge_count, model.shell.face_count, &entities, error);
-    if (status == BAT_OK)
-    {
-        write_header(&step);
-        write_product(&step, &entities);
-        write_context(&step, options->unit, is_trimmed ? trimmed.tolerance : model.tolerance, &entities);
-        if (is_trimmed)
-            write_trimmed_face(&step, &trimmed, &entities);
-        else
-        {
-            write_vertices(&step, &model, &entities);
-            write_edges(&step, &model, &entities);
-            write_faces(&step, &model, &entities);
-        }
-        write_shell(&step, &entities);
-        status = step.status;
-    }
-    text_free(&step.text);
-    memory_pool_free(&entities.pool);
+        status = write_file(&model, is_trimmed ? &trimmed : NULL, options->unit, sink, error);
     step_model_free(&model);
     trimmed_model_free(&trimmed);
     return status;
@@ -505,27 +515,9 @@ bat_status shell_step_write(const bat_shell *shell, const bat_surface_write_opti
                             bat_error *error)
 {
     step_model model = {0};
-    step_entities entities = {0};
-    step_text step = {.sink = sink, .error = error};
     bat_status status = shell_model_make(shell, &model, error);
     if (status == BAT_OK)
-        status = check_count(&model, error);
-    if (status == BAT_OK)
-        status = make_entities(model.shell.vertex_count, model.shell.edge_count, model.shell.face_count, &entities, error);
-    if (status == BAT_OK)
-    {
-        write_header(&step);
-        write_product(&step, &entities);
-        write_context(&step, options->unit, model.tolerance, &entities);
-        write_vertices(&step, &model, &entities);
-        write_edges(&step, &model, &entities);
-        write_faces(&step, &model, &entities);
-        status = write_parts(&step, &model, &entities, error);
-    }
-    if (status == BAT_OK)
-        status = step.status;
-    text_free(&step.text);
-    memory_pool_free(&entities.pool);
+        status = write_file(&model, NULL, options->unit, sink, error);
     step_model_free(&model);
     return status;
 }
