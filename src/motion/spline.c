@@ -1,5 +1,6 @@
 #include "batten/motion_spline.h"
 
+#include "base/bisect.h"
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -458,15 +459,7 @@ static size_t find_interval(const bat_motion_spline *spline, double time, size_t
     if (times[hint] <= time && time < times[hint + 1])
         return hint;
     size_t part = bucket_of(spline, time);
-    size_t low = spline->buckets[part], high = spline->buckets[part + 1] + 1;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        bool after = times[middle] <= time;
-        low = after ? middle : low;
-        high = after ? high : middle;
-    }
-    return low;
+    return bisect_reals(times, spline->buckets[part], spline->buckets[part + 1] + 1, time);
 }
 
 /// Where a time is on the motion.

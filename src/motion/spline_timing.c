@@ -1,5 +1,6 @@
 #include "motion/spline_system.h"
 
+#include "base/bisect.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -332,12 +333,7 @@ void spline_timing_free(spline_timing *timing)
 
 double spline_timing_share(const spline_timing *timing, size_t interval, double time, double *rate, double *slope)
 {
-    size_t low = interval * timing->cells, high = low + timing->cells, first = low;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        *(timing->times[middle] <= time ? &low : &high) = middle;
-    }
+    size_t first = interval * timing->cells, low = bisect_reals(timing->times, first, first + timing->cells, time);
     double begin = (double)(low - first) / (double)timing->cells, end = (double)(low + 1 - first) / (double)timing->cells;
     double since = time - timing->times[low], speed = timing->rates[2 * low];
     *slope = timing->rates[2 * low + 1];

@@ -1,5 +1,6 @@
 #include "curve/topology/draw_back.h"
 
+#include "base/bisect.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
@@ -184,15 +185,10 @@ bool contains_points(const bat_curve *coarse, const bat_curve *fine, const size_
 static size_t edge_under(const draw_back_job *job, edge_place place)
 {
     const drawn_curve *drawn = &job->drawn[place.curve];
-    size_t low = 0, high = edges_of(drawn->coarse);
+    size_t count = edges_of(drawn->coarse);
     if (drawn->starts == NULL)
-        return place.edge / (edges_of(&job->fine[place.curve]) / high);
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        *(drawn->starts[middle] <= place.edge ? &low : &high) = middle;
-    }
-    return low;
+        return place.edge / (edges_of(&job->fine[place.curve]) / count);
+    return bisect_sizes(drawn->starts, 0, count, place.edge);
 }
 
 /// Whether two edges of one polygon share a vertex.

@@ -1,5 +1,6 @@
 #include "io/curve/builder.h"
 
+#include "base/bisect.h"
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "curve/point_form.h"
@@ -246,16 +247,7 @@ typedef struct row_job
 
 static size_t curve_of_row(const row_job *job, size_t row)
 {
-    size_t low = 0, high = job->set->count;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (job->first_rows[middle] <= row)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
+    return bisect_sizes(job->first_rows, 0, job->set->count, row);
 }
 
 static bat_status format_block(const void *context, size_t block, text_buffer *text, bat_error *error)

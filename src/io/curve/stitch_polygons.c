@@ -1,6 +1,7 @@
 #include "io/curve/stitch.h"
 
 #include "base/array_grow.h"
+#include "base/bisect.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -108,16 +109,7 @@ static void merge_nodes(seam_nodes *nodes)
 /// The last node that is not above a latitude.
 static size_t node_of(const seam_nodes *nodes, double latitude)
 {
-    size_t low = 0, high = nodes->count;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (nodes->latitudes[middle] <= latitude)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
+    return bisect_reals(nodes->latitudes, 0, nodes->count, latitude);
 }
 
 static double clamped_latitude(const stitch_edges *edges, double latitude)

@@ -4,6 +4,7 @@
 /// A face of n x n bicubic patches is one spline with double inner knots. Its control points are the Bézier points of the
 /// patches but those on the lines between patches, where they are the means of their neighbours.
 
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "io/surface/step.h"
 #include "mesh/sides.h"
@@ -129,29 +130,19 @@ static bat_status make_edges(shell_builder *builder, bat_error *error)
     return status;
 }
 
-static uint32_t root_of(uint32_t *pieces, uint32_t face)
-{
-    while (pieces[face] != face)
-        face = pieces[face] = pieces[pieces[face]];
-    return face;
-}
-
 /// Number the connected parts, in the order of their first faces.
 static void find_pieces(step_model *model, size_t faces)
 {
     uint32_t *pieces = model->pieces;
-    for (uint32_t f = 0; f < faces; f++)
-        pieces[f] = f;
+    sets_begin(pieces, faces);
     for (size_t e = 0; e < model->shell.edge_count; e++)
     {
         const shell_edge *edge = &model->shell.edges[e];
-        if (edge->faces[1] == SHELL_NONE)
-            continue;
-        uint32_t a = root_of(pieces, edge->faces[0]), b = root_of(pieces, edge->faces[1]);
-        pieces[a > b ? a : b] = a < b ? a : b;
+        if (edge->faces[1] != SHELL_NONE)
+            (void)sets_join(pieces, edge->faces[0], edge->faces[1]);
     }
     for (uint32_t f = 0; f < faces; f++)
-        pieces[f] = root_of(pieces, f);
+        pieces[f] = sets_root(pieces, f);
     // A root comes before all faces that refer to it, so that its number is known by then.
     for (uint32_t f = 0; f < faces; f++)
         pieces[f] = pieces[f] == f ? (uint32_t)model->piece_count++ : pieces[pieces[f]];

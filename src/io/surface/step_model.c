@@ -1,3 +1,4 @@
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "io/surface/step.h"
 
@@ -292,13 +293,6 @@ static bat_status place_vertices(step_model *model, bat_error *error)
     return BAT_OK;
 }
 
-static uint32_t representative(const uint32_t *same, uint32_t vertex)
-{
-    while (same[vertex] != vertex)
-        vertex = same[vertex];
-    return vertex;
-}
-
 /// Find the edges that are collapsed to points. Their ends are one vertex.
 static bat_status find_collapsed(step_model *model, bat_error *error)
 {
@@ -308,8 +302,7 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
     bat_status status = memory_pool_check(&model->pool, error);
     if (status != BAT_OK)
         return status;
-    for (size_t v = 0; v < shell->vertex_count; v++)
-        model->same[v] = (uint32_t)v;
+    sets_begin(model->same, shell->vertex_count);
     for (size_t e = 0; e < shell->edge_count; e++)
     {
         double farthest = 0;
@@ -318,10 +311,10 @@ static bat_status find_collapsed(step_model *model, bat_error *error)
             farthest = fmax(farthest, fabs(model->control[e][i] - model->control[e][i % 3]));
         model->collapsed[e] = farthest <= model->tolerance;
         if (model->collapsed[e])
-            model->same[representative(model->same, shell->edges[e].to)] = representative(model->same, shell->edges[e].from);
+            model->same[sets_root(model->same, shell->edges[e].to)] = sets_root(model->same, shell->edges[e].from);
     }
     for (size_t v = 0; v < shell->vertex_count; v++)
-        model->same[v] = representative(model->same, (uint32_t)v);
+        model->same[v] = sets_root(model->same, (uint32_t)v);
     return BAT_OK;
 }
 

@@ -1,6 +1,7 @@
 #include "batten/mesh_measure.h"
 
 #include "base/choice.h"
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
 #include "base/memory.h"
@@ -99,34 +100,6 @@ static bat_status edge_groups_make(const bat_mesh *mesh, edge_groups *groups, ba
     return BAT_OK;
 }
 
-/// Disjoint sets with path halving (union-find). At first each number is a set of its own.
-static void sets_begin(uint32_t *parent, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        parent[i] = (uint32_t)i;
-}
-
-static uint32_t sets_find(uint32_t *parent, uint32_t item)
-{
-    while (parent[item] != item)
-    {
-        parent[item] = parent[parent[item]];
-        item = parent[item];
-    }
-    return item;
-}
-
-static void sets_join(uint32_t *parent, uint32_t a, uint32_t b)
-{
-    a = sets_find(parent, a);
-    b = sets_find(parent, b);
-    // The smaller number is the root.
-    if (a < b)
-        parent[b] = a;
-    else
-        parent[a] = b;
-}
-
 /// The connectivity of a mesh.
 typedef struct topology
 {
@@ -167,8 +140,8 @@ static void join_corners(const topology *made, uint32_t h, uint32_t other)
     const uint32_t *faces = made->mesh->faces;
     uint32_t begin = other, end = bat_mesh_next(other);
     bool against = faces[h] != faces[other];
-    sets_join(made->fans, h, against ? end : begin);
-    sets_join(made->fans, bat_mesh_next(h), against ? begin : end);
+    (void)sets_join(made->fans, h, against ? end : begin);
+    (void)sets_join(made->fans, bat_mesh_next(h), against ? begin : end);
 }
 
 /// Join the sets at one edge and count it.
@@ -177,7 +150,7 @@ static void count_edge(const topology *made, size_t edge, bat_mesh_summary *summ
     const uint32_t *faces = made->mesh->faces, *half_edges = made->edges.order + made->edges.begin[edge];
     uint32_t count = made->edges.begin[edge + 1] - made->edges.begin[edge];
     uint32_t a = faces[half_edges[0]], b = faces[bat_mesh_next(half_edges[0])];
-    sets_join(made->vertex_sets, a, b);
+    (void)sets_join(made->vertex_sets, a, b);
     made->valence[a]++;
     made->valence[b]++;
     for (uint32_t i = 1; i < count; i++)
@@ -197,9 +170,9 @@ static size_t count_loops(const topology *made)
         {
             uint32_t h = made->edges.order[made->edges.begin[e]];
             // An edge within one set closes a loop.
-            uint32_t a = sets_find(made->loops, h), b = sets_find(made->loops, bat_mesh_next(h));
+            uint32_t a = sets_root(made->loops, h), b = sets_root(made->loops, bat_mesh_next(h));
             count += a == b;
-            sets_join(made->loops, a, b);
+            (void)sets_join(made->loops, a, b);
         }
     return count;
 }
@@ -213,7 +186,7 @@ static void count_vertices(const topology *made, bat_mesh_summary *summary)
     {
         size_t valence = made->valence[v];
         summary->isolated_vertices += valence == 0;
-        summary->components += valence > 0 && sets_find(made->vertex_sets, v) == v;
+        summary->components += valence > 0 && sets_root(made->vertex_sets, v) == v;
         summary->max_valence = valence > summary->max_valence ? valence : summary->max_valence;
         if (valence > 0 && valence < summary->min_valence)
             summary->min_valence = valence;
@@ -221,7 +194,7 @@ static void count_vertices(const topology *made, bat_mesh_summary *summary)
     uint32_t *fan_count = made->valence;
     memset(fan_count, 0, mesh->vertex_count * sizeof *fan_count);
     for (uint32_t corner = 0; corner < 3 * mesh->face_count; corner++)
-        if (sets_find(made->fans, corner) == corner)
+        if (sets_root(made->fans, corner) == corner)
             summary->pinched_vertices += ++fan_count[mesh->faces[corner]] == 2;
 }
 
@@ -467,7 +440,12 @@ static void find_box(const bat_mesh *mesh, bat_mesh_summary *summary)
 {
     box_clear(3, summary->low, summary->high);
     for (size_t i = 0; i < 3 * mesh->face_count; i++)
-        box_include(3, mesh->positions + 3 * (size_t)mesh->faces[i], summary->low, summary->high);
+        for (int k = 0; k < 3; k++)
+        {
+            double x = mesh->positions[3 * (size_t)mesh->faces[i] + (size_t)k];
+            summary->low[k] = fmin(summary->low[k], x);
+            summary->high[k] = fmax(summary->high[k], x);
+        }
     summary->diagonal = hypot(hypot(summary->high[0] - summary->low[0], summary->high[1] - summary->low[1]),
                               summary->high[2] - summary->low[2]);
 }

@@ -8,6 +8,7 @@
 /// chord ahead of the corner. The chords span a fixed share of the loop, so that a jagged loop has no spurious corners. The
 /// turning angle of a circle is subtracted, so that a smooth loop is split evenly.
 
+#include "base/bisect.h"
 #include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -45,15 +46,8 @@ static void cloud_loop_at(const cloud_loop *loop, double length, double place[3]
 {
     double complete = cloud_loop_length(loop);
     length -= complete * floor(length / complete);
-    size_t low = 0, high = loop->count; // arc[low] <= length < arc[high], up to rounding at the end
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (loop->arc[middle] <= length)
-            low = middle;
-        else
-            high = middle;
-    }
+    // arc[low] <= length < arc[low + 1], up to rounding at the end.
+    size_t low = bisect_reals(loop->arc, 0, loop->count, length);
     const double *from = loop->points + 3 * low, *to = loop->points + 3 * ((low + 1) % loop->count);
     double side = loop->arc[low + 1] - loop->arc[low], share = side > 0 ? (length - loop->arc[low]) / side : 0;
     for (int k = 0; k < 3; k++)

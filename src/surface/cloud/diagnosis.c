@@ -3,6 +3,7 @@
 
 #include "surface/cloud/boundary.h"
 
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/threads.h"
@@ -196,16 +197,6 @@ static bat_status graph_make(const double *points, const nearest_tree *tree, pie
     return complete ? BAT_OK : error_memory(error, count * (LINKS + 4) * sizeof(double));
 }
 
-static uint32_t root_of(const piece_graph *graph, uint32_t i)
-{
-    while (graph->parent[i] != i)
-    {
-        graph->parent[i] = graph->parent[graph->parent[i]];
-        i = graph->parent[i];
-    }
-    return i;
-}
-
 static void merge(const piece_graph *graph, uint32_t a, uint32_t b)
 {
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
@@ -227,7 +218,7 @@ static void join_dense(const piece_graph *graph)
     {
         uint32_t i = (uint32_t)(e / LINKS), k = graph->links[e];
         if (graph->lengths[e] <= MAX_LINK * fmin(graph->reach[i], graph->reach[k]))
-            merge(graph, root_of(graph, i), root_of(graph, k));
+            merge(graph, sets_root(graph->parent, i), sets_root(graph->parent, k));
     }
 }
 
@@ -240,7 +231,7 @@ static bat_status measure_scatter(const piece_graph *graph, uint32_t root, doubl
     bat_status status = BAT_OK;
     for (uint32_t i = 0; i < graph->tree->count && status == BAT_OK && made < FLAT_PLACES; i++)
     {
-        if (root_of(graph, i) != root || passed++ % stride != 0)
+        if (sets_root(graph->parent, i) != root || passed++ % stride != 0)
             continue;
         status = neighbours_nearest(graph->tree, graph->points + 3 * (size_t)i, FLAT_NEIGHBOURS, &near, error);
         if (status != BAT_OK)
@@ -264,7 +255,8 @@ static void join_large(const piece_graph *graph, size_t minimum)
         uint32_t from = 0, to = 0;
         for (size_t e = 0; e < LINKS * graph->tree->count && !joined; e++)
         {
-            uint32_t i = (uint32_t)(e / LINKS), k = graph->links[e], a = root_of(graph, i), b = root_of(graph, k);
+            uint32_t i = (uint32_t)(e / LINKS), k = graph->links[e], a = sets_root(graph->parent, i),
+                     b = sets_root(graph->parent, k);
             if (a == b || graph->sizes[a] < minimum || graph->sizes[b] < minimum ||
                 graph->lengths[e] > MAX_BRIDGE * fmax(graph->reach[i], graph->reach[k]))
                 continue;
@@ -394,7 +386,7 @@ bat_status diagnose_pieces(const double *points, const nearest_tree *tree, bool 
     }
     for (uint32_t i = 0; i < tree->count && status == BAT_OK; i++)
     {
-        kept[i] = root_of(&graph, i) == largest;
+        kept[i] = sets_root(graph.parent, i) == largest;
         *left += !kept[i];
     }
     if (status == BAT_OK && (double)*left > MIN_PEEL * (double)tree->count)

@@ -3,6 +3,7 @@
 
 #include "surface/parameterize/weights.h"
 
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -105,14 +106,6 @@ static bat_status find_links(const bat_cloud *cloud, const bool *joined, size_t 
     return status;
 }
 
-/// Find the root in a union-find forest, with path halving.
-static uint32_t find_part(uint32_t *parts, uint32_t i)
-{
-    while (parts[i] != i)
-        i = parts[i] = parts[parts[i]];
-    return i;
-}
-
 /// Choose the points to link: those of each component that are closest to the connected points, up to LINK_REACH.
 static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, const bool *joined, const link_table *table,
                                bool *chosen, bat_error *error)
@@ -131,15 +124,15 @@ static bat_status choose_links(const bat_cloud *cloud, const sparse_rows *rows, 
         size_t row = table->points[k] - cloud->boundary_count;
         for (size_t e = rows->starts[row]; e < rows->starts[row + 1]; e++)
             if (!joined[rows->columns[e]])
-                parts[find_part(parts, rows->columns[e])] = find_part(parts, table->points[k]);
+                parts[sets_root(parts, rows->columns[e])] = sets_root(parts, table->points[k]);
     }
     for (size_t k = 0; k < table->count && status == BAT_OK; k++)
     {
-        double *part = &minimum[find_part(parts, table->points[k])];
+        double *part = &minimum[sets_root(parts, table->points[k])];
         *part = fmin(*part, table->links[k * LINKS].squared);
     }
     for (size_t k = 0; k < table->count && status == BAT_OK; k++)
-        chosen[k] = table->links[k * LINKS].squared <= LINK_REACH * minimum[find_part(parts, table->points[k])];
+        chosen[k] = table->links[k * LINKS].squared <= LINK_REACH * minimum[sets_root(parts, table->points[k])];
     memory_pool_free(&pool);
     return status;
 }

@@ -11,6 +11,7 @@
 
 #include "surface/shell/shell.h"
 
+#include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "linalg/vector.h"
 
@@ -51,21 +52,6 @@ typedef struct handle_search
     neighbour_list near;
     memory_pool pool;
 } handle_search;
-
-static uint32_t find_joined(uint32_t *joined, uint32_t item)
-{
-    while (joined[item] != item)
-        item = joined[item] = joined[joined[item]];
-    return item;
-}
-
-static bool join(uint32_t *joined, uint32_t a, uint32_t b)
-{
-    a = find_joined(joined, a);
-    b = find_joined(joined, b);
-    joined[a > b ? a : b] = a > b ? b : a;
-    return a != b;
-}
 
 /// Visit all vertices by edges, from a root, and from a vertex of each other piece.
 static void grow_tree(handle_search *work, uint32_t root)
@@ -169,13 +155,13 @@ static void find_loops(handle_search *work, uint32_t root)
     }
     for (uint32_t h = 0; h < corners; h++)
         if (links->twin[h] == NONE)
-            (void)join(work->joined, (uint32_t)mesh->face_count + mesh->faces[h],
-                       (uint32_t)mesh->face_count + mesh->faces[bat_mesh_next(h)]);
+            (void)sets_join(work->joined, (uint32_t)mesh->face_count + mesh->faces[h],
+                            (uint32_t)mesh->face_count + mesh->faces[bat_mesh_next(h)]);
     for (size_t k = 0; k < work->starts[2 * deepest]; k++)
     {
         uint32_t h = work->edges[k], twin = links->twin[h];
         uint32_t other = twin != NONE ? twin / 3 : (uint32_t)mesh->face_count + mesh->faces[h];
-        if (!join(work->joined, h / 3, other) && work->loop_count < MAX_LOOPS)
+        if (!sets_join(work->joined, h / 3, other) && work->loop_count < MAX_LOOPS)
             store_loop(work, h);
     }
 }

@@ -5,6 +5,7 @@
 
 #include "surface/spline/tensor_surface.h"
 
+#include "base/bisect.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -69,12 +70,7 @@ size_t knot_vector_span(const bat_knot_vector *knots, double t)
     if (t >= knots->knots[high])
         while (knots->knots[high - 1] == knots->knots[high])
             high--;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        *(knots->knots[middle] <= t ? &low : &high) = middle;
-    }
-    return low;
+    return bisect_reals(knots->knots, low, high, t);
 }
 
 /// The functions of degrees 0 to p on a span, and the widths of their recurrences.

@@ -4,6 +4,7 @@
 #include "surface/spline/tensor_surface.h"
 #include "surface/trim/trimming.h"
 
+#include "base/bisect.h"
 #include "base/error.h"
 
 #include <math.h>
@@ -110,16 +111,8 @@ static void sample_piece(const bat_spline_curve *piece, trim_region *region)
 
 size_t trim_region_next(const trim_region *region, size_t corner)
 {
-    size_t low = 0, high = region->loop_count;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (region->loops[middle] <= corner)
-            low = middle;
-        else
-            high = middle;
-    }
-    return corner + 1 < region->loops[low + 1] ? corner + 1 : region->loops[low];
+    size_t loop = bisect_sizes(region->loops, 0, region->loop_count, corner);
+    return corner + 1 < region->loops[loop + 1] ? corner + 1 : region->loops[loop];
 }
 
 static size_t row_of(double v)
