@@ -324,6 +324,17 @@ bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *erro
     return status;
 }
 
+bat_status atomic_file_write(const char *path, const void *bytes, size_t size, bat_error *error)
+{
+    atomic_file file;
+    bat_status status = atomic_file_begin(path, &file, error);
+    if (status != BAT_OK)
+        return status;
+    if (size > 0 && fwrite(bytes, 1, size, file.stream) != size)
+        status = atomic_access_error(error, errno);
+    return atomic_file_end(&file, status, error);
+}
+
 const char *atomic_name_shown(const char *path)
 {
     const char *base = atomic_base_name(path);

@@ -32,6 +32,10 @@ bat_status atomic_file_begin(const char *path, atomic_file *file, bat_error *err
 /// Commit when `status` is BAT_OK, else abandon and return the status.
 bat_status atomic_file_end(atomic_file *file, bat_status status, bat_error *error);
 
+/// Write bytes to a file.
+/// @return as atomic_file_begin()
+bat_status atomic_file_write(const char *path, const void *bytes, size_t size, bat_error *error);
+
 // What bat_outputs shares.
 
 /// Where a path leads.

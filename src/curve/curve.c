@@ -25,6 +25,13 @@ bat_status curve_room(const bat_curve *like, size_t count, bool corners, bat_cur
     return whole ? BAT_OK : error_memory(error, count * point_size);
 }
 
+void curves_free(bat_curve *curves, size_t count)
+{
+    for (size_t i = 0; i < count && curves != NULL; i++)
+        bat_curve_free(&curves[i]);
+    free(curves);
+}
+
 void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
 {
     size_t dim = from->space->point_dim, channels = from->channel_count;

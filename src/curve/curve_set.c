@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
+#include "curve/polygon.h"
 #include "space/degrees.h"
 
 #include <stdarg.h>
@@ -73,9 +74,7 @@ const char *bat_curve_set_note(const bat_curve_set *set, size_t index)
 
 void bat_curve_set_free(bat_curve_set *set)
 {
-    for (size_t i = 0; i < set->count; i++)
-        bat_curve_free(&set->curves[i]);
-    free(set->curves);
+    curves_free(set->curves, set->count);
     free(set->space);
     free(set->lines);
     attributes_release(set->attributes);

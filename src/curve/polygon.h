@@ -15,6 +15,8 @@ typedef enum polygon_end
 /// @param made release it with bat_curve_free(), also on failure
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status curve_room(const bat_curve *like, size_t count, bool corners, bat_curve *made, bat_error *error);
+/// Release an array of curves, which may be null.
+void curves_free(bat_curve *curves, size_t count);
 /// Copy a row of a curve, also within a curve. The flag of a corner goes along where there is room for it.
 void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row);
 

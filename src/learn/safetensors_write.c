@@ -2,7 +2,6 @@
 #include "base/error.h"
 #include "learn/safetensors.h"
 
-#include <errno.h>
 #include <jansson.h>
 
 static const char SPACES[] = "        ";
@@ -139,16 +138,9 @@ bat_status safetensors_encode(const safetensors *content, text_buffer *bytes, ba
 bat_status safetensors_write(const char *path, const safetensors *content, bat_error *error)
 {
     text_buffer bytes = {0};
-    atomic_file file;
     bat_status status = safetensors_encode(content, &bytes, error);
     if (status == BAT_OK)
-        status = atomic_file_begin(path, &file, error);
-    if (status == BAT_OK)
-    {
-        if (fwrite(bytes.data, 1, bytes.size, file.stream) != bytes.size)
-            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
-        status = atomic_file_end(&file, status, error);
-    }
+        status = atomic_file_write(path, bytes.data, bytes.size, error);
     text_free(&bytes);
     return status;
 }

@@ -7,6 +7,7 @@
 #include "base/number_digits.h"
 #include "base/option.h"
 #include "curve/curve_attributes.h"
+#include "curve/polygon.h"
 #include "linalg/vector.h"
 #include "space/builtin.h"
 #include "space/quaternion.h"
@@ -853,9 +854,7 @@ bat_status bat_motion_curves(const bat_curve_set *keyframes, const bat_motion_cu
         *fine = made;
         return BAT_OK;
     }
-    for (size_t i = 0; curves != NULL && i < keyframes->count; i++)
-        bat_curve_free(&curves[i]);
-    free(curves);
+    curves_free(curves, keyframes->count);
     attributes_release(columns.attributes);
     return status;
 }

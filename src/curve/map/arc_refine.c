@@ -266,13 +266,6 @@ static bat_status straighten(const arc_job *job, refined_arcs *next, bat_error *
     return status;
 }
 
-static void free_arcs(bat_curve *arcs, size_t count)
-{
-    for (size_t i = 0; arcs != NULL && i < count; i++)
-        bat_curve_free(&arcs[i]);
-    free(arcs);
-}
-
 /// Number the places of an arc's points in its chart, as a file holds them, where points that were drawn back to the start
 /// of an edge repeat it: a point has the number of the one before it if it repeats it, and 0 before the end of a ring if it
 /// repeats the first.
@@ -388,7 +381,7 @@ static bat_status run_step(arc_job *job, const bat_curve_refine_options *how, ba
         job->before = job->after;
         job->after = (chart_curves){0};
     }
-    free_arcs(given, count);
+    curves_free(given, count);
     return status;
 }
 
@@ -525,7 +518,7 @@ size_t refined_arcs_row(const refined_arcs *fine, const arc_graph *graph, size_t
 
 void refined_arcs_free(refined_arcs *fine)
 {
-    free_arcs(fine->arcs, fine->count);
+    curves_free(fine->arcs, fine->count);
     for (size_t i = 0; i < fine->count && fine->starts != NULL; i++)
         free(fine->starts[i]);
     free(fine->starts);

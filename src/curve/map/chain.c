@@ -256,9 +256,7 @@ bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bo
 
 void line_chains_free(line_chains *chains)
 {
-    for (size_t i = 0; i < chains->count; i++)
-        bat_curve_free(&chains->curves[i]);
-    free(chains->curves);
+    curves_free(chains->curves, chains->count);
     free(chains->members);
     *chains = (line_chains){0};
 }

@@ -348,20 +348,13 @@ static bat_status cut_chains(map_job *job, bat_error *error)
 
 // The whole
 
-static void free_curves(bat_curve *curves, size_t count)
-{
-    for (size_t i = 0; i < count && curves != NULL; i++)
-        bat_curve_free(&curves[i]);
-    free(curves);
-}
-
 static void free_job(map_job *job)
 {
     for (size_t i = 0; i < job->count && job->corners != NULL; i++)
         free(job->corners[i]);
     free(job->corners);
-    free_curves(job->result, job->count);
-    free_curves(job->cut, job->line_count);
+    curves_free(job->result, job->count);
+    curves_free(job->cut, job->line_count);
     line_chains_free(&job->chains);
     arc_graph_free(&job->graph);
     snapped_curves_free(&job->simple);

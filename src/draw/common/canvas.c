@@ -5,7 +5,6 @@
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
-#include <errno.h>
 #include <stdio.h>
 #include <strings.h>
 
@@ -202,19 +201,6 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
     return BAT_OK;
 }
 
-bat_status canvas_write(const char *path, const text_buffer *bytes, bat_error *error)
-{
-    atomic_file file;
-    bat_status status = atomic_file_begin(path, &file, error);
-    if (status == BAT_OK)
-    {
-        if (fwrite(bytes->data, 1, bytes->size, file.stream) != bytes->size)
-            status = error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
-        status = atomic_file_end(&file, status, error);
-    }
-    return status;
-}
-
 bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
 {
     cairo_status_t status = cairo_status(canvas->cairo);
@@ -227,7 +213,7 @@ bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error)
         return drawing_failed(status, error);
     if (canvas->format == CANVAS_SVG && !svg_renumber(&canvas->bytes))
         return error_memory(error, canvas->bytes.size);
-    return canvas_write(path, &canvas->bytes, error);
+    return atomic_file_write(path, canvas->bytes.data, canvas->bytes.size, error);
 }
 
 void canvas_close(draw_canvas *canvas)

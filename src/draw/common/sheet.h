@@ -36,8 +36,6 @@ bat_status canvas_open(draw_canvas *canvas, canvas_format format, double width, 
                        bat_error *error);
 /// Finish the drawing and write the file, completely or not at all.
 bat_status canvas_save(draw_canvas *canvas, const char *path, bat_error *error);
-/// Write bytes to a file, whole or not at all.
-bat_status canvas_write(const char *path, const text_buffer *bytes, bat_error *error);
 /// Release everything; does nothing to a canvas that is all zero.
 void canvas_close(draw_canvas *canvas);
 

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "curve/polygon.h"
 #include "linalg/vector.h"
 
 #include <stdlib.h>
@@ -298,9 +299,7 @@ bat_status proxy_make(const bat_curve_picture_panel *panel, const bat_curve_pict
 
 void proxy_free(proxy *made)
 {
-    for (size_t i = 0; i < made->count; i++)
-        bat_curve_free(&made->curves[i]);
-    free(made->curves);
+    curves_free(made->curves, made->count);
     free(made->layers);
     free(made->lines);
     *made = (proxy){0};

@@ -1,5 +1,6 @@
 #include "batten/mesh_picture.h"
 
+#include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "draw/common/sheet.h"
@@ -45,7 +46,7 @@ bat_status bat_mesh_image_write(const char *path, const bat_mesh_image *image, b
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the image has no pixels");
     bat_status status = append_png(image, &bytes, error);
     if (status == BAT_OK)
-        status = canvas_write(path, &bytes, error);
+        status = atomic_file_write(path, bytes.data, bytes.size, error);
     text_free(&bytes);
     return status;
 }

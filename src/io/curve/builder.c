@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "curve/curve_attributes.h"
 #include "curve/point_form.h"
+#include "curve/polygon.h"
 
 #include <math.h>
 
@@ -222,9 +223,7 @@ bat_status builder_finish(curve_builder *builder, bat_curve_attributes *attribut
 
 void builder_free(curve_builder *builder)
 {
-    for (size_t i = 0; i < builder->curve_count; i++)
-        bat_curve_free(&builder->curves[i]);
-    free(builder->curves);
+    curves_free(builder->curves, builder->curve_count);
     free(builder->points);
     free(builder->channels);
     free(builder->corners);

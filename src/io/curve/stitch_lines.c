@@ -93,9 +93,7 @@ void stitch_report_add(stitch_report *sum, const stitch_report *part)
 
 void stitch_geometry_free(stitch_geometry *geometry)
 {
-    for (size_t i = 0; i < geometry->count; i++)
-        bat_curve_free(&geometry->curves[i]);
-    free(geometry->curves);
+    curves_free(geometry->curves, geometry->count);
     free(geometry->origins);
     free(geometry->polygons);
     *geometry = (stitch_geometry){0};
@@ -409,9 +407,7 @@ static bool replace(stitch_geometry *geometry, stitch_geometry *made)
         curves[i] = curves[line];
         made->origins[i] = geometry->origins[line];
     }
-    for (size_t i = 0; i < geometry->count; i++)
-        bat_curve_free(&geometry->curves[i]);
-    free(geometry->curves);
+    curves_free(geometry->curves, geometry->count);
     free(geometry->origins);
     free(made->curves);
     geometry->curves = curves;

@@ -238,13 +238,7 @@ bat_status bat_cloud_parameters_write(const char *path, const bat_cloud *cloud, 
     for (size_t i = 0; i < count; i++)
         append_row(&text, rows + 2 * i);
     free(rows);
-    atomic_file file;
-    bat_status status = atomic_file_begin(path, &file, error);
-    if (status == BAT_OK)
-    {
-        text_sink sink = {.stream = file.stream};
-        status = atomic_file_end(&file, sink_write(&sink, &text, error), error);
-    }
+    bat_status status = text.failed ? error_memory(error, text.size) : atomic_file_write(path, text.data, text.size, error);
     text_free(&text);
     return status;
 }
