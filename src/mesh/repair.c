@@ -1,3 +1,4 @@
+#include "base/counting_sort.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "mesh/check.h"
@@ -45,20 +46,6 @@ static inline repair_edge repair_edge_of(const repair_work *work, uint32_t half_
     return a < b ? (repair_edge){a, b} : (repair_edge){b, a};
 }
 
-/// Counting sort of items by a key, stable.
-/// @param starts workspace of `key_count` + 1 numbers
-static void sort_by(const uint32_t *items, size_t count, uint32_t (*key)(const repair_work *, uint32_t),
-                    const repair_work *work, size_t key_count, size_t *starts, uint32_t *sorted)
-{
-    memset(starts, 0, (key_count + 1) * sizeof *starts);
-    for (size_t i = 0; i < count; i++)
-        starts[key(work, items[i]) + 1]++;
-    for (size_t k = 0; k < key_count; k++)
-        starts[k + 1] += starts[k];
-    for (size_t i = 0; i < count; i++)
-        sorted[starts[key(work, items[i])]++] = items[i];
-}
-
 /// The corner with the smallest vertex of a face.
 static uint32_t smallest_corner(const repair_work *work, uint32_t face)
 {
@@ -73,17 +60,17 @@ static uint32_t cyclic_vertex(const repair_work *work, uint32_t face, uint32_t s
     return work->faces[3 * (size_t)face + (smallest_corner(work, face) + steps) % 3];
 }
 
-static uint32_t first_vertex(const repair_work *work, uint32_t face)
+static size_t first_vertex(const void *work, uint32_t face)
 {
     return cyclic_vertex(work, face, 0);
 }
 
-static uint32_t second_vertex(const repair_work *work, uint32_t face)
+static size_t second_vertex(const void *work, uint32_t face)
 {
     return cyclic_vertex(work, face, 1);
 }
 
-static uint32_t third_vertex(const repair_work *work, uint32_t face)
+static size_t third_vertex(const void *work, uint32_t face)
 {
     return cyclic_vertex(work, face, 2);
 }
@@ -135,23 +122,21 @@ static bool repair_drop_faces(repair_work *work, bat_mesh_repair_report *report)
         return false;
     uint32_t *order = work->sorted, *other = work->twin; // used as workspace here
     size_t count = work->face_count;
-    for (uint32_t f = 0; f < count; f++)
-        other[f] = f;
-    sort_by(other, count, third_vertex, work, keys, starts, order);
-    sort_by(order, count, second_vertex, work, keys, starts, other);
-    sort_by(other, count, first_vertex, work, keys, starts, order);
+    counting_sort(NULL, count, third_vertex, work, keys, starts, order);
+    counting_sort(order, count, second_vertex, work, keys, starts, other);
+    counting_sort(other, count, first_vertex, work, keys, starts, order);
     free(starts);
     drop_repeated(work, order, other);
     report->duplicate_faces = count - work->face_count;
     return true;
 }
 
-static uint32_t low_vertex(const repair_work *work, uint32_t half_edge)
+static size_t low_vertex(const void *work, uint32_t half_edge)
 {
     return repair_edge_of(work, half_edge).low;
 }
 
-static uint32_t high_vertex(const repair_work *work, uint32_t half_edge)
+static size_t high_vertex(const void *work, uint32_t half_edge)
 {
     return repair_edge_of(work, half_edge).high;
 }
@@ -178,10 +163,8 @@ static bool repair_join_faces(repair_work *work, bat_mesh_repair_report *report)
     if (starts == NULL)
         return false;
     uint32_t *by_high = work->fan; // used as workspace here
-    for (uint32_t h = 0; h < count; h++)
-        work->twin[h] = h;
-    sort_by(work->twin, count, high_vertex, work, keys, starts, by_high);
-    sort_by(by_high, count, low_vertex, work, keys, starts, work->sorted);
+    counting_sort(NULL, count, high_vertex, work, keys, starts, by_high);
+    counting_sort(by_high, count, low_vertex, work, keys, starts, work->sorted);
     free(starts);
     memset(work->twin, 0xff, count * sizeof *work->twin);
     for (size_t begin = 0, end; begin < count; begin = end)

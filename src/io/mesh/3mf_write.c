@@ -1,3 +1,4 @@
+#include "base/counting_sort.h"
 #include "base/json_scan.h"
 #include "io/common/zip.h"
 #include "io/mesh/formats.h"
@@ -46,13 +47,15 @@ static bat_status no_memory(const writer_3mf *writer, bat_error *error)
     return error_memory(error, writer->mesh->vertex_count * sizeof *writer->vertices);
 }
 
-static uint32_t object_of_face(const writer_3mf *writer, size_t face)
+static size_t object_of_face(const void *context, uint32_t face)
 {
+    const writer_3mf *writer = context;
     return writer->object_count > 1 ? writer->object_of[writer->mesh->face_labels[face]] : 0;
 }
 
-static uint32_t object_of_vertex(const writer_3mf *writer, size_t vertex)
+static size_t object_of_vertex(const void *context, uint32_t vertex)
 {
+    const writer_3mf *writer = context;
     return writer->object_count > 1 ? writer->vertex_object[vertex] : 0;
 }
 
@@ -193,7 +196,7 @@ static bat_status part_vertices(writer_3mf *writer, const bat_mesh_write_options
     memset(writer->vertex_object, 0xff, mesh->vertex_count * sizeof *writer->vertex_object);
     for (size_t h = 0; h < 3 * mesh->face_count && writer->object_count > 1; h++)
     {
-        uint32_t *at = &writer->vertex_object[mesh->faces[h]], here = object_of_face(writer, h / 3);
+        uint32_t *at = &writer->vertex_object[mesh->faces[h]], here = (uint32_t)object_of_face(writer, (uint32_t)(h / 3));
         if (*at != BAT_MESH_NONE && *at != here)
         {
             writer->object_count = 1;
@@ -206,24 +209,6 @@ static bat_status part_vertices(writer_3mf *writer, const bat_mesh_write_options
         if (writer->vertex_object[v] == BAT_MESH_NONE)
             writer->vertex_object[v] = 0;
     return BAT_OK;
-}
-
-/// Order numbers from 0 to count - 1 by their objects; `until` receives where those of each object end, after a 0.
-static void sort_by_object(const writer_3mf *writer, size_t count, uint32_t (*object)(const writer_3mf *, size_t),
-                           uint32_t *order, size_t *until)
-{
-    memset(until, 0, (writer->object_count + 1) * sizeof *until);
-    for (size_t i = 0; i < count; i++)
-        until[object(writer, i)]++;
-    for (size_t k = 0, sum = 0, here; k <= writer->object_count; k++, sum += here)
-    {
-        here = until[k];
-        until[k] = sum;
-    }
-    for (size_t i = 0; i < count; i++)
-        order[until[object(writer, i)]++] = (uint32_t)i;
-    memmove(until + 1, until, writer->object_count * sizeof *until);
-    until[0] = 0;
 }
 
 static bat_status plan(writer_3mf *writer, const bat_mesh_write_options *options, bat_error *error)
@@ -241,8 +226,9 @@ static bat_status plan(writer_3mf *writer, const bat_mesh_write_options *options
     writer->faces_until = memory_pool_array(&writer->pool, writer->object_count + 1, sizeof *writer->faces_until);
     if (writer->pool.missing > 0)
         return no_memory(writer, error);
-    sort_by_object(writer, mesh->vertex_count, object_of_vertex, writer->vertices, writer->vertices_until);
-    sort_by_object(writer, mesh->face_count, object_of_face, writer->faces, writer->faces_until);
+    counting_sort(NULL, mesh->vertex_count, object_of_vertex, writer, writer->object_count, writer->vertices_until,
+                  writer->vertices);
+    counting_sort(NULL, mesh->face_count, object_of_face, writer, writer->object_count, writer->faces_until, writer->faces);
     return status;
 }
 

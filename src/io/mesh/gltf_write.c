@@ -1,3 +1,4 @@
+#include "base/counting_sort.h"
 #include "base/error.h"
 #include "base/json_scan.h"
 #include "base/memory.h"
@@ -54,6 +55,7 @@ typedef struct gltf_writer
     label_table objects;   ///< of the nodes; without labels, or where objects share vertices, there is one node
     bool one_node;         ///< objects share vertices: `extras` name them
     uint32_t *label_order; ///< the labels, ordered by their nodes
+    uint32_t *label_place; ///< of each label in `label_order`
     size_t *label_faces;   ///< label_count + 1: where the faces of label_order[i] begin in `faces`
     uint32_t *faces;       ///< the faces, ordered by node and label
 
@@ -135,39 +137,33 @@ static bool find_nodes(gltf_writer *writer)
     return room;
 }
 
-/// Order the labels by node, and the faces by label: two counting sorts.
+static size_t node_of_label(const void *context, uint32_t label)
+{
+    return ((const gltf_writer *)context)->node_of[label];
+}
+
+static size_t place_of_face(const void *context, uint32_t face)
+{
+    const gltf_writer *writer = context;
+    return writer->label_place[label_of(writer, face)];
+}
+
+/// Order the labels by node, and the faces by label.
 static bool order_faces(gltf_writer *writer)
 {
-    const bat_mesh *mesh = writer->mesh;
-    size_t labels = writer->label_count;
+    size_t labels = writer->label_count, faces = writer->mesh->face_count;
+    size_t *starts = memory_pool_array(&writer->pool, writer->node_count + 1, sizeof *starts);
     writer->label_order = memory_pool_array(&writer->pool, labels, sizeof *writer->label_order);
-    writer->label_faces = memory_pool_zeros(&writer->pool, labels + 1, sizeof *writer->label_faces);
-    writer->faces = memory_pool_array(&writer->pool, mesh->face_count, sizeof *writer->faces);
-    size_t *starts = calloc(writer->node_count + 1, sizeof *starts), *place = calloc(labels + 1, sizeof *place);
-    bool room = writer->pool.missing == 0 && starts != NULL && place != NULL;
-    if (room)
-    {
-        for (size_t i = 0; i < labels; i++)
-            starts[writer->node_of[i] + 1]++;
-        for (size_t n = 0; n < writer->node_count; n++)
-            starts[n + 1] += starts[n];
-        for (size_t i = 0; i < labels; i++)
-        {
-            place[i] = starts[writer->node_of[i]]++;
-            writer->label_order[place[i]] = (uint32_t)i;
-        }
-        for (size_t f = 0; f < mesh->face_count; f++)
-            writer->label_faces[place[label_of(writer, f)] + 1]++;
-        for (size_t i = 0; i < labels; i++)
-            writer->label_faces[i + 1] += writer->label_faces[i];
-        for (size_t f = 0; f < mesh->face_count; f++)
-            writer->faces[writer->label_faces[place[label_of(writer, f)]]++] = (uint32_t)f;
-        memmove(writer->label_faces + 1, writer->label_faces, labels * sizeof *writer->label_faces);
-        writer->label_faces[0] = 0;
-    }
-    free(starts);
-    free(place);
-    return room;
+    writer->label_place = memory_pool_array(&writer->pool, labels, sizeof *writer->label_place);
+    writer->label_faces = memory_pool_array(&writer->pool, labels + 1, sizeof *writer->label_faces);
+    writer->faces = memory_pool_array(&writer->pool, faces, sizeof *writer->faces);
+    if (writer->pool.missing > 0)
+        return false;
+    counting_sort(NULL, labels, node_of_label, writer, writer->node_count, starts, writer->label_order);
+    for (size_t i = 0; i < labels; i++)
+        writer->label_place[writer->label_order[i]] = (uint32_t)i;
+    counting_sort(NULL, faces, place_of_face, writer, labels, writer->label_faces, writer->faces);
+    return true;
 }
 
 /// Number the written vertices: pairs of a vertex and a texture coordinate, in the order of the faces.

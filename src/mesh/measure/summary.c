@@ -1,6 +1,7 @@
 #include "batten/mesh_measure.h"
 
 #include "base/choice.h"
+#include "base/counting_sort.h"
 #include "base/disjoint_sets.h"
 #include "base/error.h"
 #include "base/exact_sum.h"
@@ -35,34 +36,18 @@ static void edge_groups_free(edge_groups *groups)
     *groups = (edge_groups){0};
 }
 
-static uint32_t lesser_end(const uint32_t *faces, uint32_t half_edge)
+static size_t lesser_end(const void *context, uint32_t half_edge)
 {
+    const uint32_t *faces = context;
     uint32_t a = faces[half_edge], b = faces[bat_mesh_next(half_edge)];
     return a < b ? a : b;
 }
 
-static uint32_t greater_end(const uint32_t *faces, uint32_t half_edge)
+static size_t greater_end(const void *context, uint32_t half_edge)
 {
+    const uint32_t *faces = context;
     uint32_t a = faces[half_edge], b = faces[bat_mesh_next(half_edge)];
     return a < b ? b : a;
-}
-
-/// Counting sort of half-edges by one of their ends, stable. With `from` null the half-edges are in the order of their
-/// numbers. `room` has one number more than there are vertices.
-static void sort_by(uint32_t (*end)(const uint32_t *, uint32_t), const bat_mesh *mesh, const uint32_t *from, uint32_t *to,
-                    uint32_t *room)
-{
-    uint32_t count = (uint32_t)(3 * mesh->face_count);
-    memset(room, 0, (mesh->vertex_count + 1) * sizeof *room);
-    for (uint32_t h = 0; h < count; h++)
-        room[end(mesh->faces, h) + 1]++;
-    for (size_t v = 0; v < mesh->vertex_count; v++)
-        room[v + 1] += room[v];
-    for (uint32_t i = 0; i < count; i++)
-    {
-        uint32_t h = from == NULL ? i : from[i];
-        to[room[end(mesh->faces, h)]++] = h;
-    }
 }
 
 /// Find the first half-edge of each edge in the sorted order.
@@ -85,17 +70,17 @@ static bat_status edge_groups_make(const bat_mesh *mesh, edge_groups *groups, ba
     size_t half_edges = 3 * mesh->face_count;
     edge_groups made = {.order = memory_array(half_edges, sizeof *made.order),
                         .begin = memory_array(half_edges + 1, sizeof *made.begin)};
-    uint32_t *room = memory_array(mesh->vertex_count + 1, sizeof *room);
-    if (made.order == NULL || made.begin == NULL || room == NULL)
+    size_t *starts = memory_array(mesh->vertex_count + 1, sizeof *starts);
+    if (made.order == NULL || made.begin == NULL || starts == NULL)
     {
-        free(room);
+        free(starts);
         edge_groups_free(&made);
         return error_memory(error, half_edges * sizeof *made.order);
     }
-    sort_by(greater_end, mesh, NULL, made.begin, room);
-    sort_by(lesser_end, mesh, made.begin, made.order, room);
+    counting_sort(NULL, half_edges, greater_end, mesh->faces, mesh->vertex_count, starts, made.begin);
+    counting_sort(made.begin, half_edges, lesser_end, mesh->faces, mesh->vertex_count, starts, made.order);
     mark_edges(mesh, &made);
-    free(room);
+    free(starts);
     *groups = made;
     return BAT_OK;
 }
