@@ -142,8 +142,10 @@ const char *learned_rule_fault(const bat_curve_angle_rule *rule BAT_UNUSED, cons
     return space_is_surface(space, &curvature) ? NULL : "the network knows the plane, the sphere and the disk";
 }
 
-static void angles_by(const real *weights, const bat_curve_angle_rule_view *view, double *chosen, void *scratch)
+static void rule_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
+                        void *scratch)
 {
+    const real *weights = rule->parameters != NULL ? rule->parameters : weights_learned.arrays[0].values;
     int curvature = 0;
     (void)space_is_surface(view->space, &curvature);
     bool even = view->first % 2 == 0;
@@ -156,39 +158,19 @@ static void angles_by(const real *weights, const bat_curve_angle_rule_view *view
     learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, chosen, scratch);
 }
 
-static void shipped_angles(const bat_curve_angle_rule *rule BAT_UNUSED, const bat_curve_angle_rule_view *view,
-                           double *chosen, void *scratch)
-{
-    angles_by(weights_learned.arrays[0].values, view, chosen, scratch);
-}
-
-static void given_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
-                         void *scratch)
-{
-    angles_by(rule->parameters, view, chosen, scratch);
-}
-
-static const bat_curve_angle_rule SHIPPED = {
+/// The rule of the weights in its `parameters`, or of the shipped ones.
+static const bat_curve_angle_rule RULE = {
     .name = "learned",
     .reach = LEARNED_RANGE,
     .levels = LEARNED_LEVELS,
     .scratch_size = sizeof(learned_scratch),
     .fault = learned_rule_fault,
-    .angles = shipped_angles,
-};
-
-static const bat_curve_angle_rule GIVEN = {
-    .name = "learned",
-    .reach = LEARNED_RANGE,
-    .levels = LEARNED_LEVELS,
-    .scratch_size = sizeof(learned_scratch),
-    .fault = learned_rule_fault,
-    .angles = given_angles,
+    .angles = rule_angles,
 };
 
 bat_curve_angle_rule learned_rule(const real *weights)
 {
-    bat_curve_angle_rule rule = GIVEN;
+    bat_curve_angle_rule rule = RULE;
     rule.parameters = weights;
     return rule;
 }
@@ -200,7 +182,7 @@ static bat_status make(const learn_source *source BAT_UNUSED, learn_parameters *
 
 const learn_network curve_network_learned = {
     .array = "layer.0.kept",
-    .rule = &GIVEN,
+    .rule = &RULE,
     .make = make,
     .pack = learn_model_copy,
     .free = free,
@@ -208,7 +190,7 @@ const learn_network curve_network_learned = {
 
 bat_curve_scheme bat_curve_scheme_learned(double fairness)
 {
-    bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&SHIPPED);
+    bat_curve_scheme scheme = bat_curve_scheme_angle_rule(&RULE);
     scheme.fairness = fairness;
     return scheme;
 }
