@@ -2,6 +2,8 @@
 
 #include "batten/base.h"
 
+#include <stdlib.h>
+
 /// True when a * b does not fit size_t; else the product is in *product.
 static inline bool size_multiply_overflows(size_t a, size_t b, size_t *product)
 {
@@ -44,6 +46,13 @@ void memory_pool_free(memory_pool *pool);
 static inline int ascending(const void *a, const void *b)
 {
     return ORDER_OF(*(const double *)a, *(const double *)b);
+}
+
+/// The upper median of at least one number; sorts them.
+static inline double sort_median(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, ascending);
+    return values[count / 2];
 }
 
 static inline int ascending_int(const void *a, const void *b)

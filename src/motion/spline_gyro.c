@@ -172,8 +172,7 @@ static double walk_of_rates(const bat_motion_gyro *gyro, double *sorted)
         }
         sorted[count++] = sum;
     }
-    qsort(sorted, count, sizeof *sorted, ascending);
-    return count > 0 ? sqrt(step * sorted[count / 2] / (20 * 2.366)) : 0;
+    return count > 0 ? sqrt(step * sort_median(sorted, count) / (20 * 2.366)) : 0;
 }
 
 /// The ratio of the greatest likelihood, by golden sections. Keys alone tell little of a small walk: it is at least that of

@@ -156,8 +156,7 @@ static bat_status measure_points(cloud_geometry *geometry, int threads, bat_prog
     if (complete && goes_on)
     {
         memcpy(areas, geometry->spacing, count * sizeof *areas);
-        qsort(areas, count, sizeof *areas, ascending);
-        geometry->middle_spacing = areas[count / 2];
+        geometry->middle_spacing = sort_median(areas, count);
     }
     free(areas);
     if (!goes_on)

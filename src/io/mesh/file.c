@@ -355,9 +355,7 @@ static bat_status check_write(bat_mesh_format format, const bat_mesh_write_optio
     for (size_t i = 0; i < options->lod_count && status == BAT_OK; i++)
         status = options->lods[i].offsets == NULL ? bat_mesh_check(&options->lods[i], error)
                                                   : error_option(error, "lods", "must be triangles");
-    if (status != BAT_OK)
-        return status;
-    return BAT_OK;
+    return status;
 }
 
 /// Note what a mesh has and a format cannot hold.

@@ -196,8 +196,7 @@ static bat_status measure_cloud(const double *points, const nearest_tree *tree, 
             spacings[taken++] = sqrt(near.entries[near.count - 1].squared * PI / (double)near.count);
     }
     neighbour_list_free(&near);
-    qsort(spacings, taken, sizeof *spacings, ascending);
-    search->spacing = taken > 0 ? spacings[taken / 2] : 0;
+    search->spacing = taken > 0 ? sort_median(spacings, taken) : 0;
     return status;
 }
 

@@ -257,10 +257,7 @@ bat_status noise_estimate(const double *points, const nearest_tree *tree, double
             variances[made++] = least;
     }
     if (status == BAT_OK && made > 0)
-    {
-        qsort(variances, made, sizeof *variances, ascending);
-        *sigma = sqrt(variances[made / 2]);
-    }
+        *sigma = sqrt(sort_median(variances, made));
     neighbour_list_free(&near);
     free(variances);
     return status;

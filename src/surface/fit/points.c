@@ -113,13 +113,6 @@ static const double TUKEY_REACH = 4.685;
 // Lower bound of the scale, as a fraction of the size of the point set: residuals of rounding size are no outliers.
 static const double MIN_SCALE = 1e-12;
 
-/// The upper median. Sorts the values.
-static double median(double *values, size_t count)
-{
-    qsort(values, count, sizeof *values, ascending);
-    return values[count / 2];
-}
-
 static double biweight(double distance, double scale)
 {
     double share = distance / (TUKEY_REACH * scale), left = 1 - share * share;
@@ -138,7 +131,7 @@ bat_status fit_robust_weights(fit_points *points, double size, size_t *outliers,
     {
         size_t end = begin + NEIGHBOURS < points->count ? begin + NEIGHBOURS : points->count;
         memcpy(sorted, points->distance + begin, (end - begin) * sizeof *sorted);
-        double scale = fmax(NORMAL_SCALE * median(sorted, end - begin), global);
+        double scale = fmax(NORMAL_SCALE * sort_median(sorted, end - begin), global);
         for (size_t row = begin; row < end; row++)
         {
             if (points->number[row] >= points->own)

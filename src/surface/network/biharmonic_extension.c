@@ -82,10 +82,7 @@ static double loop_noise(const bat_cloud *cloud, double *scratch)
         if (length >= 0)
             scratch[count++] = length;
     }
-    if (count == 0)
-        return 0;
-    qsort(scratch, count, sizeof *scratch, ascending);
-    return scratch[count / 2] / MEDIAN_LENGTH;
+    return count > 0 ? sort_median(scratch, count) / MEDIAN_LENGTH : 0;
 }
 
 static void fill_system(const biharmonic_extension *extension, double lambda, double *matrix)

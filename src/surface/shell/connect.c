@@ -585,10 +585,7 @@ static bat_status measure_points(connection *work, const nearest_tree *tree, dou
     }
     neighbour_list_free(&near);
     if (status == BAT_OK)
-    {
-        qsort(sorted, work->count, sizeof *sorted, ascending);
-        *spacing = sorted[work->count / 2];
-    }
+        *spacing = sort_median(sorted, work->count);
     free(sorted);
     return status;
 }

@@ -136,12 +136,10 @@ static bat_status measure_loop(fair_loop *loop, const uint32_t *corners, const d
         return error_memory(error, loop->count * sizeof *values);
     for (size_t i = 0; i < loop->count; i++)
         values[i] = spacing[corners[i]];
-    qsort(values, loop->count, sizeof *values, ascending);
-    loop->spacing = values[loop->count / 2];
+    loop->spacing = sort_median(values, loop->count);
     for (size_t i = 0; i < loop->count; i++)
         values[i] = loop->count > 2 * ARM ? residual_at(loop, i) : 0;
-    qsort(values, loop->count, sizeof *values, ascending);
-    double rough = fmin(values[loop->count / 2], MAX_ROUGH * loop->spacing);
+    double rough = fmin(sort_median(values, loop->count), MAX_ROUGH * loop->spacing);
     loop->roughness = sqrt(fmax(rough * rough - noise * noise, random ? RANDOM_PART * rough * rough : 0));
     loop->at[0] = 0;
     for (size_t i = 0; i < loop->count; i++)
