@@ -51,6 +51,16 @@ static inline void text_append_string(text_buffer *buffer, const char *string)
     text_append(buffer, string, strlen(string));
 }
 
+/// Append strings up to a null pointer.
+static inline void text_append_strings(text_buffer *buffer, const char *const *strings)
+{
+    for (; *strings != NULL; strings++)
+        text_append_string(buffer, *strings);
+}
+
+/// Append some strings.
+#define TEXT_APPEND(buffer, ...) text_append_strings(buffer, (const char *const[]){__VA_ARGS__, NULL})
+
 static inline void text_free(text_buffer *buffer)
 {
     free(buffer->data);

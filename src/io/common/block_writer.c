@@ -4,6 +4,7 @@
 #include "base/threads.h"
 
 #include <errno.h>
+#include <stdarg.h>
 
 /// @file
 /// Parallel formatting with ordered output: threads format blocks in any order and write them in the order of their numbers.
@@ -20,6 +21,16 @@ bat_status sink_write(text_sink *sink, const text_buffer *text, bat_error *error
     if (text->size == 0 || fwrite(text->data, 1, text->size, sink->stream) == text->size)
         return BAT_OK;
     return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "cannot write: %s", strerror(errno));
+}
+
+bat_status sink_format(text_sink *sink, bat_error *error, const char *format, ...)
+{
+    char line[512];
+    va_list arguments;
+    va_start(arguments, format);
+    int size = vsnprintf(line, sizeof line, format, arguments);
+    va_end(arguments);
+    return sink_write(sink, &(text_buffer){.data = line, .size = (size_t)size}, error);
 }
 
 bat_status blocks_write(text_sink *sink, size_t count, int threads, block_format *format, const void *context,

@@ -167,9 +167,7 @@ static void write_directives(const csv_layout *layout, const bat_curve_set *set,
     bool named = strcmp(space, implied_space(layout)) != 0;
     if (named)
     {
-        text_append_string(text, "# space: ");
-        text_append_string(text, space);
-        text_append_string(text, "\n");
+        TEXT_APPEND(text, "# space: ", space, "\n");
     }
     if (layout->columns == NULL || layout->form != NULL || layout->columns->places == NULL ||
         is_implied(layout->columns, named ? space : NULL, layout->coordinate_count))
@@ -194,7 +192,9 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
             text_append(text, &separator, 1);
         if (i == layout->corner)
             text_append_string(text, "corner,");
-        cells_write_text(layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other,
+        cells_write_text(layout->columns != NULL ? layout->columns->names[i]
+                         : i < 3                 ? names[i]
+                                                 : other,
                          layout->column_count == 1, text);
     }
     text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
@@ -448,9 +448,6 @@ bat_status trajectory_write(const bat_curve_set *set, const bat_curve_write_opti
     if (layout.time == BAT_NO_INDEX && !layout.matrix)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "a %s trajectory needs times, which these poses lack",
                          layout.name);
-    text_buffer header = {0};
-    text_append_string(&header, layout.header);
-    bat_status status = sink_write(sink, &header, error);
-    text_free(&header);
+    bat_status status = sink_format(sink, error, "%s", layout.header);
     return status == BAT_OK ? rows_write(set, sink, options->threads, format_poses, &layout, error) : status;
 }

@@ -140,8 +140,7 @@ static void write_properties(geojson_output *out, json_t *properties, bat_status
     if (text->failed)
         return;
     text->size--; // the brace
-    text_append_string(text, json_object_size(properties) > 0 ? "," : "");
-    text_append_string(text, "\"coordinateProperties\":");
+    TEXT_APPEND(text, json_object_size(properties) > 0 ? "," : "", "\"coordinateProperties\":");
     if (!gpx_properties_write(out->writer->set, &out->shape, out->feature->curve, text))
         *status = error_memory(out->error, text->size);
     text_append_string(text, "}");
@@ -246,9 +245,8 @@ static bat_status write_new_feature(geojson_output *out, size_t curve)
                                             1, curve, out->error);
     if (status != BAT_OK)
         return status;
-    text_append_string(out->text, "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"");
-    text_append_string(out->text, out->shape.type);
-    text_append_string(out->text, "\",\"coordinates\":");
+    TEXT_APPEND(out->text, "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"", out->shape.type,
+                "\",\"coordinates\":");
     geojson_shape_write(&out->shape, &out->writer->style, out->text);
     text_append_string(out->text, "}}");
     return BAT_OK;

@@ -336,13 +336,9 @@ static void append_properties(text_buffer *text, const json_t *feature, bool way
         if (value == NULL || json_is_null(value) || !is_member(MEMBERS[i], waypoint))
             continue;
         bool link = strcmp(MEMBERS[i], "link") == 0;
-        text_append_string(text, "<");
-        text_append_string(text, MEMBERS[i]);
-        text_append_string(text, link ? " href=\"" : ">");
+        TEXT_APPEND(text, "<", MEMBERS[i], link ? " href=\"" : ">");
         append_value(text, value);
-        text_append_string(text, link ? "\"/>" : "</");
-        text_append_string(text, link ? "" : MEMBERS[i]);
-        text_append_string(text, link ? "" : ">");
+        TEXT_APPEND(text, link ? "\"/>" : "</", link ? "" : MEMBERS[i], link ? "" : ">");
     }
     const json_t *id = json_object_get(properties, "id") == NULL ? json_object_get(feature, "id") : NULL;
     size_t begin = text->size;
@@ -366,8 +362,7 @@ static void append_properties(text_buffer *text, const json_t *feature, bool way
 static void append_position(text_buffer *text, const char *name, const json_t *position, bool flat)
 {
     const json_t *altitude = flat ? NULL : json_array_get(position, 2);
-    text_append_string(text, "<");
-    text_append_string(text, name);
+    TEXT_APPEND(text, "<", name);
     text_append_real(text, " lat=\"", json_number_value(json_array_get(position, 1)));
     text_append_real(text, "\" lon=\"", json_number_value(json_array_get(position, 0)));
     text_append_string(text, "\">");

@@ -153,8 +153,7 @@ static bat_status append_geometry(topology_reader *reader, const json_t *geometr
         return fault(reader, "the geometry has an unknown type");
     if (depth == MAX_DEPTH)
         return fault(reader, "collections are nested too deep");
-    text_append_string(&reader->geojson, "{\"type\":\"");
-    text_append_string(&reader->geojson, GEOMETRY_NAMES[kind]);
+    TEXT_APPEND(&reader->geojson, "{\"type\":\"", GEOMETRY_NAMES[kind]);
     bool collection = kind == GEOMETRY_COLLECTION;
     text_append_string(&reader->geojson, collection ? "\",\"geometries\":[" : "\",\"coordinates\":");
     bat_status status = BAT_OK;

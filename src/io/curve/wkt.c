@@ -245,9 +245,8 @@ static bat_status read_geometry(wkt_scanner *scan, size_t depth, text_buffer *ge
     form.z = both || take_word(scan, "Z") || form.z;
     form.m = both || take_word(scan, "M") || form.m;
     bool collection = form.kind == GEOMETRY_COLLECTION;
-    text_append_string(geojson, "{\"type\":\"");
-    text_append_string(geojson, GEOMETRY_NAMES[form.kind]);
-    text_append_string(geojson, collection ? "\",\"geometries\":" : "\",\"coordinates\":");
+    TEXT_APPEND(geojson, "{\"type\":\"", GEOMETRY_NAMES[form.kind],
+                collection ? "\",\"geometries\":" : "\",\"coordinates\":");
     bat_status status = BAT_OK;
     if (take_word(scan, "EMPTY"))
         text_append_string(geojson, "[]");
@@ -360,8 +359,7 @@ void wkt_append_geometry(const json_t *geometry, bool measures, text_buffer *tex
     size_t numbers = wkt_count_numbers(coordinates);
     if (kind == GEOMETRY_UNKNOWN)
         kind = GEOMETRY_COLLECTION; // for null
-    text_append_string(text, WKT_NAMES[kind]);
-    text_append_string(text, numbers > 3 ? " ZM" : numbers == 3 && measures ? " M" : numbers == 3 ? " Z" : "");
+    TEXT_APPEND(text, WKT_NAMES[kind], numbers > 3 ? " ZM" : numbers == 3 && measures ? " M" : numbers == 3 ? " Z" : "");
     if (numbers == 0 && json_array_size(members) == 0)
     {
         text_append_string(text, " EMPTY");
@@ -388,9 +386,7 @@ void wkt_append_srid(const bat_curve_set *set, const bat_curve_write_options *op
     const char *crs = options->crs != NULL ? options->crs : attributes != NULL ? attributes->crs : NULL;
     if (crs == NULL || strncmp(crs, prefix, sizeof prefix - 1) != 0)
         return;
-    text_append_string(text, "SRID=");
-    text_append_string(text, crs + sizeof prefix - 1);
-    text_append_string(text, ";");
+    TEXT_APPEND(text, "SRID=", crs + sizeof prefix - 1, ";");
 }
 
 typedef struct wkt_writer

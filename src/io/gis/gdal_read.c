@@ -110,9 +110,8 @@ static bool write_geometry(layer_reader *reader, OGRGeometryH geometry)
     bool collection = type == wkbGeometryCollection;
     if (type == wkbUnknown || (int)type >= GEOMETRY_KINDS)
         return false;
-    text_append_string(&reader->text, "{\"type\":\"");
-    text_append_string(&reader->text, GEOMETRY_NAMES[type]);
-    text_append_string(&reader->text, collection ? "\",\"geometries\":[" : "\",\"coordinates\":");
+    TEXT_APPEND(&reader->text, "{\"type\":\"", GEOMETRY_NAMES[type],
+                collection ? "\",\"geometries\":[" : "\",\"coordinates\":");
     if (!collection)
         write_coordinates(reader, geometry);
     for (int i = 0; collection && i < gdal.OGR_G_GetGeometryCount(geometry); i++)

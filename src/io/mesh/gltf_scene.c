@@ -274,9 +274,7 @@ static bat_status embed_image(gltf_document *document, json_t *image, size_t ind
     status = gltf_view_find(document, number, &view, error);
     if (status != BAT_OK)
         return status;
-    text_append_string(&text, "data:");
-    text_append_string(&text, type != NULL ? type : "image/png");
-    text_append_string(&text, ";base64,");
+    TEXT_APPEND(&text, "data:", type != NULL ? type : "image/png", ";base64,");
     base64_append(&text, view.bytes, view.size);
     json_t *uri = text.failed ? NULL : json_stringn(text.data, text.size);
     if (uri == NULL || json_object_set_new(image, "uri", uri) != 0)

@@ -158,8 +158,7 @@ static void obj_labels_write_files(const bat_mesh *mesh, text_buffer *text)
 {
     if (mesh->material_files == NULL)
         return;
-    text_append_string(text, "mtllib ");
-    text_append_string(text, mesh->material_files);
+    TEXT_APPEND(text, "mtllib ", mesh->material_files);
     text_append(text, "\n", 1);
 }
 
@@ -692,8 +691,7 @@ static void format_corner(const void *context, size_t i, text_buffer *text)
 static void text_append_tag(text_buffer *text, const char *tag, size_t number)
 {
     const char end[] = {(char)('0' + number), '\n', '\0'};
-    text_append_string(text, tag);
-    text_append_string(text, end);
+    TEXT_APPEND(text, tag, end);
 }
 
 /// The rules of refinement as tags.

@@ -298,8 +298,7 @@ static void format_header(const void *context, size_t row, text_buffer *text)
 {
     (void)row; // the only one
     const off_parts *parts = context;
-    text_append_string(text, parts->textured ? "ST" : "");
-    text_append_string(text, parts->colours > 0 ? "COFF\n" : "OFF\n");
+    TEXT_APPEND(text, parts->textured ? "ST" : "", parts->colours > 0 ? "COFF\n" : "OFF\n");
     text_append_count(text, parts->mesh->vertex_count, " ");
     text_append_count(text, parts->mesh->face_count, " 0\n");
 }

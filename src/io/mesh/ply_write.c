@@ -78,9 +78,8 @@ static bat_status check_names(const bat_mesh *mesh, const ply_plan *plan, bat_er
 static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_sink *sink, bat_error *error)
 {
     text_buffer text = {0};
-    text_append_string(&text, "ply\nformat ");
-    text_append_string(&text, plan->text ? "ascii" : plan->big_endian ? "binary_big_endian" : "binary_little_endian");
-    text_append_string(&text, " 1.0\n");
+    const char *encoding = plan->text ? "ascii" : plan->big_endian ? "binary_big_endian" : "binary_little_endian";
+    TEXT_APPEND(&text, "ply\nformat ", encoding, " 1.0\n");
     ply_labels_write(mesh, &text);
     text_append_string(&text, "element vertex ");
     text_append_count(&text, mesh->vertex_count, "\nproperty double x\nproperty double y\nproperty double z\n");
@@ -90,14 +89,11 @@ static bat_status write_header(const bat_mesh *mesh, const ply_plan *plan, text_
         text_append_string(&text, "property double s\nproperty double t\n");
     for (size_t i = 0; i < mesh->channel_count; i++)
     {
-        text_append_string(&text, plan->bytes[i] ? "property uchar " : "property double ");
-        text_append_string(&text, mesh->channel_names[i]);
-        text_append_string(&text, "\n");
+        TEXT_APPEND(&text, plan->bytes[i] ? "property uchar " : "property double ", mesh->channel_names[i], "\n");
     }
     text_append_string(&text, "element face ");
     text_append_count(&text, mesh->face_count, plan->long_lists ? "\nproperty list uint " : "\nproperty list uchar ");
-    text_append_string(&text, mesh->vertex_count > INT32_MAX ? "uint" : "int");
-    text_append_string(&text, " vertex_indices\n");
+    TEXT_APPEND(&text, mesh->vertex_count > INT32_MAX ? "uint" : "int", " vertex_indices\n");
     if (plan->texture_by_corner)
         text_append_string(&text, plan->long_lists ? "property list uint double texcoord\n"
                                                    : "property list uchar double texcoord\n");

@@ -280,21 +280,12 @@ static bat_status write_binary(const bat_mesh *mesh, const bat_mesh_write_option
     return status;
 }
 
-static bat_status write_line(text_sink *sink, const char *line, bat_error *error)
-{
-    text_buffer text = {0};
-    text_append_string(&text, line);
-    bat_status status = sink_write(sink, &text, error);
-    text_free(&text);
-    return status;
-}
-
 bat_status mesh_stl_write(const bat_mesh *mesh, const bat_mesh_write_options *options, text_sink *sink, bat_error *error)
 {
     if (options->encoding != BAT_MESH_ENCODING_TEXT)
         return write_binary(mesh, options, sink, error);
-    bat_status status = write_line(sink, "solid mesh\n", error);
+    bat_status status = sink_format(sink, error, "solid mesh\n");
     if (status == BAT_OK)
         status = text_lines_write(sink, mesh->face_count, options->threads, format_text, mesh, error);
-    return status == BAT_OK ? write_line(sink, "endsolid mesh\n", error) : status;
+    return status == BAT_OK ? sink_format(sink, error, "endsolid mesh\n") : status;
 }

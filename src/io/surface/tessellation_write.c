@@ -4,27 +4,8 @@
 #include "io/surface/formats.h"
 #include "io/surface/step.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-
 /// @file
 /// Tessellated surfaces as OBJ triangles and as VTK polygons with data points. Rows are formatted on all threads.
-
-/// Write a text without floating-point numbers.
-__attribute__((format(printf, 3, 4))) static bat_status write_heading(text_sink *sink, bat_error *error, const char *format,
-                                                                      ...)
-{
-    char line[256];
-    text_buffer text = {0};
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    text_append_string(&text, line);
-    bat_status status = sink_write(sink, &text, error);
-    text_free(&text);
-    return status;
-}
 
 bat_status surface_obj_write(const bat_spline_surface *surface, const bat_surface_write_options *options, text_sink *sink,
                              bat_error *error)
@@ -121,16 +102,16 @@ static bat_status write_geometry(const vtk_content *content, text_sink *sink, ba
     size_t points = content->options->point_count, polygons = polygon_count(content);
     size_t corners = content->surface->quad_count > 0 ? 4 : 3;
     size_t all = content->surface->grid_count + points;
-    bat_status status = write_heading(
+    bat_status status = sink_format(
         sink, error, "# vtk DataFile Version 3.0\nbatten surface\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n", all);
     if (status == BAT_OK)
         status = lines_write(sink, all, append_point, content, error);
     if (status == BAT_OK && points > 0)
-        status = write_heading(sink, error, "VERTICES %zu %zu\n", points, 2 * points);
+        status = sink_format(sink, error, "VERTICES %zu %zu\n", points, 2 * points);
     if (status == BAT_OK)
         status = lines_write(sink, points, append_data_vertex, content, error);
     if (status == BAT_OK)
-        status = write_heading(sink, error, "POLYGONS %zu %zu\n", polygons, (corners + 1) * polygons);
+        status = sink_format(sink, error, "POLYGONS %zu %zu\n", polygons, (corners + 1) * polygons);
     if (status == BAT_OK)
         status = lines_write(sink, polygons, append_polygon, content, error);
     return status;
@@ -140,12 +121,12 @@ static bat_status write_fields(const vtk_content *content, text_sink *sink, bat_
 {
     size_t points = content->options->point_count, cells = points + polygon_count(content);
     size_t all = content->surface->grid_count + points;
-    bat_status status = write_heading(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
+    bat_status status = sink_format(sink, error, "CELL_DATA %zu\nSCALARS level int 1\nLOOKUP_TABLE default\n", cells);
     if (status == BAT_OK)
         status = lines_write(sink, cells, append_level, content, error);
     if (status != BAT_OK || points == 0 || content->options->errors == NULL)
         return status;
-    status = write_heading(sink, error, "POINT_DATA %zu\nSCALARS error double 1\nLOOKUP_TABLE default\n", all);
+    status = sink_format(sink, error, "POINT_DATA %zu\nSCALARS error double 1\nLOOKUP_TABLE default\n", all);
     return status == BAT_OK ? lines_write(sink, all, append_error, content, error) : status;
 }
 
