@@ -210,7 +210,7 @@ static char *copy_name(reader_3mf *reader, const char *name)
 {
     if (name == NULL || *name == '\0')
         return NULL;
-    char *copy = label_name_copy((label_name){name, strlen(name)});
+    char *copy = label_name_copy(label_name_of(name));
     if (copy == NULL)
         fail_memory(reader, strlen(name));
     return copy;
@@ -624,12 +624,9 @@ static bat_status add_vertices(reader_3mf *reader, const object_3mf *object, con
 
 static bool set_label(reader_3mf *reader, const char *name, uint32_t material)
 {
-    const char *texts[MESH_LABEL_NAMES] = {name, NULL, material != BAT_MESH_NONE ? reader->materials[material].name : NULL};
-    label_name names[MESH_LABEL_NAMES] = {{0}};
-    for (int k = 0; k < MESH_LABEL_NAMES; k++)
-        if (texts[k] != NULL)
-            names[k] = (label_name){texts[k], strlen(texts[k])};
-    bool named = texts[0] != NULL || texts[2] != NULL;
+    const char *own = material != BAT_MESH_NONE ? reader->materials[material].name : NULL;
+    const label_name names[MESH_LABEL_NAMES] = {label_name_of(name), {0}, label_name_of(own)};
+    bool named = name != NULL || own != NULL;
     return (!named && !reader->builder.labelled) || mesh_builder_label(&reader->builder, names);
 }
 

@@ -160,11 +160,6 @@ static bat_status put_materials(writer_3mf *writer, bat_error *error)
 
 // Objects
 
-static label_name name_of(const char *text)
-{
-    return text != NULL ? (label_name){text, strlen(text)} : (label_name){0};
-}
-
 /// Number the objects and the materials of the labels that faces have.
 static bool number_names(writer_3mf *writer)
 {
@@ -175,8 +170,8 @@ static bool number_names(writer_3mf *writer)
     for (size_t f = 0; f < mesh->face_count && mesh->face_labels != NULL && room; f++)
     {
         uint32_t label = mesh->face_labels[f];
-        const label_name object[MESH_LABEL_NAMES] = {name_of(mesh->labels[label].object)};
-        const label_name material[MESH_LABEL_NAMES] = {{0}, {0}, name_of(mesh->labels[label].material)};
+        const label_name object[MESH_LABEL_NAMES] = {label_name_of(mesh->labels[label].object)};
+        const label_name material[MESH_LABEL_NAMES] = {{0}, {0}, label_name_of(mesh->labels[label].material)};
         if (writer->object_of[label] != BAT_MESH_NONE)
             continue;
         writer->object_of[label] = label_table_add(&writer->objects, object);

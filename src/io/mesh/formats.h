@@ -51,6 +51,12 @@ typedef struct label_name
     size_t size;
 } label_name;
 
+/// A string, or null, as a name.
+static inline label_name label_name_of(const char *text)
+{
+    return (label_name){text, text != NULL ? strlen(text) : 0};
+}
+
 /// Labels without repetition. All zero: empty.
 typedef struct label_table
 {

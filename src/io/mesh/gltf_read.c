@@ -221,7 +221,7 @@ static bat_status set_label(gltf_reader *reader, const gltf_instance *instance, 
     if (status != BAT_OK)
         return status;
     if (number != SIZE_MAX)
-        material = (label_name){reader->materials[number], strlen(reader->materials[number])};
+        material = label_name_of(reader->materials[number]);
     if (object.begin == NULL)
         object = name_of(node, "name");
     if (group.begin == NULL)

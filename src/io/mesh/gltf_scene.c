@@ -319,7 +319,7 @@ static char *unique_name(char *const *names, size_t index, const json_t *materia
 {
     const json_t *given = json_object_get(material, "name");
     const char *own = json_is_string(given) && json_string_length(given) > 0 ? json_string_value(given) : "material";
-    char *name = label_name_copy((label_name){own, strlen(own)});
+    char *name = label_name_copy(label_name_of(own));
     bool numbered = own != json_string_value(given);
     if (name == NULL || (!numbered && !is_taken(names, index, name)))
         return name;

@@ -122,7 +122,7 @@ static bool find_nodes(gltf_writer *writer)
     for (size_t i = 0; i < writer->label_count && room; i++)
     {
         const char *object = mesh->face_labels != NULL ? mesh->labels[i].object : NULL;
-        const label_name names[MESH_LABEL_NAMES] = {{object, object != NULL ? strlen(object) : 0}};
+        const label_name names[MESH_LABEL_NAMES] = {label_name_of(object)};
         writer->node_of[i] = label_table_add(&writer->objects, names);
         room = writer->node_of[i] != BAT_MESH_NONE;
     }
@@ -419,7 +419,7 @@ static json_t *index_json(size_t index)
 
 static json_t *text_json(const char *text)
 {
-    char *copy = label_name_copy((label_name){text, strlen(text)});
+    char *copy = label_name_copy(label_name_of(text));
     json_t *made = copy != NULL ? json_string(copy) : NULL;
     free(copy);
     return made;
