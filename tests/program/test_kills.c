@@ -62,7 +62,7 @@ static pid_t start(bool traced)
 static long run_traced(long kill_at)
 {
     long stops = 0;
-    int status;
+    int status = 0;
     uint64_t number = 0;
     pid_t process = start(true);
     assert_true(process > 0 && waitpid(process, &status, 0) == process);
