@@ -1,5 +1,6 @@
 #include "io/motion/pose_translation.h"
 
+#include <ctype.h>
 #include <math.h>
 
 /// Rows that must agree before a text without names is taken for a trajectory.
@@ -126,6 +127,17 @@ static bool begins_with(const file_text *text, const char *words)
     return text->size >= size && memcmp(text->data, words, size) == 0;
 }
 
+/// Whether a text begins as BVH does. A table can have a column of the first name.
+static bool resembles_bvh(const file_text *text)
+{
+    static const char FIRST[] = "HIERARCHY", SECOND[] = "ROOT";
+    size_t at = sizeof FIRST - 1;
+    while (begins_with(text, FIRST) && at < text->size && isspace((unsigned char)text->data[at]))
+        at++;
+    return at > sizeof FIRST - 1 && text->size - at >= sizeof SECOND - 1 &&
+           memcmp(text->data + at, SECOND, sizeof SECOND - 1) == 0;
+}
+
 static bat_status guess(pose_translation *work, bool names_alone, bat_error *error)
 {
     text_line head;
@@ -135,7 +147,7 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
     char separator = ' ';
     if (begins_with(work->source, "# Image list with two lines of data per image"))
         return pose_translate_colmap(work, error);
-    if (begins_with(work->source, "HIERARCHY"))
+    if (resembles_bvh(work->source))
         return pose_translate_bvh(work, error);
     if (pose_find_header(work, &head, &names, &time) && pose_wants_table(work, &names, time))
         return pose_translate_table(work, &head, &names, error);
