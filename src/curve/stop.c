@@ -140,7 +140,8 @@ typedef struct level_search
     edge_geometry geometry;
     size_t lookahead; ///< 0 where only lengths count
     size_t most;      ///< levels of an edge
-    tested *tests;    ///< for each edge
+    tested *tests;    ///< for each edge: what is tested in this round,
+    tested *next;     ///< and in the next one
     unsigned char *levels;
 } level_search;
 
@@ -228,7 +229,7 @@ static void run_list_add(run_list *list, const refine_kernel *kernel, size_t edg
 static void advance(level_search *search, size_t edge, const piece_maxima *last)
 {
     const bat_curve_refine_options *options = search->options;
-    tested *test = &search->tests[edge];
+    const tested *test = &search->tests[edge];
     size_t more = 1;
     if (options->max_edge > 0 && isfinite(last->length))
         more = halvings(last->length, options->max_edge);
@@ -238,9 +239,8 @@ static void advance(level_search *search, size_t edge, const piece_maxima *last)
         more = halved > more ? halved : more;
     }
     more = more < 1 ? 1 : more > MAX_TESTED ? MAX_TESTED : more;
-    test->from = (unsigned char)(test->to + 1);
     size_t to = test->to + more;
-    test->to = (unsigned char)(to > search->most ? search->most : to);
+    search->next[edge] = (tested){(unsigned char)(test->to + 1), (unsigned char)(to > search->most ? search->most : to)};
 }
 
 /// Decide an edge, or choose what to test next.
@@ -268,10 +268,10 @@ static bat_status decide(level_search *search, size_t edge, const piece_maxima *
     return BAT_OK;
 }
 
-/// Whether an edge is undecided and has these levels under test.
+/// Whether an edge is undecided and has these levels under test. Edges of other runs have others, and may be decided now.
 static bool is_tested(const level_search *search, size_t edge, tested test)
 {
-    return search->levels[edge] == UNDECIDED && search->tests[edge].from == test.from && search->tests[edge].to == test.to;
+    return search->tests[edge].from == test.from && search->tests[edge].to == test.to && search->levels[edge] == UNDECIDED;
 }
 
 /// Measure and decide the edges of a run, a window of points at a time.
@@ -406,10 +406,12 @@ bat_status stop_levels(const refine_source *source, const bat_curve_refine_optio
                            .lookahead = options->tolerance > 0 ? STOP_LOOKAHEAD : 0,
                            .most = deepest > STOP_LOOKAHEAD ? deepest - STOP_LOOKAHEAD : 0,
                            .tests = memory_array(edges, sizeof *search.tests),
+                           .next = memory_array(edges, sizeof *search.next),
                            .levels = levels};
     edge_run *runs = memory_array(edges, sizeof *runs);
-    bat_status status = search.tests != NULL && runs != NULL ? begin_search(&search, keeps_points, edges, error)
-                                                             : error_memory(error, edges * sizeof *runs);
+    bat_status status = search.tests != NULL && search.next != NULL && runs != NULL
+                            ? begin_search(&search, keeps_points, edges, error)
+                            : error_memory(error, edges * sizeof *runs);
     double done = 0;
     while (status == BAT_OK)
     {
@@ -418,11 +420,14 @@ bat_status stop_levels(const refine_source *source, const bat_curve_refine_optio
             break;
         progress_part part = {progress, done, (1 - done) / 2}; // a round is about half of what is left
         done += part.length;
+        memcpy(search.next, search.tests, edges * sizeof *search.next);
         status = decide_round(&search, runs, count, threads, progress_of_part(&part), error);
+        memcpy(search.tests, search.next, edges * sizeof *search.tests);
         if (status == BAT_OK)
             status = find_failure(&search, edges, error);
     }
     free(search.tests);
+    free(search.next);
     free(runs);
     return status;
 }
