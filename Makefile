@@ -10,6 +10,8 @@
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs, the papers'
 #                   tables and studies and the gradients in double precision, whose code the others run
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
+#   make sanitize-threads  the tests with four threads under Clang's ThreadSanitizer, without forks, which it does not follow
+#   make coverage   the lines of src that the tests run, by folder
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make web        the page out/web/index.html and the npm package in web/npm
 #   make web-test   their tests, and unit tests of the library as 32-bit code under Node
@@ -24,6 +26,7 @@
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 60
+NOT_FOR_THREADS = ^(fork|documents|interface|claims)$$|^package_|^web
 OUT ?= out
 
 configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; exit 1; }; }
@@ -31,7 +34,7 @@ configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; 
 compile = env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL cmake --build build/$(1) --parallel $(JOBS)
 test = ctest --test-dir build/$(1) --output-on-failure --parallel $(JOBS)
 
-.PHONY: all demo test smallest python docs bench sanitize sanitize-clang fuzz web-packages web web-test style format install install-research uninstall clean dependencies ci-dependencies
+.PHONY: all demo test smallest python docs bench sanitize sanitize-clang sanitize-threads coverage fuzz web-packages web web-test style format install install-research uninstall clean dependencies ci-dependencies
 
 all: dependencies
 	@$(call configure,release) && $(call compile,release)
@@ -64,6 +67,19 @@ sanitize: dependencies
 sanitize-clang: ci-dependencies
 	@$(call configure,sanitize-clang) && $(call compile,sanitize-clang) --target batten
 	@$(call test,sanitize-clang) --tests-regex '^program_'
+
+# Archer tells ThreadSanitizer what OpenMP's barriers order.
+sanitize-threads: ci-dependencies
+	@$(call configure,sanitize-threads) && $(call compile,sanitize-threads)
+	@OMP_NUM_THREADS=4 OMP_TOOL_LIBRARIES="$$(echo /usr/lib/llvm-*/lib/libarcher.so)" \
+	    TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66" \
+	    $(call test,sanitize-threads) --exclude-regex '$(NOT_FOR_THREADS)'
+
+coverage: dependencies
+	@$(call configure,coverage) && $(call compile,coverage)
+	@find build/coverage -name '*.gcda' -delete
+	@$(call test,coverage) --exclude-regex '^package_' || true
+	@scripts/coverage build/coverage
 
 fuzz: ci-dependencies
 	@$(call configure,fuzz) && $(call compile,fuzz) --target fuzzers
