@@ -10,7 +10,7 @@
 #   make sanitize   the tests under AddressSanitizer and UndefinedBehaviorSanitizer, without those of the verbs, the papers'
 #                   tables and studies and the gradients in double precision, whose code the others run
 #   make sanitize-clang   the program's verbs under Clang's sanitizers, which know of more
-#   make sanitize-threads  the tests with four threads under Clang's ThreadSanitizer, without forks, which it does not follow
+#   make sanitize-threads  the library's tests with four threads under Clang's ThreadSanitizer
 #   make coverage   the lines of src that the tests run, by folder
 #   make fuzz       every fuzzer for FUZZ_SECONDS
 #   make web        the page out/web/index.html and the npm package in web/npm
@@ -26,7 +26,8 @@
 JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 PREFIX ?= /usr/local
 FUZZ_SECONDS ?= 60
-NOT_FOR_THREADS = ^(fork|documents|interface|claims)$$|^package_|^web
+# Forks, scripts, and what takes more than its time there.
+NOT_FOR_THREADS = ^(fork|documents|interface|claims|scan_verdict)$$|^(package|program|mpi|web|kills)
 OUT ?= out
 
 configure = { cmake --preset $(1) >build/$(1).log 2>&1 || { cat build/$(1).log; exit 1; }; }
