@@ -41,7 +41,8 @@ static inline void write_and_read(const bat_mesh *mesh)
             writing.threads = 1;
             writing.normals = encoding == BAT_MESH_ENCODING_TEXT ? BAT_MESH_NORMALS_AREA : BAT_MESH_NORMALS_NONE;
             reading.keep_degenerate = renumbers(reading.format); // vertices were equal or become equal
-            reading.weld = renumbers(reading.format) ? reading.weld : 0; // a repair can have made triangles with own vertices
+            reading.weld =
+                renumbers(reading.format) ? reading.weld : 0; // a repair can have made triangles with own vertices
             char *bytes = NULL;
             size_t size = 0;
             bat_status status = bat_mesh_write_memory(mesh, &writing, &bytes, &size, NULL);
