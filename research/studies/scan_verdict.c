@@ -17,10 +17,9 @@
 #include "batten/mesh_measure.h"
 #include "io/surface/step.h"
 #include "linalg/vector.h"
+#include "research/studies/folder.h"
 #include "research/studies/mesh_points.h"
 
-#include <dirent.h>
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,7 +28,6 @@
 enum
 {
     PATH_SIZE = 4096,
-    MAX_FILES = 256,
     TRIES = 60,     ///< seeds of a crop
     MIN_CROP = 600, ///< vertices
     MAX_CROP = 8000,
@@ -476,43 +474,33 @@ static bat_status judge(const bat_mesh *truth, bat_cloud *cloud, bat_random *ran
 
 // Files
 
-static int compare_names(const void *a, const void *b)
+static bool is_mesh(const char *name)
 {
-    return strcmp(a, b);
+    const char *end = strrchr(name, '.');
+    return end != NULL && (strcmp(end, ".obj") == 0 || strcmp(end, ".off") == 0 || strcmp(end, ".ply") == 0);
 }
 
-/// Names of the OBJ, OFF and PLY files of a folder, sorted.
-static bat_status list_meshes(const char *folder, char (*names)[BAT_SCAN_VERDICT_NAME], size_t *count, bat_error *error)
+/// The meshes of a folder: OBJ, OFF and PLY.
+static bat_status list_meshes(const char *folder, folder_list *list, bat_error *error)
 {
-    DIR *stream = opendir(folder);
-    *count = 0;
-    if (stream == NULL)
-        return error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: the folder cannot be opened: %s", folder,
-                         strerror(errno));
-    for (const struct dirent *entry; *count < MAX_FILES && (entry = readdir(stream)) != NULL;)
-    {
-        const char *end = strrchr(entry->d_name, '.');
-        bool is_mesh = end != NULL && (strcmp(end, ".obj") == 0 || strcmp(end, ".off") == 0 || strcmp(end, ".ply") == 0);
-        if (is_mesh && strlen(entry->d_name) < BAT_SCAN_VERDICT_NAME)
-            strcpy(names[(*count)++], entry->d_name);
-    }
-    (void)closedir(stream);
-    qsort(names, *count, sizeof *names, compare_names);
-    return *count > 0
-               ? BAT_OK
+    bat_status status = folder_read(folder, is_mesh, list, error);
+    for (size_t i = 0; i < list->count && status == BAT_OK; i++)
+        if (strlen(list->names[i]) >= BAT_SCAN_VERDICT_NAME)
+            status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "%s/%s: the name has more than %d bytes", folder,
+                               list->names[i], BAT_SCAN_VERDICT_NAME - 1);
+    return status != BAT_OK || list->count > 0
+               ? status
                : error_set(error, BAT_FILE_ACCESS, BAT_NO_INDEX, 0, "%s: there are no meshes (OBJ, OFF or PLY)", folder);
 }
 
-/// Crop a mesh and judge the crops; rows are added. Meshes without discs, and of other than triangles, add none.
+/// Crop a mesh and judge the crops; rows are added. Meshes without discs add none.
 static bat_status study_mesh(const char *folder, const char *name, const bat_scan_verdict_options *options,
                              bat_random *random, bat_scan_verdict_row *rows, size_t *count, bat_error *error)
 {
     char path[PATH_SIZE];
     bat_mesh mesh = {0};
     (void)snprintf(path, sizeof path, "%s/%s", folder, name);
-    if (bat_mesh_study_read(path, &mesh, NULL, NULL, NULL) != BAT_OK)
-        return BAT_OK;
-    bat_status status = BAT_OK;
+    bat_status status = folder_mesh_read(path, &mesh, error);
     for (size_t k = 0; k < options->crops && status == BAT_OK; k++)
     {
         bat_mesh truth = {0};
@@ -563,27 +551,27 @@ bat_status bat_scan_verdict(const char *folder, const bat_scan_verdict_options *
     };
     const bat_scan_verdict_options defaults = bat_scan_verdict_defaults();
     options = options != NULL ? options : &defaults;
-    size_t files = 0, made = 0;
+    size_t made = 0;
+    folder_list files = {0};
     bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     if (status != BAT_OK)
         return status;
-    char(*names)[BAT_SCAN_VERDICT_NAME] = memory_array(MAX_FILES, sizeof *names);
-    status = names == NULL ? error_memory(error, MAX_FILES * sizeof *names) : list_meshes(folder, names, &files, error);
+    status = list_meshes(folder, &files, error);
     bat_scan_verdict_row *all = NULL;
     if (status == BAT_OK)
     {
-        all = memory_array(files * options->crops + SHAPE_COUNT, sizeof *all);
+        all = memory_array(files.count * options->crops + SHAPE_COUNT, sizeof *all);
         if (all == NULL)
-            status = error_memory(error, (files * options->crops + SHAPE_COUNT) * sizeof *all);
+            status = error_memory(error, (files.count * options->crops + SHAPE_COUNT) * sizeof *all);
     }
     bat_random random = bat_random_seed(options->seed);
-    for (size_t i = 0; i < files && status == BAT_OK; i++)
-        status = progress_goes_on(options->progress, (double)i / (double)(files + 1))
-                     ? study_mesh(folder, names[i], options, &random, all, &made, error)
+    for (size_t i = 0; i < files.count && status == BAT_OK; i++)
+        status = progress_goes_on(options->progress, (double)i / (double)(files.count + 1))
+                     ? study_mesh(folder, files.names[i], options, &random, all, &made, error)
                      : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the study was stopped");
     if (status == BAT_OK)
         status = study_shapes(options, &random, all, &made, error);
-    free(names);
+    folder_list_free(&files);
     if (status == BAT_OK)
     {
         *rows = all;

@@ -300,6 +300,7 @@ mkdir solids.in
 echo 'v 0 0' > solids.in/b.obj
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nv 0 0 9\nv 1 0 9\nv 0 1 9\nf 4 5 6\n' > solids.in/a.obj
 refused 1 'solids\.in/b\.obj:1: a vertex has' reproduce scan-solids --data solids.in
+refused 1 'solids\.in/b\.obj:1: a vertex has' reproduce scan-verdict --data solids.in
 rm solids.in/b.obj
 refused 1 'solids\.in: no mesh is of one piece$' reproduce scan-solids --data solids.in
 refused 1 'none.in: cannot open' reproduce tension-table2 --model none.in
