@@ -3,7 +3,6 @@
 #include "base/array_grow.h"
 #include "base/error.h"
 #include "curve/polygon.h"
-#include "search/nearest.h"
 #include "space/builtin.h"
 
 #include <math.h>
@@ -354,16 +353,12 @@ static bool is_tip(const bat_curve *curve, size_t before, size_t tip, size_t aft
 /// The median edge of a ring. NaN without memory.
 static double median_edge(const bat_curve *ring)
 {
-    size_t dim = ring->space->point_dim;
-    keyed *edges = memory_array(ring->count, sizeof *edges);
-    for (size_t i = 0; i < ring->count && edges != NULL; i++)
-        edges[i] = (keyed){
-            ring->space->distance(ring->space, ring->points + i * dim, ring->points + (i + 1) % ring->count * dim), i};
-    if (edges == NULL)
+    double *lengths = memory_array(ring->count, sizeof *lengths);
+    if (lengths == NULL)
         return NAN;
-    select_nth(edges, ring->count, ring->count / 2);
-    double median = edges[ring->count / 2].key;
-    free(edges);
+    bat_curve_edge_lengths(ring, lengths);
+    double median = sort_median(lengths, ring->count);
+    free(lengths);
     return median;
 }
 
@@ -438,7 +433,7 @@ static bat_status add_to_curve(snap_job *job, size_t c, size_t *next, bat_curve 
         return BAT_OK;
     double limit = median_edge(curve) / 2;
     if (isnan(limit))
-        return error_memory(error, curve->count * sizeof(keyed));
+        return error_memory(error, curve->count * sizeof(double));
     drop_spikes(copy, *origins, limit);
     job->result->spikes += row - copy->count;
     return BAT_OK;
@@ -488,15 +483,10 @@ static bool drop_loops(bat_curve *curve, size_t *origins, double limit)
 
 static void free_curves(bat_curve *curves, size_t **origins, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
-    {
-        if (curves != NULL)
-            bat_curve_free(&curves[i]);
-        if (origins != NULL)
-            free(origins[i]);
-    }
-    free(curves);
+    for (size_t i = 0; i < count && origins != NULL; i++)
+        free(origins[i]);
     free(origins);
+    curves_free(curves, count);
 }
 
 /// Copy the curves with joined points, and with the added vertices.
