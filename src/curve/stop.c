@@ -391,7 +391,7 @@ static bat_status begin_search(level_search *search, bool keeps_points, size_t e
         if (keeps_points && options->max_edge > 0)
             from = halvings(space->distance(space, p, q) * (1 - 1e-12), options->max_edge);
         size_t to = from + (search->lookahead > 0 && from < search->most);
-        search->tests[i] = (tested){(unsigned char)from, (unsigned char)to};
+        search->tests[i] = search->next[i] = (tested){(unsigned char)from, (unsigned char)to};
         search->levels[i] = from <= search->most ? UNDECIDED : FAILED;
     }
     return find_failure(search, edges, error);
@@ -420,7 +420,6 @@ bat_status stop_levels(const refine_source *source, const bat_curve_refine_optio
             break;
         progress_part part = {progress, done, (1 - done) / 2}; // a round is about half of what is left
         done += part.length;
-        memcpy(search.next, search.tests, edges * sizeof *search.next);
         status = decide_round(&search, runs, count, threads, progress_of_part(&part), error);
         memcpy(search.tests, search.next, edges * sizeof *search.tests);
         if (status == BAT_OK)
