@@ -4,6 +4,7 @@
 #include "curve/map/arc_refine.h"
 #include "curve/polygon.h"
 #include "curve/topology/edge_tree.h"
+#include "linalg/vector.h"
 
 /// @file
 /// The judge of refined polygons. It looks at the positions that a file will hold, cuts and closures included, and shares
@@ -152,7 +153,7 @@ static bool has_spike(const flat_rings *flat, bool globe)
                          *q = points + 2 * ((i + 1) % count);
             double to[2] = {p[0] - tip[0], p[1] - tip[1]}, from[2] = {q[0] - tip[0], q[1] - tip[1]};
             double longer = fmax(hypot(to[0], to[1]), hypot(from[0], from[1]));
-            if (to[0] * from[0] + to[1] * from[1] > 0 && fabs(to[0] * from[1] - to[1] * from[0]) <= apart * longer)
+            if (vector_dot(2, to, from) > 0 && fabs(vector2_turn(tip, p, q)) <= apart * longer)
                 return true;
         }
     }

@@ -121,21 +121,23 @@ static bat_status pose_translate_euroc(pose_translation *work, bool named, bat_e
     return status;
 }
 
-static bool begins_with(const file_text *text, const char *words)
+/// Whether the text has words at a place.
+static bool has_words(const file_text *text, size_t at, const char *words)
 {
     size_t size = strlen(words);
-    return text->size >= size && memcmp(text->data, words, size) == 0;
+    return text->size >= size && at <= text->size - size && memcmp(text->data + at, words, size) == 0;
 }
 
 /// Whether a text begins as BVH does. A table can have a column of the first name.
 static bool resembles_bvh(const file_text *text)
 {
-    static const char FIRST[] = "HIERARCHY", SECOND[] = "ROOT";
-    size_t at = sizeof FIRST - 1;
-    while (begins_with(text, FIRST) && at < text->size && isspace((unsigned char)text->data[at]))
+    static const char FIRST[] = "HIERARCHY";
+    size_t end = sizeof FIRST - 1, at = end;
+    if (!has_words(text, 0, FIRST))
+        return false;
+    while (at < text->size && isspace((unsigned char)text->data[at]))
         at++;
-    return at > sizeof FIRST - 1 && text->size - at >= sizeof SECOND - 1 &&
-           memcmp(text->data + at, SECOND, sizeof SECOND - 1) == 0;
+    return at > end && has_words(text, at, "ROOT");
 }
 
 static bat_status guess(pose_translation *work, bool names_alone, bat_error *error)
@@ -145,7 +147,7 @@ static bat_status guess(pose_translation *work, bool names_alone, bat_error *err
     csv_field time;
     double first = 0;
     char separator = ' ';
-    if (begins_with(work->source, "# Image list with two lines of data per image"))
+    if (has_words(work->source, 0, "# Image list with two lines of data per image"))
         return pose_translate_colmap(work, error);
     if (resembles_bvh(work->source))
         return pose_translate_bvh(work, error);
