@@ -157,6 +157,10 @@ static const char *implied_space(const csv_layout *layout)
         return ""; // the meaning of the names depends on the space
     if (layout->columns == NULL)
         return layout->column_count == 2 ? "plane" : "euclidean";
+    column_names names = {layout->columns->names, layout->column_count};
+    char fault[256];
+    if (point_form_incomplete(NULL, &names, fault, sizeof fault))
+        return ""; // they are refused without the space
     csv_columns_choose(layout->columns, NULL, false, &choice);
     return choice.space;
 }
@@ -192,10 +196,8 @@ static void write_header(const csv_layout *layout, const bat_curve_set *set, tex
             text_append(text, &separator, 1);
         if (i == layout->corner)
             text_append_string(text, "corner,");
-        cells_write_text(layout->columns != NULL ? layout->columns->names[i]
-                         : i < 3                 ? names[i]
-                                                 : other,
-                         layout->column_count == 1, text);
+        const char *name = layout->columns != NULL ? layout->columns->names[i] : i < 3 ? names[i] : other;
+        cells_write_text(name, layout->column_count == 1, text);
     }
     text_append_string(text, layout->corner == layout->column_count ? ",corner\n" : "\n");
 }
