@@ -5,7 +5,7 @@ Most functions are even or odd, so that they are polynomials in z = x^2 after th
 polynomial interpolates at Chebyshev nodes (within a small factor of the best one), in 60 digits, and is then rounded to
 double. The error printed is the largest relative one on a dense grid, before rounding. Needs mpmath.
 """
-from mpmath import mp, mpf, atan, tan, tanh, cos, sin, exp, erfc, log, sqrt, pi
+from mpmath import mp, mpf, atan, tan, tanh, cos, sin, exp, erf, log, sqrt, pi
 
 mp.dps = 60
 
@@ -52,12 +52,21 @@ def exp_tail(r):
     return (exp(r) - 1 - r) / r ** 2 if r else mpf(1) / 2
 
 
-NORMAL_SCALE = mpf("0.28")
-
-
-def normal_tail(t):
-    a = (1 / t - 1) / NORMAL_SCALE
-    return erfc(a / sqrt(2)) / 2 * exp(a * a / 2) / t
+def fit_quotient(name, function, high, degree, divisor_degree):
+    """The same for P(z) / Q(z) with Q(0) = 1."""
+    count = degree + divisor_degree + 1
+    nodes = [high * (1 + cos(pi * (2 * k + 1) / (2 * count))) / 2 for k in range(count)]
+    matrix = mp.matrix(count, count)
+    values = mp.matrix(count, 1)
+    for row, z in enumerate(nodes):
+        values[row] = function(z)
+        for column in range(degree + 1):
+            matrix[row, column] = z ** column
+        for column in range(divisor_degree):
+            matrix[row, degree + 1 + column] = -values[row] * z ** (column + 1)
+    coefficients = list(mp.lu_solve(matrix, values))
+    for part in coefficients[:degree + 1], [1] + coefficients[degree + 1:]:
+        print(f"// {name}\n" + ",\n".join(f"    {float(c).hex()}" for c in part))
 
 
 # For single precision.
@@ -65,5 +74,5 @@ def normal_tail(t):
 fit("exp, single", exp_tail, log(2) / 2, 4, low=-log(2) / 2, reference=lambda r: exp(r) / max(r ** 2, mpf("1e-30")))
 # tanh(x) = x + x z P(z) for |x| <= 0.625
 fit("tanh, single", lambda z: (tanh(sqrt(z)) / sqrt(z) - 1) / z, mpf("0.625") ** 2, 4, reference=lambda z: 1 / z)
-# The normal distribution's tail beyond a is exp(-a^2 / 2) t P(t) with t = 1 / (1 + 0.28 a), for 0 <= a <= 13
-fit("normal tail, single", normal_tail, mpf(1), 8, low=1 / (1 + NORMAL_SCALE * 13))
+# The normal distribution: the chance of a number below x is 1/2 + x P(z) / Q(z) for |x| <= 5.4
+fit_quotient("normal, single", lambda z: erf(sqrt(z / 2)) / sqrt(z) / 2, mpf("5.4") ** 2, 6, 5)

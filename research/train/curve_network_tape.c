@@ -125,6 +125,7 @@ static edge_features *gather_features(learn_tape *tape, tape_polygon *polygon, s
     learn_array *features = learned ? learn_array_make(tape, edges, LEARNED_FEATURES, differentiated) : NULL;
     learned_edge *per_edge = learn_tape_memory(tape, 2 * edges, sizeof *per_edge);
     double *extended = learn_tape_memory(tape, 4 * entries, sizeof *extended);
+    learned_logs *logs = learn_tape_memory(tape, entries, sizeof *logs);
     if (tape->status != BAT_OK)
         return NULL;
     learned_setting setting = {(double)shape->surface, fairness, (double)level, level == 0 ? 0 : 1};
@@ -140,10 +141,12 @@ static edge_features *gather_features(learn_tape *tape, tape_polygon *polygon, s
     for (size_t j = 0; j < edges && !learned; j++)
         per_edge[j] =
             (learned_edge){.base = learned_later(s->angles + R + j, s->lengths + R + j), .limit = BAT_CURVE_ANGLE_LIMIT};
+    if (learned)
+        learned_logs_of(s->angles + R, s->lengths + R, edges, level == 0, logs);
     for (size_t j = 0; j < edges && learned; j++)
     {
         double row[LEARNED_FEATURES];
-        per_edge[j] = learned_features_of(s->angles + R + j, s->lengths + R + j, setting_of(s, j), row);
+        per_edge[j] = learned_features_of(s->angles + R + j, s->lengths + R + j, setting_of(s, j), logs + R - 1 + j, row);
         for (size_t i = 0; i < LEARNED_FEATURES; i++)
             features->value[j * LEARNED_FEATURES + i] = (real)row[i];
     }

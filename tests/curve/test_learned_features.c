@@ -31,7 +31,10 @@ typedef struct surroundings
 /// All that comes out: features, base and scale.
 static void see(const surroundings *s, double *numbers)
 {
-    learned_edge edge = learned_features_of(s->angles + OWN, s->lengths + OWN, s->setting, numbers);
+    learned_logs logs[2 * LEARNED_RANGE];
+    learned_logs_of(s->angles + OWN, s->lengths + OWN, 1, s->setting.level == 0, logs);
+    learned_edge edge =
+        learned_features_of(s->angles + OWN, s->lengths + OWN, s->setting, logs + LEARNED_RANGE - 1, numbers);
     numbers[BASE] = edge.base;
     numbers[SCALE] = edge.scale;
 }

@@ -42,10 +42,33 @@ learned_turns learned_turns_of(const double *angles, const double *lengths)
     return t;
 }
 
-/// ln(length / own) within (-3, 3).
-static double log_ratio(double length, double own)
+void learned_logs_of(const double *angles, const double *lengths, size_t count, bool statistics, learned_logs *logs)
 {
-    double x = log(length / own);
+    for (int i = 1 - W; i < W + (int)count; i++, logs++)
+    {
+        double ratio = fmin(fmax(lengths[i] / lengths[i - 1], 1e-100), 1e100); // their products are finite
+        *logs = (learned_logs){.ratio = log(ratio)};
+        if (!statistics)
+            continue;
+        logs->span = log(1 + 1 / ratio);
+        logs->turn = log(2 * sin(0.5 * fabs(angles[i])) + FLAT);
+    }
+}
+
+/// The logarithms of the lengths of the edges -reach … reach in units of edge 0's; sizes[0] is that of edge 0.
+static void find_sizes(const learned_logs *logs, int reach, double *sizes)
+{
+    sizes[0] = 0;
+    for (int i = 1; i <= reach; i++)
+    {
+        sizes[i] = sizes[i - 1] + logs[i].ratio;
+        sizes[-i] = sizes[1 - i] - logs[1 - i].ratio;
+    }
+}
+
+/// x within (-3, 3).
+static double bounded(double x)
+{
     return x / sqrt(1 + x * x / 9);
 }
 
@@ -65,8 +88,8 @@ static void moments_add(moments *m, double value)
     m->count++;
     m->sum += value;
     m->squares += value * value;
-    m->least = fmin(m->least, value);
-    m->greatest = fmax(m->greatest, value);
+    m->least = value < m->least ? value : m->least;
+    m->greatest = value > m->greatest ? value : m->greatest;
 }
 
 static double mean_of(const moments *m)
@@ -87,12 +110,6 @@ static double bounded_deviation(const moments *m)
     return deviation / (1 + deviation);
 }
 
-/// x within (-3, 3).
-static double bounded(double x)
-{
-    return x / sqrt(1 + x * x / 9);
-}
-
 /// The correlation of two sets of values, between -1 and 1, near 0 where one hardly varies.
 static double correlation(const moments *a, const moments *b, double products)
 {
@@ -100,25 +117,23 @@ static double correlation(const moments *a, const moments *b, double products)
     return covariance / sqrt((variance_of(a) + FAINT) * (variance_of(b) + FAINT));
 }
 
-/// The statistics of LEARNED_STATISTICS. Logarithms are those of ratios to the edge's own length.
-static void find_statistics(const double *angles, const double *lengths, double *statistics)
+/// The statistics of LEARNED_STATISTICS.
+/// @param lengths those of find_sizes()
+static void find_statistics(const double *angles, const learned_logs *logs, const double *lengths, double *statistics)
 {
     moments deviations = moments_make(), areas = moments_make(), sizes = moments_make(), turns = moments_make(),
             spans = moments_make();
-    double ratios[2 * W + 1], logs[2 * W + 1], same = 0, straight = 0, alike = 0, with_span = 0;
+    double before = lengths[W], same = 0, straight = 0, alike = 0, with_span = 0;
     for (int i = -W; i <= W; i++)
     {
-        ratios[i + W] = fmin(fmax(lengths[i] / lengths[0], 1e-100), 1e100); // their products are finite
-        logs[i + W] = log(ratios[i + W]);
-        moments_add(&sizes, logs[i + W]);
-        alike += i > -W ? logs[i + W] * logs[i + W - 1] : 0;
+        moments_add(&sizes, lengths[i]);
+        alike += lengths[i] * before; // as many products as values
+        before = lengths[i];
     }
-    alike += logs[0] * logs[2 * W]; // as many products as values
     for (int i = 1 - W; i <= W; i++)
     {
-        double before = ratios[i + W - 1], after = ratios[i + W], size = fabs(angles[i]);
-        double turn = log(2 * sin(0.5 * size) + FLAT), span = log(before + after);
-        double area = logs[i + W - 1] + logs[i + W] + turn;
+        double size = fabs(angles[i]), span = lengths[i] + logs[i].span;
+        double area = lengths[i - 1] + lengths[i] + logs[i].turn;
         moments_add(&deviations, area - span);
         moments_add(&areas, area);
         moments_add(&turns, size);
@@ -156,15 +171,18 @@ double learned_angle(learned_edge edge, double correction, double gate)
     return angle > edge.limit ? edge.limit : angle < -edge.limit ? -edge.limit : angle;
 }
 
-learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting, double *features)
+learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting,
+                                 const learned_logs *logs, double *features)
 {
     const learned_turns t = learned_turns_of(angles, lengths);
     const double *right = t.turn + R, *left = t.turn + R - 1, own = lengths[0];
     const double area = fmin(own * own, DBL_MAX); // of the plane's long edges, whose curvature is 0
     double *kept = features, *second = kept + R + LEARNED_SCALARS, *first = second + R + 1, *both = first + 2 * R;
+    double sizes[2 * W + 1];
+    find_sizes(logs, setting.level == 0 ? W : R, sizes + W);
     for (int i = 1; i <= R; i++)
     {
-        double before = log_ratio(lengths[-i], own), after = log_ratio(lengths[i], own);
+        double before = bounded(sizes[W - i]), after = bounded(sizes[W + i]);
         kept[i - 1] = 0.5 * (after + before);
         second[i - 1] = 0.5 * (after - before);
     }
@@ -178,7 +196,7 @@ learned_edge learned_features_of(const double *angles, const double *lengths, le
     double *statistics = kept + R + LEARNED_PLAIN_SCALARS;
     memset(statistics, 0, LEARNED_STATISTICS * sizeof *statistics);
     if (setting.level == 0)
-        find_statistics(angles, lengths, statistics);
+        find_statistics(angles, logs, sizes + W, statistics);
     second[R] = setting.parity;
     for (int i = 0; i < R; i++)
     {

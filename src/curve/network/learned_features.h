@@ -83,6 +83,20 @@ typedef struct learned_edge
     double limit; ///< of the insertion angle
 } learned_edge;
 
+/// What the features of neighbouring edges share, of vertex i between the edges i - 1 and i. No unit of length changes it.
+typedef struct learned_logs
+{
+    double ratio; ///< ln (e_i / e_(i-1))
+    double span;  ///< ln ((e_(i-1) + e_i) / e_i)
+    double turn;  ///< ln (2 sin(|d_i| / 2)), and a little more, so that a straight vertex has a logarithm
+} learned_logs;
+
+/// The logarithms around a run of edges.
+/// @param angles,lengths as learned_features_of() has them, of the first edge
+/// @param statistics     whether spans and turns are wanted: those of level 0
+/// @param logs           receives count + 2 LEARNED_RANGE - 1 entries, the first of vertex 1 - LEARNED_RANGE
+void learned_logs_of(const double *angles, const double *lengths, size_t count, bool statistics, learned_logs *logs);
+
 /// The insertion angle of an edge, within the edge's limit.
 /// @param correction,gate the outputs of the network
 double learned_angle(learned_edge edge, double correction, double gate);
@@ -90,5 +104,7 @@ double learned_angle(learned_edge edge, double correction, double gate);
 /// Compute the features of an edge.
 /// @param angles    angles[i] is that of vertex i, 1 - LEARNED_RANGE <= i <= LEARNED_RANGE; the edge goes from vertex 0 to 1
 /// @param lengths   lengths[i] is that of edge i, -LEARNED_RANGE <= i <= LEARNED_RANGE, positive
+/// @param logs      logs[i] is that of vertex i, 1 - LEARNED_RANGE <= i <= LEARNED_RANGE
 /// @param features  receives the numbers of learned_widths()
-learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting, double *features);
+learned_edge learned_features_of(const double *angles, const double *lengths, learned_setting setting,
+                                 const learned_logs *logs, double *features);

@@ -20,6 +20,7 @@ typedef struct learned_scratch
     real inner[LEARNED_ROWS * LEARNED_WIDTH], next[LEARNED_ROWS * LEARNED_WIDTH];
     real features[LEARNED_ROWS * LEARNED_FEATURES];
     learned_edge edges[LEARNED_ROWS];
+    learned_logs logs[LEARNED_ROWS + 2 * LEARNED_RANGE];
 } learned_scratch;
 
 static const char *const BLOCK_NAMES[KLEIN_COUNT] = {"kept", "second", "first", "both"};
@@ -115,12 +116,14 @@ static void learned_inference_angles(const real *weights, size_t count, const do
     {
         size_t rows = count - done < LEARNED_ROWS ? count - done : LEARNED_ROWS, whole = learn_whole_tiles(rows);
         memset(scratch->features + rows * LEARNED_FEATURES, 0, (whole - rows) * LEARNED_FEATURES * sizeof(real));
+        learned_logs_of(angles + done, lengths + done, rows, begin.level == 0, scratch->logs);
         for (size_t r = 0; r < rows; r++)
         {
             double features[LEARNED_FEATURES];
             size_t j = done + r;
             begin.parity = j % 2 == 0 ? parity : -parity;
-            scratch->edges[r] = learned_features_of(angles + j, lengths + j, begin, features);
+            scratch->edges[r] =
+                learned_features_of(angles + j, lengths + j, begin, scratch->logs + LEARNED_RANGE - 1 + r, features);
             for (size_t i = 0; i < LEARNED_FEATURES; i++)
                 scratch->features[r * LEARNED_FEATURES + i] = (real)features[i];
         }
