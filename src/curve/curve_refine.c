@@ -55,7 +55,7 @@ static bat_status refine_curve(const bat_curve *coarse, const bat_curve_refine_o
         bat_status done = smoothed_make(coarse, options, &smooth, error);
         return smoothed_end(&smooth, done == BAT_OK ? refine_curve(&smooth.curve, &smooth.how, room, fine, error) : done);
     }
-    return pieces_refine(coarse, options, room, fine, NULL, error);
+    return pieces_refine(coarse, options, NULL, room, fine, NULL, error);
 }
 
 bat_status bat_curve_refine_into(const bat_curve *coarse, const bat_curve_refine_options *options, double *points,

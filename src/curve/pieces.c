@@ -18,6 +18,14 @@
 /// From this many pieces a thread on, each thread refines whole pieces; of fewer, the threads share each one's points.
 static const size_t MANY = 4;
 
+/// At a joint of lines, which may be drawn apart, a reader sees a turn of more than 3 degrees; a sharp turn becomes a fifth.
+static const double JOINT_TURN = 0.0523598775598299, JOINT_SHARE = 0.2;
+
+enum
+{
+    JOINT_LEVELS = 6 ///< the most for the sake of a joint
+};
+
 /// A run of edges between two corners, or between ends, or a whole closed curve.
 typedef struct piece
 {
@@ -41,7 +49,8 @@ typedef struct pieces
     bool stops;
     bool keeps_points;
     size_t vertices, first, edges;
-    unsigned char *corners; ///< flags of the given vertices
+    unsigned char *corners;      ///< flags of the given vertices
+    const unsigned char *joints; ///< pieces_refine()
     size_t corner_count;
     piece *list;
     size_t count;
@@ -164,6 +173,45 @@ static double edge_length(const bat_curve *curve)
     return curve->space->distance(curve->space, curve->points, curve->points + curve->space->point_dim);
 }
 
+/// The least levels of the edges before and after a joint at which the curve turns by no more than JOINT_TURN there, or by
+/// JOINT_SHARE of the given turn.
+static bat_status smooth_joint(const refine_source *source, size_t before, size_t after, unsigned char *levels,
+                               bat_error *error)
+{
+    const bat_space *space = source->space;
+    unsigned char level = levels[before] > levels[after] ? levels[before] : levels[after];
+    double limit = JOINT_TURN, *points = memory_array(2 * space->point_dim, sizeof *points);
+    bat_status status = points != NULL ? BAT_OK : error_memory(error, 2 * space->point_dim * sizeof *points);
+    const double *joint = refine_source_vertex(source, after);
+    if (status == BAT_OK)
+        limit = fmax(limit, JOINT_SHARE * fabs(space->exterior_angle(space, refine_source_vertex(source, before), joint,
+                                                                     refine_source_vertex(source, after + 1))));
+    for (; level < JOINT_LEVELS && status == BAT_OK; level++)
+    {
+        double *next = points + space->point_dim;
+        status = refine_source_run(source, level, before, ((size_t)1 << level) - 1, 1, 1, points, error);
+        if (status == BAT_OK)
+            status = refine_source_run(source, level, after, 1, 1, 1, next, error);
+        if (status != BAT_OK || fabs(space->exterior_angle(space, points, joint, next)) <= limit)
+            break;
+    }
+    levels[before] = levels[before] < level ? level : levels[before];
+    levels[after] = levels[after] < level ? level : levels[after];
+    free(points);
+    return status;
+}
+
+static bat_status smooth_joints(const pieces *all, const piece *part, bat_error *error)
+{
+    bat_status status = BAT_OK;
+    size_t most = all->plan.options.max_levels;
+    bool wanted = all->joints != NULL && part->source.space->exterior_angle != NULL && most >= JOINT_LEVELS;
+    for (size_t e = !part->closed; wanted && e < part->edges && status == BAT_OK; e++)
+        if (all->joints[vertex_of(all, part->edge + e)] != 0)
+            status = smooth_joint(&part->source, (e > 0 ? e : part->edges) - 1, e, all->levels + part->edge, error);
+    return status;
+}
+
 /// Find the levels of a piece's edges.
 static bat_status choose_levels(pieces *all, piece *part, void *context BAT_UNUSED, bat_progress progress, bat_error *error)
 {
@@ -188,8 +236,9 @@ static bat_status choose_levels(pieces *all, piece *part, void *context BAT_UNUS
                                            &part->source, error);
     if (status != BAT_OK)
         return status;
-    return stop_levels(&part->source, options, all->keeps_points, part->edges, deepest, all->threads, progress, levels,
-                       error);
+    status =
+        stop_levels(&part->source, options, all->keeps_points, part->edges, deepest, all->threads, progress, levels, error);
+    return status == BAT_OK ? smooth_joints(all, part, error) : status;
 }
 
 /// Plan a piece of the same levels everywhere.
@@ -257,11 +306,11 @@ static void decide_threads(pieces *all)
 }
 
 /// Everything but the points. `all` is to be freed in any case.
-static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_options *options, bat_progress progress,
-                              pieces *all, bat_error *error)
+static bat_status pieces_make(const bat_curve *coarse, const bat_curve_refine_options *options, const unsigned char *joints,
+                              bat_progress progress, pieces *all, bat_error *error)
 {
     bat_curve_refine_options whole = options != NULL ? *options : bat_curve_refine_defaults();
-    *all = (pieces){.coarse = *coarse, .vertices = coarse->count};
+    *all = (pieces){.coarse = *coarse, .vertices = coarse->count, .joints = joints};
     size_t levels = whole.levels;
     whole.levels = stop_wanted(&whole) ? 0 : levels;
     bat_status status = refine_plan_make(coarse, &whole, &all->plan, error);
@@ -534,7 +583,7 @@ static bat_status pieces_run(pieces *all, const bat_curve *coarse, double *point
 bat_status pieces_count(const bat_curve *coarse, const bat_curve_refine_options *options, size_t *count, bat_error *error)
 {
     pieces all;
-    bat_status status = pieces_make(coarse, options, (bat_progress){0}, &all, error);
+    bat_status status = pieces_make(coarse, options, NULL, (bat_progress){0}, &all, error);
     if (status == BAT_OK)
         *count = all.rows;
     pieces_free(&all);
@@ -554,14 +603,14 @@ static bat_status refined_rows(const bat_curve *coarse, size_t count, bool corne
                            count, room->capacity);
 }
 
-bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const refine_room *room,
-                         bat_curve *fine, size_t **starts, bat_error *error)
+bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const unsigned char *joints,
+                         const refine_room *room, bat_curve *fine, size_t **starts, bat_error *error)
 {
     pieces all;
     bat_curve result = {0};
     size_t *rows = NULL;
     progress_part part = {options != NULL ? options->progress : (bat_progress){0}, 0, SEARCH_SHARE};
-    bat_status status = pieces_make(coarse, options, progress_of_part(&part), &all, error);
+    bat_status status = pieces_make(coarse, options, joints, progress_of_part(&part), &all, error);
     if (status == BAT_OK)
         status = refined_rows(coarse, all.rows, corners_wanted(coarse, &all.plan.options), room, &result, error);
     rows = status == BAT_OK ? memory_array(all.edges + 1, sizeof *rows) : NULL;

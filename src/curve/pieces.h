@@ -72,10 +72,11 @@ typedef struct refine_room
 
 /// bat_curve_refine()
 ///
+/// @param joints flags of points where lines meet end to end: stops see to it that the curve hardly turns there. May be null
 /// @param room   where the rows go, without flags of corners; null: to new memory
 /// @param starts receives the row of `fine` at which each coarse edge begins, and as the last number fine->count for a
 ///               closed curve and fine->count - 1 for an open one: as many numbers as there are edges, and one; release it
 ///               with free(). Schemes that move points have the point there that belongs to the vertex, or the first one
 ///               after it. May be null
-bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const refine_room *room,
-                         bat_curve *fine, size_t **starts, bat_error *error);
+bat_status pieces_refine(const bat_curve *coarse, const bat_curve_refine_options *options, const unsigned char *joints,
+                         const refine_room *room, bat_curve *fine, size_t **starts, bat_error *error);

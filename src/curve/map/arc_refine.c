@@ -15,6 +15,7 @@
 typedef struct arc_job
 {
     const arc_graph *graph;
+    unsigned char *const *joints; ///< line_chains::joints of the graph's curves; null for none
     const bat_curve_refine_options *options;
     const map_chart *chart;
     const degree_edges *straight;
@@ -107,7 +108,10 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
         one.threads = 1;
         one.progress = (bat_progress){0};
         one.report = &report;
-        bat_status status = pieces_refine(&job->graph->arcs[i], &one, NULL, &next->arcs[i], &next->starts[i], &failure);
+        arc_origin origin = job->graph->origins[i];
+        const unsigned char *joints = job->joints != NULL ? job->joints[origin.curve] + origin.point : NULL;
+        bat_status status =
+            pieces_refine(&job->graph->arcs[i], &one, joints, NULL, &next->arcs[i], &next->starts[i], &failure);
         (void)error_curve(&failure, status, i);
         least = report.min_levels < least ? report.min_levels : least;
         most = report.max_levels > most ? report.max_levels : most;
@@ -482,12 +486,18 @@ static bat_status check_room(const arc_job *job, bat_error *error)
     return error_curve(error, status, longest);
 }
 
-bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             const degree_edges *straight, bat_curve_map_refine_report *report, refined_arcs *fine,
-                             bat_error *error)
+bat_status refined_arcs_make(const arc_graph *graph, unsigned char *const *joints, const bat_curve_refine_options *options,
+                             const map_chart *chart, const degree_edges *straight, bat_curve_map_refine_report *report,
+                             refined_arcs *fine, bat_error *error)
 {
     *fine = (refined_arcs){0};
-    arc_job job = {.graph = graph, .options = options, .chart = chart, .straight = straight, .report = report, .fine = fine};
+    arc_job job = {.graph = graph,
+                   .joints = joints,
+                   .options = options,
+                   .chart = chart,
+                   .straight = straight,
+                   .report = report,
+                   .fine = fine};
     bat_status status = check_room(&job, error);
     if (status == BAT_OK && chart != NULL)
     {

@@ -222,9 +222,9 @@ typedef struct refined_arcs
 /// @param fine    release it with refined_arcs_free(), also on failure
 /// @param error   its `curve` is the failing arc, its `index` the point of that arc
 /// @return as bat_curve_map_refine()
-bat_status refined_arcs_make(const arc_graph *graph, const bat_curve_refine_options *options, const map_chart *chart,
-                             const degree_edges *straight, bat_curve_map_refine_report *report, refined_arcs *fine,
-                             bat_error *error);
+bat_status refined_arcs_make(const arc_graph *graph, unsigned char *const *joints, const bat_curve_refine_options *options,
+                             const map_chart *chart, const degree_edges *straight, bat_curve_map_refine_report *report,
+                             refined_arcs *fine, bat_error *error);
 
 /// Choose an anchor for each connected part: the first point of its first arc, on the globe with those one turn away.
 /// @param charts  of the arcs
@@ -308,8 +308,9 @@ typedef struct line_chains
 {
     bat_curve *curves;
     size_t count;
-    chain_member *members; ///< of each given curve
-    size_t joints;         ///< pairs of ends that were joined
+    unsigned char **joints; ///< of each chain, flags of the points where curves were joined, twice over
+    chain_member *members;  ///< of each given curve
+    size_t pairs;           ///< of ends that were joined
 } line_chains;
 
 /// Join lines whose ends are at one point. There the set has two neighbouring points, equally many lines end on the side

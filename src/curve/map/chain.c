@@ -144,7 +144,7 @@ static bat_status find_links(chain_job *job, line_chains *chains, bat_error *err
         pass_joints(job, &job->curves[i]);
     for (size_t i = 0; i < size; i++)
         if (job->table[i].end != BAT_NO_INDEX)
-            chains->joints += link_joint(job, &job->table[i]);
+            chains->pairs += link_joint(job, &job->table[i]);
     return BAT_OK;
 }
 
@@ -212,13 +212,31 @@ static bat_status make_chains(const chain_job *job, line_chains *chains, bat_err
     return status;
 }
 
+/// Flag the points of the chains where curves were joined.
+static bat_status flag_joints(const chain_job *job, line_chains *chains, bat_error *error)
+{
+    chains->joints = calloc(chains->count, sizeof *chains->joints);
+    for (size_t c = 0; c < chains->count && chains->joints != NULL; c++)
+        if ((chains->joints[c] = calloc(2, chains->curves[c].count)) == NULL)
+            return error_memory(error, 2 * chains->curves[c].count);
+    for (size_t i = 0; i < job->count && chains->joints != NULL; i++)
+    {
+        size_t chain = chains->members[i].chain, first = chains->members[i].first;
+        if (!job->curves[i].closed && (first > 0 || chains->curves[chain].closed))
+            chains->joints[chain][first] = chains->joints[chain][first + chains->curves[chain].count] = 1;
+    }
+    return chains->joints != NULL ? BAT_OK : error_memory(error, chains->count * sizeof *chains->joints);
+}
+
 bat_status line_chains_make(const bat_curve *curves, size_t count, line_chains *chains, bat_error *error)
 {
     *chains = (line_chains){0};
     chain_job job = {.curves = curves, .count = count, .dim = count > 0 ? curves[0].space->point_dim : 1};
     bat_status status = find_links(&job, chains, error);
-    if (status == BAT_OK && chains->joints > 0)
+    if (status == BAT_OK && chains->pairs > 0)
         status = make_chains(&job, chains, error);
+    if (status == BAT_OK && chains->pairs > 0)
+        status = flag_joints(&job, chains, error);
     free(job.table);
     free(job.next);
     free(job.links);
@@ -257,6 +275,9 @@ bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bo
 void line_chains_free(line_chains *chains)
 {
     curves_free(chains->curves, chains->count);
+    for (size_t c = 0; c < chains->count && chains->joints != NULL; c++)
+        free(chains->joints[c]);
+    free(chains->joints);
     free(chains->members);
     *chains = (line_chains){0};
 }

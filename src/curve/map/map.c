@@ -139,8 +139,8 @@ static bat_status join_lines(map_job *job, bat_curve_map_join join, bat_error *e
     if (join == BAT_CURVE_MAP_JOIN_NO || !scheme_keeps_points(&job->refine.scheme) || job->refine.snap)
         return BAT_OK;
     bat_status status = line_chains_make(job->curves, job->count, &job->chains, error);
-    job->report.joints = job->chains.joints;
-    if (status == BAT_OK && job->chains.joints > 0)
+    job->report.joints = job->chains.pairs;
+    if (status == BAT_OK && job->chains.pairs > 0)
     {
         job->curves = job->chains.curves;
         job->count = job->chains.count;
@@ -371,12 +371,12 @@ static void name_place(const map_job *job, bat_error *error)
     error->curve = origin.curve;
     if (error->index == BAT_NO_INDEX)
     {
-        if (job->chains.joints > 0)
+        if (job->chains.pairs > 0)
             line_chains_find(&job->chains, job->lines, job->line_count, &error->curve, &error->index);
         return;
     }
     size_t point = (origin.point + error->index) % job->curves[origin.curve].count;
-    if (job->chains.joints > 0)
+    if (job->chains.pairs > 0)
         line_chains_find(&job->chains, job->lines, job->line_count, &error->curve, &point);
     point = job->simple.curves != NULL ? job->simple.origins[error->curve][point] : point;
     error->index = job->snapped.curves != NULL ? job->snapped.origins[error->curve][point] : point;
@@ -416,7 +416,7 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
         status = smooth_arcs(job, has_chart ? &chart : NULL, tested, options->keep_area, error);
     job->refine.smooth = 0;
     if (status == BAT_OK)
-        status = refined_arcs_make(&job->graph, &job->refine, tested ? &chart : NULL,
+        status = refined_arcs_make(&job->graph, job->chains.joints, &job->refine, tested ? &chart : NULL,
                                    has_straight_edges(job) ? &job->straight : NULL, &job->report, &job->fine, error);
     if (status != BAT_OK)
     {
@@ -433,7 +433,7 @@ static bat_status refine_map(map_job *job, const bat_curve_map_refine_options *o
     if (job->result == NULL)
         return error_memory(error, job->count * sizeof *job->result);
     status = for_each_curve(job, assemble_curve, error);
-    return status == BAT_OK && job->chains.joints > 0 ? cut_chains(job, error) : status;
+    return status == BAT_OK && job->chains.pairs > 0 ? cut_chains(job, error) : status;
 }
 
 static bool is_map(const bat_curve_set *set, const bat_curve_map_refine_options *options)

@@ -6,7 +6,7 @@
 #include "space/degrees.h"
 
 /// Of the learned scheme, whose network is of single precision, when a line is reversed.
-static const double ROUNDING = 1e-7;
+static const double ROUNDING = 1e-6;
 
 enum
 {
@@ -102,6 +102,37 @@ static void test_lines_that_meet_are_one(void **state)
             bat_curve_set_free(&ended);
             bat_curve_set_free(&coarse);
         }
+}
+
+/// With stops a joint turns by at most 3 degrees or a fifth of the given turn, however coarse the tolerance is.
+static void test_joints_are_smooth(void **state)
+{
+    (void)state;
+    static const size_t CUTS[PIECES + 1] = {0, 2, 5, 8, POINTS - 1};
+    static const char *const NAMES[] = {"four-point", "learned"};
+    bat_space plane = bat_euclidean(2);
+    double points[2 * POINTS];
+    for (size_t i = 0; i < POINTS; i++)
+        line_point(i, points + 2 * i);
+    for (size_t n = 0; n < 2; n++)
+    {
+        bat_curve_map_refine_report report;
+        bat_curve_map_refine_options how = line_options(NAMES[n], &report);
+        bat_curve_set coarse = pieces_of(&plane, points, CUTS, PIECES, 0, 0), fine;
+        how.refine.tolerance = 0.4;
+        assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, NULL), BAT_OK);
+        for (size_t k = 1; k < PIECES; k++)
+        {
+            const double *joint = points + 2 * CUTS[k], *after = fine.curves[k].points + 2;
+            const double *before = fine.curves[k - 1].points + 2 * (fine.curves[k - 1].count - 2);
+            double given = fabs(plane.exterior_angle(&plane, joint - 2, joint, joint + 2));
+            double turn = fabs(plane.exterior_angle(&plane, before, joint, after));
+            assert_true(given > 0.06); // or nothing is tested
+            assert_true(turn <= fmax(0.0523598776, 0.2 * given));
+        }
+        bat_curve_set_free(&fine);
+        bat_curve_set_free(&coarse);
+    }
 }
 
 // Pieces of a ring, and one line whose ends meet.
@@ -223,6 +254,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lines_that_meet_are_one),
+        cmocka_unit_test(test_joints_are_smooth),
         cmocka_unit_test(test_pieces_of_a_ring_close),
         cmocka_unit_test(test_lines_end_where_they_must),
         cmocka_unit_test(test_edges_along_parallels_stay_on_them),
