@@ -180,7 +180,7 @@ static void one_corner_opens_a_ring(void **state)
     bat_curve_refine_options how = options("learned", 3);
     size_t *starts;
     bat_curve piece = refined(&open, &how), fine;
-    check_status(pieces_refine(&ring, &how, NULL, &fine, &starts, NULL), BAT_OK);
+    check_status(pieces_refine(&ring, &how, NULL, NULL, &fine, &starts, NULL), BAT_OK);
     assert_int_equal(fine.count, 64);
     for (size_t i = 0; i < 64; i++)
         assert_memory_equal(fine.points + 3 * ((i + 24) % 64), piece.points + 3 * i, 3 * sizeof(double));

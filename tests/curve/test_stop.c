@@ -90,7 +90,7 @@ static void each_edge_gets_its_own_levels(void **state)
                 how.max_edge = 0.013;
                 bat_curve fine, whole[8];
                 size_t *starts, count, edges = closed ? COUNT : COUNT - 1;
-                check_status(pieces_refine(&ring, &how, NULL, &fine, &starts, NULL), BAT_OK);
+                check_status(pieces_refine(&ring, &how, NULL, NULL, &fine, &starts, NULL), BAT_OK);
                 check_status(bat_curve_refined_count(&ring, &how, &count, NULL), BAT_OK);
                 assert_int_equal(count, fine.count);
                 how.max_edge = 0;
@@ -157,7 +157,7 @@ static void the_tolerance_holds_at_level_12(void **state)
                 how.tolerance = tolerances[t];
                 bat_curve fine;
                 size_t *starts;
-                check_status(pieces_refine(&ring, &how, NULL, &fine, &starts, NULL), BAT_OK);
+                check_status(pieces_refine(&ring, &how, NULL, NULL, &fine, &starts, NULL), BAT_OK);
                 for (size_t e = 0; e < COUNT; e++)
                 {
                     size_t levels = levels_between(starts[e], starts[e + 1]), stride = (size_t)1 << (DEEP - levels);
@@ -210,7 +210,7 @@ static void the_estimate_is_safe_for_the_default_scheme(void **state)
         bat_curve limit = refined(&ring, &how), fine;
         size_t *starts;
         how.tolerance = 1e-4;
-        check_status(pieces_refine(&ring, &how, NULL, &fine, &starts, NULL), BAT_OK);
+        check_status(pieces_refine(&ring, &how, NULL, NULL, &fine, &starts, NULL), BAT_OK);
         for (size_t e = 0; e < COUNT; e++)
         {
             size_t levels = levels_between(starts[e], starts[e + 1]), stride = (size_t)1 << (DEEP - levels);
@@ -251,9 +251,9 @@ static void neighbours_do_not_matter(void **state)
     how.max_edge = 0.1;
     bat_curve fine[3];
     size_t *starts[3];
-    check_status(pieces_refine(&a, &how, NULL, &fine[0], &starts[0], NULL), BAT_OK);
-    check_status(pieces_refine(&b, &how, NULL, &fine[1], &starts[1], NULL), BAT_OK);
-    check_status(pieces_refine(&c, &how, NULL, &fine[2], &starts[2], NULL), BAT_OK);
+    check_status(pieces_refine(&a, &how, NULL, NULL, &fine[0], &starts[0], NULL), BAT_OK);
+    check_status(pieces_refine(&b, &how, NULL, NULL, &fine[1], &starts[1], NULL), BAT_OK);
+    check_status(pieces_refine(&c, &how, NULL, NULL, &fine[2], &starts[2], NULL), BAT_OK);
     for (size_t e = 0; e < COUNT; e++)
     {
         size_t levels = levels_between(starts[0][e], starts[0][e + 1]);
