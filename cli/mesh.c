@@ -426,10 +426,10 @@ static const option_spec DECIMATE_OPTIONS[] = {
      "of its box (0.1%)",
      NO_FIELD},
     {"method", "NAME", METHOD, COMMON,
-     "{}; default memoryless. memoryless: squared volumes to the present faces, at preserved volume (Lindstrom and Turk); "
-     "quadric: squared distances from the planes of all faces of IN, faster and less accurate; fast: quadric errors without "
-     "a strict order to three times the target, then memoryless errors, for large meshes; even: memoryless within three "
-     "fifths of its greatest distance, in six times its time",
+     "{}; default balanced. memoryless: squared volumes to the present faces, at preserved volume (Lindstrom and Turk); "
+     "quadric: squared distances from the planes of all faces of IN, faster and less accurate; balanced and fast: quadric "
+     "errors without a strict order to eight and three times the target, then memoryless errors; even: memoryless within "
+     "three fifths of its greatest distance, in six times its time",
      CHOICE(mesh_job, decimate.method, bat_mesh_decimate_method_family)},
     {"attributes", "W", METHOD, 0,
      "the weight of texture and channels in the error; 0 drops them, and lets seams vanish; default 0.5",

@@ -32,7 +32,8 @@ enum
     /// Arithmetic operations of an edge's error, roughly.
     ERROR_OPERATIONS = 300,
     /// Sweeps end when this many times the wanted vertices or faces are left, and at this number at the latest.
-    SWEEP_TARGET = 3,
+    SWEEP_TARGET_FAST = 3,
+    SWEEP_TARGET_BALANCED = 8,
     SWEEP_MIN_LEFT = 100,
     /// Errors from which a sweep takes its threshold.
     SWEEP_SAMPLES = 1024
@@ -352,11 +353,10 @@ static bat_status sweep_edge(decimation *all, uint32_t edge, double threshold, b
 
 /// Sweep over the edges in the order of their numbers and collapse those of small errors, until a sweep changes little or
 /// the target is near.
-static bat_status sweep(decimation *all, bat_error *error)
+static bat_status sweep(decimation *all, size_t times, bat_error *error)
 {
     const decimation_target *target = all->target;
-    const decimation_target until = {SWEEP_TARGET * target->vertices + SWEEP_MIN_LEFT,
-                                     SWEEP_TARGET * target->faces + SWEEP_MIN_LEFT};
+    const decimation_target until = {times * target->vertices + SWEEP_MIN_LEFT, times * target->faces + SWEEP_MIN_LEFT};
     double samples[SWEEP_SAMPLES];
     bat_status status = BAT_OK;
     for (size_t before = SIZE_MAX;
@@ -397,12 +397,14 @@ static bat_status run(decimation *all, bat_error *error)
 {
     bat_status status = BAT_OK;
     all->initial = (decimation_target){all->mesh.vertices_left, all->mesh.faces_left};
-    all->memoryless =
-        all->options->method != BAT_MESH_DECIMATE_METHOD_QUADRIC && all->options->method != BAT_MESH_DECIMATE_METHOD_FAST;
-    if (all->options->method == BAT_MESH_DECIMATE_METHOD_FAST)
+    const bat_mesh_decimate_method method = all->options->method;
+    bool fast = method == BAT_MESH_DECIMATE_METHOD_FAST, counted = all->target->vertices + all->target->faces > 0;
+    bool balanced = counted && (method == BAT_MESH_DECIMATE_METHOD_BALANCED || method == BAT_MESH_DECIMATE_METHOD_AUTO);
+    all->memoryless = method != BAT_MESH_DECIMATE_METHOD_QUADRIC && !fast && !balanced;
+    if (fast || balanced)
     {
         memset(all->errors, 0, all->mesh.edge_count * sizeof *all->errors);
-        status = sweep(all, error);
+        status = sweep(all, fast ? SWEEP_TARGET_FAST : SWEEP_TARGET_BALANCED, error);
         all->memoryless = true;
     }
     if (status != BAT_OK)
@@ -558,7 +560,7 @@ static const double ACCURACY = 0.01;
 static const double SHRINK = 0.98;
 
 static const bat_choice METHODS[] = {
-    CHOICE_OF_USE(UNNAMED, "auto", "memoryless", BAT_MESH_DECIMATE_METHOD_AUTO),
+    CHOICE_OF_USE(UNNAMED, "auto", "balanced", BAT_MESH_DECIMATE_METHOD_AUTO),
     {.name = "quadric",
      .value = BAT_MESH_DECIMATE_METHOD_QUADRIC,
      .summary = "squared distances from the planes of the given faces (Garland and Heckbert)"},
@@ -571,12 +573,15 @@ static const bat_choice METHODS[] = {
     {.name = "even",
      .value = BAT_MESH_DECIMATE_METHOD_EVEN,
      .summary = "memoryless errors twice, the second time within three fifths of the greatest distance"},
+    {.name = "balanced",
+     .value = BAT_MESH_DECIMATE_METHOD_BALANCED,
+     .summary = "quadric errors in sweeps to eight times the target, then memoryless errors"},
 };
 const bat_family bat_mesh_decimate_method_family = FAMILY("decimation method", METHODS);
 
 bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
 {
-    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS,
+    return (bat_mesh_decimate_options){.method = BAT_MESH_DECIMATE_METHOD_BALANCED,
                                        .seed = 1,
                                        .min_normal = 0.2,
                                        .min_quality = 0.1,

@@ -270,6 +270,7 @@ bat_status shell_layout_make(const bat_mesh *mesh, size_t faces, double normals,
     layout_builder builder = {0};
     shell_layout made = {0};
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = faces / 2 > 8 ? faces / 2 : 8;
     options.min_quality = MIN_QUALITY;
     options.min_normal = MIN_NORMAL;

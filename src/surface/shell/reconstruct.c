@@ -201,6 +201,7 @@ static bat_status coarsen(shell_work *work, bat_error *error)
 {
     bat_mesh coarse;
     bat_mesh_decimate_options options = bat_mesh_decimate_defaults();
+    options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = CONNECTED_FACES;
     options.threads = work->options->threads;
     if (work->mesh.face_count <= CONNECTED_FACES)
