@@ -108,8 +108,7 @@ static bat_status refine_pieces(const arc_job *job, const bat_curve_refine_optio
         one.threads = 1;
         one.progress = (bat_progress){0};
         one.report = &report;
-        arc_origin origin = job->graph->origins[i];
-        const unsigned char *joints = job->joints != NULL ? job->joints[origin.curve] + origin.point : NULL;
+        const unsigned char *joints = arc_joints(job->graph, job->joints, i);
         bat_status status =
             pieces_refine(&job->graph->arcs[i], &one, joints, NULL, &next->arcs[i], &next->starts[i], &failure);
         (void)error_curve(&failure, status, i);

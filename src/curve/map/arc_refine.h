@@ -330,3 +330,9 @@ bat_status line_chains_cut(const bat_curve *chain, size_t first, size_t last, bo
                            bat_error *error);
 
 void line_chains_free(line_chains *chains);
+
+/// The flags of an arc's points from line_chains::joints of its curves, null for none.
+static inline const unsigned char *arc_joints(const arc_graph *graph, unsigned char *const *joints, size_t arc)
+{
+    return joints != NULL ? joints[graph->origins[arc].curve] + graph->origins[arc].point : NULL;
+}

@@ -257,7 +257,8 @@ static bat_status refine_channels(const map_job *job, size_t curve, size_t begin
     how.progress = (bat_progress){0};
     how.threads = 1;
     how.report = NULL;
-    bat_status status = bat_curve_refine(&slice, &how, fine, error);
+    const unsigned char *joints = arc_joints(&job->graph, job->chains.joints, use->arc);
+    bat_status status = pieces_refine(&slice, &how, joints, NULL, fine, NULL, error);
     free(slice.channels);
     return status;
 }

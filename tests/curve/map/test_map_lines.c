@@ -119,6 +119,14 @@ static void test_joints_are_smooth(void **state)
         bat_curve_map_refine_report report;
         bat_curve_map_refine_options how = line_options(NAMES[n], &report);
         bat_curve_set coarse = pieces_of(&plane, points, CUTS, PIECES, 0, 0), fine;
+        for (size_t k = 0; k < PIECES; k++)
+        {
+            bat_curve *piece = (bat_curve *)&coarse.curves[k];
+            piece->channel_count = 1;
+            piece->channels = malloc(piece->count * sizeof(double));
+            for (size_t i = 0; i < piece->count; i++)
+                piece->channels[i] = (double)(CUTS[k] + i);
+        }
         how.refine.tolerance = 0.4;
         assert_int_equal(bat_curve_map_refine(&coarse, &how, &fine, NULL), BAT_OK);
         for (size_t k = 1; k < PIECES; k++)
@@ -129,6 +137,9 @@ static void test_joints_are_smooth(void **state)
             double turn = fabs(plane.exterior_angle(&plane, before, joint, after));
             assert_true(given > 0.06); // or nothing is tested
             assert_true(turn <= fmax(0.0523598776, 0.2 * given));
+            const double *channels = fine.curves[k].channels;
+            for (size_t i = 0; i < fine.curves[k].count; i++)
+                assert_true(channels[i] > (double)CUTS[k] - 0.5 && (i == 0 || channels[i] > channels[i - 1]));
         }
         bat_curve_set_free(&fine);
         bat_curve_set_free(&coarse);
