@@ -142,8 +142,10 @@ typedef struct bat_measure
 /// struct.
 typedef struct bat_options_table
 {
-    const char *name;                                           ///< of the struct
-    bat_status (*check)(const void *options, bat_error *error); ///< what bat_options_check() calls
+    const char *name;   ///< of the struct
+    const void *fields; ///< `count` rows of the library: the fields and their ranges
+    size_t count;
+    bat_status (*check)(const void *options, bat_error *error); ///< what no range of a field tells; null for nothing
 } bat_options_table;
 
 /// Check options. Every call that takes options does so first; a caller may do so before a long preparation.

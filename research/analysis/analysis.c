@@ -209,17 +209,13 @@ bat_mask_analyze_options bat_mask_analyze_defaults(void)
     return (bat_mask_analyze_options){.depth = 12, .tolerance = 1e-10, .vertices = 1000};
 }
 
-static bat_status mask_analyze_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mask_analyze_options, depth, OPTION_SIZE, 1, BAT_ANALYSIS_MAX_DEPTH),
-        OPTION_FIELD(bat_mask_analyze_options, tolerance, OPTION_ABOVE, 0, 1),
-        OPTION_FIELD(bat_mask_analyze_options, vertices, OPTION_SIZE, 1, ANALYSIS_VERTEX_LIMIT),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_mask_analyze_options, depth, OPTION_SIZE, 1, BAT_ANALYSIS_MAX_DEPTH),
+    OPTION_FIELD(bat_mask_analyze_options, tolerance, OPTION_ABOVE, 0, 1),
+    OPTION_FIELD(bat_mask_analyze_options, vertices, OPTION_SIZE, 1, ANALYSIS_VERTEX_LIMIT),
+};
 
-const bat_options_table bat_mask_analyze_fields = {"bat_mask_analyze_options", mask_analyze_options_check};
+const bat_options_table bat_mask_analyze_fields = OPTIONS_TABLE(bat_mask_analyze_options, FIELDS, NULL);
 
 /// The largest k >= 0 with radius < 2^-k, or -1: limits are C^k where differences of order k + 1 shrink faster than 2^-k,
 /// and those of order k + 1 <= n shrink like the larger of `radius` and 2^-(k + 1). Never above n - 1.

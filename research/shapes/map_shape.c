@@ -33,16 +33,12 @@ bat_shape_map_options bat_shape_map_defaults(void)
     return (bat_shape_map_options){.countries = 200, .detail = 2, .seed = 1};
 }
 
-static bat_status shape_map_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_shape_map_options, countries, OPTION_SIZE, MAP_MIN_COUNTRIES, MAP_MAX_COUNTRIES),
-        OPTION_FIELD(bat_shape_map_options, detail, OPTION_SIZE, 1, MAX_DETAIL),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_shape_map_options, countries, OPTION_SIZE, MAP_MIN_COUNTRIES, MAP_MAX_COUNTRIES),
+    OPTION_FIELD(bat_shape_map_options, detail, OPTION_SIZE, 1, MAX_DETAIL),
+};
 
-const bat_options_table bat_shape_map_fields = {"bat_shape_map_options", shape_map_options_check};
+const bat_options_table bat_shape_map_fields = OPTIONS_TABLE(bat_shape_map_options, FIELDS, NULL);
 
 static const char *pick(bat_random *random, const char *const *words, size_t count)
 {

@@ -82,19 +82,19 @@ void bezier_surface_at(const bezier_surface *surface, const double parameter[2],
         point[c] = sum[c];
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_cloud_bezier_options, degree, OPTION_INT, 1, BEZIER_MAX_DEGREE),
+    OPTION_FIELD(bat_cloud_bezier_options, noise, OPTION_NUMBER, 0, INFINITY),
+};
+
 static bat_status cloud_bezier_options_check(const void *opaque, bat_error *error)
 {
     const bat_cloud_bezier_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_cloud_bezier_options, degree, OPTION_INT, 1, BEZIER_MAX_DEGREE),
-        OPTION_FIELD(bat_cloud_bezier_options, noise, OPTION_NUMBER, 0, INFINITY),
-    };
-    if (options->side == 1)
-        return error_option(error, "side", "is 1, but must be 0 or at least 2");
-    return OPTIONS_CHECK(options, FIELDS, error);
+    return options->side != 1 ? BAT_OK : error_option(error, "side", "is 1, but must be 0 or at least 2");
 }
 
-const bat_options_table bat_cloud_bezier_fields = {"bat_cloud_bezier_options", cloud_bezier_options_check};
+const bat_options_table bat_cloud_bezier_fields =
+    OPTIONS_TABLE(bat_cloud_bezier_options, FIELDS, cloud_bezier_options_check);
 
 /// Equally spaced boundary parameters, then uniformly distributed interior ones.
 static void draw_parameters(sampled_cloud *sampled, size_t side, bat_random *random)

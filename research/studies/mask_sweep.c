@@ -404,22 +404,23 @@ static size_t common_factors(const sweep *s, const bat_mask *begin, const bat_ma
     return factors;
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_mask_sweep_options, begin, OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_mask_sweep_options, end, OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_mask_sweep_options, smoothness, OPTION_SIZE, 0, SMOOTHNESS_LIMIT),
+    OPTION_FIELD(bat_mask_sweep_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_STRUCT(bat_mask_sweep_options, analysis, bat_mask_analyze_fields),
+};
+
 static bat_status mask_sweep_options_check(const void *opaque, bat_error *error)
 {
     const bat_mask_sweep_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mask_sweep_options, begin, OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_mask_sweep_options, end, OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_mask_sweep_options, smoothness, OPTION_SIZE, 0, SMOOTHNESS_LIMIT),
-        OPTION_FIELD(bat_mask_sweep_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && !(options->begin < options->end))
-        status = error_option(error, "end", "is %.10g, but must be above begin, %.10g", options->end, options->begin);
-    return status == BAT_OK ? bat_options_check(&bat_mask_analyze_fields, &options->analysis, error) : status;
+    if (options->begin < options->end)
+        return BAT_OK;
+    return error_option(error, "end", "is %.10g, but must be above begin, %.10g", options->end, options->begin);
 }
 
-const bat_options_table bat_mask_sweep_fields = {"bat_mask_sweep_options", mask_sweep_options_check};
+const bat_options_table bat_mask_sweep_fields = OPTIONS_TABLE(bat_mask_sweep_options, FIELDS, mask_sweep_options_check);
 
 static bat_status check_masks(const sweep *s, const bat_mask *begin, const bat_mask *end)
 {

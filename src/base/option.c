@@ -79,6 +79,13 @@ bat_status options_check(const void *options, const option_field *fields, size_t
 {
     for (size_t i = 0; i < count; i++)
     {
+        if (fields[i].kind == OPTION_TABLE)
+        {
+            bat_status status = bat_options_check(fields[i].table, (const char *)options + fields[i].offset, error);
+            if (status != BAT_OK)
+                return status;
+            continue;
+        }
         double value = value_of(options, &fields[i]);
         if (is_in_range(&fields[i], value))
             continue;
@@ -91,5 +98,8 @@ bat_status options_check(const void *options, const option_field *fields, size_t
 
 bat_status bat_options_check(const bat_options_table *table, const void *options, bat_error *error)
 {
-    return options == NULL ? BAT_OK : table->check(options, error);
+    if (options == NULL)
+        return BAT_OK;
+    bat_status status = options_check(options, table->fields, table->count, error);
+    return status == BAT_OK && table->check != NULL ? table->check(options, error) : status;
 }

@@ -17,6 +17,7 @@ typedef enum option_kind
     OPTION_ABOVE,  ///< a finite double above `low`, up to `high`
     OPTION_ZERO,   ///< a double: 0 for an automatic value, or from `low` to `high`
     OPTION_ANGLE,  ///< a finite double from `low` to `high`, or NaN for an automatic value
+    OPTION_TABLE   ///< a struct of options with a `table`
 } option_kind;
 
 /// A field of an options struct and its range.
@@ -26,18 +27,24 @@ typedef struct option_field
     size_t offset;
     option_kind kind;
     double low, high;
-    const bat_family *family; ///< OPTION_CHOICE
+    const bat_family *family;       ///< OPTION_CHOICE
+    const bat_options_table *table; ///< OPTION_TABLE
 } option_field;
 
 /// The row of a field. `type` is the options struct.
 #define OPTION_FIELD(type, field, kind, low, high)                                                                          \
     {                                                                                                                       \
-#field, offsetof(type, field), kind, low, high, NULL                                                                \
+#field, offsetof(type, field), kind, low, high, NULL, NULL                                                          \
     }
 /// The row of an enumeration with names.
 #define OPTION_FAMILY(type, field, family)                                                                                  \
     {                                                                                                                       \
-#field, offsetof(type, field), OPTION_CHOICE, 0, 0, &(family)                                                       \
+#field, offsetof(type, field), OPTION_CHOICE, 0, 0, &(family), NULL                                                 \
+    }
+/// The row of a struct of options within the struct.
+#define OPTION_STRUCT(type, field, fields)                                                                                  \
+    {                                                                                                                       \
+#field, offsetof(type, field), OPTION_TABLE, 0, 0, NULL, &(fields)                                                  \
     }
 
 /// The largest number of threads that an option may ask for.
@@ -51,3 +58,9 @@ bat_status options_check(const void *options, const option_field *fields, size_t
 
 /// options_check() of a whole table.
 #define OPTIONS_CHECK(options, fields, error) options_check(options, fields, sizeof(fields) / sizeof *(fields), error)
+
+/// The bat_options_table of a struct; `check` may be null.
+#define OPTIONS_TABLE(type, fields, check)                                                                                  \
+    {                                                                                                                       \
+#type, fields, sizeof(fields) / sizeof *(fields), check                                                             \
+    }

@@ -18,28 +18,29 @@ bat_curve_refine_options bat_curve_refine_defaults(void)
     };
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_curve_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+    OPTION_FAMILY(bat_curve_refine_options, ends, bat_curve_end_rule_family),
+    OPTION_FIELD(bat_curve_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
+    OPTION_FAMILY(bat_curve_refine_options, simple, bat_curve_simple_family),
+    OPTION_THREADS(bat_curve_refine_options),
+    OPTION_FIELD(bat_curve_refine_options, corner_angle, OPTION_NUMBER, 0, CORNER_ANGLE_LIMIT),
+    OPTION_FIELD(bat_curve_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_curve_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_curve_refine_options, relative_tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
+    OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+    OPTION_FIELD(bat_curve_refine_options, smooth, OPTION_ANGLE, 0, INFINITY),
+};
+
 static bat_status curve_refine_options_check(const void *opaque, bat_error *error)
 {
     const bat_curve_refine_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
-        OPTION_FAMILY(bat_curve_refine_options, ends, bat_curve_end_rule_family),
-        OPTION_FIELD(bat_curve_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
-        OPTION_FAMILY(bat_curve_refine_options, simple, bat_curve_simple_family),
-        OPTION_THREADS(bat_curve_refine_options),
-        OPTION_FIELD(bat_curve_refine_options, corner_angle, OPTION_NUMBER, 0, CORNER_ANGLE_LIMIT),
-        OPTION_FIELD(bat_curve_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_curve_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_curve_refine_options, relative_tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_curve_refine_options, max_levels, OPTION_SIZE, 0, STOP_MOST_LEVELS),
-        OPTION_FIELD(bat_curve_refine_options, first_level, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
-        OPTION_FIELD(bat_curve_refine_options, smooth, OPTION_ANGLE, 0, INFINITY),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    return status == BAT_OK ? bat_curve_scheme_check(&options->scheme, error) : status;
+    return bat_curve_scheme_check(&options->scheme, error);
 }
 
-const bat_options_table bat_curve_refine_fields = {"bat_curve_refine_options", curve_refine_options_check};
+const bat_options_table bat_curve_refine_fields =
+    OPTIONS_TABLE(bat_curve_refine_options, FIELDS, curve_refine_options_check);
 
 /// Whether a checked scheme has a meaning in a space, with the other options.
 static bat_status check_space(const bat_space *space, const bat_curve_refine_options *options, bat_error *error)

@@ -1,4 +1,3 @@
-#include "base/choice.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -34,19 +33,14 @@ typedef struct hermite_plan
     double *buffer, *rows; ///< coarse rows; row 0 is `rows`
 } hermite_plan;
 
-static bat_status hermite_refine_options_check(const void *opaque, bat_error *error)
-{
-    const bat_hermite_refine_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_hermite_refine_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
-        OPTION_FIELD(bat_hermite_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
-        OPTION_FIELD(bat_hermite_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
-        OPTION_THREADS(bat_hermite_refine_options),
-    };
-    return OPTIONS_CHECK(options, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_hermite_refine_options, order, OPTION_SIZE, 1, BAT_HERMITE_MAX_ORDER),
+    OPTION_FIELD(bat_hermite_refine_options, levels, OPTION_SIZE, 0, CASCADE_MOST_LEVELS),
+    OPTION_FIELD(bat_hermite_refine_options, max_points, OPTION_SIZE, 1, INFINITY),
+    OPTION_THREADS(bat_hermite_refine_options),
+};
 
-const bat_options_table bat_hermite_refine_fields = {"bat_hermite_refine_options", hermite_refine_options_check};
+const bat_options_table bat_hermite_refine_fields = OPTIONS_TABLE(bat_hermite_refine_options, FIELDS, NULL);
 
 static bat_status lay_out(hermite_plan *plan, bat_error *error)
 {

@@ -318,27 +318,26 @@ static bat_status check_times(const bat_motion_curves_options *options, bat_erro
     return BAT_OK;
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_motion_curves_options, method, bat_motion_method_family),
+    OPTION_FIELD(bat_motion_curves_options, rate, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_motion_curves_options, period, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_motion_curves_options, wrap, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_motion_curves_options, tangent_order, OPTION_SIZE, 0, 4),
+    OPTION_STRUCT(bat_motion_curves_options, spline, bat_motion_spline_fields),
+    OPTION_STRUCT(bat_motion_curves_options, scheme, bat_hermite_refine_fields),
+};
+
 static bat_status motion_curves_options_check(const void *opaque, bat_error *error)
 {
     const bat_motion_curves_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_motion_curves_options, method, bat_motion_method_family),
-        OPTION_FIELD(bat_motion_curves_options, rate, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_curves_options, period, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_curves_options, wrap, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_curves_options, tangent_order, OPTION_SIZE, 0, 4),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && options->tangent_order % 2 == 1)
-        status = error_option(error, "tangent_order", "is %zu, but must be 0, 2 or 4", options->tangent_order);
-    if (status == BAT_OK)
-        status = check_times(options, error);
-    if (status == BAT_OK)
-        status = bat_options_check(&bat_motion_spline_fields, &options->spline, error);
-    return status == BAT_OK ? bat_options_check(&bat_hermite_refine_fields, &options->scheme, error) : status;
+    if (options->tangent_order % 2 == 1)
+        return error_option(error, "tangent_order", "is %zu, but must be 0, 2 or 4", options->tangent_order);
+    return check_times(options, error);
 }
 
-const bat_options_table bat_motion_curves_fields = {"bat_motion_curves_options", motion_curves_options_check};
+const bat_options_table bat_motion_curves_fields =
+    OPTIONS_TABLE(bat_motion_curves_options, FIELDS, motion_curves_options_check);
 
 /// Whether the options fit the columns of a set.
 static bat_status check_columns(const bat_curve_set *set, const bat_motion_curves_options *options,

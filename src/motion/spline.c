@@ -99,39 +99,39 @@ bat_motion_spline_options bat_motion_spline_defaults(void)
     return (bat_motion_spline_options){.ends = BAT_MOTION_ENDS_AUTO, .shape = BAT_MOTION_SHAPE_RESTING};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_motion_spline_options, ends, bat_motion_ends_family),
+    OPTION_FAMILY(bat_motion_spline_options, shape, bat_motion_shape_family),
+    OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
+    OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
+    OPTION_FAMILY(bat_motion_spline_options, outliers, bat_motion_outliers_family),
+    OPTION_FIELD(bat_motion_spline_options, max_speed, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_motion_spline_options, max_angular_speed, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_motion_spline_options, max_acceleration, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_motion_spline_options, max_angular_acceleration, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_motion_spline_options),
+};
+
 static bat_status motion_spline_options_check(const void *opaque, bat_error *error)
 {
     const bat_motion_spline_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_motion_spline_options, ends, bat_motion_ends_family),
-        OPTION_FAMILY(bat_motion_spline_options, shape, bat_motion_shape_family),
-        OPTION_FIELD(bat_motion_spline_options, sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
-        OPTION_FIELD(bat_motion_spline_options, angle_sigma, OPTION_NUMBER, BAT_MOTION_SIGMA_AUTO, INFINITY),
-        OPTION_FAMILY(bat_motion_spline_options, outliers, bat_motion_outliers_family),
-        OPTION_FIELD(bat_motion_spline_options, max_speed, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_spline_options, max_angular_speed, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_spline_options, max_acceleration, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_motion_spline_options, max_angular_acceleration, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_motion_spline_options),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     const double sigmas[] = {options->sigma, options->angle_sigma};
-    for (int i = 0; status == BAT_OK && i < 2; i++)
+    for (int i = 0; i < 2; i++)
         if (sigmas[i] < 0 && sigmas[i] != BAT_MOTION_SIGMA_AUTO)
             return error_option(error, i == 0 ? "sigma" : "angle_sigma", "is %g, but must be at least 0, or automatic",
                                 sigmas[i]);
-    if (status == BAT_OK && options->outliers != BAT_MOTION_OUTLIERS_NONE && options->sigma == 0 &&
-        options->angle_sigma == 0)
+    if (options->outliers != BAT_MOTION_OUTLIERS_NONE && options->sigma == 0 && options->angle_sigma == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "outliers '%s' need sigma",
                          bat_choice_name(&bat_motion_outliers_family, (int)options->outliers));
     bool given = options->begin_velocity != NULL || options->end_velocity != NULL;
-    if (status == BAT_OK && given && options->ends != BAT_MOTION_ENDS_CLAMPED)
+    if (given && options->ends != BAT_MOTION_ENDS_CLAMPED)
         return error_option(error, "begin_velocity", "and end_velocity go with clamped ends, not %s",
                             bat_choice_name(&bat_motion_ends_family, (int)options->ends));
-    return status;
+    return BAT_OK;
 }
 
-const bat_options_table bat_motion_spline_fields = {"bat_motion_spline_options", motion_spline_options_check};
+const bat_options_table bat_motion_spline_fields =
+    OPTIONS_TABLE(bat_motion_spline_options, FIELDS, motion_spline_options_check);
 
 void bat_motion_spline_free(bat_motion_spline *spline)
 {

@@ -70,20 +70,17 @@ void bat_surface_result_free(bat_surface_result *result)
     *result = (bat_surface_result){0};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_surface_reconstruct_options, parameters, bat_surface_parameters_family),
+    OPTION_FAMILY(bat_surface_reconstruct_options, sides, bat_cloud_sides_family),
+    OPTION_FIELD(bat_surface_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_surface_reconstruct_options, close_gaps, OPTION_NUMBER, 0, INFINITY),
+    OPTION_STRUCT(bat_surface_reconstruct_options, fit, bat_surface_fit_fields),
+};
+
 static bat_status surface_reconstruct_options_check(const void *opaque, bat_error *error)
 {
     const bat_surface_reconstruct_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_surface_reconstruct_options, parameters, bat_surface_parameters_family),
-        OPTION_FAMILY(bat_surface_reconstruct_options, sides, bat_cloud_sides_family),
-        OPTION_FIELD(bat_surface_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_surface_reconstruct_options, close_gaps, OPTION_NUMBER, 0, INFINITY),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK)
-        status = bat_options_check(&bat_surface_fit_fields, &options->fit, error);
-    if (status != BAT_OK)
-        return status;
     if (options->parameters == BAT_SURFACE_PARAMETERS_GIVEN && options->given == NULL)
         return error_option(error, "given", "is null, but must hold the parameters where these are given");
     if (options->trim && options->parameters != BAT_SURFACE_PARAMETERS_AUTO)
@@ -100,8 +97,8 @@ static bat_status surface_reconstruct_options_check(const void *opaque, bat_erro
     return BAT_OK;
 }
 
-const bat_options_table bat_surface_reconstruct_fields = {"bat_surface_reconstruct_options",
-                                                          surface_reconstruct_options_check};
+const bat_options_table bat_surface_reconstruct_fields =
+    OPTIONS_TABLE(bat_surface_reconstruct_options, FIELDS, surface_reconstruct_options_check);
 
 static void list_kinds(reconstruction *work)
 {

@@ -39,22 +39,17 @@ bat_curve_map_refine_options bat_curve_map_refine_defaults(void)
     return (bat_curve_map_refine_options){.refine = bat_curve_refine_defaults(), .decimals = 10};
 }
 
-static bat_status curve_map_refine_options_check(const void *opaque, bat_error *error)
-{
-    const bat_curve_map_refine_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_curve_map_refine_options, topology, bat_curve_map_topology_family),
-        OPTION_FAMILY(bat_curve_map_refine_options, edges, bat_curve_map_edges_family),
-        OPTION_FAMILY(bat_curve_map_refine_options, join, bat_curve_map_join_family),
-        OPTION_FIELD(bat_curve_map_refine_options, simplify, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_curve_map_refine_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_curve_map_refine_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    return status == BAT_OK ? bat_options_check(&bat_curve_refine_fields, &options->refine, error) : status;
-}
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_curve_map_refine_options, topology, bat_curve_map_topology_family),
+    OPTION_FAMILY(bat_curve_map_refine_options, edges, bat_curve_map_edges_family),
+    OPTION_FAMILY(bat_curve_map_refine_options, join, bat_curve_map_join_family),
+    OPTION_FIELD(bat_curve_map_refine_options, simplify, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_curve_map_refine_options, snap_tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_curve_map_refine_options, decimals, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
+    OPTION_STRUCT(bat_curve_map_refine_options, refine, bat_curve_refine_fields),
+};
 
-const bat_options_table bat_curve_map_refine_fields = {"bat_curve_map_refine_options", curve_map_refine_options_check};
+const bat_options_table bat_curve_map_refine_fields = OPTIONS_TABLE(bat_curve_map_refine_options, FIELDS, NULL);
 
 /// A map during refinement.
 typedef struct map_job

@@ -168,16 +168,12 @@ bat_curve_measure_options bat_curve_measure_defaults(void)
     return (bat_curve_measure_options){.bending_offset = BAT_CURVE_BENDING_OFFSET};
 }
 
-static bat_status curve_measure_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_measure_options, bending_offset, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_curve_measure_options),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_curve_measure_options, bending_offset, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_curve_measure_options),
+};
 
-const bat_options_table bat_curve_measure_fields = {"bat_curve_measure_options", curve_measure_options_check};
+const bat_options_table bat_curve_measure_fields = OPTIONS_TABLE(bat_curve_measure_options, FIELDS, NULL);
 
 static const bat_measure FAIRNESS[] = {
     MEASURE(bat_curve_fairness_values, bending, "bending energy", NUMBER),

@@ -64,27 +64,25 @@ static const bat_choice PROJECTIONS[] = {
 };
 const bat_family bat_curve_projection_family = FAMILY("projection", PROJECTIONS);
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_curve_picture_options, width, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
+    OPTION_FIELD(bat_curve_picture_options, height, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
+    OPTION_FIELD(bat_curve_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
+    OPTION_FAMILY(bat_curve_picture_options, projection, bat_curve_projection_family),
+    OPTION_FIELD(bat_curve_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
+    OPTION_FIELD(bat_curve_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
+    OPTION_FIELD(bat_curve_picture_options, comb_scale, OPTION_NUMBER, 0, INFINITY),
+};
+
 static bat_status curve_picture_options_check(const void *opaque, bat_error *error)
 {
     const bat_curve_picture_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_curve_picture_options, width, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
-        OPTION_FIELD(bat_curve_picture_options, height, OPTION_ZERO, SMALLEST_SIDE, LARGEST_SIDE),
-        OPTION_FIELD(bat_curve_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
-        OPTION_FAMILY(bat_curve_picture_options, projection, bat_curve_projection_family),
-        OPTION_FIELD(bat_curve_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
-        OPTION_FIELD(bat_curve_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
-        OPTION_FIELD(bat_curve_picture_options, comb_scale, OPTION_NUMBER, 0, INFINITY),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && options != NULL && !text_is_valid(options->title))
-        status = error_option(error, "title", "must be UTF-8 without control characters");
-    if (status == BAT_OK && options != NULL && !text_is_valid(options->unit))
-        status = error_option(error, "unit", "must be UTF-8 without control characters");
-    return status;
+    const char *wrong = !text_is_valid(options->title) ? "title" : !text_is_valid(options->unit) ? "unit" : NULL;
+    return wrong == NULL ? BAT_OK : error_option(error, wrong, "must be UTF-8 without control characters");
 }
 
-const bat_options_table bat_curve_picture_fields = {"bat_curve_picture_options", curve_picture_options_check};
+const bat_options_table bat_curve_picture_fields =
+    OPTIONS_TABLE(bat_curve_picture_options, FIELDS, curve_picture_options_check);
 
 static bat_status check_layer(const bat_curve_picture_layer *layer, size_t panel, size_t index, bat_error *error)
 {

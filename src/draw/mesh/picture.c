@@ -65,23 +65,21 @@ static const bat_choice UP_AXES[] = {
 };
 const bat_family bat_mesh_up_family = FAMILY("axis", UP_AXES);
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_mesh_picture_options, width, OPTION_NUMBER, 0, LARGEST_SIDE),
+    OPTION_FIELD(bat_mesh_picture_options, height, OPTION_NUMBER, 0, LARGEST_SIDE),
+    OPTION_FIELD(bat_mesh_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
+    OPTION_FAMILY(bat_mesh_picture_options, up, bat_mesh_up_family),
+    OPTION_FIELD(bat_mesh_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
+    OPTION_FIELD(bat_mesh_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
+    OPTION_FIELD(bat_mesh_picture_options, value_low, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
+    OPTION_FIELD(bat_mesh_picture_options, value_high, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
+    OPTION_THREADS(bat_mesh_picture_options),
+};
+
 static bat_status mesh_picture_options_check(const void *opaque, bat_error *error)
 {
     const bat_mesh_picture_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_picture_options, width, OPTION_NUMBER, 0, LARGEST_SIDE),
-        OPTION_FIELD(bat_mesh_picture_options, height, OPTION_NUMBER, 0, LARGEST_SIDE),
-        OPTION_FIELD(bat_mesh_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
-        OPTION_FAMILY(bat_mesh_picture_options, up, bat_mesh_up_family),
-        OPTION_FIELD(bat_mesh_picture_options, longitude, OPTION_ANGLE, -LARGEST_LONGITUDE, LARGEST_LONGITUDE),
-        OPTION_FIELD(bat_mesh_picture_options, latitude, OPTION_ANGLE, -LARGEST_LATITUDE, LARGEST_LATITUDE),
-        OPTION_FIELD(bat_mesh_picture_options, value_low, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
-        OPTION_FIELD(bat_mesh_picture_options, value_high, OPTION_ANGLE, -DBL_MAX, DBL_MAX),
-        OPTION_THREADS(bat_mesh_picture_options),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status != BAT_OK)
-        return status;
     if (options->value_low >= options->value_high)
         return error_option(error, "value_low", "is %.10g, but must be below value_high", options->value_low);
     const char *wrong = !text_is_valid(options->title)         ? "title"
@@ -90,7 +88,8 @@ static bat_status mesh_picture_options_check(const void *opaque, bat_error *erro
     return wrong == NULL ? BAT_OK : error_option(error, wrong, "must be UTF-8 without control characters");
 }
 
-const bat_options_table bat_mesh_picture_fields = {"bat_mesh_picture_options", mesh_picture_options_check};
+const bat_options_table bat_mesh_picture_fields =
+    OPTIONS_TABLE(bat_mesh_picture_options, FIELDS, mesh_picture_options_check);
 
 /// Prefix the text of an error with the number of its panel.
 static bat_status name_panel(bat_error *error, bat_status status, size_t panel)

@@ -76,23 +76,23 @@ bat_motion_picture_options bat_motion_picture_defaults(void)
     return (bat_motion_picture_options){.pixels_per_point = 2, .legend = true};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_motion_picture_options, width, OPTION_ZERO, 100, 10000),
+    OPTION_FIELD(bat_motion_picture_options, height, OPTION_ZERO, 100, 10000),
+    OPTION_FIELD(bat_motion_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
+    OPTION_FIELD(bat_motion_picture_options, poses, OPTION_SIZE, 0, 1000),
+};
+
 static bat_status motion_picture_options_check(const void *opaque, bat_error *error)
 {
     const bat_motion_picture_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_motion_picture_options, width, OPTION_ZERO, 100, 10000),
-        OPTION_FIELD(bat_motion_picture_options, height, OPTION_ZERO, 100, 10000),
-        OPTION_FIELD(bat_motion_picture_options, pixels_per_point, OPTION_NUMBER, 0.1, 20),
-        OPTION_FIELD(bat_motion_picture_options, poses, OPTION_SIZE, 0, 1000),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK &&
-        !(text_is_valid(options->title) && text_is_valid(options->length_unit) && text_is_valid(options->time_unit)))
-        status = error_option(error, "title", "and units must be UTF-8 without control characters");
-    return status;
+    if (text_is_valid(options->title) && text_is_valid(options->length_unit) && text_is_valid(options->time_unit))
+        return BAT_OK;
+    return error_option(error, "title", "and units must be UTF-8 without control characters");
 }
 
-const bat_options_table bat_motion_picture_fields = {"bat_motion_picture_options", motion_picture_options_check};
+const bat_options_table bat_motion_picture_fields =
+    OPTIONS_TABLE(bat_motion_picture_options, FIELDS, motion_picture_options_check);
 
 // Charts
 

@@ -30,24 +30,26 @@ bat_surface_picture_options bat_surface_picture_defaults(void)
     return (bat_surface_picture_options){.width = 0};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_surface_picture_options, largest_error, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_surface_picture_options, view[0], OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_surface_picture_options, view[1], OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_surface_picture_options, view[2], OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_surface_picture_options, up[0], OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_surface_picture_options, up[1], OPTION_NUMBER, -INFINITY, INFINITY),
+    OPTION_FIELD(bat_surface_picture_options, up[2], OPTION_NUMBER, -INFINITY, INFINITY),
+};
+
 static bat_status surface_picture_options_check(const void *opaque, bat_error *error)
 {
     const bat_surface_picture_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_surface_picture_options, largest_error, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_surface_picture_options, view[0], OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_surface_picture_options, view[1], OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_surface_picture_options, view[2], OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_surface_picture_options, up[0], OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_surface_picture_options, up[1], OPTION_NUMBER, -INFINITY, INFINITY),
-        OPTION_FIELD(bat_surface_picture_options, up[2], OPTION_NUMBER, -INFINITY, INFINITY),
-    };
-    if (options->width != 0 && (options->width < MIN_WIDTH || options->width > MAX_WIDTH))
-        return error_option(error, "width", "is %d, but must be 0 or from %d to %d", options->width, MIN_WIDTH, MAX_WIDTH);
-    return OPTIONS_CHECK(options, FIELDS, error);
+    if (options->width == 0 || (options->width >= MIN_WIDTH && options->width <= MAX_WIDTH))
+        return BAT_OK;
+    return error_option(error, "width", "is %d, but must be 0 or from %d to %d", options->width, MIN_WIDTH, MAX_WIDTH);
 }
 
-const bat_options_table bat_surface_picture_fields = {"bat_surface_picture_options", surface_picture_options_check};
+const bat_options_table bat_surface_picture_fields =
+    OPTIONS_TABLE(bat_surface_picture_options, FIELDS, surface_picture_options_check);
 
 static bat_status check_parts(const bat_surface_picture_row *row, size_t index, bat_error *error)
 {

@@ -149,34 +149,30 @@ static const bat_choice TIME_UNITS[] = {
 };
 const bat_family bat_time_unit_family = FAMILY("unit of time", TIME_UNITS);
 
+static const option_field READ_FIELDS[] = {
+    OPTION_FAMILY(bat_curve_read_options, format, bat_curve_format_family),
+    OPTION_FAMILY(bat_curve_read_options, time_unit, bat_time_unit_family),
+    OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
+    OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_curve_read_options),
+};
+
 static bat_status curve_read_options_check(const void *opaque, bat_error *error)
 {
     const bat_curve_read_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_curve_read_options, format, bat_curve_format_family),
-        OPTION_FAMILY(bat_curve_read_options, time_unit, bat_time_unit_family),
-        OPTION_FIELD(bat_curve_read_options, closed, OPTION_INT, -1, 1),
-        OPTION_FIELD(bat_curve_read_options, translation_weight, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_curve_read_options),
-    };
     const char *fault = poses_euler_fault(options->euler);
-    return fault == NULL ? OPTIONS_CHECK(options, FIELDS, error)
-                         : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
+    return fault == NULL ? BAT_OK : error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "%s", fault);
 }
 
-const bat_options_table bat_curve_read_fields = {"bat_curve_read_options", curve_read_options_check};
+const bat_options_table bat_curve_read_fields = OPTIONS_TABLE(bat_curve_read_options, READ_FIELDS, curve_read_options_check);
 
-static bat_status curve_write_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_curve_write_options, format, bat_curve_format_family),
-        OPTION_FIELD(bat_curve_write_options, precision, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
-        OPTION_THREADS(bat_curve_write_options),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field WRITE_FIELDS[] = {
+    OPTION_FAMILY(bat_curve_write_options, format, bat_curve_format_family),
+    OPTION_FIELD(bat_curve_write_options, precision, OPTION_INT, 0, DEGREE_MAX_DECIMALS),
+    OPTION_THREADS(bat_curve_write_options),
+};
 
-const bat_options_table bat_curve_write_fields = {"bat_curve_write_options", curve_write_options_check};
+const bat_options_table bat_curve_write_fields = OPTIONS_TABLE(bat_curve_write_options, WRITE_FIELDS, NULL);
 
 /// Whether a format has what the options name.
 static bat_status check_format_options(bat_curve_format format, const bat_curve_read_options *options, bat_error *error)

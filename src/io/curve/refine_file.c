@@ -1,4 +1,5 @@
 #include "base/atomic_file.h"
+#include "base/option.h"
 #include "base/progress.h"
 #include "curve/refine.h"
 #include "io/curve/formats.h"
@@ -53,16 +54,13 @@ bat_curve_refine_file_options bat_curve_refine_file_defaults(void)
         .read = bat_curve_read_defaults(), .refine = bat_curve_refine_defaults(), .write = bat_curve_write_defaults()};
 }
 
-static bat_status curve_refine_file_options_check(const void *opaque, bat_error *error)
-{
-    const bat_curve_refine_file_options *options = opaque;
-    bat_status status = bat_options_check(&bat_curve_read_fields, &options->read, error);
-    if (status == BAT_OK)
-        status = bat_options_check(&bat_curve_refine_fields, &options->refine, error);
-    return status == BAT_OK ? bat_options_check(&bat_curve_write_fields, &options->write, error) : status;
-}
+static const option_field FIELDS[] = {
+    OPTION_STRUCT(bat_curve_refine_file_options, read, bat_curve_read_fields),
+    OPTION_STRUCT(bat_curve_refine_file_options, refine, bat_curve_refine_fields),
+    OPTION_STRUCT(bat_curve_refine_file_options, write, bat_curve_write_fields),
+};
 
-const bat_options_table bat_curve_refine_file_fields = {"bat_curve_refine_file_options", curve_refine_file_options_check};
+const bat_options_table bat_curve_refine_file_fields = OPTIONS_TABLE(bat_curve_refine_file_options, FIELDS, NULL);
 
 static bat_status stream_open(const char *path, record_stream *stream, bat_error *error)
 {

@@ -98,30 +98,22 @@ bat_mesh_write_options bat_mesh_write_defaults(void)
     return (bat_mesh_write_options){.format = BAT_MESH_FORMAT_AUTO, .encoding = BAT_MESH_ENCODING_BINARY};
 }
 
-static bat_status mesh_read_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_mesh_read_options, format, bat_mesh_format_family),
-        OPTION_FIELD(bat_mesh_read_options, fill_holes, OPTION_SIZE, 0, BAT_MESH_MAX_HOLE),
-        OPTION_FIELD(bat_mesh_read_options, weld, OPTION_NUMBER, -1, INFINITY),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field READ_FIELDS[] = {
+    OPTION_FAMILY(bat_mesh_read_options, format, bat_mesh_format_family),
+    OPTION_FIELD(bat_mesh_read_options, fill_holes, OPTION_SIZE, 0, BAT_MESH_MAX_HOLE),
+    OPTION_FIELD(bat_mesh_read_options, weld, OPTION_NUMBER, -1, INFINITY),
+};
 
-const bat_options_table bat_mesh_read_fields = {"bat_mesh_read_options", mesh_read_options_check};
+const bat_options_table bat_mesh_read_fields = OPTIONS_TABLE(bat_mesh_read_options, READ_FIELDS, NULL);
 
-static bat_status mesh_write_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_mesh_write_options, format, bat_mesh_format_family),
-        OPTION_FAMILY(bat_mesh_write_options, encoding, bat_mesh_encoding_family),
-        OPTION_THREADS(bat_mesh_write_options),
-        OPTION_FAMILY(bat_mesh_write_options, normals, bat_mesh_normals_family),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field WRITE_FIELDS[] = {
+    OPTION_FAMILY(bat_mesh_write_options, format, bat_mesh_format_family),
+    OPTION_FAMILY(bat_mesh_write_options, encoding, bat_mesh_encoding_family),
+    OPTION_THREADS(bat_mesh_write_options),
+    OPTION_FAMILY(bat_mesh_write_options, normals, bat_mesh_normals_family),
+};
 
-const bat_options_table bat_mesh_write_fields = {"bat_mesh_write_options", mesh_write_options_check};
+const bat_options_table bat_mesh_write_fields = OPTIONS_TABLE(bat_mesh_write_options, WRITE_FIELDS, NULL);
 
 /// The format whose signature a text has; BAT_MESH_FORMAT_AUTO for none. OBJ has no signature.
 static bat_mesh_format format_of_text(const file_text *text)

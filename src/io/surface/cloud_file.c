@@ -375,12 +375,13 @@ bat_cloud_read_options bat_cloud_read_defaults(void)
     return (bat_cloud_read_options){.format = BAT_CLOUD_FORMAT_AUTO};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_cloud_read_options, format, bat_cloud_format_family),
+};
+
 static bat_status cloud_read_options_check(const void *opaque, bat_error *error)
 {
     const bat_cloud_read_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_cloud_read_options, format, bat_cloud_format_family),
-    };
     bool wanted[LAS_CLASSES];
     if (options->classes != NULL && !las_classes_read(options->classes, wanted))
         return error_option(error, "classes", "is '%s', but must be classes of LAS between commas, as in 2,8",
@@ -389,10 +390,10 @@ static bat_status cloud_read_options_check(const void *opaque, bat_error *error)
         return error_option(error, "boundary",
                             "is %zu, but must be 0 beside a boundary_path: it is the first points or a file",
                             options->boundary);
-    return OPTIONS_CHECK(options, FIELDS, error);
+    return BAT_OK;
 }
 
-const bat_options_table bat_cloud_read_fields = {"bat_cloud_read_options", cloud_read_options_check};
+const bat_options_table bat_cloud_read_fields = OPTIONS_TABLE(bat_cloud_read_options, FIELDS, cloud_read_options_check);
 
 bat_status bat_cloud_read(const char *path, const bat_cloud_read_options *options, bat_cloud *cloud, bat_error *error)
 {

@@ -53,18 +53,16 @@ bat_surface_write_options bat_surface_write_defaults(void)
     return (bat_surface_write_options){.format = BAT_SURFACE_FORMAT_AUTO};
 }
 
+static const int MAX_SAMPLES = 1024;
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_surface_write_options, format, bat_surface_format_family),
+    OPTION_FAMILY(bat_surface_write_options, unit, bat_surface_unit_family),
+    OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MAX_SAMPLES),
+};
+
 static bat_status surface_write_options_check(const void *opaque, bat_error *error)
 {
     const bat_surface_write_options *options = opaque;
-    static const int MAX_SAMPLES = 1024;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_surface_write_options, format, bat_surface_format_family),
-        OPTION_FAMILY(bat_surface_write_options, unit, bat_surface_unit_family),
-        OPTION_FIELD(bat_surface_write_options, samples, OPTION_SIZE, 0, MAX_SAMPLES),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status != BAT_OK)
-        return status;
     if (options->point_count > 0 && options->points == NULL)
         return error_option(error, "points", "is null, but must hold the point_count data points");
     for (size_t i = 0; i < options->point_count; i++)
@@ -77,7 +75,8 @@ static bat_status surface_write_options_check(const void *opaque, bat_error *err
     return BAT_OK;
 }
 
-const bat_options_table bat_surface_write_fields = {"bat_surface_write_options", surface_write_options_check};
+const bat_options_table bat_surface_write_fields =
+    OPTIONS_TABLE(bat_surface_write_options, FIELDS, surface_write_options_check);
 
 bat_status surface_check(const bat_spline_surface *surface, bat_surface_format format,
                          const bat_surface_write_options *options, bat_error *error)

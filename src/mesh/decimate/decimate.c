@@ -589,28 +589,29 @@ bat_mesh_decimate_options bat_mesh_decimate_defaults(void)
                                        .attributes = 0.5};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
+    OPTION_FIELD(bat_mesh_decimate_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FAMILY(bat_mesh_decimate_options, method, bat_mesh_decimate_method_family),
+    OPTION_FIELD(bat_mesh_decimate_options, min_normal, OPTION_NUMBER, -1, 1),
+    OPTION_FIELD(bat_mesh_decimate_options, min_quality, OPTION_NUMBER, 0, 1),
+    OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_mesh_decimate_options, attributes, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_mesh_decimate_options),
+};
+
 static bat_status mesh_decimate_options_check(const void *opaque, bat_error *error)
 {
     const bat_mesh_decimate_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_decimate_options, ratio, OPTION_NUMBER, 0, 1),
-        OPTION_FIELD(bat_mesh_decimate_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FAMILY(bat_mesh_decimate_options, method, bat_mesh_decimate_method_family),
-        OPTION_FIELD(bat_mesh_decimate_options, min_normal, OPTION_NUMBER, -1, 1),
-        OPTION_FIELD(bat_mesh_decimate_options, min_quality, OPTION_NUMBER, 0, 1),
-        OPTION_FIELD(bat_mesh_decimate_options, boundary_weight, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_mesh_decimate_options, attributes, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_mesh_decimate_options),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
     int targets = (options->vertices > 0) + (options->faces > 0) + (options->ratio > 0) + (options->tolerance > 0);
-    if (status == BAT_OK && targets > 1)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
-                         "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
-    return status;
+    if (targets <= 1)
+        return BAT_OK;
+    return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0,
+                     "vertices, faces, ratio and error exclude each other, but %d of them are set", targets);
 }
 
-const bat_options_table bat_mesh_decimate_fields = {"bat_mesh_decimate_options", mesh_decimate_options_check};
+const bat_options_table bat_mesh_decimate_fields =
+    OPTIONS_TABLE(bat_mesh_decimate_options, FIELDS, mesh_decimate_options_check);
 
 /// The numbers of vertices and faces to stop at.
 static bat_status find_target(const bat_mesh *fine, const bat_mesh_decimate_options *options, decimation_target *target,

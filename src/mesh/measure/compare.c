@@ -711,17 +711,13 @@ static bat_status check_side(const bat_mesh *mesh, const char *which, bat_error 
     return BAT_OK;
 }
 
-static bat_status mesh_compare_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_compare_options, samples, OPTION_SIZE, 1, MAX_SAMPLES),
-        OPTION_FIELD(bat_mesh_compare_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_mesh_compare_options),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_mesh_compare_options, samples, OPTION_SIZE, 1, MAX_SAMPLES),
+    OPTION_FIELD(bat_mesh_compare_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_mesh_compare_options),
+};
 
-const bat_options_table bat_mesh_compare_fields = {"bat_mesh_compare_options", mesh_compare_options_check};
+const bat_options_table bat_mesh_compare_fields = OPTIONS_TABLE(bat_mesh_compare_options, FIELDS, NULL);
 
 bat_status bat_mesh_compare(const bat_mesh *first, const bat_mesh *second, const bat_mesh_compare_options *options,
                             bat_mesh_distance *distance, bat_error *error)

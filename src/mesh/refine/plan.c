@@ -28,26 +28,24 @@ static const mesh_scheme *last_scheme(const bat_mesh_refine_options *options)
     return scheme->learned ? mesh_scheme_of(options->then) : scheme;
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_mesh_refine_options, scheme, bat_mesh_scheme_family),
+    OPTION_FIELD(bat_mesh_refine_options, fairness, OPTION_NUMBER, 0, 1),
+    OPTION_FAMILY(bat_mesh_refine_options, then, bat_mesh_scheme_family),
+    OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
+    OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
+    OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
+    OPTION_FIELD(bat_mesh_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_mesh_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FAMILY(bat_mesh_refine_options, rules.boundary, bat_mesh_boundary_family),
+    OPTION_FAMILY(bat_mesh_refine_options, rules.creasing, bat_mesh_creasing_family),
+    OPTION_FAMILY(bat_mesh_refine_options, rules.linear, bat_mesh_linear_family),
+    OPTION_THREADS(bat_mesh_refine_options),
+};
+
 static bat_status mesh_refine_options_check(const void *opaque, bat_error *error)
 {
     const bat_mesh_refine_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_mesh_refine_options, scheme, bat_mesh_scheme_family),
-        OPTION_FIELD(bat_mesh_refine_options, fairness, OPTION_NUMBER, 0, 1),
-        OPTION_FAMILY(bat_mesh_refine_options, then, bat_mesh_scheme_family),
-        OPTION_FIELD(bat_mesh_refine_options, levels, OPTION_SIZE, 0, MAX_LEVELS),
-        OPTION_FIELD(bat_mesh_refine_options, crease_angle, OPTION_NUMBER, 0, LARGEST_ANGLE),
-        OPTION_FIELD(bat_mesh_refine_options, max_memory, OPTION_SIZE, 0, INFINITY),
-        OPTION_FIELD(bat_mesh_refine_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_mesh_refine_options, max_edge, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FAMILY(bat_mesh_refine_options, rules.boundary, bat_mesh_boundary_family),
-        OPTION_FAMILY(bat_mesh_refine_options, rules.creasing, bat_mesh_creasing_family),
-        OPTION_FAMILY(bat_mesh_refine_options, rules.linear, bat_mesh_linear_family),
-        OPTION_THREADS(bat_mesh_refine_options),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status != BAT_OK)
-        return status;
     if (!mesh_scheme_of(options->then)->continues)
         return error_option(error, "then", "is %s, but only midpoint, loop or butterfly can follow learned levels",
                             bat_choice_name(&bat_mesh_scheme_family, (int)options->then));
@@ -58,7 +56,7 @@ static bat_status mesh_refine_options_check(const void *opaque, bat_error *error
     return BAT_OK;
 }
 
-const bat_options_table bat_mesh_refine_fields = {"bat_mesh_refine_options", mesh_refine_options_check};
+const bat_options_table bat_mesh_refine_fields = OPTIONS_TABLE(bat_mesh_refine_options, FIELDS, mesh_refine_options_check);
 
 static bat_status check_support(const bat_mesh_refine_options *options, bat_error *error)
 {

@@ -24,19 +24,14 @@ bat_mesh_bake_options bat_mesh_bake_defaults(void)
     return (bat_mesh_bake_options){.unwrap = bat_mesh_unwrap_defaults(), .normal = true, .rays = 64, .distance = 0.25};
 }
 
-static bat_status bake_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_bake_options, rays, OPTION_SIZE, 1, 65536),
-        OPTION_FIELD(bat_mesh_bake_options, distance, OPTION_ABOVE, 0, INFINITY),
-        OPTION_THREADS(bat_mesh_bake_options),
-    };
-    const bat_mesh_bake_options *options = opaque;
-    bat_status status = bat_options_check(&bat_mesh_unwrap_fields, &options->unwrap, error);
-    return status == BAT_OK ? OPTIONS_CHECK(opaque, FIELDS, error) : status;
-}
+static const option_field FIELDS[] = {
+    OPTION_STRUCT(bat_mesh_bake_options, unwrap, bat_mesh_unwrap_fields),
+    OPTION_FIELD(bat_mesh_bake_options, rays, OPTION_SIZE, 1, 65536),
+    OPTION_FIELD(bat_mesh_bake_options, distance, OPTION_ABOVE, 0, INFINITY),
+    OPTION_THREADS(bat_mesh_bake_options),
+};
 
-const bat_options_table bat_mesh_bake_fields = {"bat_mesh_bake_options", bake_options_check};
+const bat_options_table bat_mesh_bake_fields = OPTIONS_TABLE(bat_mesh_bake_options, FIELDS, NULL);
 
 void bat_mesh_baked_free(bat_mesh_baked *baked)
 {

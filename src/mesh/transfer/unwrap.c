@@ -51,17 +51,13 @@ bat_mesh_unwrap_options bat_mesh_unwrap_defaults(void)
     return (bat_mesh_unwrap_options){.size = 1024, .padding = 4, .max_angle = 0.8};
 }
 
-static bat_status unwrap_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_mesh_unwrap_options, size, OPTION_SIZE, 16, 16384),
-        OPTION_FIELD(bat_mesh_unwrap_options, padding, OPTION_SIZE, 1, 64),
-        OPTION_FIELD(bat_mesh_unwrap_options, max_angle, OPTION_NUMBER, 0.1, 1.5),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_mesh_unwrap_options, size, OPTION_SIZE, 16, 16384),
+    OPTION_FIELD(bat_mesh_unwrap_options, padding, OPTION_SIZE, 1, 64),
+    OPTION_FIELD(bat_mesh_unwrap_options, max_angle, OPTION_NUMBER, 0.1, 1.5),
+};
 
-const bat_options_table bat_mesh_unwrap_fields = {"bat_mesh_unwrap_options", unwrap_options_check};
+const bat_options_table bat_mesh_unwrap_fields = OPTIONS_TABLE(bat_mesh_unwrap_options, FIELDS, NULL);
 
 static const double *corner_of(const atlas *all, uint32_t face, size_t c)
 {

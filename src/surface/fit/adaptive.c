@@ -92,33 +92,32 @@ static const bat_choice SMOOTHINGS[] = {
 };
 const bat_family bat_surface_smoothing_family = FAMILY("choice of smoothing", SMOOTHINGS);
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_surface_fit_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_surface_fit_options, share, OPTION_ABOVE, 0, 1),
+    OPTION_FIELD(bat_surface_fit_options, hold_out, OPTION_INT, 0, MAX_HOLD_OUT),
+    OPTION_FIELD(bat_surface_fit_options, iterations, OPTION_INT, 0, MAX_ROUNDS),
+    OPTION_FIELD(bat_surface_fit_options, neighbours, OPTION_INT, 0, BAT_SURFACE_FIT_MAX_NEIGHBOURS),
+    OPTION_FAMILY(bat_surface_fit_options, smoothing, bat_surface_smoothing_family),
+    OPTION_FIELD(bat_surface_fit_options, weight, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_surface_fit_options, noise, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_surface_fit_options, corrections, OPTION_INT, 0, MAX_ROUNDS),
+    OPTION_FIELD(bat_surface_fit_options, final_corrections, OPTION_INT, 0, MAX_ROUNDS),
+    OPTION_THREADS(bat_surface_fit_options),
+    OPTION_STRUCT(bat_surface_fit_options, space, bat_hierarchical_fields),
+};
+
 static bat_status surface_fit_options_check(const void *opaque, bat_error *error)
 {
     const bat_surface_fit_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_surface_fit_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_surface_fit_options, share, OPTION_ABOVE, 0, 1),
-        OPTION_FIELD(bat_surface_fit_options, hold_out, OPTION_INT, 0, MAX_HOLD_OUT),
-        OPTION_FIELD(bat_surface_fit_options, iterations, OPTION_INT, 0, MAX_ROUNDS),
-        OPTION_FIELD(bat_surface_fit_options, neighbours, OPTION_INT, 0, BAT_SURFACE_FIT_MAX_NEIGHBOURS),
-        OPTION_FAMILY(bat_surface_fit_options, smoothing, bat_surface_smoothing_family),
-        OPTION_FIELD(bat_surface_fit_options, weight, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_surface_fit_options, noise, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_surface_fit_options, corrections, OPTION_INT, 0, MAX_ROUNDS),
-        OPTION_FIELD(bat_surface_fit_options, final_corrections, OPTION_INT, 0, MAX_ROUNDS),
-        OPTION_THREADS(bat_surface_fit_options),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status != BAT_OK || options == NULL)
-        return status;
     if (options->smoothing == BAT_SURFACE_SMOOTHING_NOISE && !(options->noise > 0))
         return error_option(error, "noise", "is %.10g, but must be finite and above 0", options->noise);
     if (options->hold_out == 1)
         return error_option(error, "hold_out", "is 1, but must be 0 or 2 to %d", MAX_HOLD_OUT);
-    return bat_options_check(&bat_hierarchical_fields, &options->space, error);
+    return BAT_OK;
 }
 
-const bat_options_table bat_surface_fit_fields = {"bat_surface_fit_options", surface_fit_options_check};
+const bat_options_table bat_surface_fit_fields = OPTIONS_TABLE(bat_surface_fit_options, FIELDS, surface_fit_options_check);
 
 /// The largest absolute coordinate.
 static bat_status size_of(const fit_points *points, double *size, bat_error *error)

@@ -292,17 +292,13 @@ bat_cloud_parameterize_options bat_cloud_parameterize_defaults(void)
     return (bat_cloud_parameterize_options){.method = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING};
 }
 
-static bat_status cloud_parameterize_options_check(const void *opaque, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FAMILY(bat_cloud_parameterize_options, method, bat_cloud_parameterization_family),
-        OPTION_FIELD(bat_cloud_parameterize_options, radius, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_cloud_parameterize_options),
-    };
-    return OPTIONS_CHECK(opaque, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FAMILY(bat_cloud_parameterize_options, method, bat_cloud_parameterization_family),
+    OPTION_FIELD(bat_cloud_parameterize_options, radius, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_cloud_parameterize_options),
+};
 
-const bat_options_table bat_cloud_parameterize_fields = {"bat_cloud_parameterize_options", cloud_parameterize_options_check};
+const bat_options_table bat_cloud_parameterize_fields = OPTIONS_TABLE(bat_cloud_parameterize_options, FIELDS, NULL);
 
 static bat_status check_cloud(const bat_cloud *cloud, const double *boundary, const bat_cloud_parameterize_options *options,
                               bat_error *error)

@@ -44,20 +44,16 @@ bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
     return (bat_shell_reconstruct_options){.spans = 2, .crease = 0.7};
 }
 
-static bat_status shell_options_check(const void *options, bat_error *error)
-{
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_shell_reconstruct_options, tolerance, OPTION_NUMBER, 0, INFINITY),
-        OPTION_FIELD(bat_shell_reconstruct_options, faces, OPTION_SIZE, 0, 1000000),
-        OPTION_FIELD(bat_shell_reconstruct_options, spans, OPTION_SIZE, 2, 16),
-        OPTION_FIELD(bat_shell_reconstruct_options, crease, OPTION_NUMBER, 0, 3.1415926535897932),
-        OPTION_FIELD(bat_shell_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
-        OPTION_THREADS(bat_shell_reconstruct_options),
-    };
-    return OPTIONS_CHECK(options, FIELDS, error);
-}
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_shell_reconstruct_options, tolerance, OPTION_NUMBER, 0, INFINITY),
+    OPTION_FIELD(bat_shell_reconstruct_options, faces, OPTION_SIZE, 0, 1000000),
+    OPTION_FIELD(bat_shell_reconstruct_options, spans, OPTION_SIZE, 2, 16),
+    OPTION_FIELD(bat_shell_reconstruct_options, crease, OPTION_NUMBER, 0, 3.1415926535897932),
+    OPTION_FIELD(bat_shell_reconstruct_options, fill_holes, OPTION_NUMBER, 0, INFINITY),
+    OPTION_THREADS(bat_shell_reconstruct_options),
+};
 
-const bat_options_table bat_shell_reconstruct_fields = {"bat_shell_reconstruct_options", shell_options_check};
+const bat_options_table bat_shell_reconstruct_fields = OPTIONS_TABLE(bat_shell_reconstruct_options, FIELDS, NULL);
 
 /// A layout with its grid and a fit.
 typedef struct shell_trial

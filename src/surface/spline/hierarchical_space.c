@@ -17,23 +17,22 @@ bat_hierarchical_options bat_hierarchical_defaults(void)
     return (bat_hierarchical_options){.degree = {2, 2}, .spans = {1, 1}, .truncated = true};
 }
 
+static const option_field FIELDS[] = {
+    OPTION_FIELD(bat_hierarchical_options, degree[0], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
+    OPTION_FIELD(bat_hierarchical_options, degree[1], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
+    OPTION_FIELD(bat_hierarchical_options, spans[0], OPTION_SIZE, 1, INFINITY),
+    OPTION_FIELD(bat_hierarchical_options, spans[1], OPTION_SIZE, 1, INFINITY),
+    OPTION_FIELD(bat_hierarchical_options, admissible, OPTION_INT, 0, INT_MAX),
+};
+
 static bat_status hierarchical_options_check(const void *opaque, bat_error *error)
 {
     const bat_hierarchical_options *options = opaque;
-    static const option_field FIELDS[] = {
-        OPTION_FIELD(bat_hierarchical_options, degree[0], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
-        OPTION_FIELD(bat_hierarchical_options, degree[1], OPTION_INT, 1, BAT_SPLINE_MAX_DEGREE),
-        OPTION_FIELD(bat_hierarchical_options, spans[0], OPTION_SIZE, 1, INFINITY),
-        OPTION_FIELD(bat_hierarchical_options, spans[1], OPTION_SIZE, 1, INFINITY),
-        OPTION_FIELD(bat_hierarchical_options, admissible, OPTION_INT, 0, INT_MAX),
-    };
-    bat_status status = OPTIONS_CHECK(options, FIELDS, error);
-    if (status == BAT_OK && options != NULL && options->admissible == 1)
-        status = error_option(error, "admissible", "is 1, but must be 0 or at least 2");
-    return status;
+    return options->admissible != 1 ? BAT_OK : error_option(error, "admissible", "is 1, but must be 0 or at least 2");
 }
 
-const bat_options_table bat_hierarchical_fields = {"bat_hierarchical_options", hierarchical_options_check};
+const bat_options_table bat_hierarchical_fields =
+    OPTIONS_TABLE(bat_hierarchical_options, FIELDS, hierarchical_options_check);
 
 /// Whether the cells and functions of a level in each direction can be numbered with 32 bits.
 static bool level_fits(const bat_hierarchical_options *options, size_t level)
