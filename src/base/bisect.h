@@ -4,28 +4,31 @@
 #include <stddef.h>
 
 /// @file
-/// Bisection of ascending arrays: the last place from `low` to `high` - 1 whose element is at most a value; `low` for none.
+/// Bisection of ascending arrays.
 
+/// Move `low` to the first place before `high` where a condition on `middle` does not hold, else to `high`. It holds at
+/// every place before one where it holds.
+#define BISECT(low, high, middle, condition)                                                                                \
+    while ((low) < (high))                                                                                                  \
+    {                                                                                                                       \
+        size_t middle = (low) + ((high) - (low)) / 2;                                                                       \
+        bool holds = (condition);                                                                                           \
+        low = holds ? middle + 1 : low;                                                                                     \
+        high = holds ? high : middle;                                                                                       \
+    }
+
+/// The last place from `low` to `high` - 1 whose element is at most a value; `low` for none.
 static inline size_t bisect_reals(const double *ascending, size_t low, size_t high, double value)
 {
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        bool after = ascending[middle] <= value;
-        low = after ? middle : low;
-        high = after ? high : middle;
-    }
-    return low;
+    size_t end = low + 1;
+    BISECT(end, high, middle, ascending[middle] <= value)
+    return end - 1;
 }
 
+/// The same of sizes.
 static inline size_t bisect_sizes(const size_t *ascending, size_t low, size_t high, size_t value)
 {
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        bool after = ascending[middle] <= value;
-        low = after ? middle : low;
-        high = after ? high : middle;
-    }
-    return low;
+    size_t end = low + 1;
+    BISECT(end, high, middle, ascending[middle] <= value)
+    return end - 1;
 }

@@ -1,3 +1,4 @@
+#include "base/bisect.h"
 #include "base/counting_sort.h"
 #include "base/error.h"
 #include "base/memory.h"
@@ -434,13 +435,7 @@ static bool carry_vertices(const repair_work *work, bat_mesh *made)
     return true;
 }
 
-static int compare_creases(const void *a, const void *b)
-{
-    const bat_mesh_crease *x = a, *y = b;
-    if (x->a != y->a)
-        return x->a < y->a ? -1 : 1;
-    return (x->b > y->b) - (x->b < y->b);
-}
+DEFINE_ORDER(compare_creases, bat_mesh_crease, a, b)
 
 /// The largest sharpness given for each vertex, -1 for none. Null when out of memory.
 static double *sharpness_of_vertices(const bat_mesh *mesh)
@@ -472,19 +467,17 @@ static bool carry_corners(const repair_work *work, bat_mesh *made)
     return made->corners != NULL;
 }
 
+/// Whether an edge is less than (a, b).
+static bool precedes(repair_edge edge, uint32_t a, uint32_t b)
+{
+    return edge.low < a || (edge.low == a && edge.high < b);
+}
+
 /// The first place in work->sorted whose edge is not less than (a, b), by bisection.
 static size_t first_of_edge(const repair_work *work, uint32_t a, uint32_t b)
 {
     size_t low = 0, high = 3 * work->face_count;
-    while (low < high)
-    {
-        size_t middle = low + (high - low) / 2;
-        repair_edge edge = repair_edge_of(work, work->sorted[middle]);
-        if (edge.low < a || (edge.low == a && edge.high < b))
-            low = middle + 1;
-        else
-            high = middle;
-    }
+    BISECT(low, high, middle, precedes(repair_edge_of(work, work->sorted[middle]), a, b))
     return low;
 }
 

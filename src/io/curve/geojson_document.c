@@ -1,5 +1,7 @@
 #include "io/curve/geojson.h"
 
+#include "base/bisect.h"
+
 #include <strings.h>
 
 bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves)
@@ -70,17 +72,10 @@ void geojson_append_id(char *text, size_t size, const json_t *feature)
 /// The feature that a curve belongs to. Features are in the order of their curves.
 static const geojson_feature *feature_of(const geojson_document *document, size_t curve)
 {
-    size_t low = 0, high = document->feature_count;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (document->features[middle].curve <= curve)
-            low = middle;
-        else
-            high = middle;
-    }
+    size_t end = 1, high = document->feature_count;
+    BISECT(end, high, middle, document->features[middle].curve <= curve)
     // Of features with the same first curve, all but the last have no curves.
-    return low < document->feature_count ? &document->features[low] : NULL;
+    return end <= document->feature_count ? &document->features[end - 1] : NULL;
 }
 
 static size_t line_of_feature(const void *content, size_t curve)

@@ -1,6 +1,7 @@
 #include "io/curve/stitch.h"
 
 #include "base/array_grow.h"
+#include "base/bisect.h"
 #include "base/memory.h"
 #include "curve/polygon.h"
 #include "io/common/number_text.h"
@@ -270,14 +271,7 @@ static bool find_joins(line_job *job)
             continue;
         const double *end = job->degrees + 2 * (job->begins[i + 1] - 1);
         size_t low = 0, high = begin_count;
-        while (low < high)
-        {
-            size_t middle = low + (high - low) / 2;
-            if (starts[middle].latitude < end[1] - job->tolerance->latitude)
-                low = middle + 1;
-            else
-                high = middle;
-        }
+        BISECT(low, high, middle, starts[middle].latitude < end[1] - job->tolerance->latitude)
         for (; low < begin_count && starts[low].latitude <= end[1] + job->tolerance->latitude; low++)
         {
             size_t other = starts[low].line;

@@ -1,3 +1,4 @@
+#include "base/bisect.h"
 #include "io/common/json.h"
 #include "io/common/xml_parse.h"
 #include "io/common/zip.h"
@@ -222,14 +223,7 @@ static char *copy_name(reader_3mf *reader, const char *name)
 static size_t place_of(const reader_3mf *reader, size_t id)
 {
     size_t low = 0, high = reader->resource_count;
-    while (low < high)
-    {
-        size_t middle = (low + high) / 2;
-        if (reader->resources[middle].id < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
+    BISECT(low, high, middle, reader->resources[middle].id < id)
     return low;
 }
 

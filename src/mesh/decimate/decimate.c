@@ -300,12 +300,6 @@ static bat_status report(const decimation *all, bat_error *error)
                            mesh->vertices_left);
 }
 
-static int compare_errors(const void *a, const void *b)
-{
-    double of_a = *(const double *)a, of_b = *(const double *)b;
-    return (of_a > of_b) - (of_a < of_b);
-}
-
 /// A threshold that about SWEEP_SHARE of the finite errors do not exceed; below all numbers when there is none. An error of
 /// 0 may be unknown.
 static double sweep_threshold(const decimation *all, double *samples)
@@ -327,7 +321,7 @@ static double sweep_threshold(const decimation *all, double *samples)
     }
     if (count == 0)
         return -INFINITY;
-    qsort(samples, count, sizeof *samples, compare_errors);
+    qsort(samples, count, sizeof *samples, ascending);
     return samples[(size_t)(SWEEP_SHARE * (double)count)];
 }
 

@@ -1,6 +1,7 @@
 #include "mesh/decimate/map.h"
 
 #include "base/array_grow.h"
+#include "base/bisect.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -382,13 +383,9 @@ bat_status bat_mesh_map_to_fine(const bat_mesh_map *map, bat_mesh_point *points,
 /// The coarse face that a fine face became, by bisection.
 static uint32_t find_kept(const bat_mesh_map *map, uint32_t face)
 {
-    size_t low = 0, high = map->coarse_faces;
-    while (high - low > 1)
-    {
-        size_t middle = low + (high - low) / 2;
-        *(map->kept[middle] <= face ? &low : &high) = middle;
-    }
-    return (uint32_t)low;
+    size_t end = 1, high = map->coarse_faces;
+    BISECT(end, high, middle, map->kept[middle] <= face)
+    return (uint32_t)(end - 1);
 }
 
 bat_status bat_mesh_map_to_coarse(const bat_mesh_map *map, bat_mesh_point *points, size_t count, bat_error *error)

@@ -1,3 +1,4 @@
+#include "base/bisect.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -470,19 +471,10 @@ static bat_status plan_samples(compare_side *side, const char *which, size_t sam
     return BAT_OK;
 }
 
-/// The face of a sample, as an index in the tree's order, by bisection.
+/// The face of a sample, as an index in the tree's order.
 static size_t face_of(const compare_side *side, size_t sample)
 {
-    size_t begin = 0, end = side->mesh.face_count;
-    while (end - begin > 1)
-    {
-        size_t middle = begin + (end - begin) / 2;
-        if (side->samples[middle] <= sample)
-            begin = middle;
-        else
-            end = middle;
-    }
-    return begin;
+    return bisect_sizes(side->samples, 0, side->mesh.face_count, sample);
 }
 
 /// Sample `i` of a face whose edges are divided into `parts`. Row r of small triangles, from corner 0, has 2 r + 1

@@ -9,6 +9,7 @@
 ///     both:                  the loop p q, q x, x p closes;
 ///     x elsewhere in the loop: the loop is split in two at x.
 
+#include "base/bisect.h"
 #include "surface/cloud/boundary.h"
 
 #include "base/array_grow.h"
@@ -397,14 +398,7 @@ static bool find_candidate(front *work, uint32_t number)
     const front_edge edge = work->edges[number];
     uint64_t key = key_of_pair(edge.from, edge.to);
     size_t low = 0, high = 3 * work->triangle_count;
-    while (low < high)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (work->sides[middle].key < key)
-            low = middle + 1;
-        else
-            high = middle;
-    }
+    BISECT(low, high, middle, work->sides[middle].key < key)
     front_candidate best = {.edge = number, .corner = NONE};
     double least = INFINITY;
     for (; low < 3 * work->triangle_count && work->sides[low].key == key; low++)

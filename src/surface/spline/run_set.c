@@ -4,6 +4,7 @@
 #include "surface/spline/hierarchical_space.h"
 
 #include "base/array_grow.h"
+#include "base/bisect.h"
 
 void run_set_free(run_set *set)
 {
@@ -75,14 +76,7 @@ static bool ends_before(const grid_run *run, uint32_t row, uint32_t column)
 size_t run_set_lower_bound(const run_set *set, uint32_t row, uint32_t column)
 {
     size_t low = 0, high = set->count;
-    while (low < high)
-    {
-        size_t middle = low + (high - low) / 2;
-        if (ends_before(&set->runs[middle], row, column))
-            low = middle + 1;
-        else
-            high = middle;
-    }
+    BISECT(low, high, middle, ends_before(&set->runs[middle], row, column))
     return low;
 }
 
