@@ -3,6 +3,7 @@
 #include "mesh/decimate/collapse_error.h"
 #include "mesh/decimate/map.h"
 #include "mesh/labels.h"
+#include "mesh/refine/level.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,10 +16,10 @@
 /// The midpoint subdivision of a mesh, as points of that mesh, in the numbering of batten/mesh_refine.h.
 typedef struct midpoint_mesh
 {
-    uint32_t *faces;
-    double (*corners)[3][3]; ///< for each face: the barycentric coordinates of its corners in face f >> 2 level
-    bat_mesh_point *points;  ///< for each vertex
-    size_t face_count, vertex_count;
+    split_mesh own; ///< beyond level 0
+    const uint32_t *faces;
+    bat_mesh_point *points; ///< for each vertex
+    size_t levels, face_count, vertex_count;
 } midpoint_mesh;
 
 enum
@@ -265,15 +266,38 @@ static bool assign_side(texture_transfer *all, const uint32_t *vertices, const t
     return true;
 }
 
-static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *split, size_t face, size_t levels,
-                                bat_error *error)
+/// The barycentric coordinates of a face's corners in the coarse face that it is a part of.
+static void corners_of(const midpoint_mesh *split, size_t face, double corners[3][3])
+{
+    static const double WHOLE[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    memcpy(corners, WHOLE, sizeof WHOLE);
+    for (size_t level = split->levels; level-- > 0;)
+    {
+        size_t child = face >> 2 * level & 3;
+        double middle[3][3];
+        for (size_t c = 0; c < 3; c++)
+            for (size_t k = 0; k < 3; k++)
+                middle[c][k] = (corners[c][k] + corners[(c + 1) % 3][k]) / 2;
+        if (child < 3)
+        {
+            memmove(corners[0], corners[child], sizeof corners[0]);
+            memcpy(corners[1], middle[child], sizeof corners[1]);
+            memcpy(corners[2], middle[(child + 2) % 3], sizeof corners[2]);
+        }
+        else
+            memcpy(corners, middle, sizeof middle);
+    }
+}
+
+static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *split, size_t face, bat_error *error)
 {
     static const double MIDDLE[1][3] = {{1 / 3.0, 1 / 3.0, 1 / 3.0}};
-    const double(*corners)[3] = (const double(*)[3])split->corners[face];
     const uint32_t *vertices = split->faces + 3 * face;
-    uint32_t coarse_face = (uint32_t)(face >> 2 * levels), *numbers = all->faces + 3 * face;
-    double shares[SAMPLES][3], fitted[3][2];
+    uint32_t coarse_face = (uint32_t)(face >> 2 * split->levels), *numbers = all->faces + 3 * face;
+    double made[3][3], shares[SAMPLES][3], fitted[3][2];
+    const double(*corners)[3] = (const double(*)[3])made;
     texture_point samples[SAMPLES];
+    corners_of(split, face, made);
     bat_status status = texture_at_images(all, corners, coarse_face, 1, MIDDLE, samples, error);
     if (status != BAT_OK || assign_side(all, vertices, &samples[0], NULL, numbers))
         return status;
@@ -287,21 +311,21 @@ static bat_status transfer_face(texture_transfer *all, const midpoint_mesh *spli
     return BAT_OK;
 }
 
-/// Set the texture coordinates of `refined`, which has none, from the fine mesh. `split` is the coarse mesh subdivided
-/// `levels` times, and `images` are its vertices on the fine mesh.
+/// Set the texture coordinates of `refined`, which has none, from the fine mesh. `split` is the subdivided coarse mesh, and
+/// `images` are its vertices on the fine mesh.
 ///
 /// A corner gets the texture coordinate at its image; at a seam, the one on its face's side. A face across a seam belongs to
 /// the side with most of its samples. Its corners on the other side get the values of an affine map fitted to these samples.
 /// @return BAT_OK, BAT_NO_MEMORY, or a failure of bat_mesh_connect()
 static bat_status map_texture_transfer(const bat_mesh_map *map, const bat_mesh *fine, const midpoint_mesh *split,
-                                       const bat_mesh_point *images, size_t levels, bat_mesh *refined, bat_error *error)
+                                       const bat_mesh_point *images, bat_mesh *refined, bat_error *error)
 {
     texture_transfer all = {.map = map, .fine = fine, .images = images};
     bat_status status = bat_mesh_connect(fine, &all.connectivity, error);
     if (status == BAT_OK)
         status = allocate_texture(split, &all, error);
     for (size_t f = 0; f < split->face_count && status == BAT_OK; f++)
-        status = transfer_face(&all, split, f, levels, error);
+        status = transfer_face(&all, split, f, error);
     if (status == BAT_OK)
     {
         refined->texture = (double *)all.texture;
@@ -316,116 +340,58 @@ static bat_status map_texture_transfer(const bat_mesh_map *map, const bat_mesh *
 
 static void midpoint_mesh_free(midpoint_mesh *mesh)
 {
-    free(mesh->faces);
-    free(mesh->corners);
+    split_mesh_free(&mesh->own);
     free(mesh->points);
     *mesh = (midpoint_mesh){0};
 }
 
-static bat_status split_allocate(size_t faces, size_t vertices, midpoint_mesh *mesh, bat_error *error)
+static bat_status set_points(midpoint_mesh *mesh, bat_error *error)
 {
-    *mesh = (midpoint_mesh){.faces = memory_array(faces, 3 * sizeof *mesh->faces),
-                            .corners = memory_array(faces, sizeof *mesh->corners),
-                            .points = memory_array(vertices, sizeof *mesh->points),
-                            .face_count = faces,
-                            .vertex_count = vertices};
-    if (mesh->faces != NULL && mesh->corners != NULL && mesh->points != NULL)
-        return BAT_OK;
-    midpoint_mesh_free(mesh);
-    return error_memory(error, faces * sizeof *mesh->corners);
-}
-
-static bat_status split_begin(const bat_mesh *coarse, midpoint_mesh *mesh, bat_error *error)
-{
-    static const double WHOLE[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    bat_status status = mesh_check_triangles(coarse, error);
-    if (status == BAT_OK)
-        status = split_allocate(coarse->face_count, coarse->vertex_count, mesh, error);
-    if (status != BAT_OK)
-        return status;
-    for (size_t v = 0; v < coarse->vertex_count; v++)
+    mesh->points = memory_array(mesh->vertex_count, sizeof *mesh->points);
+    if (mesh->points == NULL)
+        return error_memory(error, mesh->vertex_count * sizeof *mesh->points);
+    for (size_t v = 0; v < mesh->vertex_count; v++)
         mesh->points[v].face = BAT_MESH_NONE;
-    memcpy(mesh->faces, coarse->faces, 3 * coarse->face_count * sizeof *mesh->faces);
-    for (size_t f = 0; f < coarse->face_count; f++)
-    {
-        memcpy(mesh->corners[f], WHOLE, sizeof WHOLE);
-        for (int c = 0; c < 3; c++)
-            mesh->points[mesh->faces[3 * f + (size_t)c]] =
-                (bat_mesh_point){(uint32_t)f, {WHOLE[c][0], WHOLE[c][1], WHOLE[c][2]}};
-    }
-    for (size_t v = 0; v < coarse->vertex_count; v++)
-        if (mesh->points[v].face == BAT_MESH_NONE)
-        {
-            midpoint_mesh_free(mesh);
-            return error_set(error, BAT_INVALID_POINT, v, 0, "vertex %zu has no face", v);
-        }
-    return BAT_OK;
-}
-
-/// Split each face f into faces 4 f + c at its corners and 4 f + 3 in the middle; vertex `vertex_count` + e is the midpoint
-/// of edge e.
-static void split_faces(const midpoint_mesh *mesh, const bat_mesh_connectivity *connectivity, int level,
-                        midpoint_mesh *split)
-{
-    memcpy(split->points, mesh->points, mesh->vertex_count * sizeof *split->points);
     for (size_t f = 0; f < mesh->face_count; f++)
     {
-        uint32_t middle[3];
-        double halves[3][3];
-        for (uint32_t c = 0; c < 3; c++)
+        double corners[3][3];
+        corners_of(mesh, f, corners);
+        for (size_t c = 0; c < 3; c++)
         {
-            middle[c] = (uint32_t)mesh->vertex_count + connectivity->edge[3 * f + c];
-            for (int k = 0; k < 3; k++)
-                halves[c][k] = (mesh->corners[f][c][k] + mesh->corners[f][(c + 1) % 3][k]) / 2;
-            split->points[middle[c]] =
-                (bat_mesh_point){(uint32_t)(f >> 2 * level), {halves[c][0], halves[c][1], halves[c][2]}};
+            bat_mesh_point *point = &mesh->points[mesh->faces[3 * f + c]];
+            point->face = (uint32_t)(f >> 2 * mesh->levels);
+            memcpy(point->barycentric, corners[c], sizeof point->barycentric);
         }
-        for (uint32_t c = 0; c < 3; c++)
-        {
-            size_t made = 4 * f + c;
-            const uint32_t corner[3] = {mesh->faces[3 * f + c], middle[c], middle[(c + 2) % 3]};
-            memcpy(split->faces + 3 * made, corner, sizeof corner);
-            memcpy(split->corners[made][0], mesh->corners[f][c], sizeof halves[0]);
-            memcpy(split->corners[made][1], halves[c], sizeof halves[0]);
-            memcpy(split->corners[made][2], halves[(c + 2) % 3], sizeof halves[0]);
-        }
-        memcpy(split->faces + 3 * (4 * f + 3), middle, sizeof middle);
-        memcpy(split->corners[4 * f + 3], halves, sizeof halves);
     }
-}
-
-static bat_status split_level(midpoint_mesh *mesh, int level, bat_error *error)
-{
-    bat_mesh shell = {.faces = mesh->faces, .face_count = mesh->face_count, .vertex_count = mesh->vertex_count};
-    bat_mesh_connectivity connectivity;
-    midpoint_mesh split;
-    if (mesh->face_count > BAT_MESH_MAX_FACES / 4)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the subdivided mesh would have more than %zu faces",
-                         BAT_MESH_MAX_FACES);
-    bat_status status = bat_mesh_connect(&shell, &connectivity, error);
-    if (status != BAT_OK)
-        return status;
-    status = split_allocate(4 * mesh->face_count, mesh->vertex_count + connectivity.edge_count, &split, error);
-    if (status == BAT_OK)
-    {
-        split_faces(mesh, &connectivity, level, &split);
-        midpoint_mesh_free(mesh);
-        *mesh = split;
-    }
-    bat_mesh_connectivity_free(&connectivity);
-    return status;
+    for (size_t v = 0; v < mesh->vertex_count; v++)
+        if (mesh->points[v].face == BAT_MESH_NONE)
+            return error_set(error, BAT_INVALID_POINT, v, 0, "vertex %zu has no face", v);
+    return BAT_OK;
 }
 
 /// Subdivide a mesh `levels` times.
 /// @return as bat_mesh_midpoints()
 static bat_status midpoint_mesh_make(const bat_mesh *coarse, size_t levels, midpoint_mesh *made, bat_error *error)
 {
-    midpoint_mesh mesh;
-    bat_status status = split_begin(coarse, &mesh, error);
-    if (status != BAT_OK)
-        return status;
+    midpoint_mesh mesh = {
+        .faces = coarse->faces, .levels = levels, .face_count = coarse->face_count, .vertex_count = coarse->vertex_count};
+    bat_status status = mesh_check_triangles(coarse, error);
+    if (status == BAT_OK && levels > 0)
+        status = bat_mesh_connect(coarse, &mesh.own.links, error);
     for (size_t level = 0; level < levels && status == BAT_OK; level++)
-        status = split_level(&mesh, (int)level, error);
+    {
+        split_mesh next;
+        status = split_mesh_make(mesh.faces, &mesh.own.links, 1, &next, error);
+        if (status != BAT_OK)
+            break;
+        split_mesh_free(&mesh.own);
+        mesh.own = next;
+        mesh.faces = next.faces;
+        mesh.face_count = next.links.face_count;
+        mesh.vertex_count = next.links.vertex_count;
+    }
+    if (status == BAT_OK)
+        status = set_points(&mesh, error);
     if (status == BAT_OK)
         *made = mesh;
     else
@@ -536,7 +502,7 @@ bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, 
     if (status == BAT_OK)
         status = set_channels(fine, images, split.vertex_count, &signals, error);
     if (status == BAT_OK && fine->texture != NULL)
-        status = map_texture_transfer(map, fine, &split, images, levels, &signals, error);
+        status = map_texture_transfer(map, fine, &split, images, &signals, error);
     if (status == BAT_OK)
         exchange_signals(&signals, refined);
     bat_mesh_free(&signals);

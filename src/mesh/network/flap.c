@@ -13,16 +13,11 @@
 
 // Half-flaps of one mesh
 
-static uint32_t apex(const uint32_t *faces, uint32_t half_edge)
-{
-    return faces[bat_mesh_previous(half_edge)];
-}
-
 static mesh_flap flap_along(const uint32_t *faces, const bat_mesh_connectivity *connectivity, uint32_t half_edge)
 {
-    uint32_t twin = connectivity->twin[half_edge], k = apex(faces, half_edge);
+    uint32_t twin = connectivity->twin[half_edge], k = mesh_opposite(faces, half_edge);
     bool whole = twin != BAT_MESH_NONE;
-    return (mesh_flap){{faces[half_edge], faces[bat_mesh_next(half_edge)], k, whole ? apex(faces, twin) : k},
+    return (mesh_flap){{faces[half_edge], faces[bat_mesh_next(half_edge)], k, whole ? mesh_opposite(faces, twin) : k},
                        connectivity->edge[half_edge],
                        whole ? MESH_FLAP_WHOLE : MESH_FLAP_NO_RIGHT};
 }
@@ -30,7 +25,7 @@ static mesh_flap flap_along(const uint32_t *faces, const bat_mesh_connectivity *
 /// The half-flap opposite to a boundary half-edge, which has no left face.
 static mesh_flap flap_against(const uint32_t *faces, const bat_mesh_connectivity *connectivity, uint32_t half_edge)
 {
-    uint32_t opposite = apex(faces, half_edge);
+    uint32_t opposite = mesh_opposite(faces, half_edge);
     return (mesh_flap){{faces[bat_mesh_next(half_edge)], faces[half_edge], opposite, opposite},
                        connectivity->edge[half_edge],
                        MESH_FLAP_NO_LEFT};
@@ -102,61 +97,27 @@ static bat_status mesh_flaps_make(const uint32_t *faces, const bat_mesh_connecti
 
 // Levels
 
-/// Faces with their connectivity.
-typedef struct surface
-{
-    uint32_t *faces;
-    bat_mesh_connectivity links;
-} surface;
-
-static void surface_free(surface *s)
-{
-    free(s->faces);
-    bat_mesh_connectivity_free(&s->links);
-    s->faces = NULL;
-}
-
-/// Split every face in four.
-static bat_status split(const surface *coarse, int threads, surface *fine, bat_error *error)
-{
-    const bat_mesh_connectivity *links = &coarse->links;
-    if (links->face_count > BAT_MESH_MAX_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
-        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
-                         BAT_MESH_MAX_FACES);
-    size_t bytes = 12 * sizeof(uint32_t);
-    surface made = {.faces = memory_array(links->face_count, bytes)};
-    if (made.faces == NULL)
-        return error_memory(error, links->face_count * bytes);
-    bat_status status = split_links(links, threads, &made.links, error);
-    if (status != BAT_OK)
-    {
-        free(made.faces);
-        return status;
-    }
-    split_faces(coarse->faces, links, threads, made.faces);
-    *fine = made;
-    return BAT_OK;
-}
-
 bat_status mesh_levels_make(const uint32_t *faces, const bat_mesh_connectivity *connectivity, size_t count, int threads,
                             mesh_levels *levels, bat_error *error)
 {
     mesh_levels made = {.count = count, .level = calloc(count, sizeof *made.level)};
     if (made.level == NULL)
         return error_memory(error, count * sizeof *made.level);
-    surface now = {0};
+    split_mesh now = {0};
     bat_status status = mesh_flaps_make(faces, connectivity, &made.level[0], error);
     for (size_t i = 1; i < count && status == BAT_OK; i++)
     {
-        surface given = {(uint32_t *)(uintptr_t)faces, *connectivity}, next;
-        status = split(i == 1 ? &given : &now, threads, &next, error);
+        split_mesh next;
+        status = split_mesh_make(faces, connectivity, threads, &next, error);
         if (status != BAT_OK)
             break;
-        surface_free(&now);
+        split_mesh_free(&now);
         now = next;
-        status = mesh_flaps_make(now.faces, &now.links, &made.level[i], error);
+        faces = now.faces;
+        connectivity = &now.links;
+        status = mesh_flaps_make(faces, connectivity, &made.level[i], error);
     }
-    surface_free(&now);
+    split_mesh_free(&now);
     if (status != BAT_OK)
     {
         mesh_levels_free(&made);

@@ -17,8 +17,7 @@ typedef struct sharp_level
     double *edge, *vertex; ///< sharpness; null where none is sharp
     size_t coarse_count;
     // Of later levels:
-    uint32_t *own_faces;
-    bat_mesh_connectivity own_links;
+    split_mesh own; ///< of a later level
 } sharp_level;
 
 static mesh_level level_of(const sharp_level *sharp)
@@ -46,8 +45,7 @@ static void sharp_end(sharp_level *level)
 {
     free(level->edge);
     free(level->vertex);
-    free(level->own_faces);
-    bat_mesh_connectivity_free(&level->own_links);
+    split_mesh_free(&level->own);
 }
 
 /// Go to the next level.
@@ -55,32 +53,26 @@ static bat_status sharp_advance(sharp_level *level, int threads, bat_error *erro
 {
     if (!level->sharp)
         return BAT_OK;
-    bat_mesh_connectivity links = {0};
+    const mesh_level now = level_of(level);
+    split_mesh next;
     double *edge = NULL;
-    uint32_t *faces = memory_array(4 * level->links->face_count, 3 * sizeof *faces);
-    bat_status status = faces != NULL ? split_links(level->links, threads, &links, error)
-                                      : error_memory(error, 12 * level->links->face_count * sizeof *faces);
+    bat_status status = split_mesh_make(level->faces, level->links, threads, &next, error);
     if (status == BAT_OK && level->edge != NULL)
     {
-        const mesh_level now = level_of(level);
-        status = sharpness_split(&now, &links, &edge, error);
+        status = sharpness_split(&now, &next.links, &edge, error);
+        if (status != BAT_OK)
+            split_mesh_free(&next);
     }
     if (status != BAT_OK)
-    {
-        free(faces);
-        bat_mesh_connectivity_free(&links);
         return status;
-    }
-    split_faces(level->faces, level->links, threads, faces);
     for (size_t v = 0; level->vertex != NULL && v < level->coarse_count; v++)
         level->vertex[v] = sharpness_after_level(level->vertex[v]);
     free(level->edge);
-    free(level->own_faces);
-    bat_mesh_connectivity_free(&level->own_links);
+    split_mesh_free(&level->own);
     level->edge = edge;
-    level->faces = level->own_faces = faces;
-    level->own_links = links;
-    level->links = &level->own_links;
+    level->own = next;
+    level->faces = level->own.faces;
+    level->links = &level->own.links;
     return BAT_OK;
 }
 

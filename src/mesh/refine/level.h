@@ -164,6 +164,19 @@ void split_faces(const uint32_t *faces, const bat_mesh_connectivity *links, int 
 /// @return BAT_OK or BAT_NO_MEMORY; `fine` is untouched on failure
 bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh_connectivity *fine, bat_error *error);
 
+/// Triangles and their connectivity.
+typedef struct split_mesh
+{
+    uint32_t *faces;
+    bat_mesh_connectivity links;
+} split_mesh;
+
+/// Both of a split; release it with split_mesh_free().
+/// @return BAT_OK, BAT_TOO_LARGE or BAT_NO_MEMORY; `fine` is untouched on failure
+bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, split_mesh *fine,
+                           bat_error *error);
+void split_mesh_free(split_mesh *mesh);
+
 /// The near half of a half-edge.
 static inline uint32_t split_near(uint32_t half_edge)
 {

@@ -146,6 +146,33 @@ bat_status split_links(const bat_mesh_connectivity *links, int threads, bat_mesh
     return make_links(&job, 12 * links->face_count, made, triangle_links_range, triangle_first_range, threads, fine, error);
 }
 
+void split_mesh_free(split_mesh *mesh)
+{
+    free(mesh->faces);
+    bat_mesh_connectivity_free(&mesh->links);
+    *mesh = (split_mesh){0};
+}
+
+bat_status split_mesh_make(const uint32_t *faces, const bat_mesh_connectivity *links, int threads, split_mesh *fine,
+                           bat_error *error)
+{
+    if (links->face_count > BAT_MESH_MAX_FACES / 4 || links->vertex_count + links->edge_count >= BAT_MESH_NONE)
+        return error_set(error, BAT_TOO_LARGE, BAT_NO_INDEX, 0, "the refined mesh would have more than %zu faces",
+                         BAT_MESH_MAX_FACES);
+    split_mesh made = {.faces = memory_array(links->face_count, 12 * sizeof *made.faces)};
+    if (made.faces == NULL)
+        return error_memory(error, links->face_count * 12 * sizeof *made.faces);
+    bat_status status = split_links(links, threads, &made.links, error);
+    if (status != BAT_OK)
+    {
+        free(made.faces);
+        return status;
+    }
+    split_faces(faces, links, threads, made.faces);
+    *fine = made;
+    return BAT_OK;
+}
+
 // Quads of polygons.
 
 static inline void face_quads(const split_job *job, uint32_t face, uint32_t begin, uint32_t count)
