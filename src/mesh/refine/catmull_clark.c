@@ -90,13 +90,20 @@ static void edge_range(const void *context, size_t begin, size_t end)
     }
 }
 
-/// Compute a vertex, with `sharp` by the sharp edges around it. A vertex without faces does not move.
-static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp, bool quads, size_t dim)
+/// The vertex on the parent's edge of a half-edge.
+static inline uint32_t middle_of(const bat_mesh_connectivity *parent, uint32_t half_edge)
 {
-    const mesh_level *level = rows->level;
-    const bat_mesh_connectivity *links = level->links;
-    const mesh_sides *sides = &level->sides;
-    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(links) * dim;
+    return (uint32_t)parent->vertex_count + parent->edge[half_edge];
+}
+
+/// Compute a vertex, with `sharp` by the sharp edges around it. A vertex without faces does not move. Its neighbours are
+/// gathered on its own level or, in arrays a quarter as long, on the parent's level, where `quads` is false.
+static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp, bool quads, bool in_parent, size_t dim)
+{
+    const mesh_level *level = rows->level, *from = in_parent ? level->parent : level;
+    const bat_mesh_connectivity *links = from->links;
+    const mesh_sides *sides = &from->sides;
+    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(level->links) * dim;
     double *restrict to = rows->to + vertex * dim;
     uint32_t first = links->first[vertex], h = first, last = first;
     for (size_t i = 0; i < dim; i++)
@@ -108,8 +115,12 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
     {
         uint32_t next = quads ? (h % 4 == 3 ? h - 3 : h + 1) : sides_next(sides, h);
         uint32_t previous = quads ? (h % 4 == 0 ? h + 3 : h - 1) : sides_previous(sides, h);
-        const double *neighbour = rows->from + level->faces[next] * dim,
-                     *middle = middles + (quads ? h / 4 : sides_face(sides, h)) * dim;
+        // The child quad of the parent's corner h has the number h.
+        const double *neighbour = rows->from + (in_parent ? middle_of(links, h) : level->faces[next]) * dim,
+                     *middle = middles + (in_parent ? h
+                                          : quads   ? h / 4
+                                                    : sides_face(sides, h)) *
+                                             dim;
         for (size_t i = 0; i < dim; i++)
             to[i] += neighbour[i] + middle[i];
         valence++;
@@ -117,25 +128,25 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
         h = links->twin[previous];
     } while (h != BAT_MESH_NONE && h != first);
     vertex_mask mask = {.own = 3.0 / 4, .pair = 1.0 / 8};
+    uint32_t ends[2] = {vertex, vertex};
     if (sharp)
+    {
         mask = mask_around(level, vertex, valence, catmull_clark_smooth_mask);
+        ends[0] = level->faces[mask.corners[0]];
+        ends[1] = level->faces[mask.corners[1]];
+    }
     else if (h == BAT_MESH_NONE)
     {
-        mask.corners[0] = sides_next(sides, first);
-        mask.corners[1] = sides_previous(sides, last);
+        uint32_t before = sides_previous(sides, last);
+        ends[0] = in_parent ? middle_of(links, first) : level->faces[sides_next(sides, first)];
+        ends[1] = in_parent ? middle_of(links, before) : level->faces[before];
     }
     else
         mask = catmull_clark_smooth_mask(valence);
-    for (size_t i = 0; i < dim; i++)
-        to[i] = mask.own * own[i] + mask.ring * to[i];
-    if (mask.pair == 0)
-        return;
-    const double *p = rows->from + level->faces[mask.corners[0]] * dim,
-                 *q = rows->from + level->faces[mask.corners[1]] * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] += mask.pair * (p[i] + q[i]);
+    mask_row(rows, vertex, &mask, ends, dim);
 }
 
+/// The vertices of the level or, where it has a parent, those that the parent has as well.
 static void vertex_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
@@ -143,70 +154,24 @@ static void vertex_range(const void *context, size_t begin, size_t end)
     for (uint32_t v = (uint32_t)begin; v < end; v++)
         if (mesh_is_sharp(rows->level, v))
             continue;
+        else if (rows->level->parent != NULL)
+            BY_DIM(rows, vertex_row, v, false, false, true);
         else if (rows->dim == 3 && quads)
-            vertex_row(rows, v, false, true, 3);
+            vertex_row(rows, v, false, true, false, 3);
         else if (rows->dim == 3)
-            vertex_row(rows, v, false, false, 3);
+            vertex_row(rows, v, false, false, false, 3);
         else
-            vertex_row(rows, v, false, quads, rows->dim);
+            vertex_row(rows, v, false, quads, false, rows->dim);
 }
 
 static void sharp_vertex_row(const void *context, uint32_t vertex)
 {
     const mesh_rows *rows = context;
-    bool quads = rows->level->sides.quads;
-    if (rows->dim == 3 && quads)
-        vertex_row(rows, vertex, true, true, 3);
-    else if (rows->dim == 3)
-        vertex_row(rows, vertex, true, false, 3);
-    else
-        vertex_row(rows, vertex, true, quads, rows->dim);
+    BY_DIM(rows, vertex_row, vertex, true, rows->level->sides.quads, false);
 }
 
 // Where the level's faces were split from those of a parent, the neighbours follow from the parent's arrays, a quarter as
 // long. There vertices of edges have four faces, and those of faces one face for each corner.
-
-/// The vertex on the parent's edge of a half-edge.
-static inline uint32_t middle_of(const bat_mesh_connectivity *parent, uint32_t half_edge)
-{
-    return (uint32_t)parent->vertex_count + parent->edge[half_edge];
-}
-
-/// A smooth vertex that the parent has as well.
-static inline void parent_row(const mesh_rows *rows, uint32_t vertex, size_t dim)
-{
-    const mesh_level *level = rows->level, *parent = level->parent;
-    const bat_mesh_connectivity *links = parent->links;
-    const double *own = rows->from + vertex * dim, *middles = rows->to + faces_begin(level->links) * dim;
-    double *restrict to = rows->to + vertex * dim;
-    uint32_t first = links->first[vertex], h = first, last = first;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = first == BAT_MESH_NONE ? own[i] : 0;
-    if (first == BAT_MESH_NONE)
-        return;
-    unsigned valence = 0;
-    do
-    {
-        // The child quad of corner h has the number h.
-        const double *neighbour = rows->from + middle_of(links, h) * dim, *middle = middles + h * dim;
-        for (size_t i = 0; i < dim; i++)
-            to[i] += neighbour[i] + middle[i];
-        valence++;
-        last = h;
-        h = sides_next_around(parent, h);
-    } while (h != BAT_MESH_NONE && h != first);
-    if (h != BAT_MESH_NONE)
-    {
-        vertex_mask mask = catmull_clark_smooth_mask(valence);
-        for (size_t i = 0; i < dim; i++)
-            to[i] = mask.own * own[i] + mask.ring * to[i];
-        return;
-    }
-    const double *p = rows->from + middle_of(links, first) * dim,
-                 *q = rows->from + middle_of(links, sides_previous(&parent->sides, last)) * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = 3.0 / 4 * own[i] + 1.0 / 8 * (p[i] + q[i]);
-}
 
 /// The new vertices in a face of the parent: of its child quads, of the edges between them, and its own, which is smooth.
 static inline void inner_rows(const mesh_rows *rows, uint32_t face, uint32_t begin, uint32_t count, size_t dim)
@@ -284,16 +249,6 @@ static inline void halves_rows(const mesh_rows *rows, const edge_place *at, size
         to[i] = 0.5 * own[i] + 1.0 / 16 * (((a[i] + b[i]) + (c[i] + d[i])) + ((p[i] + q[i]) + (r[i] + s[i])));
 }
 
-static void parent_range(const void *context, size_t begin, size_t end)
-{
-    const mesh_rows *rows = context;
-    for (uint32_t v = (uint32_t)begin; v < end; v++)
-        if (mesh_is_sharp(rows->level, v))
-            continue;
-        else
-            BY_DIM(rows, parent_row, v);
-}
-
 /// The new vertices on the edges that the parent's faces own.
 static void halves_range(const void *context, size_t begin, size_t end)
 {
@@ -342,7 +297,7 @@ void catmull_clark_rule(const mesh_rows *rows, int threads)
     {
         mesh_share(inner_range, rows, parent->links->face_count, threads);
         mesh_share(halves_range, rows, parent->links->face_count, threads);
-        mesh_share(parent_range, rows, parent->links->vertex_count, threads);
+        mesh_share(vertex_range, rows, parent->links->vertex_count, threads);
     }
     else
     {

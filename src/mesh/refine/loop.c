@@ -47,15 +47,6 @@ static inline uint32_t last_neighbour(const mesh_level *level, uint32_t last, bo
     return mesh_opposite(level->faces, last);
 }
 
-static inline void write_row(const mesh_rows *rows, uint32_t vertex, const vertex_mask *mask, const uint32_t ends[2],
-                             size_t dim)
-{
-    const double *own = rows->from + vertex * dim, *p = rows->from + ends[0] * dim, *q = rows->from + ends[1] * dim;
-    double *restrict to = rows->to + vertex * dim;
-    for (size_t i = 0; i < dim; i++)
-        to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
-}
-
 /// Compute a vertex. Its neighbours are gathered on its own level or, in arrays a quarter as long, on the parent's level. A
 /// vertex without faces does not move. With `sharp` the vertex's rule is that of the sharp edges around it.
 static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp, bool in_parent, size_t dim)
@@ -94,7 +85,7 @@ static inline void vertex_row(const mesh_rows *rows, uint32_t vertex, bool sharp
     }
     else
         mask = loop_smooth_mask(valence);
-    write_row(rows, vertex, &mask, ends, dim);
+    mask_row(rows, vertex, &mask, ends, dim);
 }
 
 /// Compute the vertex on the parent's edge of a half-edge and the new vertices on both halves. The first one is regular: its
@@ -149,25 +140,17 @@ static inline void inner_rows(const mesh_rows *rows, uint32_t face, size_t dim)
     }
 }
 
+/// The vertices of the level or, where it has a parent, those that the parent has as well.
 static void vertex_range(const void *context, size_t begin, size_t end)
 {
     const mesh_rows *rows = context;
     for (size_t v = begin; v < end; v++)
         if (mesh_is_sharp(rows->level, v))
             continue;
+        else if (rows->level->parent != NULL)
+            BY_DIM(rows, vertex_row, (uint32_t)v, false, true);
         else
             BY_DIM(rows, vertex_row, (uint32_t)v, false, false);
-}
-
-/// The vertices that the parent has as well.
-static void parent_range(const void *context, size_t begin, size_t end)
-{
-    const mesh_rows *rows = context;
-    for (size_t v = begin; v < end; v++)
-        if (mesh_is_sharp(rows->level, v))
-            continue;
-        else
-            BY_DIM(rows, vertex_row, (uint32_t)v, false, true);
 }
 
 /// The new vertices in some faces of the parent and on the edges that these own.
@@ -230,7 +213,7 @@ void loop_rule(const mesh_rows *rows, int threads)
     const mesh_level *level = rows->level, *parent = level->parent;
     if (parent != NULL)
     {
-        mesh_share(parent_range, rows, parent->links->vertex_count, threads);
+        mesh_share(vertex_range, rows, parent->links->vertex_count, threads);
         mesh_share(faces_range, rows, parent->links->face_count, threads);
     }
     else

@@ -98,6 +98,16 @@ typedef struct vertex_mask
     uint32_t corners[2]; ///< corners of faces at the vertex where the selected neighbours are
 } vertex_mask;
 
+/// Apply a mask to the sum of the neighbours, which is in the row of the vertex, and to the selected ones, `ends`.
+static inline void mask_row(const mesh_rows *rows, uint32_t vertex, const vertex_mask *mask, const uint32_t ends[2],
+                            size_t dim)
+{
+    const double *own = rows->from + vertex * dim, *p = rows->from + ends[0] * dim, *q = rows->from + ends[1] * dim;
+    double *restrict to = rows->to + vertex * dim;
+    for (size_t i = 0; i < dim; i++)
+        to[i] = mask->own * own[i] + mask->ring * to[i] + mask->pair * (p[i] + q[i]);
+}
+
 /// The mask of a smooth vertex inside the mesh.
 typedef vertex_mask smooth_mask(unsigned valence);
 
