@@ -17,3 +17,6 @@ bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error);
 /// @param offsets receives the offsets of the polygons, which the mesh no longer has; release them with free()
 /// @return BAT_OK, BAT_NO_MEMORY or BAT_TOO_LARGE (too many triangles, a large concave polygon); the mesh stays on failure
 bat_status mesh_cut_polygons(bat_mesh *mesh, uint32_t **offsets, bat_error *error);
+
+/// Copy an array, which may be null or empty; then so is the copy. False when out of memory.
+bool mesh_copy_array(const void *from, size_t count, size_t size, void **to);

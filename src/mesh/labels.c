@@ -80,15 +80,26 @@ bat_status mesh_labels_carry(const bat_mesh *from, const uint32_t *sources, size
     return copied ? BAT_OK : error_memory(error, count * sizeof *to->face_labels);
 }
 
+bool channels_set_names(bat_mesh *mesh, const char *const *names, size_t count)
+{
+    char **made = count > 0 ? calloc(count, sizeof *made) : NULL;
+    bool room = count == 0 || made != NULL;
+    for (size_t i = 0; i < count && room; i++)
+        room = copy_text(names[i], &made[i]);
+    for (size_t i = 0; i < count && !room && made != NULL; i++)
+        free(made[i]);
+    if (!room)
+        free(made);
+    mesh->channel_names = room ? made : NULL;
+    mesh->channel_count = room ? count : 0;
+    return room;
+}
+
 bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error)
 {
-    bat_mesh names = {.channel_names = from->channel_names, .channel_count = from->channel_count}, copy;
-    bat_status status = bat_mesh_copy(&names, &copy, error);
-    if (status != BAT_OK)
-        return status;
-    to->channel_names = copy.channel_names;
-    to->channel_count = copy.channel_count;
-    return BAT_OK;
+    return channels_set_names(to, (const char *const *)from->channel_names, from->channel_count)
+               ? BAT_OK
+               : error_memory(error, from->channel_count * sizeof *to->channel_names);
 }
 
 void channels_bound(const bat_mesh *from, bat_mesh *to)

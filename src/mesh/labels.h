@@ -21,6 +21,8 @@ bat_status mesh_labels_carry(const bat_mesh *from, const uint32_t *sources, size
 char **mesh_label_name(bat_mesh_label *label, int index);
 const char *mesh_label_text(const bat_mesh_label *label, int index);
 
+/// Give a mesh that has no channels copies of their names. False when out of memory.
+bool channels_set_names(bat_mesh *mesh, const char *const *names, size_t count);
 /// Give a mesh the names of another one's channels.
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status channels_name(const bat_mesh *from, bat_mesh *to, bat_error *error);

@@ -30,8 +30,7 @@ void bat_mesh_free(bat_mesh *mesh)
     *mesh = (bat_mesh){0};
 }
 
-/// Copy an array, which may be null. False when out of memory.
-static bool copy_array(const void *from, size_t count, size_t size, void **to)
+bool mesh_copy_array(const void *from, size_t count, size_t size, void **to)
 {
     *to = NULL;
     if (from == NULL || count == 0)
@@ -42,40 +41,22 @@ static bool copy_array(const void *from, size_t count, size_t size, void **to)
     return *to != NULL;
 }
 
-static bool copy_names(const bat_mesh *mesh, bat_mesh *copy)
-{
-    if (mesh->channel_count == 0)
-        return true;
-    copy->channel_names = calloc(mesh->channel_count, sizeof *copy->channel_names);
-    if (copy->channel_names == NULL)
-        return false;
-    for (size_t i = 0; i < mesh->channel_count; i++)
-    {
-        size_t size = strlen(mesh->channel_names[i]) + 1;
-        copy->channel_names[i] = malloc(size);
-        if (copy->channel_names[i] == NULL)
-            return false;
-        memcpy(copy->channel_names[i], mesh->channel_names[i], size);
-    }
-    return true;
-}
-
 bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
 {
     size_t corner_count = mesh_corners_until(mesh, mesh->face_count);
     bat_mesh made = *mesh;
     made.channel_names = NULL;
     mesh_labels_forget(&made);
-    bool positions = copy_array(mesh->positions, mesh->vertex_count, 3 * sizeof(double), (void **)&made.positions);
-    bool faces = copy_array(mesh->faces, corner_count, sizeof(uint32_t), (void **)&made.faces);
-    bool offsets = copy_array(mesh->offsets, mesh->face_count + 1, sizeof(uint32_t), (void **)&made.offsets);
-    bool texture = copy_array(mesh->texture, mesh->texture_count, 2 * sizeof(double), (void **)&made.texture);
-    bool texture_faces = copy_array(mesh->texture_faces, corner_count, sizeof(uint32_t), (void **)&made.texture_faces);
+    bool positions = mesh_copy_array(mesh->positions, mesh->vertex_count, 3 * sizeof(double), (void **)&made.positions);
+    bool faces = mesh_copy_array(mesh->faces, corner_count, sizeof(uint32_t), (void **)&made.faces);
+    bool offsets = mesh_copy_array(mesh->offsets, mesh->face_count + 1, sizeof(uint32_t), (void **)&made.offsets);
+    bool texture = mesh_copy_array(mesh->texture, mesh->texture_count, 2 * sizeof(double), (void **)&made.texture);
+    bool texture_faces = mesh_copy_array(mesh->texture_faces, corner_count, sizeof(uint32_t), (void **)&made.texture_faces);
     bool channels =
-        copy_array(mesh->channels, mesh->vertex_count, mesh->channel_count * sizeof(double), (void **)&made.channels);
-    bool creases = copy_array(mesh->creases, mesh->crease_count, sizeof *mesh->creases, (void **)&made.creases);
-    bool corners = copy_array(mesh->corners, mesh->corner_count, sizeof *mesh->corners, (void **)&made.corners);
-    bool names = copy_names(mesh, &made);
+        mesh_copy_array(mesh->channels, mesh->vertex_count, mesh->channel_count * sizeof(double), (void **)&made.channels);
+    bool creases = mesh_copy_array(mesh->creases, mesh->crease_count, sizeof *mesh->creases, (void **)&made.creases);
+    bool corners = mesh_copy_array(mesh->corners, mesh->corner_count, sizeof *mesh->corners, (void **)&made.corners);
+    bool names = channels_set_names(&made, (const char *const *)mesh->channel_names, mesh->channel_count);
     bat_status status = BAT_OK;
     if (!positions || !faces || !offsets || !texture || !texture_faces || !channels || !creases || !corners || !names)
         status = error_memory(error, mesh->vertex_count * 3 * sizeof(double));

@@ -1,36 +1,22 @@
 #include "draw/common/style.h"
 
+#include "base/utf8.h"
+
+#include <stdint.h>
 #include <string.h>
 
 /// @file
 /// Validation, measurement and drawing of texts by cairo's text functions.
 
-/// The length in bytes of the UTF-8 character at `text`; 0 when it is not well-formed (RFC 3629, section 4).
-static size_t character_length(const unsigned char *text)
-{
-    if (text[0] < 0x80)
-        return text[0] >= 0x20 && text[0] != 0x7f ? 1 : 0;
-    size_t length = text[0] >= 0xf0 ? 4 : text[0] >= 0xe0 ? 3 : 2;
-    if (text[0] < 0xc2 || text[0] > 0xf4)
-        return 0;
-    for (size_t i = 1; i < length; i++)
-        if ((text[i] & 0xc0) != 0x80)
-            return 0;
-    bool overlong = (text[0] == 0xe0 && text[1] < 0xa0) || (text[0] == 0xf0 && text[1] < 0x90);
-    bool surrogate = text[0] == 0xed && text[1] >= 0xa0;
-    bool beyond = text[0] == 0xf4 && text[1] >= 0x90;
-    return overlong || surrogate || beyond ? 0 : length;
-}
-
 bool text_is_valid(const char *text)
 {
     const unsigned char *rest = (const unsigned char *)text;
-    while (rest != NULL && *rest != '\0')
+    size_t length = 0;
+    for (; rest != NULL && *rest != '\0'; rest += length)
     {
-        size_t length = character_length(rest);
+        length = *rest < ' ' || *rest == 0x7f ? 0 : utf8_size(rest, SIZE_MAX);
         if (length == 0)
             return false;
-        rest += length;
     }
     return true;
 }

@@ -6,7 +6,6 @@
 #include "draw/common/sheet.h"
 #include "io/common/base64.h"
 #include "io/common/json.h"
-#include "mesh/labels.h"
 
 #include <cairo.h>
 #include <stdlib.h>
@@ -109,19 +108,16 @@ bat_status bat_mesh_baked_attach(const bat_mesh_baked *baked, bat_mesh *mesh, ba
     for (size_t i = 0; i < sizeof parts / sizeof *parts && made; i++)
         if (parts[i].image->pixels != NULL)
             made = json_object_set_new(material, parts[i].key, add_texture(root, parts[i].image)) == 0;
-    text_buffer text = {0};
-    if (made)
-        json_text(&text, root);
-    text_append(&text, "", 1);
+    char *text = made ? json_text_make(root) : NULL;
     json_decref(shading);
     json_decref(material);
     json_decref(root);
-    if (!made || text.failed || !name_material(mesh, "baked"))
+    if (text == NULL || !name_material(mesh, "baked"))
     {
-        text_free(&text);
+        free(text);
         return error_memory(error, mesh->face_count);
     }
     free(mesh->material_json);
-    mesh->material_json = text.data;
+    mesh->material_json = text;
     return BAT_OK;
 }

@@ -113,6 +113,17 @@ bool text_line_next(const file_text *text, text_line *line)
 
 // Error messages for words of a text file.
 
+size_t scan_line_of(const file_text *text, bool (*takes)(word_scan *scan, const char *word), const char *word, size_t number)
+{
+    word_scan scan = word_scan_start(text->data, text->size);
+    do
+    {
+        if (takes(&scan, word) && number-- == 0)
+            break;
+    } while (scan_next_line(&scan));
+    return scan.line;
+}
+
 bat_status scan_word_fault(word_scan *scan, size_t index, const char *fault, bat_error *error)
 {
     char excerpt[EXCERPT_SIZE];

@@ -152,6 +152,10 @@ static inline bool scan_word(word_scan *scan, const char *word)
     return true;
 }
 
+/// The line of a statement, by its number from 0 on among those whose first word `takes` takes, as scan_word() does.
+size_t scan_line_of(const file_text *text, bool (*takes)(word_scan *scan, const char *word), const char *word,
+                    size_t number);
+
 /// BAT_BAD_FILE for the next word of the line, which should be a number. The message names its error, or `what` is missing.
 bat_status scan_number_fault(word_scan *scan, size_t index, const char *what, bat_error *error);
 

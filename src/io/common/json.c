@@ -106,3 +106,13 @@ void json_text(text_buffer *text, const json_t *value)
     else
         text_append_string(text, type == JSON_TRUE ? "true" : type == JSON_FALSE ? "false" : "null");
 }
+
+char *json_text_make(const json_t *value)
+{
+    text_buffer text = {0};
+    json_text(&text, value);
+    text_append(&text, "", 1);
+    if (text.failed)
+        text_free(&text);
+    return text.data;
+}

@@ -276,14 +276,11 @@ static bool set_list(OGRFeatureH feature, int index, OGRFieldType type, const js
 /// Set a field to the text of a value that is not of the field's type.
 static bool set_text(OGRFeatureH feature, int index, const json_t *value)
 {
-    text_buffer text = {0};
-    json_text(&text, value);
-    text_append(&text, "", 1);
-    bool made = !text.failed;
-    if (made)
-        gdal.OGR_F_SetFieldString(feature, index, text.data);
-    text_free(&text);
-    return made;
+    char *text = json_text_make(value);
+    if (text != NULL)
+        gdal.OGR_F_SetFieldString(feature, index, text);
+    free(text);
+    return text != NULL;
 }
 
 static bool set_field(OGRFeatureH feature, int index, OGRFieldType type, const json_t *value)

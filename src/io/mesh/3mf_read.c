@@ -301,34 +301,6 @@ static bool read_colour(const char *text, double colour[4])
     return true;
 }
 
-static bool is_taken(const reader_3mf *reader, const char *name)
-{
-    for (size_t i = 0; i < reader->material_count; i++)
-        if (strcmp(reader->materials[i].name, name) == 0)
-            return true;
-    return false;
-}
-
-/// Give a material a name that no other one has. Null when out of memory, which is then the failure.
-static char *unique_name(reader_3mf *reader, const char *name)
-{
-    char *copy = copy_name(reader, name != NULL && *name != '\0' ? name : "material");
-    if (copy == NULL || !is_taken(reader, copy))
-        return copy;
-    size_t size = strlen(copy) + 24;
-    char *longer = malloc(size);
-    for (size_t number = reader->material_count; longer != NULL; number++)
-    {
-        (void)snprintf(longer, size, "%s_%zu", copy, number);
-        if (!is_taken(reader, longer))
-            break;
-    }
-    free(copy);
-    if (longer == NULL)
-        fail_memory(reader, size);
-    return longer;
-}
-
 static void begin_base(reader_3mf *reader, const XML_Char **attributes)
 {
     const char *text = xml_attribute(attributes, "displaycolor");
@@ -346,8 +318,13 @@ static void begin_base(reader_3mf *reader, const XML_Char **attributes)
         FAIL(reader, BAT_TOO_LARGE, "there are more than %d materials", MAX_MATERIALS);
         return;
     }
-    material_3mf made = {.name = unique_name(reader, xml_attribute(attributes, "name"))};
+    const char *name = xml_attribute(attributes, "name");
+    name = name != NULL && *name != '\0' ? name : "material";
+    material_3mf made = {
+        .name = label_name_unique(name, false, reader->materials, sizeof *reader->materials, reader->material_count)};
     memcpy(made.colour, colour, sizeof colour);
+    if (made.name == NULL)
+        fail_memory(reader, strlen(name));
     if (made.name == NULL || !ADD(reader, reader->materials, reader->material_capacity, reader->material_count, made))
     {
         free(made.name);
@@ -662,7 +639,6 @@ static bat_status add_object(reader_3mf *reader, const placed *at, const char *n
 static bat_status describe_materials(reader_3mf *reader, bat_error *error)
 {
     json_t *root = json_object(), *list = json_array();
-    text_buffer text = {0};
     bool room = json_object_set_new(root, "materials", list) == 0;
     for (size_t i = 0; i < reader->material_count && room; i++)
     {
@@ -671,17 +647,10 @@ static bat_status describe_materials(reader_3mf *reader, bat_error *error)
                                  at->colour[0], at->colour[1], at->colour[2], at->colour[3]);
         room = json_array_append_new(list, made) == 0;
     }
-    if (room)
-        json_text(&text, root);
-    text_append(&text, "", 1);
+    char *text = room ? json_text_make(root) : NULL;
     json_decref(root);
-    if (room && !text.failed)
-    {
-        reader->builder.mesh.material_json = text.data;
-        return BAT_OK;
-    }
-    text_free(&text);
-    return no_memory(reader, error);
+    reader->builder.mesh.material_json = text;
+    return text != NULL ? BAT_OK : no_memory(reader, error);
 }
 
 /// Check that the build places something, and not a huge mesh made of few numbers.

@@ -77,21 +77,6 @@ uint32_t mesh_builder_merge_texture(mesh_builder *builder, uint32_t vertex, doub
     return point_table_add(&builder->texture_table, (uint32_t)count) ? (uint32_t)count : BAT_MESH_NONE;
 }
 
-bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count)
-{
-    builder->mesh.channel_names = calloc(count + 1, sizeof *builder->mesh.channel_names);
-    if (builder->mesh.channel_names == NULL)
-        return false;
-    builder->mesh.channel_count = count;
-    for (size_t i = 0; i < count; i++)
-    {
-        builder->mesh.channel_names[i] = strdup(names[i]);
-        if (builder->mesh.channel_names[i] == NULL)
-            return false;
-    }
-    return true;
-}
-
 bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangles)
 {
     size_t numbers, values, corners;

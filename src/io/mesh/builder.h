@@ -37,9 +37,6 @@ uint32_t mesh_builder_merge(mesh_builder *builder, const double position[3]);
 /// The same of a texture coordinate of a vertex; no texture coordinate may be added otherwise.
 uint32_t mesh_builder_merge_texture(mesh_builder *builder, uint32_t vertex, double u, double v);
 
-/// Set the names of the channels, once. False when out of memory.
-bool mesh_builder_name_channels(mesh_builder *builder, const char *const *names, size_t count);
-
 /// Reserve memory for vertices and triangles. False when out of memory.
 bool mesh_builder_reserve(mesh_builder *builder, size_t vertices, size_t triangles);
 

@@ -68,6 +68,10 @@ typedef struct label_table
 /// A copy of a name in UTF-8 (other bytes: Latin-1; control characters: '_'), up to a zero byte. Null: out of memory.
 char *label_name_copy(label_name name);
 
+/// A name for a new row beside `count` rows of `size` bytes, which begin with their names: a copy of the one given or,
+/// `numbered` or where another row has it, that with a number. Null: out of memory.
+char *label_name_unique(const char *given, bool numbered, const void *rows, size_t size, size_t count);
+
 /// The number of the label with these names, copied by label_name_copy(); a new one is added. BAT_MESH_NONE: out of memory.
 uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_NAMES]);
 void label_table_free(label_table *table);

@@ -352,7 +352,7 @@ static bat_status plan_colours(gltf_reader *reader, const gltf_instance *instanc
             reader->colours = type != NULL && strcmp(type, "VEC4") == 0 ? MESH_COLOURS : MESH_COLOURS - 1;
         }
     }
-    return reader->colours == 0 || mesh_builder_name_channels(&reader->builder, mesh_colour_names, reader->colours)
+    return reader->colours == 0 || channels_set_names(&reader->builder.mesh, mesh_colour_names, reader->colours)
                ? BAT_OK
                : mesh_builder_no_memory(&reader->builder, error);
 }

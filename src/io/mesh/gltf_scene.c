@@ -305,36 +305,6 @@ static bat_status embed_images(gltf_document *document, json_t *images, bat_mesh
     return status;
 }
 
-/// Whether one of the first names is the same.
-static bool is_taken(char *const *names, size_t count, const char *name)
-{
-    for (size_t i = 0; i < count; i++)
-        if (strcmp(names[i], name) == 0)
-            return true;
-    return false;
-}
-
-/// A name for material `index` that no earlier one has: its own, or with a number. Null when out of memory.
-static char *unique_name(char *const *names, size_t index, const json_t *material)
-{
-    const json_t *given = json_object_get(material, "name");
-    const char *own = json_is_string(given) && json_string_length(given) > 0 ? json_string_value(given) : "material";
-    char *name = label_name_copy(label_name_of(own));
-    bool numbered = own != json_string_value(given);
-    if (name == NULL || (!numbered && !is_taken(names, index, name)))
-        return name;
-    size_t size = strlen(name) + 24;
-    char *longer = malloc(size);
-    for (size_t number = index; longer != NULL; number++)
-    {
-        (void)snprintf(longer, size, "%s_%zu", name, number);
-        if (!is_taken(names, index, longer))
-            break;
-    }
-    free(name);
-    return longer;
-}
-
 /// Name all materials of `made`.
 static bat_status name_materials(json_t *materials, char ***names, bat_error *error)
 {
@@ -353,7 +323,9 @@ static bat_status name_materials(json_t *materials, char ***names, bat_error *er
             status = gltf_fault((gltf_place){"material", i}, error, "it is no object");
             break;
         }
-        made[i] = unique_name(made, i, material);
+        const char *own = json_string_value(json_object_get(material, "name"));
+        bool nameless = own == NULL || *own == '\0';
+        made[i] = label_name_unique(nameless ? "material" : own, nameless, made, sizeof *made, i);
         if (made[i] == NULL || json_object_set_new(material, "name", json_string(made[i])) != 0)
             status = error_memory(error, count * sizeof *made);
     }
@@ -386,15 +358,8 @@ bat_status gltf_materials_read(gltf_document *document, char ***names, size_t *c
         status = embed_images(document, json_object_get(made, "images"), notes, error);
     if (status == BAT_OK && found > 0)
     {
-        text_buffer buffer = {0};
-        json_text(&buffer, made);
-        text_append(&buffer, "", 1);
-        if (buffer.failed)
-        {
-            status = error_memory(error, buffer.size);
-            text_free(&buffer);
-        }
-        text = buffer.data;
+        text = json_text_make(made);
+        status = text != NULL ? BAT_OK : error_memory(error, document->total_size);
     }
     json_decref(made);
     if (status != BAT_OK)

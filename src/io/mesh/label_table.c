@@ -1,6 +1,9 @@
 #include "io/mesh/formats.h"
 
 #include "base/hash.h"
+#include "base/utf8.h"
+
+#include <stdio.h>
 
 /// @file
 /// Labels by the hashes of their names.
@@ -56,20 +59,6 @@ static uint32_t *place_of(label_table *table, const bat_mesh_label *label)
     }
 }
 
-/// The number of bytes of the UTF-8 character at `at` (RFC 3629); 0 for none.
-static size_t character_size(const unsigned char *at, size_t left)
-{
-    size_t size = *at < 0x80 ? 1 : *at < 0xc2 ? 0 : *at < 0xe0 ? 2 : *at < 0xf0 ? 3 : *at < 0xf5 ? 4 : 0;
-    if (size > left)
-        return 0;
-    for (size_t i = 1; i < size; i++)
-        if ((at[i] & 0xc0) != 0x80)
-            return 0;
-    bool overlong = (*at == 0xe0 && at[1] < 0xa0) || (*at == 0xf0 && at[1] < 0x90);
-    bool outside = (*at == 0xed && at[1] > 0x9f) || (*at == 0xf4 && at[1] > 0x8f);
-    return overlong || outside ? 0 : size;
-}
-
 char *label_name_copy(label_name name)
 {
     const unsigned char *from = (const unsigned char *)name.begin;
@@ -77,7 +66,7 @@ char *label_name_copy(label_name name)
     bool valid = true;
     for (size_t i = 0, step; i < size && valid; i += step)
     {
-        step = character_size(from + i, size - i);
+        step = utf8_size(from + i, size - i);
         valid = step > 0;
     }
     char *copy = malloc(2 * size + 1), *out = copy;
@@ -94,6 +83,31 @@ char *label_name_copy(label_name name)
     if (copy != NULL)
         *out = '\0';
     return copy;
+}
+
+static bool is_taken(const char *name, const void *rows, size_t size, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(*(char *const *)(const void *)((const char *)rows + i * size), name) == 0)
+            return true;
+    return false;
+}
+
+char *label_name_unique(const char *given, bool numbered, const void *rows, size_t size, size_t count)
+{
+    char *name = label_name_copy(label_name_of(given));
+    if (name == NULL || (!numbered && !is_taken(name, rows, size, count)))
+        return name;
+    size_t room = strlen(name) + 24;
+    char *longer = malloc(room);
+    for (size_t number = count; longer != NULL; number++)
+    {
+        (void)snprintf(longer, room, "%s_%zu", name, number);
+        if (!is_taken(longer, rows, size, count))
+            break;
+    }
+    free(name);
+    return longer;
 }
 
 uint32_t label_table_add(label_table *table, const label_name names[MESH_LABEL_NAMES])

@@ -237,7 +237,7 @@ static bat_status read_vertex(obj_reader *reader, bat_error *error)
     if (index == 0 && colours > 0)
     {
         reader->colours = colours;
-        if (!mesh_builder_name_channels(builder, mesh_colour_names, colours))
+        if (!channels_set_names(&builder->mesh, mesh_colour_names, colours))
             return mesh_builder_no_memory(&reader->builder, error);
     }
     if (colours != reader->colours)
@@ -498,18 +498,6 @@ static bat_status read_statement(obj_reader *reader, bat_error *error)
     return BAT_OK;
 }
 
-/// The line of a face, by counting; needed only for errors.
-static size_t line_of_face(const file_text *text, size_t face)
-{
-    word_scan scan = word_scan_start(text->data, text->size);
-    do
-    {
-        if (scan_word(&scan, "f") && face-- == 0)
-            break;
-    } while (scan_next_line(&scan));
-    return scan.line;
-}
-
 /// The size of a break of the line within a statement: a backslash at the end of a line that is no comment. 0 for none.
 static size_t continuation_at(const char *at, const char *end, const char *line)
 {
@@ -567,12 +555,9 @@ static bat_status read_joined(const file_text *text, const bat_mesh_read_options
         mesh_builder_free(&reader.builder);
         return status;
     }
-    bat_error found = {.index = BAT_NO_INDEX};
-    status = mesh_builder_finish(&reader.builder, options, mesh, &found);
-    if (status != BAT_OK && found.index != BAT_NO_INDEX)
-        found.line = line_of_face(text, found.index);
-    if (status != BAT_OK && error != NULL)
-        *error = found;
+    status = mesh_builder_finish(&reader.builder, options, mesh, error);
+    if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
+        error->line = scan_line_of(text, scan_word, "f", error->index);
     return status;
 }
 

@@ -94,7 +94,7 @@ static bat_status take_vertex(off_reader *reader, const double *numbers, size_t 
     if (reader->coloured && index == 0)
     {
         reader->colours = count == before_colour + texture + 3 ? 3 : 4;
-        if (!mesh_builder_name_channels(builder, mesh_colour_names, reader->colours))
+        if (!channels_set_names(&builder->mesh, mesh_colour_names, reader->colours))
             return mesh_builder_no_memory(&reader->builder, error);
     }
     size_t expected = before_colour + reader->colours + texture;
@@ -229,17 +229,14 @@ bat_status mesh_off_read(const file_text *text, const bat_mesh_read_options *opt
         return status;
     }
     scale_colours(&reader.builder);
-    bat_error found = {.index = BAT_NO_INDEX};
     if (reader.with_normals)
         status =
-            mesh_note(options->notes, &found,
+            mesh_note(options->notes, error,
                       "%zu normals are left out: they follow from the mesh, and writers can make new ones", reader.vertices);
     if (status == BAT_OK)
-        status = mesh_builder_finish(&reader.builder, options, mesh, &found);
-    if (status != BAT_OK && found.index != BAT_NO_INDEX)
-        found.line = line_of_face(&reader, text, found.index);
-    if (status != BAT_OK && error != NULL)
-        *error = found;
+        status = mesh_builder_finish(&reader.builder, options, mesh, error);
+    if (status != BAT_OK && error != NULL && error->index != BAT_NO_INDEX)
+        error->line = line_of_face(&reader, text, error->index);
     mesh_builder_free(&reader.builder);
     return status;
 }

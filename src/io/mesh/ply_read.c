@@ -195,7 +195,7 @@ static bat_status place_channels(ply_reader *reader, const ply_element *vertex, 
         reader->places[i] = (ply_place){CHANNEL_COLUMN + count, colour_scale(property)};
         count += made;
     }
-    made = made && (count == 0 || mesh_builder_name_channels(&reader->builder, (const char *const *)names, count));
+    made = made && (count == 0 || channels_set_names(&reader->builder.mesh, (const char *const *)names, count));
     for (size_t i = 0; i < count; i++)
         free(names[i]);
     free(names);
@@ -507,15 +507,12 @@ static bat_status read_ply(const file_text *text, const bat_mesh_read_options *o
                          .lenient = options->repair || !options->strict};
     bat_status status = read_all(&reader, error);
     if (status == BAT_OK)
+        status = note_losses(&reader, options->notes, error);
+    if (status == BAT_OK)
     {
-        bat_error found = {.index = BAT_NO_INDEX};
-        status = note_losses(&reader, options->notes, &found);
-        if (status == BAT_OK)
-            status = mesh_builder_finish(&reader.builder, options, mesh, &found);
-        if (status != BAT_OK && reader.source.encoding == PLY_TEXT && found.index != BAT_NO_INDEX)
-            found.line = line_of_face(&reader, found.index);
-        if (status != BAT_OK && error != NULL)
-            *error = found;
+        status = mesh_builder_finish(&reader.builder, options, mesh, error);
+        if (status != BAT_OK && reader.source.encoding == PLY_TEXT && error != NULL && error->index != BAT_NO_INDEX)
+            error->line = line_of_face(&reader, error->index);
     }
     reader_free(&reader);
     return status;

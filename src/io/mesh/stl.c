@@ -161,18 +161,6 @@ static bat_status read_text(mesh_builder *builder, const file_text *text, bat_er
     return status;
 }
 
-/// The line of a facet in a text file, by counting.
-static size_t line_of_facet(const file_text *text, size_t facet)
-{
-    word_scan scan = word_scan_start(text->data, text->size);
-    do
-    {
-        if (skip_word(&scan, "facet") && facet-- == 0)
-            break;
-    } while (scan_next_line(&scan));
-    return scan.line;
-}
-
 bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
 {
     mesh_builder builder = {0};
@@ -183,12 +171,9 @@ bat_status mesh_stl_read(const file_text *text, const bat_mesh_read_options *opt
         mesh_builder_free(&builder);
         return status;
     }
-    bat_error found = {.index = BAT_NO_INDEX};
-    status = mesh_builder_finish(&builder, options, mesh, &found);
-    if (status != BAT_OK && !binary && found.index != BAT_NO_INDEX)
-        found.line = line_of_facet(text, found.index);
-    if (status != BAT_OK && error != NULL)
-        *error = found;
+    status = mesh_builder_finish(&builder, options, mesh, error);
+    if (status != BAT_OK && !binary && error != NULL && error->index != BAT_NO_INDEX)
+        error->line = scan_line_of(text, skip_word, "facet", error->index);
     return status;
 }
 

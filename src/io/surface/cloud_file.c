@@ -10,13 +10,7 @@
 /// The line of statement "v" number `point`, counted from 0.
 static size_t obj_line_of_point(const file_text *text, size_t point)
 {
-    word_scan scan = word_scan_start(text->data, text->size);
-    do
-    {
-        if (scan_word(&scan, "v") && point-- == 0)
-            break;
-    } while (scan_next_line(&scan));
-    return scan.line;
+    return scan_line_of(text, scan_word, "v", point);
 }
 
 /// A format: its reader, either of points or of a mesh that may have faces.

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/check.h"
 #include "mesh/hash_table.h"
 #include "surface/cloud/spatial_order.h"
 
@@ -19,24 +20,13 @@ void bat_cloud_free(bat_cloud *cloud)
     *cloud = (bat_cloud){0};
 }
 
-/// Copy an array that may be null. False when out of memory.
-static bool copy_array(const void *from, size_t count, size_t size, void **to)
-{
-    *to = NULL;
-    if (from == NULL)
-        return true;
-    *to = memory_array(count, size);
-    if (*to != NULL && count > 0)
-        memcpy(*to, from, count * size);
-    return *to != NULL;
-}
-
 bat_status bat_cloud_copy(const bat_cloud *cloud, bat_cloud *copy, bat_error *error)
 {
     bat_cloud made = *cloud;
-    bool points = copy_array(cloud->points, cloud->count, 3 * sizeof(double), (void **)&made.points);
-    bool order = copy_array(cloud->order, cloud->count, sizeof(size_t), (void **)&made.order);
-    bool triangles = copy_array(cloud->triangles, cloud->triangle_count, 3 * sizeof(uint32_t), (void **)&made.triangles);
+    bool points = mesh_copy_array(cloud->points, cloud->count, 3 * sizeof(double), (void **)&made.points);
+    bool order = mesh_copy_array(cloud->order, cloud->count, sizeof(size_t), (void **)&made.order);
+    bool triangles =
+        mesh_copy_array(cloud->triangles, cloud->triangle_count, 3 * sizeof(uint32_t), (void **)&made.triangles);
     if (!points || !order || !triangles)
     {
         bat_cloud_free(&made);
