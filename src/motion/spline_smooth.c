@@ -49,26 +49,16 @@ static double smoother_squares(const smoother *s, double cut)
     return sum;
 }
 
-/// The components of a vector at a key.
-static void to_frame(const smoother *s, size_t key, const double *vector, double *components)
+/// The components of a vector at a key or, `back`, the vector of components.
+static void turn_frame(const smoother *s, size_t key, bool back, const double *from, double *to)
 {
+    const double *frame = s->frames != NULL ? s->frames + key * s->n * s->n : NULL;
     for (size_t k = 0; k < s->n; k++)
     {
         double sum = 0;
-        for (size_t i = 0; s->frames != NULL && i < s->n; i++)
-            sum += s->frames[(key * s->n + k) * s->n + i] * vector[i];
-        components[k] = s->frames != NULL ? sum : vector[k];
-    }
-}
-
-static void from_frame(const smoother *s, size_t key, const double *components, double *vector)
-{
-    for (size_t i = 0; i < s->n; i++)
-    {
-        double sum = 0;
-        for (size_t k = 0; s->frames != NULL && k < s->n; k++)
-            sum += s->frames[(key * s->n + k) * s->n + i] * components[k];
-        vector[i] = s->frames != NULL ? sum : components[i];
+        for (size_t i = 0; frame != NULL && i < s->n; i++)
+            sum += frame[back ? i * s->n + k : k * s->n + i] * from[i];
+        to[k] = frame != NULL ? sum : from[k];
     }
 }
 
@@ -84,13 +74,13 @@ static bat_status measure(smoother *s, bat_error *error)
     {
         const double *p = s->points + i * s->dim, *q = p + s->dim;
         status = space->log(space, p, s->given + i * s->dim, vector);
-        to_frame(s, i, vector, s->residuals + i * s->n);
+        turn_frame(s, i, false, vector, s->residuals + i * s->n);
         if (status != BAT_OK)
             return error_set(error, status, i, 0, "smoothing fails at point %zu, half a turn away from the motion", i);
         if (i + 1 == s->count)
             break;
         status = space->log(space, p, q, vector);
-        to_frame(s, i, vector, s->chords + i * s->n);
+        turn_frame(s, i, false, vector, s->chords + i * s->n);
         for (size_t k = 0; k < s->n; k++)
             s->chords[i * s->n + k] /= s->lengths[i];
         for (size_t k = 0; s->frames != NULL && k < s->n && status == BAT_OK; k++)
@@ -196,7 +186,7 @@ static bat_status move(smoother *s, double weight, double *largest)
             step[k] = s->residuals[i * n + k] - weight * turned / s->weights[i];
         }
         *largest = fmax(*largest, sqrt(vector_square(n, step)));
-        from_frame(s, i, step, vector);
+        turn_frame(s, i, true, step, vector);
         status = space->exp(space, s->points + i * s->dim, vector, moved);
         memcpy(s->points + i * s->dim, moved, s->dim * sizeof *moved);
     }

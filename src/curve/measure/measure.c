@@ -427,12 +427,15 @@ typedef struct set_task
 {
     const bat_curve *first, *second;
     bat_curve_measure_options options;
-    bat_curve_distance *distances; ///< null to measure fairness
+    bat_curve_distance *distances; ///< null for one of the others
     bat_curve_fairness_values *fairness;
+    bool *simple;
 } set_task;
 
 static bat_status measure_curve(const set_task *task, size_t i, const bat_curve_measure_options *options, bat_error *error)
 {
+    if (task->simple != NULL)
+        return bat_curve_is_simple(&task->first[i], &task->simple[i], error);
     return task->distances != NULL
                ? bat_curve_compare(&task->first[i], &task->second[i], options, &task->distances[i], error)
                : bat_curve_fairness(&task->first[i], options, &task->fairness[i], error);
@@ -474,26 +477,31 @@ static bat_status measure_together(const set_task *task, size_t count, bat_error
     return shared_work_end(&work, error);
 }
 
-bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, size_t count,
-                              const bat_curve_measure_options *options, bat_curve_distance *distances, bat_error *error)
+static bat_status measure_set(set_task task, size_t count, const bat_curve_measure_options *options, bat_error *error)
 {
-    set_task task = {.first = first, .second = second, .distances = distances};
     bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
     if (status != BAT_OK)
         return status;
     task.options = options != NULL ? *options : bat_curve_measure_defaults();
     size_t threads = (size_t)threads_for(task.options.threads, SIZE_MAX);
-    return count / CURVES_PER_THREAD < threads ? measure_in_turn(&task, count, error)
-                                               : measure_together(&task, count, error);
+    return task.distances != NULL && count / CURVES_PER_THREAD < threads ? measure_in_turn(&task, count, error)
+                                                                         : measure_together(&task, count, error);
+}
+
+bat_status bat_curves_compare(const bat_curve *first, const bat_curve *second, size_t count,
+                              const bat_curve_measure_options *options, bat_curve_distance *distances, bat_error *error)
+{
+    return measure_set((set_task){.first = first, .second = second, .distances = distances}, count, options, error);
 }
 
 bat_status bat_curves_fairness(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
                                bat_curve_fairness_values *fairness, bat_error *error)
 {
-    set_task task = {.first = curves, .fairness = fairness};
-    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
-    if (status != BAT_OK)
-        return status;
-    task.options = options != NULL ? *options : bat_curve_measure_defaults();
-    return measure_together(&task, count, error);
+    return measure_set((set_task){.first = curves, .fairness = fairness}, count, options, error);
+}
+
+bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
+                                 bool *simple, bat_error *error)
+{
+    return measure_set((set_task){.first = curves, .simple = simple}, count, options, error);
 }

@@ -1,9 +1,6 @@
 #include "curve/topology/draw_back.h"
 
 #include "base/error.h"
-#include "base/progress.h"
-#include "base/shared_work.h"
-#include "base/threads.h"
 #include "batten/curve_measure.h"
 #include "curve/polygon.h"
 
@@ -131,25 +128,4 @@ bat_status bat_curve_is_simple(const bat_curve *curve, bool *simple, bat_error *
     if (status == BAT_OK && kind == SURFACE_SPHERE)
         status = check_edges(curve, error);
     return status == BAT_OK ? curve_edges_are_apart(curve, simple, error) : status;
-}
-
-bat_status bat_curves_are_simple(const bat_curve *curves, size_t count, const bat_curve_measure_options *options,
-                                 bool *simple, bat_error *error)
-{
-    bat_status status = bat_options_check(&bat_curve_measure_fields, options, error);
-    if (status != BAT_OK)
-        return status;
-    const bat_curve_measure_options own = options != NULL ? *options : bat_curve_measure_defaults();
-    shared_work work = shared_work_make(count, own.progress);
-    int threads = threads_for(own.threads, count);
-#pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
-    for (size_t i = 0; i < count; i++)
-    {
-        if (!shared_work_wants(&work, i))
-            continue;
-        bat_error fault;
-        bat_status one = error_curve(&fault, bat_curve_is_simple(&curves[i], &simple[i], &fault), i);
-        shared_work_finish(&work, i, one, &fault);
-    }
-    return shared_work_end(&work, error);
 }
