@@ -20,12 +20,6 @@ enum
     STREAM_NUMBERS = 1 << 20,
 };
 
-/// floor(i / 2) for negative numbers, too.
-static ptrdiff_t floor_half(ptrdiff_t i)
-{
-    return (i - (i & 1)) / 2;
-}
-
 /// The smallest range of whole pairs (2 j, 2 j + 1) around a range.
 static index_range whole_pairs(index_range range)
 {

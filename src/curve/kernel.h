@@ -40,6 +40,12 @@ struct refine_kernel
     _Alignas(max_align_t) unsigned char data[KERNEL_DATA]; ///< the kind's own, see kernel_data()
 };
 
+/// floor(i / 2) for negative numbers, too.
+static inline ptrdiff_t floor_half(ptrdiff_t i)
+{
+    return (i - (i & 1)) / 2;
+}
+
 /// The private data of a kernel, a struct of its kind. The struct fits KERNEL_DATA and holds no pointer to itself.
 static inline void *kernel_data(refine_kernel *kernel)
 {

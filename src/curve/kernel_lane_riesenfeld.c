@@ -29,12 +29,6 @@ static size_t block_pairs(const refine_kernel *kernel)
     return pairs < least ? least : pairs;
 }
 
-/// floor(i / 2) for negative numbers, too.
-static ptrdiff_t floor_half(ptrdiff_t i)
-{
-    return (i - (i & 1)) / 2;
-}
-
 /// The first round: an old row and the average of it and the next, in turn, `count` rows in all.
 static bat_status insert_averages(const refine_kernel *kernel, const double *points, size_t count, double *rows,
                                   size_t *fault)

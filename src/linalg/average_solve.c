@@ -4,7 +4,6 @@
 #include "base/error.h"
 
 #include <limits.h>
-#include <stdlib.h>
 #include <string.h>
 
 /// I - W in the pattern of W + W^T: the lower triangle by columns, and the upper one by rows.

@@ -145,7 +145,8 @@ static bool factor_panel(size_t n, size_t begin, size_t end, double *a, size_t *
     return true;
 }
 
-bool decompose_factor(size_t n, double *a, size_t *pivots)
+/// P a = L U by elimination in place: row k was exchanged with row pivots[k]. False for a singular matrix.
+static bool eliminate(size_t n, double *a, size_t *pivots)
 {
     for (size_t begin = 0; begin < n; begin += BLOCK)
     {
@@ -162,7 +163,8 @@ bool decompose_factor(size_t n, double *a, size_t *pivots)
     return true;
 }
 
-void decompose_substitute(size_t n, size_t columns, const double *a, const size_t *pivots, double *b)
+/// Solve a x = b by the factors. `b` is n x columns and receives x.
+static void substitute(size_t n, size_t columns, const double *a, const size_t *pivots, double *b)
 {
     for (size_t k = 0; k < n; k++)
         if (pivots[k] != k)
@@ -184,9 +186,9 @@ bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_e
     size_t *pivots = memory_array(n, sizeof *pivots);
     if (pivots == NULL)
         return error_memory(error, n * sizeof *pivots);
-    bool regular = decompose_factor(n, a, pivots);
+    bool regular = eliminate(n, a, pivots);
     if (regular)
-        decompose_substitute(n, columns, a, pivots, b);
+        substitute(n, columns, a, pivots, b);
     free(pivots);
     return regular && vector_is_finite(n * columns, b)
                ? BAT_OK

@@ -15,11 +15,6 @@ bat_status dense_left_vector(size_t n, const double *a, double eigenvalue, const
 /// @param b `rows` numbers; receives x as its first `columns` numbers
 bat_status decompose_least_squares(size_t rows, size_t columns, double *a, double *b, bat_error *error);
 
-/// P a = L U by elimination in place: row k was exchanged with row pivots[k]. False for a singular matrix.
-bool decompose_factor(size_t n, double *a, size_t *pivots);
-/// Solve a x = b by the factors of decompose_factor().
-/// @param b n x columns; receives x
-void decompose_substitute(size_t n, size_t columns, const double *a, const size_t *pivots, double *b);
 /// Solve a x = b by elimination with row exchanges; BAT_NO_CONVERGENCE also for a singular matrix. Destroys `a`.
 /// @param b n x columns; receives x
 bat_status decompose_solve(size_t n, size_t columns, double *a, double *b, bat_error *error);

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "linalg/vector.h"
-#include "mesh/sides.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -74,19 +74,28 @@ bat_status hermite_edge_measure(const bat_space *space, const double *p0, const 
     return edge->half_turn_cosine >= min_cosine ? BAT_OK : BAT_INVALID_POINT;
 }
 
+/// Whether the tangents that lead to the inner control points may pass the cut locus.
+typedef enum legs_kind
+{
+    LEGS_ANY,   ///< the control points are joined by shortest geodesics, as algorithm 3 says
+    LEGS_WITHIN ///< they do not: exponentials of parts of them lie on the shortest geodesics, and cost less
+} legs_kind;
+
 /// The point at share `weight` of a leg from p to the control point exp(p, u).
 static bat_status leg_point(const bat_space *space, const double *p, const double *u, const double *control, double weight,
-                            hermite_legs legs, double *tangent, double *point)
+                            legs_kind legs, double *tangent, double *point)
 {
-    if (legs == HERMITE_LEGS_ANY)
+    if (legs == LEGS_ANY)
         return bat_space_geodesic(space, p, control, weight, point);
     scale_into(space->tangent_dim, weight, u, tangent);
     return space->exp(space, p, tangent, point);
 }
 
-/// Within the cut locus only the middle point of the first round needs a logarithm.
-bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
-                              double weight, hermite_legs legs, double *before, double *after)
+/// Algorithm 3, steps 2 to 4: the points between which the last geodesic runs, of the De Casteljau cubic with inner control
+/// points exp(p0, u0) and exp(p1, -u1). Within the cut locus only the middle point of the first round needs a logarithm.
+/// @return BAT_OK, BAT_CUT_LOCUS or BAT_INVALID_POINT
+static bat_status cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
+                             double weight, legs_kind legs, double *before, double *after)
 {
     double block[7 * BAT_SPACE_MAX_DIM], *vectors[7];
     lay_out(block, widest(space), 7, vectors);
@@ -140,8 +149,8 @@ bat_status hermite_average(const bat_space *space, const double *p0, const doubl
     double **u = vectors, **ends = vectors + 2;
     scale_into(space->tangent_dim, edge.reach, v0, u[0]);
     scale_into(space->tangent_dim, edge.reach, v1, u[1]);
-    hermite_legs legs = edge.reach < space->injectivity ? HERMITE_LEGS_WITHIN : HERMITE_LEGS_ANY;
-    status = hermite_cubic_ends(space, p0, u[0], p1, u[1], weight, legs, ends[0], ends[1]);
+    legs_kind legs = edge.reach < space->injectivity ? LEGS_WITHIN : LEGS_ANY;
+    status = cubic_ends(space, p0, u[0], p1, u[1], weight, legs, ends[0], ends[1]);
     return status == BAT_OK ? last_geodesic(space, ends[0], ends[1], weight, point, direction) : status;
 }
 

@@ -35,19 +35,6 @@ typedef struct hermite_edge
 bat_status hermite_edge_measure(const bat_space *space, const double *p0, const double *v0, const double *p1,
                                 const double *v1, hermite_edge *edge);
 
-/// Whether the tangents that lead to the inner control points may pass the cut locus.
-typedef enum hermite_legs
-{
-    HERMITE_LEGS_ANY,   ///< the control points are joined by shortest geodesics, as algorithm 3 says
-    HERMITE_LEGS_WITHIN ///< they do not: exponentials of parts of them lie on the shortest geodesics, and cost less
-} hermite_legs;
-
-/// Algorithm 3, steps 2 to 4: the points between which the last geodesic runs, of the De Casteljau cubic with inner control
-/// points exp(p0, u0) and exp(p1, -u1).
-/// @return BAT_OK, BAT_CUT_LOCUS or BAT_INVALID_POINT
-bat_status hermite_cubic_ends(const bat_space *space, const double *p0, const double *u0, const double *p1, const double *u1,
-                              double weight, hermite_legs legs, double *before, double *after);
-
 /// Algorithm 3, the manifold-Hermite De Casteljau average, of unit directions at points that differ: a point and a direction
 /// at share `weight` of the cubic.
 /// @return BAT_OK, BAT_CUT_LOCUS or BAT_INVALID_POINT

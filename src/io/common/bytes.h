@@ -17,6 +17,12 @@ static inline uint64_t bytes_whole(const void *from, size_t size, bool big_endia
     return bits;
 }
 
+/// The whole number of 4 bytes, the lowest first.
+static inline uint32_t bytes_u32(const void *from)
+{
+    return (uint32_t)bytes_whole(from, 4, false);
+}
+
 /// The floating-point number of 4 or 8 bytes.
 static inline double bytes_real(const void *from, size_t size, bool big_endian)
 {

@@ -26,11 +26,6 @@ enum
     DATE = (1 << 5) + 1 ///< 1980-01-01
 };
 
-static uint32_t u32_at(const unsigned char *bytes)
-{
-    return (uint32_t)bytes_whole(bytes, 4, false);
-}
-
 static size_t u16_at(const unsigned char *bytes)
 {
     return (size_t)bytes_whole(bytes, 2, false);
@@ -51,7 +46,7 @@ static bat_status fault(bat_error *error, const char *what)
 
 bool zip_resembles(const file_text *text)
 {
-    return text->size >= LOCAL_SIZE && u32_at((const unsigned char *)text->data) == LOCAL;
+    return text->size >= LOCAL_SIZE && bytes_u32((const unsigned char *)text->data) == LOCAL;
 }
 
 /// Whether `size` bytes from `begin` on lie before `end`.
@@ -65,18 +60,18 @@ static bat_status open_directory(const file_text *text, zip_reader *reader, bat_
 {
     const unsigned char *bytes = (const unsigned char *)text->data;
     size_t size = text->size, end = size >= END_SIZE ? size - END_SIZE : 0;
-    while (end > 0 && (u32_at(bytes + end) != END || u16_at(bytes + end + 20) != size - end - END_SIZE) &&
+    while (end > 0 && (bytes_u32(bytes + end) != END || u16_at(bytes + end + 20) != size - end - END_SIZE) &&
            size - end <= END_SIZE + UINT16_MAX)
         end--;
-    if (size < END_SIZE || u32_at(bytes + end) != END)
+    if (size < END_SIZE || bytes_u32(bytes + end) != END)
         return fault(error, "has no end: the file is cut off");
-    uint64_t count = u16_at(bytes + end + 10), directory = u32_at(bytes + end + 12), begin = u32_at(bytes + end + 16);
+    uint64_t count = u16_at(bytes + end + 10), directory = bytes_u32(bytes + end + 12), begin = bytes_u32(bytes + end + 16);
     uint64_t limit = end;
     bool large = count == UINT16_MAX || directory == UINT32_MAX || begin == UINT32_MAX;
-    if (large && end >= LOCATOR64_SIZE && u32_at(bytes + end - LOCATOR64_SIZE) == LOCATOR64)
+    if (large && end >= LOCATOR64_SIZE && bytes_u32(bytes + end - LOCATOR64_SIZE) == LOCATOR64)
     {
         limit = bytes_whole(bytes + end - LOCATOR64_SIZE + 8, 8, false);
-        if (!fits(limit, END64_SIZE, end) || u32_at(bytes + limit) != END64)
+        if (!fits(limit, END64_SIZE, end) || bytes_u32(bytes + limit) != END64)
             return fault(error, "has no ZIP64 record where its locator points");
         count = bytes_whole(bytes + limit + 32, 8, false);
         directory = bytes_whole(bytes + limit + 40, 8, false);
@@ -120,22 +115,22 @@ static bool read_extra(const unsigned char *extra, size_t size, uint64_t *const 
 static bat_status next_part(zip_reader *reader, zip_part *part, bat_error *error)
 {
     const unsigned char *entry = reader->bytes + reader->at;
-    if (!fits(reader->at, ENTRY_SIZE, reader->end) || u32_at(entry) != ENTRY)
+    if (!fits(reader->at, ENTRY_SIZE, reader->end) || bytes_u32(entry) != ENTRY)
         return fault(error, "has a directory with a broken entry");
     size_t name = u16_at(entry + 28), extra = u16_at(entry + 30), comment = u16_at(entry + 32);
     if (!fits(reader->at, ENTRY_SIZE + name + extra + comment, reader->end))
         return fault(error, "has a directory with a broken entry");
-    uint64_t stored = u32_at(entry + 20), size = u32_at(entry + 24), begin = u32_at(entry + 42);
+    uint64_t stored = bytes_u32(entry + 20), size = bytes_u32(entry + 24), begin = bytes_u32(entry + 42);
     size_t method = u16_at(entry + 10);
     *part = (zip_part){
-        .name = (const char *)entry + ENTRY_SIZE, .name_size = name, .crc = u32_at(entry + 16), .deflated = method != 0};
+        .name = (const char *)entry + ENTRY_SIZE, .name_size = name, .crc = bytes_u32(entry + 16), .deflated = method != 0};
     char excerpt[EXCERPT_SIZE];
     (void)text_excerpt(excerpt, part->name, part->name + name);
     if ((u16_at(entry + 8) & ENCRYPTED) != 0 || (method != 0 && method != DEFLATED))
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "the part '%s' of the ZIP archive is %s", excerpt,
                          method != 0 && method != DEFLATED ? "compressed by another method than DEFLATE" : "encrypted");
     if (!read_extra(entry + ENTRY_SIZE + name, extra, (uint64_t *const[]){&size, &stored, &begin}) ||
-        !fits(begin, LOCAL_SIZE, reader->size) || u32_at(reader->bytes + begin) != LOCAL)
+        !fits(begin, LOCAL_SIZE, reader->size) || bytes_u32(reader->bytes + begin) != LOCAL)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the part '%s' is not where the ZIP archive's directory says",
                          excerpt);
     const unsigned char *local = reader->bytes + begin;

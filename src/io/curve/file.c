@@ -17,23 +17,14 @@ typedef struct curve_format
     const char *drivers; ///< without a reader: those of GDAL, as gis_read() takes them; null for all
 } curve_format;
 
-/// A row of a format that is read and written: its name, value, endings and summary, and how.
-#define FORMAT_ROW(format_name, format_value, format_endings, format_summary, ...)                                          \
+/// A row of a format that is read and written, and how.
+#define FORMAT_ROW(name, value, endings, summary, ...)                                                                      \
     {                                                                                                                       \
-        .choice = {.name = (format_name),                                                                                   \
-                   .summary = (format_summary),                                                                             \
-                   .endings = (format_endings),                                                                             \
-                   .reads = true,                                                                                           \
-                   .writes = true,                                                                                          \
-                   .value = (format_value)},                                                                                \
-        __VA_ARGS__                                                                                                         \
+        .choice = CHOICE_FORMAT(name, summary, endings, value), __VA_ARGS__                                                 \
     }
 
 static const curve_format FORMATS[] = {
-    {.choice = {.name = "auto",
-                .summary = "by the file's ending",
-                .value = BAT_CURVE_FORMAT_AUTO,
-                .use = BAT_CHOICE_USE_UNLISTED}},
+    {.choice = CHOICE_OF_USE(UNLISTED, "auto", "by the file's ending", BAT_CURVE_FORMAT_AUTO)},
     FORMAT_ROW("csv", BAT_CURVE_FORMAT_CSV, ".csv .tsv .txt",
                "curves: a row of numbers for each point, with or without names of columns", .read = csv_read,
                .write = csv_write),

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "curve/polygon.h"
 #include "io/common/number_text.h"
+#include "linalg/vector.h"
 #include "space/degrees.h"
 
 #include <math.h>
@@ -133,11 +134,6 @@ static void merge_repeated(stitch_path *path, bool closed)
     path->count = count;
 }
 
-static double dot(const double *a, const double *b)
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /// Whether a junction lies on the great circle or parallel between its neighbours, which are on different sides of the seam.
 /// The writer never cuts an edge of almost 180 degrees, whose great circle rounding decides.
 static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex, const stitch_vertex *after,
@@ -148,7 +144,7 @@ static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex,
     point_of(before, p);
     point_of(vertex, c);
     point_of(after, q);
-    if (!(p[1] * q[1] < 0) || dot(p, q) < COSINE_OF_179_DEGREES || dot(p, c) + dot(c, q) < 0)
+    if (!(p[1] * q[1] < 0) || vector3_dot(p, q) < COSINE_OF_179_DEGREES || vector3_dot(p, c) + vector3_dot(c, q) < 0)
         return false;
     double highest = fmax(fmax(before->latitude, vertex->latitude), after->latitude);
     double lowest = fmin(fmin(before->latitude, vertex->latitude), after->latitude);
@@ -156,7 +152,7 @@ static bool is_between(const stitch_vertex *before, const stitch_vertex *vertex,
         return true;
     const double normal[3] = {p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]};
     const double from_p[3] = {c[0] - p[0], c[1] - p[1], c[2] - p[2]};
-    return fabs(dot(normal, from_p)) <= tolerance->offset / RADIAN * sqrt(dot(normal, normal));
+    return fabs(vector3_dot(normal, from_p)) <= tolerance->offset / RADIAN * sqrt(vector3_dot(normal, normal));
 }
 
 static size_t remove_junctions(stitch_path *path, bool closed, const stitch_tolerance *tolerance)

@@ -14,14 +14,9 @@
 /// The largest whole number that a double holds with all its neighbours; JSON has no larger ones.
 #define MAX_WHOLE (SIZE_MAX < UINT64_C(1) << 53 ? (uint64_t)SIZE_MAX : UINT64_C(1) << 53)
 
-static uint32_t word_at(const void *bytes)
-{
-    return (uint32_t)bytes_whole(bytes, 4, false);
-}
-
 bool mesh_glb_resembles(const file_text *text)
 {
-    return text->size >= 4 && word_at(text->data) == GLB_MAGIC;
+    return text->size >= 4 && bytes_u32(text->data) == GLB_MAGIC;
 }
 
 /// An object whose member "asset" tells glTF from GeoJSON.
@@ -105,17 +100,17 @@ static bat_status read_chunks(const file_text *text, gltf_document *document, co
     const char *bytes = text->data;
     if (text->size < GLB_HEADER + GLB_CHUNK_HEADER)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file ends in the header of GLB");
-    if (word_at(bytes + 4) != GLB_VERSION)
+    if (bytes_u32(bytes + 4) != GLB_VERSION)
         return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "GLB of version %u is not read, only version 2",
-                         word_at(bytes + 4));
-    if (word_at(bytes + 8) != text->size)
+                         bytes_u32(bytes + 4));
+    if (bytes_u32(bytes + 8) != text->size)
         return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "the file has %zu bytes, but its header tells %u", text->size,
-                         word_at(bytes + 8));
+                         bytes_u32(bytes + 8));
     size_t at = GLB_HEADER;
     for (size_t number = 0; text->size - at >= GLB_CHUNK_HEADER; number++)
     {
-        size_t size = word_at(bytes + at);
-        uint32_t kind = word_at(bytes + at + 4);
+        size_t size = bytes_u32(bytes + at);
+        uint32_t kind = bytes_u32(bytes + at + 4);
         at += GLB_CHUNK_HEADER;
         if (size > text->size - at)
             return error_set(error, BAT_BAD_FILE, BAT_NO_INDEX, 0, "chunk %zu of GLB is longer than the file", number);

@@ -1,8 +1,6 @@
 #include "io/motion/pose_translation.h"
 #include "space/quaternion.h"
 
-#include <math.h>
-
 /// @file
 /// Tables of poses with the names of columns.
 

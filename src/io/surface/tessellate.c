@@ -478,7 +478,7 @@ static bat_status tessellation_evaluate(const bat_spline_surface *surface, surfa
 static bat_status store(const bat_spline_surface *surface, const trim_region *region, const cut_points *cut,
                         const double (*places)[2], size_t count, surface_tessellation *made, bat_error *error)
 {
-    planar_triangles found;
+    simplices found;
     bat_status status = planar_delaunay(places, count, &found, error);
     if (status != BAT_OK)
         return status;
@@ -513,7 +513,7 @@ static bat_status store(const bat_spline_surface *surface, const trim_region *re
         kept.levels[kept.triangle_count++] = bat_hierarchical_space_cell(surface->space, cell).level;
     }
     kept.grid_count = kept.vertex_count;
-    planar_triangles_free(&found);
+    simplices_free(&found);
     if (status == BAT_OK)
         status = tessellation_evaluate(surface, &kept, error);
     if (status != BAT_OK)

@@ -3,7 +3,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 void tolerance_free(tolerance *all)

@@ -385,7 +385,8 @@ bat_status brake_advance(mesh_brake *brake, const mesh_level *level, int threads
     return BAT_OK;
 }
 
-void brake_bound(const mesh_brake *brake, double *positions)
+/// Shorten the moves of the current level's vertices to their reach.
+static void bound_moves(const mesh_brake *brake, double *positions)
 {
     for (size_t v = 0; v < brake->count; v++)
     {
@@ -430,7 +431,7 @@ size_t brake_judge(mesh_brake *brake, const uint32_t *faces, double *positions)
     do
     {
         before = held;
-        brake_bound(brake, positions);
+        bound_moves(brake, positions);
         for (uint32_t f = 0; f < brake->links->face_count << 2 * brake->level; f++)
         {
             double coarse[3], fine[3];

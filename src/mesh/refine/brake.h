@@ -40,9 +40,6 @@ void brake_free(mesh_brake *brake);
 /// @return BAT_OK or BAT_NO_MEMORY
 bat_status brake_advance(mesh_brake *brake, const mesh_level *level, int threads, bat_error *error);
 
-/// Shorten the moves of the current level's vertices to their reach.
-void brake_bound(const mesh_brake *brake, double *positions);
-
 /// Bound the positions of the current level. Where a fine face is turned over against its coarse face, this and its
 /// vertices stay, with all edges and faces between vertices that stay.
 /// @param faces the current level's

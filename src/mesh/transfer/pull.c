@@ -3,7 +3,6 @@
 #include "batten/mesh_measure.h"
 #include "batten/mesh_transfer.h"
 #include "linalg/vector.h"
-#include "mesh/check.h"
 #include "mesh/decimate/map.h"
 #include "mesh/hash_table.h"
 #include "mesh/labels.h"

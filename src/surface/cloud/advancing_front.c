@@ -200,7 +200,7 @@ static double empty_radius(const double *points, const uint32_t corners[3], cons
     return sqrt(square + nearest * nearest);
 }
 
-static bat_status gather_triangles(front *work, const spatial_tetrahedra *tetrahedra, bat_error *error)
+static bat_status gather_triangles(front *work, const simplices *tetrahedra, bat_error *error)
 {
     static const int SIDES[4][4] = {{1, 2, 3, 0}, {0, 2, 3, 1}, {0, 1, 3, 2}, {0, 1, 2, 3}};
     size_t count = 4 * tetrahedra->count;
@@ -903,7 +903,7 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
 {
     size_t count = cloud->count;
     nearest_tree tree = {0};
-    spatial_tetrahedra tetrahedra = {0};
+    simplices tetrahedra = {0};
     work->points = points;
     work->count = count;
     work->spacing = memory_array(count, sizeof *work->spacing);
@@ -918,7 +918,7 @@ static bat_status front_make(const bat_cloud *cloud, const double *points, bat_p
         status = spatial_delaunay(points, count, &tetrahedra, error);
     if (status == BAT_OK)
         status = gather_triangles(work, &tetrahedra, error);
-    spatial_tetrahedra_free(&tetrahedra);
+    simplices_free(&tetrahedra);
     if (status == BAT_OK)
         status = grow_from_best(work, &tree, progress, error);
     nearest_free(&tree);

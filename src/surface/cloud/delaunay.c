@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-void planar_triangles_free(planar_triangles *triangles)
+void simplices_free(simplices *made)
 {
-    free(triangles->corners);
-    *triangles = (planar_triangles){0};
+    free(made->corners);
+    *made = (simplices){0};
 }
 
 static double doubled_area(const double (*planar)[2], const uint32_t corners[3])
@@ -53,16 +53,14 @@ static uint32_t *gather(qhT *qh, size_t dimension, size_t points, size_t *count)
 
 /// Triangulate points.
 /// @param points  count x dimension
-/// @param corners receives the simplices' corners, found x (dimension + 1); null where Qhull finds none
-static bat_status triangulate(const double *points, size_t dimension, size_t count, uint32_t **corners, size_t *found,
-                              bat_error *error)
+/// @param made    receives the simplices; none where Qhull finds none
+static bat_status triangulate(const double *points, size_t dimension, size_t count, simplices *made, bat_error *error)
 {
     char unread[256];
     coordT *copy = memory_array(count, dimension * sizeof *copy);
     FILE *messages = fmemopen(unread, sizeof unread, "w");
     qhT *qh = malloc(sizeof *qh);
-    *corners = NULL;
-    *found = 0;
+    *made = (simplices){0};
     if (copy == NULL || messages == NULL || qh == NULL)
     {
         free(copy);
@@ -77,23 +75,24 @@ static bat_status triangulate(const double *points, size_t dimension, size_t cou
     // Qhull fails for too few points, and for those of a lower dimension.
     bool is_made = qh_new_qhull(qh, (int)dimension, (int)count, copy, False, options, NULL, messages) == 0;
     if (is_made)
-        *corners = gather(qh, dimension, count, found);
+        made->corners = gather(qh, dimension, count, &made->count);
     int left = 0, total = 0;
     qh_freeqhull(qh, !qh_ALL);
     qh_memfreeshort(qh, &left, &total);
     (void)fclose(messages);
     free(copy);
     free(qh);
-    return !is_made || *corners != NULL ? BAT_OK : error_memory(error, count * sizeof *copy);
+    return !is_made || made->corners != NULL ? BAT_OK : error_memory(error, count * sizeof *copy);
 }
 
-bat_status planar_delaunay(const double (*planar)[2], size_t count, planar_triangles *triangles, bat_error *error)
+bat_status planar_delaunay(const double (*planar)[2], size_t count, simplices *triangles, bat_error *error)
 {
-    *triangles = (planar_triangles){0};
-    size_t found;
+    *triangles = (simplices){0};
     if (count < 4)
         return BAT_OK;
-    bat_status status = triangulate(&planar[0][0], 2, count, &triangles->corners, &found, error);
+    bat_status status = triangulate(&planar[0][0], 2, count, triangles, error);
+    size_t found = triangles->count;
+    triangles->count = 0;
     // Turn the triangles counter-clockwise, and leave out degenerate ones.
     for (size_t t = 0; t < found; t++)
     {
@@ -113,14 +112,8 @@ bat_status planar_delaunay(const double (*planar)[2], size_t count, planar_trian
     return status;
 }
 
-void spatial_tetrahedra_free(spatial_tetrahedra *tetrahedra)
+bat_status spatial_delaunay(const double *points, size_t count, simplices *tetrahedra, bat_error *error)
 {
-    free(tetrahedra->corners);
-    *tetrahedra = (spatial_tetrahedra){0};
-}
-
-bat_status spatial_delaunay(const double *points, size_t count, spatial_tetrahedra *tetrahedra, bat_error *error)
-{
-    *tetrahedra = (spatial_tetrahedra){0};
-    return count < 5 ? BAT_OK : triangulate(points, 3, count, &tetrahedra->corners, &tetrahedra->count, error);
+    *tetrahedra = (simplices){0};
+    return count < 5 ? BAT_OK : triangulate(points, 3, count, tetrahedra, error);
 }

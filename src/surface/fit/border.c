@@ -4,6 +4,7 @@
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
+#include "linalg/vector.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -250,14 +251,6 @@ typedef struct border_frame
     double *tangent, *across; ///< unit vectors along the side, and tangent to the surface, normal to the side, outwards
 } border_frame;
 
-static double dot(size_t dimension, const double *a, const double *b)
-{
-    double sum = 0;
-    for (size_t d = 0; d < dimension; d++)
-        sum += a[d] * b[d];
-    return sum;
-}
-
 /// Evaluate the frame of a side at a parameter. False where the surface has no tangent plane.
 /// @param values  3 x dimension
 static bool frame_at(const fit_nets *nets, int side, const double *at, double *scratch, double *values, border_frame *frame)
@@ -266,16 +259,16 @@ static bool frame_at(const fit_nets *nets, int side, const double *at, double *s
     fit_nets_evaluate(nets, bat_hierarchical_space_locate(nets->space, at[0], at[1]), at, 1, scratch, values);
     double *tangent = values + (size_t)(1 + along_of(side)) * dimension;
     double *across = values + (size_t)(2 - along_of(side)) * dimension;
-    double sign = level_of(side) > 0 ? 1 : -1, length = sqrt(dot(dimension, tangent, tangent));
+    double sign = level_of(side) > 0 ? 1 : -1, length = sqrt(vector_dot(dimension, tangent, tangent));
     *frame = (border_frame){values, values, tangent, across};
     if (!(length > 0))
         return false;
     for (size_t d = 0; d < dimension; d++)
         tangent[d] /= length;
-    double along = dot(dimension, tangent, across);
+    double along = vector_dot(dimension, tangent, across);
     for (size_t d = 0; d < dimension; d++)
         across[d] -= along * tangent[d];
-    length = sqrt(dot(dimension, across, across));
+    length = sqrt(vector_dot(dimension, across, across));
     if (!(length > 0))
         return false;
     for (size_t d = 0; d < dimension; d++)
@@ -319,10 +312,11 @@ static bat_status measure_offset(const border_update *update, int number, bat_er
         length += sqrt(square);
         if (!frame_at(update->nets, number, at, update->scratch, update->values, &frame))
             continue;
-        double out = dot(dimension, residual, frame.across), along = dot(dimension, residual, frame.tangent);
+        double out = vector_dot(dimension, residual, frame.across), along = vector_dot(dimension, residual, frame.tangent);
         across += out * out;
         if (dimension > 2)
-            normal += fmax(dot(dimension, residual, residual) - out * out - along * along, 0) / (double)(dimension - 2);
+            normal +=
+                fmax(vector_dot(dimension, residual, residual) - out * out - along * along, 0) / (double)(dimension - 2);
     }
     free(places);
     double count = (double)side->count, noise = sqrt(normal / count), rough = sqrt(fmax(across - normal, 0) / count);

@@ -7,8 +7,6 @@
 
 #include "surface/fit/system.h"
 
-#include "base/threads.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -145,7 +145,7 @@ static bat_status fit_pattern_make(const bat_hierarchical_space *space, int thre
     return status;
 }
 
-void fit_pattern_free(fit_pattern *pattern)
+static void pattern_free(fit_pattern *pattern)
 {
     free(pattern->first);
     free(pattern->row);
@@ -429,7 +429,7 @@ bat_status fit_system_make(const bat_hierarchical_space *space, const fit_team *
 
 void fit_system_free(fit_system *system)
 {
-    fit_pattern_free(&system->pattern);
+    pattern_free(&system->pattern);
     free(system->gram);
     free(system->plate);
     free(system->right);

@@ -14,15 +14,13 @@
 //
 // Entry (i, j) belongs to the pattern when functions i and j both do not vanish on some cell.
 
-/// A symmetric matrix's lower triangle in compressed columns, diagonal first. Release it with fit_pattern_free().
+/// A symmetric matrix's lower triangle in compressed columns, diagonal first.
 typedef struct fit_pattern
 {
     size_t functions;
     int *first; ///< functions + 1
     int *row;
 } fit_pattern;
-
-void fit_pattern_free(fit_pattern *pattern);
 
 /// A cell's contribution: an active x active matrix, whose lower triangle is read, and active x columns right sides.
 typedef struct fit_cell_work

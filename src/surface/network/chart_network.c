@@ -7,6 +7,7 @@
 #include "learn/blas.h"
 #include "learn/weights.h"
 #include "mesh/measure/unit_box.h"
+#include "surface/parameterize/weights.h"
 
 #include <stdio.h>
 
@@ -143,21 +144,10 @@ static bat_status parameterize_deep(const bat_cloud *cloud, const double *bounda
     return status;
 }
 
-static bat_status check_boundary(const bat_cloud *cloud, const double *boundary, bat_error *error)
-{
-    if (cloud->boundary_count == 0)
-        return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
-    for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
-        if (!isfinite(boundary[i]))
-            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
-                             i / 2);
-    return BAT_OK;
-}
-
 static bat_status infer(const void *network, const bat_cloud *cloud, const double *boundary, int threads, double *interior,
                         bat_error *error)
 {
-    bat_status status = check_boundary(cloud, boundary, error);
+    bat_status status = boundary_parameters_check(cloud, boundary, error);
     if (status == BAT_OK)
         status = blas_reserve(error);
     if (status != BAT_OK)

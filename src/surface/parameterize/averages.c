@@ -300,16 +300,10 @@ static const option_field FIELDS[] = {
 
 const bat_options_table bat_cloud_parameterize_fields = OPTIONS_TABLE(bat_cloud_parameterize_options, FIELDS, NULL);
 
-static bat_status check_cloud(const bat_cloud *cloud, const double *boundary, const bat_cloud_parameterize_options *options,
-                              bat_error *error)
+bat_status boundary_parameters_check(const bat_cloud *cloud, const double *boundary, bat_error *error)
 {
-    bat_status status = bat_cloud_check(cloud, error);
-    if (status != BAT_OK)
-        return status;
     if (cloud->boundary_count == 0)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
-    if (options->method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE && cloud->triangle_count == 0)
-        return error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
     for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
         if (!isfinite(boundary[i]))
             return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
@@ -386,7 +380,11 @@ bat_status bat_cloud_parameterize(const bat_cloud *cloud, const double *boundary
     if (chosen.method == BAT_CLOUD_PARAMETERIZATION_AUTO)
         chosen.method = BAT_CLOUD_PARAMETERIZATION_SHAPE_PRESERVING;
     if (status == BAT_OK)
-        status = check_cloud(cloud, boundary, options, error);
+        status = bat_cloud_check(cloud, error);
+    if (status == BAT_OK)
+        status = boundary_parameters_check(cloud, boundary, error);
+    if (status == BAT_OK && options->method == BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE && cloud->triangle_count == 0)
+        status = error_set(error, BAT_UNSUPPORTED, BAT_NO_INDEX, 0, "mean values need the triangles of a mesh");
     if (status != BAT_OK)
         return status;
     if (options->published && options->method < BAT_CLOUD_PARAMETERIZATION_MEAN_VALUE)

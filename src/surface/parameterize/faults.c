@@ -221,14 +221,6 @@ static bat_status parameter_faults_make(size_t count, parameter_faults *faults, 
     return memory_pool_check(&faults->pool, error);
 }
 
-static bat_status parameters_check_cloud(const bat_cloud *cloud, bat_error *error)
-{
-    bat_status status = bat_cloud_check(cloud, error);
-    if (status == BAT_OK && cloud->boundary_count == 0)
-        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
-    return status;
-}
-
 static size_t find_outside(const double *parameters, size_t count, bool *outside)
 {
     size_t found = 0;
@@ -330,7 +322,9 @@ bat_status bat_cloud_parameters_check(const bat_cloud *cloud, const double *para
     parameter_faults faults = {0};
     double *ordered = memory_array(cloud->count, 2 * sizeof *ordered);
     bat_status status =
-        ordered != NULL ? parameters_check_cloud(cloud, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
+        ordered != NULL ? bat_cloud_check(cloud, error) : error_memory(error, cloud->count * 2 * sizeof *ordered);
+    if (status == BAT_OK && cloud->boundary_count == 0)
+        status = error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "the boundary of the cloud is unknown");
     if (status == BAT_OK)
         status = fold_finder_make(cloud, &finder, error);
     if (status == BAT_OK)
@@ -493,23 +487,14 @@ static bat_status unfold(repair *work, bat_error *error)
     return status == BAT_NO_CONVERGENCE ? BAT_OK : status;
 }
 
-static bat_status check_boundary(const bat_cloud *cloud, const double *parameters, bat_error *error)
-{
-    for (size_t i = 0; i < 2 * cloud->boundary_count; i++)
-        if (!isfinite(parameters[i]))
-            return error_set(error, BAT_INVALID_ARGUMENT, i / 2, 0, "the parameters of boundary point %zu are not finite",
-                             i / 2);
-    return BAT_OK;
-}
-
 bat_status bat_cloud_parameters_repair(const bat_cloud *cloud, double *parameters, bat_cloud_parameters_report *report,
                                        bat_error *error)
 {
     fold_finder finder = {0};
     repair work = {0};
-    bat_status status = parameters_check_cloud(cloud, error);
+    bat_status status = bat_cloud_check(cloud, error);
     if (status == BAT_OK)
-        status = check_boundary(cloud, parameters, error);
+        status = boundary_parameters_check(cloud, parameters, error);
     if (status == BAT_OK)
         status = fold_finder_make(cloud, &finder, error);
     if (status == BAT_OK)

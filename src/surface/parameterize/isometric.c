@@ -58,7 +58,7 @@ static void choose_points(const bat_cloud *cloud, const double *parameters, bool
 /// Triangulate the chosen points. `used` keeps the corners of triangles only.
 /// @param points receives the chosen points' indices, at most cloud->count
 static bat_status triangulate(const bat_cloud *cloud, const double *parameters, bool *used, uint32_t *points,
-                              planar_triangles *found, bat_error *error)
+                              simplices *found, bat_error *error)
 {
     size_t count = 0;
     double(*planar)[2] = memory_array(cloud->count, sizeof *planar);
@@ -82,7 +82,7 @@ static bat_status triangulate(const bat_cloud *cloud, const double *parameters, 
 }
 
 /// Gather the corners of triangles as a cloud. `numbers` receives their indices in it.
-static bat_status gather_part(const bat_cloud *cloud, const bool *used, const planar_triangles *found, uint32_t *numbers,
+static bat_status gather_part(const bat_cloud *cloud, const bool *used, const simplices *found, uint32_t *numbers,
                               isometric_problem *problem, bat_error *error)
 {
     bat_cloud *part = &problem->part;
@@ -112,7 +112,7 @@ static bat_status gather_part(const bat_cloud *cloud, const bool *used, const pl
 static bat_status make_part(const bat_cloud *cloud, const double *parameters, bool *used, isometric_problem *problem,
                             bat_error *error)
 {
-    planar_triangles found = {0};
+    simplices found = {0};
     uint32_t *points = memory_array(cloud->count, sizeof *points);
     if (points == NULL)
         return error_memory(error, cloud->count * sizeof *points);
@@ -120,7 +120,7 @@ static bat_status make_part(const bat_cloud *cloud, const double *parameters, bo
     bat_status status = triangulate(cloud, parameters, used, points, &found, error);
     if (status == BAT_OK)
         status = gather_part(cloud, used, &found, points, problem, error);
-    planar_triangles_free(&found);
+    simplices_free(&found);
     free(points);
     return status;
 }

@@ -188,7 +188,7 @@ static bool add_spoke(const double (*planar)[2], size_t middle, size_t place, sp
 }
 
 /// Gather the corners of the triangles at `middle`. Returns their number, 0 if there are too many.
-static size_t gather_spokes(const planar_triangles *triangles, const double (*planar)[2], size_t middle,
+static size_t gather_spokes(const simplices *triangles, const double (*planar)[2], size_t middle,
                             spoke spokes[STAR_MAX_RING])
 {
     size_t count = 0;
@@ -207,7 +207,7 @@ bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_
                                   size_t *ring_count, bat_error *error)
 {
     spoke spokes[STAR_MAX_RING];
-    planar_triangles triangles;
+    simplices triangles;
     *ring_count = 0;
     bat_status status = planar_delaunay(planar, count, &triangles, error);
     if (status != BAT_OK)
@@ -217,6 +217,6 @@ bat_status triangulated_star_find(const double (*planar)[2], size_t count, size_
     *ring_count = found >= 3 ? found : 0;
     for (size_t k = 0; k < *ring_count; k++)
         ring[k] = spokes[k].place;
-    planar_triangles_free(&triangles);
+    simplices_free(&triangles);
     return BAT_OK;
 }

@@ -94,6 +94,10 @@ double weights_longest_side(const bat_cloud *cloud);
 // Solution of u_i = sum_k w_ik u_k for the parameters of interior points, w_ik >= 0, sum_k w_ik = 1, with the other
 // parameters fixed: Floater and Reimers, "Meshless parameterization and surface reconstruction" (2001).
 
+/// Check that the boundary of a cloud is known, and its parameters finite.
+/// @return BAT_OK or BAT_INVALID_ARGUMENT
+bat_status boundary_parameters_check(const bat_cloud *cloud, const double *boundary, bat_error *error);
+
 /// Solve for some interior points.
 /// @param rows       weights from weights_build(), with every point connected to the boundary
 /// @param moved      count: the points to solve for, none on the boundary; null for the whole interior

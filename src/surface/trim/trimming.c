@@ -10,7 +10,6 @@
 #include "base/error.h"
 #include "linalg/vector.h"
 #include "mesh/hash_table.h"
-#include "surface/cloud/boundary.h"
 #include "surface/cloud/delaunay.h"
 
 #include <math.h>
@@ -56,7 +55,7 @@ typedef struct outline_work
 {
     const cloud_geometry *geometry;
     const planar_chart *chart;
-    planar_triangles triangles;
+    simplices triangles;
     memory_pool pool;
     uint32_t *opposite; ///< 3 triangles: the same side of the neighbour; NONE on the hull. Side s of triangle t is 3 t + s,
                         ///< from corner s to the next one
@@ -699,6 +698,6 @@ bat_status outline_find(const cloud_geometry *geometry, const planar_chart *char
     if (status == BAT_OK)
         status = find_loops(&work, fill, loops, error);
     memory_pool_free(&work.pool);
-    planar_triangles_free(&work.triangles);
+    simplices_free(&work.triangles);
     return status;
 }
