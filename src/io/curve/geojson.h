@@ -82,6 +82,21 @@ void geojson_append_id(char *text, size_t size, const json_t *feature);
 
 void geojson_document_free(geojson_document *document);
 
+/// The kinds of values of a property, a bit each.
+enum
+{
+    VALUE_BOOLEAN = 1,
+    VALUE_INTEGER = 2,
+    VALUE_LONG = 4,
+    VALUE_REAL = 8,
+    VALUE_STRING = 16,
+    VALUE_TREE = 32
+};
+
+/// The names of the properties of all features, each with the kinds of its values. A feature's id is one too, unless there
+/// is one of that name. Null when out of memory; a null document has none.
+json_t *geojson_property_kinds(const geojson_document *document);
+
 /// Give a document to the attributes, which free it; the document is empty then. False when out of memory.
 bool geojson_document_keep(geojson_document *document, bat_curve_attributes *attributes);
 

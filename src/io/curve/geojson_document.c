@@ -2,6 +2,7 @@
 
 #include "base/bisect.h"
 
+#include <limits.h>
 #include <strings.h>
 
 bool geojson_document_reserve(geojson_document *document, size_t polygons, size_t curves)
@@ -235,4 +236,46 @@ void crs_urn(const char *short_name, char *text, unsigned long size)
 {
     const char *code = after(short_name, "EPSG:");
     (void)snprintf(text, size, "%s%s", code != NULL ? "urn:ogc:def:crs:EPSG::" : "", code != NULL ? code : short_name);
+}
+
+// Properties
+
+static json_int_t kind_of_value(const json_t *value)
+{
+    if (json_is_integer(value))
+        return json_integer_value(value) >= INT_MIN && json_integer_value(value) <= INT_MAX ? VALUE_INTEGER : VALUE_LONG;
+    if (json_is_null(value))
+        return 0;
+    return json_is_boolean(value)  ? VALUE_BOOLEAN
+           : json_is_real(value)   ? VALUE_REAL
+           : json_is_string(value) ? VALUE_STRING
+                                   : VALUE_TREE;
+}
+
+static bool add_kind(json_t *kinds, const char *name, const json_t *value)
+{
+    json_int_t known = json_integer_value(json_object_get(kinds, name));
+    return json_object_set_new(kinds, name, json_integer(known | kind_of_value(value))) == 0;
+}
+
+static const char ID[] = "id";
+
+json_t *geojson_property_kinds(const geojson_document *document)
+{
+    json_t *kinds = json_object(), *ids = json_object();
+    bool kept = kinds != NULL && ids != NULL;
+    for (size_t i = 0; document != NULL && kept && i < document->feature_count; i++)
+    {
+        json_t *tree = document->features[i].tree, *value;
+        const char *name;
+        json_object_foreach(json_object_get(tree, "properties"), name, value) kept = kept && add_kind(kinds, name, value);
+        if (json_object_get(tree, ID) != NULL)
+            kept = kept && add_kind(ids, ID, json_object_get(tree, ID));
+    }
+    kept = kept && json_object_update_missing(kinds, ids) == 0;
+    json_decref(ids);
+    if (kept)
+        return kinds;
+    json_decref(kinds);
+    return NULL;
 }

@@ -374,30 +374,6 @@ static void append_json(text_buffer *text, const json_t *value)
 
 static const char ID[] = "id";
 
-/// Collect the names of the properties. The id of a feature is one, unless there is one of that name.
-static json_t *collect_names(const geojson_document *document)
-{
-    json_t *names = json_object(), *value;
-    const char *name;
-    bool ids = false, done = names != NULL;
-    for (size_t i = 0; document != NULL && i < document->feature_count; i++)
-    {
-        const json_t *tree = document->features[i].tree;
-        ids = ids || json_object_get(tree, ID) != NULL;
-        json_object_foreach(json_object_get(tree, "properties"), name, value)
-        {
-            if (json_object_get(names, name) == NULL)
-                done = done && json_object_set_new(names, name, json_null()) == 0;
-        }
-    }
-    if (ids && json_object_get(names, ID) == NULL)
-        done = done && json_object_set_new(names, ID, json_null()) == 0;
-    if (done)
-        return names;
-    json_decref(names);
-    return NULL;
-}
-
 static void append_separator(text_buffer *text, size_t *column)
 {
     text_append_string(text, (*column)++ > 0 ? "," : "");
@@ -470,7 +446,7 @@ bat_status wkt_table_write(const bat_curve_set *set, const bat_curve_write_optio
     bool same = attributes != NULL && attributes->format == BAT_CURVE_FORMAT_WKT_CSV;
     const char *geometry = same ? document->column : "WKT";
     table_writer writer = {.document = document,
-                           .names = collect_names(document),
+                           .names = geojson_property_kinds(document),
                            .place = same ? document->column_place : 0,
                            .measures = document != NULL && document->measures,
                            .binary = same && document->binary,

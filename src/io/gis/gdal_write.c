@@ -146,57 +146,7 @@ static OGRwkbGeometryType choose_type(layer_writer *writer)
     return gdal.OGR_GT_SetModifier(type, writer->deep, writer->measured);
 }
 
-/// The kinds of values of a property, a bit each.
-enum
-{
-    VALUE_BOOLEAN = 1,
-    VALUE_INTEGER = 2,
-    VALUE_LONG = 4,
-    VALUE_REAL = 8,
-    VALUE_STRING = 16,
-    VALUE_TREE = 32
-};
-
-static json_int_t kind_of_value(const json_t *value)
-{
-    if (json_is_integer(value))
-        return json_integer_value(value) >= INT_MIN && json_integer_value(value) <= INT_MAX ? VALUE_INTEGER : VALUE_LONG;
-    if (json_is_null(value))
-        return 0;
-    return json_is_boolean(value)  ? VALUE_BOOLEAN
-           : json_is_real(value)   ? VALUE_REAL
-           : json_is_string(value) ? VALUE_STRING
-                                   : VALUE_TREE;
-}
-
-static bool add_kind(json_t *kinds, const char *name, const json_t *value)
-{
-    json_int_t known = json_integer_value(json_object_get(kinds, name));
-    return json_object_set_new(kinds, name, json_integer(known | kind_of_value(value))) == 0;
-}
-
 static const char ID[] = "id";
-
-/// Collect names and kinds of properties. A feature's id is one too, unless there is one of that name.
-static json_t *collect_kinds(const geojson_document *document)
-{
-    json_t *kinds = json_object(), *ids = json_object();
-    bool kept = kinds != NULL && ids != NULL;
-    for (size_t i = 0; document != NULL && kept && i < document->feature_count; i++)
-    {
-        json_t *tree = document->features[i].tree, *value;
-        const char *name;
-        json_object_foreach(json_object_get(tree, "properties"), name, value) kept = kept && add_kind(kinds, name, value);
-        if (json_object_get(tree, ID) != NULL)
-            kept = kept && add_kind(ids, ID, json_object_get(tree, ID));
-    }
-    kept = kept && json_object_update_missing(kinds, ids) == 0;
-    json_decref(ids);
-    if (kept)
-        return kinds;
-    json_decref(kinds);
-    return NULL;
-}
 
 static OGRFieldDefnH define_field(const char *name, json_int_t kinds)
 {
@@ -233,7 +183,7 @@ static bat_status create_fields(layer_writer *writer, bat_error *error)
         OGRFieldDefnH field = gdal.OGR_FD_GetFieldDefn(layer->fields, i);
         added = add_field(writer, gdal.OGR_Fld_GetNameRef(field), field);
     }
-    json_t *kinds = layer == NULL ? collect_kinds(writer->document) : NULL, *value;
+    json_t *kinds = layer == NULL ? geojson_property_kinds(writer->document) : NULL, *value;
     const char *name;
     if (layer == NULL && kinds == NULL)
         return error_memory(error, sizeof *kinds);
