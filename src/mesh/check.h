@@ -18,5 +18,13 @@ bat_status mesh_check_except_degenerate(const bat_mesh *mesh, bat_error *error);
 /// @return BAT_OK, BAT_NO_MEMORY or BAT_TOO_LARGE (too many triangles, a large concave polygon); the mesh stays on failure
 bat_status mesh_cut_polygons(bat_mesh *mesh, uint32_t **offsets, bat_error *error);
 
+/// Move rows of `dim` values to their new numbers, which count up; rows that are dropped, or stand for one before, have
+/// others. Null values have none.
+void mesh_move_rows(double *values, size_t rows, size_t dim, const uint32_t *numbers);
+
+/// Number the vertices of a mesh anew, but for its faces: `count` remain. Creases and corners of those that are dropped,
+/// BAT_MESH_NONE, go, and creases within one vertex.
+void mesh_renumber(bat_mesh *mesh, size_t count, const uint32_t *numbers);
+
 /// Copy an array, which may be null or empty; then so is the copy. False when out of memory.
 bool mesh_copy_array(const void *from, size_t count, size_t size, void **to);

@@ -41,6 +41,37 @@ bool mesh_copy_array(const void *from, size_t count, size_t size, void **to)
     return *to != NULL;
 }
 
+void mesh_move_rows(double *values, size_t rows, size_t dim, const uint32_t *numbers)
+{
+    uint32_t count = 0;
+    for (size_t i = 0; values != NULL && i < rows; i++)
+        if (numbers[i] == count)
+            memmove(values + dim * count++, values + dim * i, dim * sizeof *values);
+}
+
+void mesh_renumber(bat_mesh *mesh, size_t count, const uint32_t *numbers)
+{
+    size_t creases = 0, corners = 0;
+    mesh_move_rows(mesh->positions, mesh->vertex_count, 3, numbers);
+    mesh_move_rows(mesh->channels, mesh->vertex_count, mesh->channel_count, numbers);
+    for (size_t i = 0; i < mesh->crease_count; i++)
+    {
+        bat_mesh_crease crease = mesh->creases[i];
+        uint32_t a = numbers[crease.a], b = numbers[crease.b];
+        if (a != BAT_MESH_NONE && b != BAT_MESH_NONE && a != b)
+            mesh->creases[creases++] = (bat_mesh_crease){a, b, crease.sharpness};
+    }
+    for (size_t i = 0; i < mesh->corner_count; i++)
+    {
+        bat_mesh_corner corner = mesh->corners[i];
+        if (numbers[corner.vertex] != BAT_MESH_NONE)
+            mesh->corners[corners++] = (bat_mesh_corner){numbers[corner.vertex], corner.sharpness};
+    }
+    mesh->vertex_count = count;
+    mesh->crease_count = creases;
+    mesh->corner_count = corners;
+}
+
 bat_status bat_mesh_copy(const bat_mesh *mesh, bat_mesh *copy, bat_error *error)
 {
     size_t corner_count = mesh_corners_until(mesh, mesh->face_count);

@@ -368,31 +368,12 @@ static void drop_faces(bat_mesh *mesh)
 /// @param number workspace: vertex_count
 static void drop_vertices(bat_mesh *mesh, uint32_t *number)
 {
-    size_t kept = 0, channels = mesh->channel_count, creases = 0, marks = 0;
+    uint32_t kept = 0;
     for (size_t v = 0; v < mesh->vertex_count; v++)
-    {
-        number[v] = is_finite_at(mesh, v) ? (uint32_t)kept : BAT_MESH_NONE;
-        if (number[v] == BAT_MESH_NONE)
-            continue;
-        memmove(mesh->positions + 3 * kept, mesh->positions + 3 * v, 3 * sizeof *mesh->positions);
-        if (channels > 0)
-            memmove(mesh->channels + channels * kept, mesh->channels + channels * v, channels * sizeof *mesh->channels);
-        kept++;
-    }
+        number[v] = is_finite_at(mesh, v) ? kept++ : BAT_MESH_NONE;
     for (size_t i = 0; mesh->face_count > 0 && i < mesh->offsets[mesh->face_count]; i++)
         mesh->faces[i] = number[mesh->faces[i]];
-    for (size_t i = 0; i < mesh->crease_count; i++)
-    {
-        bat_mesh_crease crease = mesh->creases[i];
-        if (number[crease.a] != BAT_MESH_NONE && number[crease.b] != BAT_MESH_NONE)
-            mesh->creases[creases++] = (bat_mesh_crease){number[crease.a], number[crease.b], crease.sharpness};
-    }
-    for (size_t i = 0; i < mesh->corner_count; i++)
-        if (number[mesh->corners[i].vertex] != BAT_MESH_NONE)
-            mesh->corners[marks++] = (bat_mesh_corner){number[mesh->corners[i].vertex], mesh->corners[i].sharpness};
-    mesh->vertex_count = kept;
-    mesh->crease_count = creases;
-    mesh->corner_count = marks;
+    mesh_renumber(mesh, kept, number);
 }
 
 /// Set values and texture coordinates that are not finite to 0, and drop such vertices. Vertices of faces are dropped by a

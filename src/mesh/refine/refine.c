@@ -1,5 +1,6 @@
 #include "base/error.h"
 #include "base/memory.h"
+#include "mesh/check.h"
 #include "mesh/labels.h"
 #include "mesh/refine/brake.h"
 #include "mesh/refine/plan.h"
@@ -72,36 +73,6 @@ static size_t drop_unused(uint32_t *faces, size_t corners, size_t rows, uint32_t
     return count;
 }
 
-static void move_rows(double *values, size_t rows, size_t dim, const uint32_t *numbers)
-{
-    for (size_t i = 0; values != NULL && i < rows; i++)
-        if (numbers[i] != BAT_MESH_NONE)
-            memmove(values + numbers[i] * dim, values + i * dim, dim * sizeof *values);
-}
-
-static void move_marks(bat_mesh *mesh, const uint32_t *numbers)
-{
-    size_t count = 0;
-    for (size_t i = 0; i < mesh->crease_count; i++)
-    {
-        bat_mesh_crease crease = mesh->creases[i];
-        crease.a = numbers[crease.a];
-        crease.b = numbers[crease.b];
-        if (crease.a != BAT_MESH_NONE && crease.b != BAT_MESH_NONE)
-            mesh->creases[count++] = crease;
-    }
-    mesh->crease_count = count;
-    count = 0;
-    for (size_t i = 0; i < mesh->corner_count; i++)
-    {
-        bat_mesh_corner corner = mesh->corners[i];
-        corner.vertex = numbers[corner.vertex];
-        if (corner.vertex != BAT_MESH_NONE)
-            mesh->corners[count++] = corner;
-    }
-    mesh->corner_count = count;
-}
-
 /// Keep some faces of a mesh and what they name.
 static void keep_faces(const mesh_level *level, const bool *marked, size_t levels, uint32_t sides, bat_mesh *fine,
                        double *normals, uint32_t *numbers)
@@ -120,17 +91,14 @@ static void keep_faces(const mesh_level *level, const bool *marked, size_t level
         kept++;
     }
     fine->face_count = kept;
-    size_t vertices = fine->vertex_count;
-    fine->vertex_count = drop_unused(fine->faces, sides * kept, vertices, numbers);
-    move_rows(fine->positions, vertices, 3, numbers);
-    move_rows(normals, vertices, 3, numbers);
-    move_rows(fine->channels, vertices, fine->channel_count, numbers);
-    move_marks(fine, numbers);
+    size_t vertices = drop_unused(fine->faces, sides * kept, fine->vertex_count, numbers);
+    mesh_move_rows(normals, fine->vertex_count, 3, numbers);
+    mesh_renumber(fine, vertices, numbers);
     if (fine->texture_faces == NULL)
         return;
     size_t texture = fine->texture_count;
     fine->texture_count = drop_unused(fine->texture_faces, sides * kept, texture, numbers);
-    move_rows(fine->texture, texture, 2, numbers);
+    mesh_move_rows(fine->texture, texture, 2, numbers);
 }
 
 /// Leave out of a mesh, refined by one level or more, the faces that come from coarse faces with a vertex on a boundary that
