@@ -26,5 +26,10 @@ void mesh_move_rows(double *values, size_t rows, size_t dim, const uint32_t *num
 /// BAT_MESH_NONE, go, and creases within one vertex.
 void mesh_renumber(bat_mesh *mesh, size_t count, const uint32_t *numbers);
 
+/// Exchange the textures of two meshes, but for materials.
+void mesh_swap_texture(bat_mesh *a, bat_mesh *b);
+/// Exchange the channels of two meshes.
+void mesh_swap_channels(bat_mesh *a, bat_mesh *b);
+
 /// Copy an array, which may be null or empty; then so is the copy. False when out of memory.
 bool mesh_copy_array(const void *from, size_t count, size_t size, void **to);

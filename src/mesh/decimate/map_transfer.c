@@ -468,24 +468,6 @@ static bat_status set_channels(const bat_mesh *fine, const bat_mesh_point *image
     return BAT_OK;
 }
 
-/// Exchange texture and channels of the two meshes.
-static void exchange_signals(bat_mesh *signals, bat_mesh *refined)
-{
-    bat_mesh old = {.texture = refined->texture,
-                    .texture_faces = refined->texture_faces,
-                    .texture_count = refined->texture_count,
-                    .channels = refined->channels,
-                    .channel_names = refined->channel_names,
-                    .channel_count = refined->channel_count};
-    refined->texture = signals->texture;
-    refined->texture_faces = signals->texture_faces;
-    refined->texture_count = signals->texture_count;
-    refined->channels = signals->channels;
-    refined->channel_names = signals->channel_names;
-    refined->channel_count = signals->channel_count;
-    *signals = old;
-}
-
 bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, const bat_mesh *coarse, size_t levels,
                                  bat_mesh *refined, bat_error *error)
 {
@@ -504,7 +486,10 @@ bat_status bat_mesh_map_transfer(const bat_mesh_map *map, const bat_mesh *fine, 
     if (status == BAT_OK && fine->texture != NULL)
         status = map_texture_transfer(map, fine, &split, images, &signals, error);
     if (status == BAT_OK)
-        exchange_signals(&signals, refined);
+    {
+        mesh_swap_texture(&signals, refined);
+        mesh_swap_channels(&signals, refined);
+    }
     bat_mesh_free(&signals);
     midpoint_mesh_free(&split);
     free(images);

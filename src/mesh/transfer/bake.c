@@ -4,6 +4,7 @@
 #include "base/threads.h"
 #include "batten/mesh_transfer.h"
 #include "linalg/vector.h"
+#include "mesh/check.h"
 #include "mesh/measure/closest.h"
 
 #include <math.h>
@@ -454,12 +455,7 @@ bat_status bat_mesh_bake(const bat_mesh_map *map, const bat_mesh *fine, bat_mesh
     memory_pool_free(&pool);
     if (status == BAT_OK)
     {
-        bat_mesh old = {.texture = coarse->texture, .texture_faces = coarse->texture_faces};
-        coarse->texture = shape.texture;
-        coarse->texture_faces = shape.texture_faces;
-        coarse->texture_count = shape.texture_count;
-        shape.texture = old.texture;
-        shape.texture_faces = old.texture_faces;
+        mesh_swap_texture(coarse, &shape);
         *baked = made;
     }
     else

@@ -3,6 +3,7 @@
 #include "batten/mesh_measure.h"
 #include "batten/mesh_transfer.h"
 #include "linalg/vector.h"
+#include "mesh/check.h"
 #include "mesh/decimate/map.h"
 #include "mesh/hash_table.h"
 #include "mesh/labels.h"
@@ -245,15 +246,13 @@ bat_status bat_mesh_transfer(const bat_mesh_map *map, const bat_mesh *fine, bat_
     memory_pool_free(&pool);
     if (status == BAT_OK)
     {
-        bat_mesh old = {.channels = coarse->channels,
-                        .channel_names = coarse->channel_names,
-                        .channel_count = coarse->channel_count,
-                        .face_labels = made.face_labels != NULL ? coarse->face_labels : NULL};
-        coarse->channels = made.channels;
-        coarse->channel_names = made.channel_names;
-        coarse->channel_count = made.channel_count;
-        coarse->face_labels = made.face_labels != NULL ? made.face_labels : coarse->face_labels;
-        made = old;
+        uint32_t *old = coarse->face_labels;
+        mesh_swap_channels(coarse, &made);
+        if (made.face_labels != NULL)
+        {
+            coarse->face_labels = made.face_labels;
+            made.face_labels = old;
+        }
         if (normals != NULL)
             *normals = carried;
     }
