@@ -1,8 +1,23 @@
 #pragma once
 
-#include <stddef.h>
+#include "base/memory.h"
+
 #include <stdint.h>
 #include <string.h>
+
+/// The index of something with a score.
+typedef struct scored
+{
+    double score;
+    size_t index;
+} scored;
+
+/// The order of decreasing scores, for qsort(); of equal ones the lesser index is first.
+static inline int larger_first(const void *a, const void *b)
+{
+    const scored *x = a, *y = b;
+    return x->score != y->score ? ORDER_OF(y->score, x->score) : ORDER_OF(x->index, y->index);
+}
 
 /// The key of a number.
 typedef size_t sort_key(const void *context, uint32_t item);

@@ -1,3 +1,4 @@
+#include "base/counting_sort.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/option.h"
@@ -213,31 +214,17 @@ static void turn(const atlas *all, chart *of)
     *of = best;
 }
 
-// The order of faces by area, for qsort() without a context: pairs of an area and a face.
-
-typedef struct ranked
-{
-    double size;
-    uint32_t index;
-} ranked;
-
-static int larger_first(const void *a, const void *b)
-{
-    const ranked *x = a, *y = b;
-    return x->size != y->size ? (x->size < y->size ? 1 : -1) : ORDER_OF(x->index, y->index);
-}
-
 /// Sort numbers by decreasing sizes. False when out of memory.
 static bool rank(const double *sizes, size_t count, uint32_t *order)
 {
-    ranked *pairs = memory_array(count, sizeof *pairs);
+    scored *pairs = memory_array(count, sizeof *pairs);
     if (pairs == NULL)
         return false;
     for (size_t i = 0; i < count; i++)
-        pairs[i] = (ranked){sizes[i], (uint32_t)i};
+        pairs[i] = (scored){sizes[i], i};
     qsort(pairs, count, sizeof *pairs, larger_first);
     for (size_t i = 0; i < count; i++)
-        order[i] = pairs[i].index;
+        order[i] = (uint32_t)pairs[i].index;
     free(pairs);
     return true;
 }
@@ -414,13 +401,13 @@ static bat_status unwrap(atlas *all, memory_pool *pool, bat_mesh *made, bat_erro
     memset(all->chart_of, 0xff, faces * sizeof *all->chart_of);
     measure_faces(all);
     if (!rank(all->areas, faces, all->rank))
-        return error_memory(error, faces * sizeof(ranked));
+        return error_memory(error, faces * sizeof(scored));
     make_charts(all);
     double *heights = all->areas; // used as workspace here
     for (size_t i = 0; i < all->count; i++)
         heights[i] = all->charts[i].high[1] - all->charts[i].low[1];
     if (!rank(heights, all->count, all->rank))
-        return error_memory(error, faces * sizeof(ranked));
+        return error_memory(error, faces * sizeof(scored));
     double scale = pack_all(all, all->rank, workspace);
     if (scale == 0)
         return error_option(error, "size", "is too small for the %zu charts of the atlas", all->count);
@@ -442,11 +429,7 @@ bat_status bat_mesh_unwrap(bat_mesh *mesh, const bat_mesh_unwrap_options *option
     status = unwrap(&all, &pool, &made, error);
     if (status == BAT_OK)
     {
-        bat_mesh old = {.texture = mesh->texture, .texture_faces = mesh->texture_faces};
-        mesh->texture = made.texture;
-        mesh->texture_faces = made.texture_faces;
-        mesh->texture_count = made.texture_count;
-        made = old;
+        mesh_swap_texture(mesh, &made);
         if (charts != NULL)
             *charts = all.count;
     }

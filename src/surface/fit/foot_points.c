@@ -5,6 +5,7 @@
 ///     f_i = d . S_i,   f_ij = S_i . S_j + d . S_ij   (full);   S_i . S_j alone is the Gauss-Newton matrix (gauss).
 /// Hoschek, "Intrinsic parametrization for approximation" (1988), introduced the correction of parameters in this way.
 
+#include "base/counting_sort.h"
 #include "surface/fit/points.h"
 
 #include "base/error.h"
@@ -275,24 +276,9 @@ static bool correct_point(const fit_nets *nets, fit_points *points, size_t row, 
     return store_foot(points, row, &now);
 }
 
-/// A point with a large distance, for sorting.
-typedef struct far_point
-{
-    double distance;
-    size_t row;
-} far_point;
-
-static int compare_far(const void *a, const void *b)
-{
-    const far_point *x = a, *y = b;
-    if (x->distance != y->distance)
-        return x->distance < y->distance ? 1 : -1;
-    return (x->row > y->row) - (x->row < y->row);
-}
-
 /// The free points with the largest distances, if above WRONG_FOOT_RATIO times the mean, in descending order.
 /// @return their number, at most MAX_WRONG_FEET
-static size_t find_wrong_feet(const fit_points *points, double mean, far_point *outlying)
+static size_t find_wrong_feet(const fit_points *points, double mean, scored *outlying)
 {
     size_t count = 0;
     for (size_t row = 0; row < points->count; row++)
@@ -300,12 +286,12 @@ static size_t find_wrong_feet(const fit_points *points, double mean, far_point *
         {
             if (count == 2 * MAX_WRONG_FEET)
             {
-                qsort(outlying, count, sizeof *outlying, compare_far);
+                qsort(outlying, count, sizeof *outlying, larger_first);
                 count = MAX_WRONG_FEET;
             }
-            outlying[count++] = (far_point){points->distance[row], row};
+            outlying[count++] = (scored){points->distance[row], row};
         }
-    qsort(outlying, count, sizeof *outlying, compare_far);
+    qsort(outlying, count, sizeof *outlying, larger_first);
     return count < MAX_WRONG_FEET ? count : MAX_WRONG_FEET;
 }
 
@@ -314,7 +300,7 @@ typedef struct wrong_feet
 {
     memory_pool pool;
     size_t count;
-    far_point outlying[2 * MAX_WRONG_FEET];
+    scored outlying[2 * MAX_WRONG_FEET];
     size_t width;   ///< numbers of a point: coordinates, then the parameter
     double *points; ///< MAX_WRONG_FEET x width
     double *starts; ///< MAX_WRONG_FEET x 2: parameters to start from
@@ -326,14 +312,14 @@ static bat_status merge_wrong_feet(const fit_points *points, wrong_feet *wrong, 
     const fit_team *team = points->team;
     size_t *sizes, bytes = 0;
     char *all;
-    bat_status status = team_gather(team, wrong->outlying, wrong->count * sizeof(far_point), &sizes, &all, error);
+    bat_status status = team_gather(team, wrong->outlying, wrong->count * sizeof(scored), &sizes, &all, error);
     if (status == BAT_OK && team_is_first(team))
     {
         for (size_t rank = 0; rank < team_count(team); rank++)
             bytes += sizes[rank];
-        far_point *found = (far_point *)(void *)all;
+        scored *found = (scored *)(void *)all;
         wrong->count = bytes / sizeof *found;
-        qsort(found, wrong->count, sizeof *found, compare_far);
+        qsort(found, wrong->count, sizeof *found, larger_first);
         wrong->count = wrong->count < MAX_WRONG_FEET ? wrong->count : MAX_WRONG_FEET;
         memcpy(wrong->outlying, found, wrong->count * sizeof *found);
     }
@@ -341,7 +327,7 @@ static bat_status merge_wrong_feet(const fit_points *points, wrong_feet *wrong, 
     free(all);
     if (status == BAT_OK)
         status = team_broadcast(team, &wrong->count, sizeof wrong->count, error);
-    return status == BAT_OK ? team_broadcast(team, wrong->outlying, wrong->count * sizeof(far_point), error) : status;
+    return status == BAT_OK ? team_broadcast(team, wrong->outlying, wrong->count * sizeof(scored), error) : status;
 }
 
 /// Whether a row of all points is here; `row` becomes its place.
@@ -361,7 +347,7 @@ static bat_status share_wrong_feet(const fit_points *points, wrong_feet *wrong, 
         return error_memory(error, numbers * sizeof *own);
     for (size_t k = 0; k < wrong->count; k++)
     {
-        size_t row = wrong->outlying[k].row;
+        size_t row = wrong->outlying[k].index;
         if (!is_here(points, &row))
             continue;
         memcpy(own + k * wrong->width, points->position + row * points->dimension, points->dimension * sizeof *own);
@@ -409,7 +395,7 @@ static bat_status find_starts(const fit_points *points, wrong_feet *wrong, doubl
     double operations = (double)wrong->count * (double)points->count * 2 * (double)points->dimension;
 #pragma omp parallel for schedule(dynamic) num_threads(threads_worth(threads, wrong->count, operations))
     for (size_t k = 0; k < wrong->count; k++)
-        nearest[k] = nearest_with_foot(points, wrong->points + k * wrong->width, wrong->outlying[k].row, mean);
+        nearest[k] = nearest_with_foot(points, wrong->points + k * wrong->width, wrong->outlying[k].index, mean);
     bat_status status = team_gather(points->team, nearest, wrong->count * sizeof *nearest, &sizes, &all, error);
     const near_point *found = (const near_point *)(void *)all;
     for (size_t k = 0; status == BAT_OK && found != NULL && k < wrong->count; k++)
@@ -437,14 +423,14 @@ static bat_status restart_feet(const fit_nets *nets, fit_points *points, const w
         return error_memory(error, scratch_size * sizeof *scratch);
     for (size_t k = 0; k < wrong->count; k++)
     {
-        size_t row = wrong->outlying[k].row;
+        size_t row = wrong->outlying[k].index;
         if (!is_here(points, &row))
             continue;
         const double *at = wrong->starts + 2 * k, *position = points->position + row * points->dimension;
         foot_point now = {.at = {at[0], at[1]}, .cell = bat_hierarchical_space_locate(nets->space, at[0], at[1])};
         foot_measure(nets, position, scratch, &now);
         descend(nets, position, &UNIT_SQUARE, correction, scratch, &now);
-        if (sqrt(now.square) < wrong->outlying[k].distance)
+        if (sqrt(now.square) < wrong->outlying[k].score)
             *moved += store_foot(points, row, &now);
     }
     free(scratch);
@@ -475,7 +461,7 @@ bat_status fit_correct_wrong_feet(const fit_nets *nets, fit_points *points, fit_
     if (status == BAT_OK)
         wrong.count = find_wrong_feet(points, mean, wrong.outlying);
     for (size_t k = 0; k < wrong.count; k++)
-        wrong.outlying[k].row += points->before;
+        wrong.outlying[k].index += points->before;
     if (status == BAT_OK && together)
         status = merge_wrong_feet(points, &wrong, error);
     if (status == BAT_OK)

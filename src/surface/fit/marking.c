@@ -5,6 +5,7 @@
 /// point beyond it are marked. Without one, the smallest set of cells with  sum e_c >= BULK_SHARE * total  is marked:
 /// Doerfler, "A convergent adaptive algorithm for Poisson's equation" (1996).
 
+#include "base/counting_sort.h"
 #include "surface/fit/loop.h"
 
 #include "base/error.h"
@@ -28,20 +29,6 @@ enum
     /// One part in this many of a budget may be left unused.
     SLACK = 500
 };
-
-typedef struct ranked_cell
-{
-    double score;
-    uint32_t cell;
-} ranked_cell;
-
-static int compare_ranked(const void *a, const void *b)
-{
-    const ranked_cell *x = a, *y = b;
-    if (x->score != y->score)
-        return x->score < y->score ? 1 : -1;
-    return (x->cell > y->cell) - (x->cell < y->cell);
-}
 
 void cell_points_add(cell_points *to, const cell_points *more)
 {
@@ -123,18 +110,18 @@ static bat_status score_cells(const bat_hierarchical_space *space, const fit_poi
 
 /// Sort the cells of positive score in descending order.
 /// @return their number
-static size_t rank_cells(const double *scores, size_t cells, ranked_cell *ranked)
+static size_t rank_cells(const double *scores, size_t cells, scored *ranked)
 {
     size_t count = 0;
     for (size_t c = 0; c < cells; c++)
         if (scores[c] > 0)
-            ranked[count++] = (ranked_cell){scores[c], (uint32_t)c};
-    qsort(ranked, count, sizeof *ranked, compare_ranked);
+            ranked[count++] = (scored){scores[c], c};
+    qsort(ranked, count, sizeof *ranked, larger_first);
     return count;
 }
 
 /// The number of highest-ranked cells that carry BULK_SHARE of the total error.
-static size_t bulk_of(const ranked_cell *ranked, size_t count)
+static size_t bulk_of(const scored *ranked, size_t count)
 {
     double total = 0, sum = 0;
     for (size_t k = 0; k < count; k++)
@@ -148,7 +135,7 @@ static size_t bulk_of(const ranked_cell *ranked, size_t count)
 typedef struct mark_choice
 {
     const bat_hierarchical_space *space;
-    const ranked_cell *ranked;
+    const scored *ranked;
     int rings;
 } mark_choice;
 
@@ -195,7 +182,7 @@ static bat_status refine_first(const mark_choice *choice, size_t count, size_t m
         return error_memory(error, count * side * side * sizeof *boxes);
     for (size_t k = 0; k < count; k++)
     {
-        bat_spline_box cell = bat_hierarchical_space_cell(choice->space, choice->ranked[k].cell);
+        bat_spline_box cell = bat_hierarchical_space_cell(choice->space, choice->ranked[k].index);
         boxes_count += surround(choice, cell, boxes + boxes_count);
     }
     bat_status status = hierarchical_space_refined(choice->space, boxes, boxes_count, most, functions, refined, error);
@@ -260,7 +247,7 @@ bat_status fit_mark_refine(const bat_hierarchical_space *space, const fit_points
     if (marking->budget > 0 && bat_hierarchical_space_functions(space) >= marking->budget)
         return BAT_OK;
     memory_pool pool = {0};
-    ranked_cell *ranked = memory_pool_array(&pool, points->cells, sizeof *ranked);
+    scored *ranked = memory_pool_array(&pool, points->cells, sizeof *ranked);
     double *scores = memory_pool_array(&pool, points->cells, sizeof *scores);
     bat_status status = memory_pool_check(&pool, error);
     if (status == BAT_OK)
