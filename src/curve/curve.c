@@ -42,19 +42,15 @@ void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row)
         to->corners[row] = from->corners[i];
 }
 
-static const double *row(const bat_curve *curve, size_t index)
-{
-    return curve->points + index * curve->space->point_dim;
-}
-
 /// Whether the edge from point i to the next has a direction.
 static bat_status check_edge(const bat_curve *curve, size_t i, size_t next, bat_error *error)
 {
     const bat_space *space = curve->space;
-    if (!(space->distance(space, row(curve, i), row(curve, next)) > 0))
+    if (!(space->distance(space, curve_point(curve, i), curve_point(curve, next)) > 0))
         return error_set(error, BAT_INVALID_POINT, next, 0, "point %zu repeats point %zu", next, i);
     double tangent[BAT_SPACE_MAX_DIM];
-    if (isfinite(space->injectivity) && space->log(space, row(curve, i), row(curve, next), tangent) != BAT_OK)
+    if (isfinite(space->injectivity) &&
+        space->log(space, curve_point(curve, i), curve_point(curve, next), tangent) != BAT_OK)
         return error_set(error, BAT_CUT_LOCUS, next, 0, "point %zu is antipodal to point %zu", next, i);
     return BAT_OK;
 }
@@ -94,8 +90,8 @@ bat_status bat_curve_exterior_angles(const bat_curve *curve, double *angles, bat
     {
         bool end = !curve->closed && (i == 0 || i + 1 == n);
         angles[i] = end ? 0
-                        : space->exterior_angle(space, row(curve, i == 0 ? n - 1 : i - 1), row(curve, i),
-                                                row(curve, i + 1 == n ? 0 : i + 1));
+                        : space->exterior_angle(space, curve_point(curve, i == 0 ? n - 1 : i - 1), curve_point(curve, i),
+                                                curve_point(curve, i + 1 == n ? 0 : i + 1));
     }
     return BAT_OK;
 }
@@ -104,5 +100,6 @@ void bat_curve_edge_lengths(const bat_curve *curve, double *lengths)
 {
     size_t edges = curve->closed || curve->count == 0 ? curve->count : curve->count - 1;
     for (size_t i = 0; i < edges; i++)
-        lengths[i] = curve->space->distance(curve->space, row(curve, i), row(curve, i + 1 == curve->count ? 0 : i + 1));
+        lengths[i] = curve->space->distance(curve->space, curve_point(curve, i),
+                                            curve_point(curve, i + 1 == curve->count ? 0 : i + 1));
 }

@@ -20,6 +20,12 @@ void curves_free(bat_curve *curves, size_t count);
 /// Copy a row of a curve, also within a curve. The flag of a corner goes along where there is room for it.
 void curve_copy_row(const bat_curve *from, size_t i, bat_curve *to, size_t row);
 
+/// A point of a curve.
+static inline const double *curve_point(const bat_curve *curve, size_t index)
+{
+    return curve->points + index * curve->space->point_dim;
+}
+
 /// The edges of a polygon of `count` points, at least one.
 static inline size_t polygon_edges(size_t count, bool closed)
 {

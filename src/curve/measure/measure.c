@@ -56,11 +56,6 @@ bat_status bat_curve_summarize(const double *values, size_t count, bat_curve_sum
     return BAT_OK;
 }
 
-static const double *row(const bat_curve *curve, size_t index)
-{
-    return curve->points + index * curve->space->point_dim;
-}
-
 /// Spaces multiply the lengths of the two edges on their way to a signed angle; outside of this range they lose digits.
 static const double MIN_PRODUCT = 1e-250, MAX_PRODUCT = 1e250;
 
@@ -89,12 +84,13 @@ typedef struct walk
 static bat_status edge_length(const bat_curve *curve, size_t i, size_t next, double *length, bat_error *error)
 {
     const bat_space *space = curve->space;
-    *length = space->distance(space, row(curve, i), row(curve, next));
+    *length = space->distance(space, curve_point(curve, i), curve_point(curve, next));
     if (!isfinite(*length))
         return error_set(error, BAT_INVALID_POINT, next, 0,
                          "the distance of point %zu from point %zu is too large for a double", next, i);
     double tangent[BAT_SPACE_MAX_DIM];
-    if (*length >= space->injectivity && space->log(space, row(curve, i), row(curve, next), tangent) != BAT_OK)
+    if (*length >= space->injectivity &&
+        space->log(space, curve_point(curve, i), curve_point(curve, next), tangent) != BAT_OK)
         return error_set(error, BAT_CUT_LOCUS, next, 0, "point %zu is antipodal to point %zu", next, i);
     return BAT_OK;
 }
@@ -109,8 +105,8 @@ static bat_status walk_to(walk *walker, const bat_curve *curve, size_t next, dou
     walker->length += length;
     if (walker->length_before > 0)
     {
-        status = exterior_angle(curve->space, row(curve, walker->before), row(curve, walker->here), row(curve, next),
-                                walker->length_before * length, &angle);
+        status = exterior_angle(curve->space, curve_point(curve, walker->before), curve_point(curve, walker->here),
+                                curve_point(curve, next), walker->length_before * length, &angle);
         if (status != BAT_OK)
             return error_set(error, status, walker->here, 0, "no unique geodesic at point %zu", walker->here);
         double curvature = angle / (walker->length_before / 2 + length / 2 + offset);
@@ -131,7 +127,7 @@ static bat_status walk_to(walk *walker, const bat_curve *curve, size_t next, dou
 static size_t second_vertex(const bat_curve *curve)
 {
     for (size_t i = 1; i < curve->count; i++)
-        if (curve->space->distance(curve->space, row(curve, 0), row(curve, i)) > 0)
+        if (curve->space->distance(curve->space, curve_point(curve, 0), curve_point(curve, i)) > 0)
             return i;
     return 0;
 }
@@ -219,7 +215,7 @@ static bat_status disk_tree(const bat_curve *curve, nearest_tree *tree, bat_erro
     if (weights == NULL)
         return error_memory(error, curve->count * sizeof *weights);
     for (size_t i = 0; i < curve->count; i++)
-        weights[i] = 1 / disk_complement(row(curve, i));
+        weights[i] = 1 / disk_complement(curve_point(curve, i));
     bat_status status = nearest_build(NEAREST_POINTS, curve->points, weights, curve->count, 2, tree, error);
     free(weights);
     return status;
@@ -235,8 +231,8 @@ static bat_status edge_tree(const bat_curve *curve, nearest_tree *tree, bat_erro
         return error_memory(error, edges * 2 * bytes);
     for (size_t i = 0; i < edges; i++)
     {
-        memcpy(ends + 2 * i * dim, row(curve, i), bytes);
-        memcpy(ends + (2 * i + 1) * dim, row(curve, (i + 1) % curve->count), bytes);
+        memcpy(ends + 2 * i * dim, curve_point(curve, i), bytes);
+        memcpy(ends + (2 * i + 1) * dim, curve_point(curve, (i + 1) % curve->count), bytes);
     }
     bat_status status = nearest_build(NEAREST_SEGMENTS, ends, NULL, edges, dim, tree, error);
     free(ends);
@@ -270,7 +266,7 @@ static double finder_distance(const finder *from, const double *point)
         return metric_tree_find(&from->metric, point).distance;
     nearest_hit hit = nearest_find(&from->tree, point);
     const bat_space *space = from->curve->space;
-    return from->geodesic ? space->distance(space, point, row(from->curve, hit.item)) : hit.distance;
+    return from->geodesic ? space->distance(space, point, curve_point(from->curve, hit.item)) : hit.distance;
 }
 
 /// One way: mean, greatest, and where that is.
@@ -317,7 +313,7 @@ static bat_status measure_block(const finder *target, const bat_curve *from, siz
     size_t end = from->count - begin < BLOCK ? from->count : begin + BLOCK;
     for (size_t i = begin; i < end; i++)
     {
-        distances[i] = finder_distance(target, row(from, i));
+        distances[i] = finder_distance(target, curve_point(from, i));
         if (!isfinite(distances[i]))
             return error_set(error, BAT_INVALID_POINT, i, 0,
                              "the distance of point %zu from the other curve is too large for a double", i);
