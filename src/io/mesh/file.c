@@ -297,18 +297,20 @@ static bat_status read_text(const file_text *text, bat_mesh_format format, const
     return BAT_OK;
 }
 
-bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+/// Read a file, or `size` bytes where the path is null.
+static bat_status read_mesh(const char *path, const void *bytes, size_t size, const bat_mesh_read_options *options,
+                            bat_mesh *mesh, bat_error *error)
 {
     bat_mesh_read_options defaults = bat_mesh_read_defaults();
-    if (options == NULL)
-        options = &defaults;
+    options = options != NULL ? options : &defaults;
     file_text text;
-    bat_mesh_format format;
+    bat_mesh_format format = BAT_MESH_FORMAT_AUTO;
     bat_status status = bat_options_check(&bat_mesh_read_fields, options, error);
-    if (status == BAT_OK)
+    if (status == BAT_OK && path != NULL)
         status = format_for_path(path, false, options->format, &format, error);
     if (status == BAT_OK)
-        status = file_text_read(path, &options->limits, &text, error);
+        status = path != NULL ? file_text_read(path, &options->limits, &text, error)
+                              : file_text_copy(bytes, size, &options->limits, &text, error);
     if (status != BAT_OK)
         return status;
     status = read_text(&text, format, options, mesh, error);
@@ -316,21 +318,15 @@ bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options,
     return status;
 }
 
+bat_status bat_mesh_read(const char *path, const bat_mesh_read_options *options, bat_mesh *mesh, bat_error *error)
+{
+    return read_mesh(path, NULL, 0, options, mesh, error);
+}
+
 bat_status bat_mesh_read_memory(const void *bytes, size_t size, const bat_mesh_read_options *options, bat_mesh *mesh,
                                 bat_error *error)
 {
-    bat_mesh_read_options defaults = bat_mesh_read_defaults();
-    if (options == NULL)
-        options = &defaults;
-    file_text text;
-    bat_status status = bat_options_check(&bat_mesh_read_fields, options, error);
-    if (status == BAT_OK)
-        status = file_text_copy(bytes, size, &options->limits, &text, error);
-    if (status != BAT_OK)
-        return status;
-    status = read_text(&text, BAT_MESH_FORMAT_AUTO, options, mesh, error);
-    file_text_free(&text);
-    return status;
+    return read_mesh(NULL, bytes, size, options, mesh, error);
 }
 
 static bat_status check_write(bat_mesh_format format, const bat_mesh_write_options *options, bat_error *error)
