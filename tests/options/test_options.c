@@ -965,7 +965,7 @@ static const option_family FAMILIES[] = {
       BAD(mesh_decimate, min_quality, BAD_NUMBER, -0.5), BAD(mesh_decimate, boundary_weight, BAD_NUMBER, -1),
       BAD(mesh_decimate, boundary_weight, BAD_NUMBER, INFINITY), BAD(mesh_decimate, ratio, BAD_NUMBER, 1.5),
       BAD(mesh_decimate, tolerance, BAD_NUMBER, NAN), BAD(mesh_decimate, attributes, BAD_NUMBER, -1),
-      BAD(mesh_decimate, method, BAD_INT, 5), BAD(mesh_decimate, threads, BAD_INT, -1)}},
+      BAD(mesh_decimate, method, BAD_INT, 6), BAD(mesh_decimate, threads, BAD_INT, -1)}},
     {HEAD(mesh_unwrap),
      {call_mesh_unwrap},
      {BAD(mesh_unwrap, size, BAD_SIZE, 15), BAD(mesh_unwrap, size, BAD_SIZE, 16385), BAD(mesh_unwrap, padding, BAD_SIZE, 0),
