@@ -355,6 +355,30 @@ static void curves_go_through_json(void **state)
     bat_cloud_free(&cloud);
 }
 
+/// Found by fuzzing: where one side is longer than the other beyond all measure, a loop of edges on top of each other was
+/// divided into 13,000 points, for which Qhull takes seconds.
+static void sides_of_extreme_lengths_take_few_points(void **state)
+{
+    (void)state;
+    static const char TEXT[] = "{\"format\": \"batten surface\", \"version\": 1, \"degree\": [1, 1], \"spans\": [1, 1],"
+                               "\"truncated\": true, \"admissible\": 0, \"dimension\": 3, \"boxes\": [], \"trim\": ["
+                               "[{\"degree\": 1, \"knots\": [0, 0, 0.5, 1, 1],"
+                               "  \"control\": [[0.1, 0.1], [0.9, 0.1], [0.9, 0.9]]},"
+                               " {\"degree\": 2, \"knots\": [0, 0, 0, 1, 1, 1],"
+                               "  \"control\": [[0.9, 0.9], [0.1, 0.1], [0.1, 0.1]]}],"
+                               "[{\"degree\": 1, \"knots\": [0, 0, 1, 2, 3, 3],"
+                               "  \"control\": [[0.6, 0.4], [0.5, 0.4], [0.6, 0.5], [0.6, 0.4]]}]],"
+                               "\"control\": [[0, 0, 0], [1, 0, 0], [0, 1, 21e300], [1, 1, 1]]}";
+    bat_spline_surface surface = {0};
+    surface_tessellation made;
+    put("long.json", TEXT);
+    check_status(bat_surface_read("long.json", &surface, NULL), BAT_OK);
+    check_status(surface_tessellate(&surface, 1, &made, NULL), BAT_OK);
+    assert_in_range(made.vertex_count, 3, 2000);
+    tessellation_free(&made);
+    bat_spline_surface_free(&surface);
+}
+
 /// Records of 80 columns, sections in order, and the counts of the last record.
 static void iges_has_its_form(void **state)
 {
@@ -482,6 +506,7 @@ int main(void)
         cmocka_unit_test(small_holes_are_filled),
         cmocka_unit_test(the_order_of_points_does_not_matter),
         cmocka_unit_test(curves_go_through_json),
+        cmocka_unit_test(sides_of_extreme_lengths_take_few_points),
         cmocka_unit_test(iges_has_its_form),
         cmocka_unit_test(units_stand_in_step),
         cmocka_unit_test(what_cannot_be_trimmed_is_refused),

@@ -542,10 +542,11 @@ static void set_scale(const surface_tessellation *grid, double scale[2])
         }
     for (int d = 0; d < 2; d++)
         scale[d] = steps[d] > 0 && length[d] > 0 && isfinite(length[d]) ? length[d] / steps[d] : 1;
-    // Only their ratio matters.
+    // Only their ratio matters. Where it is extreme, circles over edges hold points of many others, which divide them.
+    static const double MIN_SCALE = 1e-2;
     double larger = fmax(scale[0], scale[1]);
-    scale[0] = fmax(scale[0] / larger, 1e-3);
-    scale[1] = fmax(scale[1] / larger, 1e-3);
+    scale[0] = fmax(scale[0] / larger, MIN_SCALE);
+    scale[1] = fmax(scale[1] / larger, MIN_SCALE);
 }
 
 /// Replace the tessellation of a surface by that of the part within its trimming curves.
