@@ -1,7 +1,8 @@
 #define _GNU_SOURCE // PTRACE_GET_SYSCALL_INFO, mkdtemp()
 
-// The program is killed 60 times: at the system calls that put files in their places, and at random times. Every output is
-// then whole, old or new; no hidden file is left of new outputs, and the next run removes those of replaced ones.
+// The program is killed 60 times, with BATTEN_LONG_TESTS 540 times: at the system calls that put files in their places, and
+// at random times. Every output is then whole, old or new; no hidden file is left of new outputs, and the next run removes
+// those of replaced ones.
 
 #include "base/atomic_file.h"
 #include "folder_helpers.h"
@@ -20,6 +21,7 @@ enum
 {
     AIMED = 20,     ///< kills at system calls, of new outputs and of replaced ones
     BLIND = 10,     ///< kills at random times, of both
+    LONG = 9,       ///< times as many with BATTEN_LONG_TESTS
     TEXT_SIZE = 64, ///< bytes at the begin of an output that are compared
     OUTPUT_COUNT = 2
 };
@@ -165,6 +167,7 @@ static void nothing_is_lost_or_left(void **state)
     static const char *const GIVEN = "0,0\n1,0\n1,1\n0.5,2\n";
     whole expected;
     bat_random random = bat_random_seed(1);
+    const long times = getenv("BATTEN_LONG_TESTS") != NULL ? LONG : 1;
     put("in.csv", GIVEN);
     int nameless = atomic_open_nameless("out.csv", 0600);
     prepare_outputs(false);
@@ -187,14 +190,14 @@ static void nothing_is_lost_or_left(void **state)
     {
         prepare_outputs(replaced);
         long stops = run_traced(NEVER);
-        for (long k = 0; k < AIMED && stops > 0; k++)
+        for (long k = 0; k < times * AIMED && stops > 0; k++)
         {
             prepare_outputs(replaced);
             size_t before = count_hidden(false);
-            (void)run_traced(k * stops / AIMED);
+            (void)run_traced(k * stops / (times * AIMED));
             check_outputs(&expected, replaced, before);
         }
-        for (int k = 0; k < BLIND; k++)
+        for (long k = 0; k < times * BLIND; k++)
         {
             prepare_outputs(replaced);
             size_t before = count_hidden(false);
