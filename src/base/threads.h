@@ -15,8 +15,9 @@ enum
     THREADS_WORTH = 5000000
 };
 
-/// The number of threads that this thread can share work with, when it asks for `threads`: 1 in a process made by fork(), if
-/// the thread had shared work before. Any parallel region must take its number from here, by threads_for().
+/// The number of threads that this thread can share work with, when it asks for `threads`: 1 without memory for their
+/// stacks, and in a process made by fork(), if the thread had shared work before. Any parallel region must take its number
+/// from here, by threads_for().
 int threads_of_team(int threads);
 
 /// The number of threads for `work` independent pieces: `wanted`, or OpenMP's where this is 0 or below; at most `work`.

@@ -6,6 +6,9 @@
 #include "linalg/blas_single.h"
 
 #include <cblas.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static void threads_are_no_more_than_pieces(void **state)
 {
@@ -32,6 +35,26 @@ static void who_wants_threads_gets_them(void **state)
     (void)state;
     for (int wanted = 1; wanted < 5; wanted++)
         assert_int_equal(threads_worth(wanted, 1000, 0), threads_for(wanted, 1000));
+}
+
+/// OpenMP would end the process, with a line of its own.
+static void without_memory_for_stacks_there_is_one_thread(void **state)
+{
+    (void)state;
+    if (getenv("BATTEN_SANITIZED") != NULL) // sanitizers map terabytes
+        skip();
+    pid_t child = fork();
+    if (child == 0)
+    {
+        struct rlimit space;
+        bool known = getrlimit(RLIMIT_AS, &space) == 0;
+        space.rlim_cur = 1 << 20;
+        _exit(!known || setrlimit(RLIMIT_AS, &space) != 0 || threads_for(3, 1000) != 1);
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
 }
 
 /// However uses nest or overlap: one thread during, and afterwards the number of before.
@@ -63,9 +86,8 @@ static void blas_has_its_threads_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_are_no_more_than_pieces),
-        cmocka_unit_test(short_work_is_not_shared),
-        cmocka_unit_test(who_wants_threads_gets_them),
+        cmocka_unit_test(threads_are_no_more_than_pieces), cmocka_unit_test(short_work_is_not_shared),
+        cmocka_unit_test(who_wants_threads_gets_them),     cmocka_unit_test(without_memory_for_stacks_there_is_one_thread),
         cmocka_unit_test(blas_has_its_threads_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
