@@ -22,7 +22,10 @@ bat_harm_study_options bat_harm_study_defaults(void)
 
 static const harm_kind *kind_at(size_t index)
 {
-    return index < HARM_LINE_COUNT ? &HARM_LINES[index] : &HARM_SURFACES[index - HARM_LINE_COUNT];
+    if (index < HARM_LINE_COUNT)
+        return &HARM_LINES[index];
+    index -= HARM_LINE_COUNT;
+    return index < HARM_SURFACE_COUNT ? &HARM_SURFACES[index] : &HARM_MAPS[index - HARM_SURFACE_COUNT];
 }
 
 /// What a case gave.
@@ -73,7 +76,7 @@ static bat_harm_row row_of(const harm_kind *kind, const harm_result *results, si
 bat_status bat_harm_study(const bat_harm_study_options *options, bat_harm_row **rows, size_t *row_count, bat_error *error)
 {
     bat_harm_study_options how = options != NULL ? *options : bat_harm_study_defaults();
-    size_t kinds = HARM_LINE_COUNT + HARM_SURFACE_COUNT;
+    size_t kinds = HARM_LINE_COUNT + HARM_SURFACE_COUNT + HARM_MAP_COUNT;
     if (how.count < 1 || how.count > MAX_COUNT)
         return error_set(error, BAT_INVALID_ARGUMENT, BAT_NO_INDEX, 0, "count is %zu, but must be from 1 to %zu", how.count,
                          MAX_COUNT);

@@ -18,9 +18,9 @@ typedef struct harm_kind
     int variant;
 } harm_kind;
 
-/// The kinds of curves and motions, and those of meshes and clouds.
-extern const harm_kind HARM_LINES[], HARM_SURFACES[];
-extern const size_t HARM_LINE_COUNT, HARM_SURFACE_COUNT;
+/// The kinds of curves and motions, those of meshes and clouds, and those of maps.
+extern const harm_kind HARM_LINES[], HARM_SURFACES[], HARM_MAPS[];
+extern const size_t HARM_LINE_COUNT, HARM_SURFACE_COUNT, HARM_MAP_COUNT;
 
 /// A number between two others.
 static inline double harm_between(bat_random *random, double low, double high)

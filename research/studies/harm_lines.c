@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "batten/curve_map.h"
 #include "batten/curve_measure.h"
 #include "batten/motion_spline.h"
 
@@ -10,9 +11,9 @@
 #include <string.h>
 
 /// @file
-/// Harm to curves and motions. A curve is a dense polygon of which some points are kept; rivals are the polygon of these,
-/// and the same with rounded corners. A motion is a function of time of which some poses are kept; the rivals are straight
-/// lines and Slerp.
+/// Harm to curves, maps and motions. A map is two lands with a border of which some points are kept. A curve is a dense
+/// polygon of which some points are kept; rivals are the polygon of these, and the same with rounded corners. A motion is a
+/// function of time of which some poses are kept; the rivals are straight lines and Slerp.
 
 enum
 {
@@ -319,6 +320,80 @@ static bat_status run_curve(bat_random *random, int variant, double *ratio, bat_
     return status;
 }
 
+// Maps
+
+/// A land: the border there or back, and a corner far from it.
+static bool add_land(const bat_curve *border, bool back, bat_curve *land)
+{
+    size_t n = border->count;
+    *land = (bat_curve){.space = border->space, .points = memory_array(n + 1, 2 * sizeof(double)), .closed = true};
+    if (land->points == NULL)
+        return false;
+    for (size_t i = 0; i < n; i++)
+        memcpy(land->points + 2 * i, border->points + 2 * (back ? n - 1 - i : i), 2 * sizeof(double));
+    const double corner[] = {0.5, back ? 9 : -9};
+    memcpy(land->points + 2 * n, corner, sizeof corner);
+    land->count = n + 1;
+    return true;
+}
+
+/// The part of a refined land that was the border. `part` takes no memory of its own.
+static bool find_border(const bat_curve *land, const double *first, const double *last, bat_curve *part)
+{
+    size_t begin = 0, end = 0;
+    while (begin < land->count && memcmp(land->points + 2 * begin, first, 2 * sizeof *first) != 0)
+        begin++;
+    for (end = begin; end < land->count && memcmp(land->points + 2 * end, last, 2 * sizeof *last) != 0;)
+        end++;
+    *part = (bat_curve){.space = land->space, .points = land->points + 2 * begin, .count = end - begin + 1};
+    return end < land->count;
+}
+
+/// Whether a border is another one backwards, to the bit.
+static bool is_reverse(const bat_curve *border, const bat_curve *other)
+{
+    bool same = border->count == other->count;
+    for (size_t i = 0; i < border->count && same; i++)
+        same = memcmp(border->points + 2 * i, other->points + 2 * (other->count - 1 - i), 2 * sizeof(double)) == 0;
+    return same;
+}
+
+/// A border that the lands do not share is harm without measure.
+static bat_status run_map(bat_random *random, int variant, double *ratio, bat_error *error)
+{
+    bat_space plane = bat_euclidean(2);
+    line truth;
+    size_t kept[MAX_KEPT + 1];
+    double points[2 * (MAX_KEPT + 1)], of_polygon = NAN, ours = NAN;
+    CURVES[variant].make(random, &truth);
+    bat_curve exact = {.space = &plane, .points = truth.points, .count = TRUTH}, borders[2];
+    bat_curve coarse = {.space = &plane, .points = points, .count = keep_points(&truth, random, kept)};
+    for (size_t i = 0; i < coarse.count; i++)
+        memcpy(points + 2 * i, truth.points + 2 * kept[i], 2 * sizeof *points);
+    const double *first = points, *last = points + 2 * (coarse.count - 1);
+    bat_curve *lands = memory_array(2, sizeof *lands);
+    if (lands == NULL)
+        return error_memory(error, 2 * sizeof *lands);
+    bool made = add_land(&coarse, false, &lands[0]) & add_land(&coarse, true, &lands[1]);
+    bat_curve_set map = {0}, fine = {0};
+    bat_status status = bat_curve_set_take(lands, 2, &map, error);
+    bat_curve_map_refine_options options = bat_curve_map_refine_defaults();
+    options.topology = BAT_CURVE_MAP_TOPOLOGY_ALWAYS; // as for files with features
+    options.refine.threads = 1;
+    if (status == BAT_OK)
+        status = made ? bat_curve_map_refine(&map, &options, &fine, error) : error_memory(error, 0);
+    bool found = status == BAT_OK && find_border(&fine.curves[0], first, last, &borders[0]) &&
+                 find_border(&fine.curves[1], last, first, &borders[1]);
+    if (found)
+        status = error_of(&coarse, &exact, &of_polygon, error);
+    if (found && status == BAT_OK)
+        status = error_of(&borders[0], &exact, &ours, error);
+    *ratio = found && is_reverse(&borders[0], &borders[1]) ? ours / of_polygon : INFINITY;
+    bat_curve_set_free(&fine);
+    bat_curve_set_free(&map);
+    return status;
+}
+
 // Motions
 
 enum
@@ -433,3 +508,9 @@ const harm_kind HARM_LINES[] = {
     {"motions", "with a rest", LINES, run_motion, 4},
 };
 const size_t HARM_LINE_COUNT = sizeof HARM_LINES / sizeof *HARM_LINES;
+
+const harm_kind HARM_MAPS[] = {
+    {"maps", "strokes as borders", "the polygon", run_map, 1},
+    {"maps", "rough borders", "the polygon", run_map, 2},
+};
+const size_t HARM_MAP_COUNT = sizeof HARM_MAPS / sizeof *HARM_MAPS;

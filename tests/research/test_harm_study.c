@@ -41,6 +41,20 @@ static void easy_kinds_are_not_harmed(void **state)
     }
 }
 
+/// Lands share their border to the bit. Smooth borders are nearer to the truth than polygons, rough ones little farther.
+static void borders_of_maps_stay_shared(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < HARM_MAP_COUNT; k++)
+        for (uint64_t seed = 1; seed <= 10; seed++)
+        {
+            bat_random random = bat_random_seed(seed);
+            double ratio = NAN;
+            check_status(HARM_MAPS[k].run(&random, HARM_MAPS[k].variant, &ratio, NULL), BAT_OK);
+            assert_true(ratio > 0 && ratio < (k == 0 ? 1 : 1.25));
+        }
+}
+
 static void a_count_out_of_range_is_refused(void **state)
 {
     (void)state;
@@ -60,6 +74,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cases_depend_on_the_seed_alone),
         cmocka_unit_test(easy_kinds_are_not_harmed),
+        cmocka_unit_test(borders_of_maps_stay_shared),
         cmocka_unit_test(a_count_out_of_range_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
