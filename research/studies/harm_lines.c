@@ -374,7 +374,8 @@ static bat_status run_map(bat_random *random, int variant, double *ratio, bat_er
     bat_curve *lands = memory_array(2, sizeof *lands);
     if (lands == NULL)
         return error_memory(error, 2 * sizeof *lands);
-    bool made = add_land(&coarse, false, &lands[0]) & add_land(&coarse, true, &lands[1]);
+    bool made = add_land(&coarse, false, &lands[0]);
+    made = add_land(&coarse, true, &lands[1]) && made;
     bat_curve_set map = {0}, fine = {0};
     bat_status status = bat_curve_set_take(lands, 2, &map, error);
     bat_curve_map_refine_options options = bat_curve_map_refine_defaults();
