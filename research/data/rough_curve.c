@@ -65,7 +65,8 @@ static void resample(const double *from, size_t dense, bool closed, size_t count
 static size_t draw_radial(bat_random *random, double *points)
 {
     double radius[DENSE] = {0}, largest = 0;
-    add_spectrum(random, 2, draw_harmonics(random, 10), draw_between(random, 0.9, 2.2), DENSE, radius);
+    double decay = draw_between(random, 0.9, 2.2);
+    add_spectrum(random, 2, draw_harmonics(random, 10), decay, DENSE, radius);
     for (size_t i = 0; i < DENSE; i++)
         largest = fmax(largest, fabs(radius[i]));
     double strength = draw_between(random, 0.1, 0.6) / largest, aspect = draw_between(random, 0.3, 1);
@@ -103,7 +104,8 @@ static size_t draw_direction(bat_random *random, double *points)
         squares += rough[i] * rough[i] / DENSE;
     double share = draw_between(random, 0.1, 1.2) / sqrt(squares + 1e-30);
     double meander = draw_coin(random) ? draw_between(random, 0, 1.6) : 0;
-    wave t = wave_make(draw_between(random, 4, 25), draw_angle(random), DENSE);
+    double phase = draw_angle(random);
+    wave t = wave_make(draw_between(random, 4, 25), phase, DENSE);
     double long_waves = draw_between(random, 0.2, 1.5), x = 0, y = 0;
     for (size_t i = 0; i < DENSE; i++, wave_step(&t))
     {

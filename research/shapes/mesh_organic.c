@@ -72,8 +72,8 @@ static void add_tail(bat_random *random, blended_body *body, const double from[3
 static void add_head(bat_random *random, blended_body *body, const double neck[3], double size)
 {
     double head[3] = {neck[0] + 0.3 * size, neck[1], neck[2] + 0.2 * size};
-    blended_body_part *skull = blended_body_ellipsoid(body, head, size * draw_between(random, 0.9, 1.3),
-                                                      size * draw_between(random, 0.75, 1), 0.85 * size, 0.1);
+    double wide = size * draw_between(random, 0.75, 1), deep = size * draw_between(random, 0.9, 1.3);
+    blended_body_part *skull = blended_body_ellipsoid(body, head, deep, wide, 0.85 * size, 0.1);
     blended_body_turn(skull, 0, draw_between(random, 0, 0.5), 0);
     double snout = size * draw_between(random, 0.6, 1.7), drop = draw_between(random, 0.1, 0.7);
     double nose[3] = {head[0] + snout, head[1], head[2] - drop * size};
@@ -160,7 +160,8 @@ void primitive_figure(bat_random *random, mesh_primitive *primitive)
     {
         double shoulder[3] = {breast[0], breast[1] + 1.05 * wide * side, 0.6}, hip[3] = {0, 0.6 * belly * side, -0.08};
         add_arm(random, body, shoulder, draw_between(random, 0.5, 0.75), 0.85 * radius, side);
-        add_leg(body, hip, leg, 1.1 * radius, draw_between(random, 0, 0.2), draw_between(random, 0.03, 0.12), side);
+        double spread = draw_between(random, 0.03, 0.12), knee = draw_between(random, 0, 0.2);
+        add_leg(body, hip, leg, 1.1 * radius, knee, spread, side);
     }
     add_noise_layers(random, body, 0.025, 0.018);
     primitive_body(primitive);
@@ -193,8 +194,9 @@ static void add_face(bat_random *random, blended_body *body)
 static void shape_head(bat_random *random, blended_body *body)
 {
     blended_body_begin(body);
-    blended_body_part *skull = blended_body_ellipsoid(body, (double[3]){-0.02, 0, 0.12}, draw_between(random, 0.48, 0.56),
-                                                      draw_between(random, 0.4, 0.47), draw_between(random, 0.5, 0.6), 0.1);
+    double high = draw_between(random, 0.5, 0.6), wide = draw_between(random, 0.4, 0.47),
+           deep = draw_between(random, 0.48, 0.56);
+    blended_body_part *skull = blended_body_ellipsoid(body, (double[3]){-0.02, 0, 0.12}, deep, wide, high, 0.1);
     blended_body_turn(skull, 0, draw_between(random, -0.1, 0.3), 0);
     add_face(random, body);
 }
@@ -290,8 +292,8 @@ static void branch(bat_random *random, blended_body *body, const double from[3],
         }
         for (int c = 0; c < 3; c++)
             next[c] /= sqrt(size);
-        branch(random, body, to, next, length * draw_between(random, 0.65, 0.9), radius * draw_between(random, 0.65, 0.8),
-               further - 1);
+        double thick = radius * draw_between(random, 0.65, 0.8), reach = length * draw_between(random, 0.65, 0.9);
+        branch(random, body, to, next, reach, thick, further - 1);
     }
 }
 
@@ -327,8 +329,9 @@ void primitive_stone(bat_random *random, mesh_primitive *primitive)
 {
     blended_body *body = &primitive->body;
     blended_body_begin(body);
-    blended_body_ellipsoid(body, (double[3]){0, 0, 0}, draw_between(random, 0.5, 0.8), draw_between(random, 0.45, 0.7),
-                           draw_between(random, 0.4, 0.7), 0.1);
+    double tall = draw_between(random, 0.4, 0.7), wide = draw_between(random, 0.45, 0.7),
+           deep = draw_between(random, 0.5, 0.8);
+    blended_body_ellipsoid(body, (double[3]){0, 0, 0}, deep, wide, tall, 0.1);
     int lumps = draw_whole(random, 0, 4);
     for (int lump = 0; lump < lumps; lump++)
     {

@@ -159,11 +159,12 @@ void primitive_casting(bat_random *random, mesh_primitive *primitive)
     blended_body_round_cone(body, (double[3]){left[0], 0, -0.25}, (double[3]){left[0], 0, 0.25}, big, big, blend);
     blended_body_round_cone(body, (double[3]){right[0], right[1], rise - 0.16}, (double[3]){right[0], right[1], rise + 0.16},
                             small, small, blend);
-    blended_body_part *block =
-        blended_body_box(body, middle, draw_between(random, 0.15, 0.25), draw_between(random, 0.22, 0.4),
-                         draw_between(random, 0.12, 0.25), 0.06, blend);
-    blended_body_turn(block, draw_between(random, -0.3, 0.3), draw_between(random, -0.3, 0.3),
-                      draw_between(random, -0.5, 0.5));
+    double high = draw_between(random, 0.12, 0.25), wide = draw_between(random, 0.22, 0.4),
+           deep = draw_between(random, 0.15, 0.25);
+    blended_body_part *block = blended_body_box(body, middle, deep, wide, high, 0.06, blend);
+    double third = draw_between(random, -0.5, 0.5), second = draw_between(random, -0.3, 0.3),
+           first = draw_between(random, -0.3, 0.3);
+    blended_body_turn(block, first, second, third);
     primitive_body(primitive);
     primitive_cut(primitive, CUT_SLAB, (double[3]){0, 0, 0.02}, PRIMITIVE_Z, draw_between(random, 0.26, 0.36));
     solid_and(&primitive->shape);
@@ -274,6 +275,9 @@ void primitive_groove(bat_random *random, mesh_primitive *primitive)
     primitive->shape.surface_count = primitive->shape.step_count = 0;
     solid_push(&primitive->shape, groove_value, primitive);
     if (draw_coin(random))
-        drill(primitive, (double[3]){draw_between(random, -0.4, 0.4), 0, 0}, PRIMITIVE_Z, draw_between(random, 0.12, 0.25));
+    {
+        double radius = draw_between(random, 0.12, 0.25), x = draw_between(random, -0.4, 0.4);
+        drill(primitive, (double[3]){x, 0, 0}, PRIMITIVE_Z, radius);
+    }
     primitive_bounds(primitive, 1, half[1], half[2]);
 }
