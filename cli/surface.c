@@ -170,8 +170,8 @@ static bool check(void *of)
          "--fill-holes goes with --trim or --shell"},
         {argument(given, "close-gaps") != NULL && !job->options.trim, "--close-gaps goes with --trim"},
         {job->shell && job->options.trim, "--trim and --shell exclude each other"},
-        {job->shell && (job->parameters != NULL || job->parameter_file != NULL),
-         "a shell has no parameters of one square: leave out --shell, or the files of parameters"},
+        {job->shell && (job->parameters != NULL || job->parameter_file != NULL || argument(given, "functions") != NULL),
+         "a shell has patches, not functions and parameters of one square: leave out --shell, or give --patches"},
         {job->options.trim && job->options.parameters != BAT_SURFACE_PARAMETERS_AUTO,
          "--trim and --parameterization exclude each other: a trimmed surface has a chart of its own"},
     };

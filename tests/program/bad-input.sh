@@ -440,6 +440,7 @@ surface 'short.in.xyz:3: point 2 has no z' short.in.xyz
 surface 'twice.in.xyz:9: .* line 4' twice.in.xyz --strict
 surface 'straight.in.xyz: no boundary loop' straight.in.xyz
 surface 'two.in.xyz: .*several pieces' two.in.xyz
+refused 2 'a shell has patches, not functions' surface sphere.in.xyz --shell --functions 100 -o out.step
 surface 'sphere.in.xyz: no boundary loop.*--shell' sphere.in.xyz --corners 0,1,2,3
 surface 'closed.in.obj: .*closed' closed.in.obj --corners 0,1,2,3
 surface 'none.in.xyz: cannot open' none.in.xyz
