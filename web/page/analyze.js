@@ -78,9 +78,11 @@ export function analyzeTab(app, section) {
     let [low, high] = [0, 0];
     for (const y of ys) [low, high] = [Math.min(low, y), Math.max(high, y)];
     const pad = 58;
-    const x = (t) => pad + ((t - first) / (last - first || 1)) * (width - 2 * pad);
-    const y = (v) => height - pad - ((v - low) / (high - low || 1)) * (height - 2 * pad);
     context.font = "12px system-ui, sans-serif";
+    const label = (v) => digits(v, 3).replace("-", "−");
+    const left = Math.max(pad, ...[low, high].map((v) => context.measureText(label(v)).width + 24));
+    const x = (t) => left + ((t - first) / (last - first || 1)) * (width - left - pad);
+    const y = (v) => height - pad - ((v - low) / (high - low || 1)) * (height - 2 * pad);
     context.fillStyle = color("soft");
     context.textAlign = "center";
     context.strokeStyle = color("grid");
@@ -94,10 +96,10 @@ export function analyzeTab(app, section) {
     context.textAlign = "right";
     for (const v of [...new Set([low, 0, high])]) {
       context.beginPath();
-      context.moveTo(pad, y(v));
+      context.moveTo(left, y(v));
       context.lineTo(width - pad, y(v));
       context.stroke();
-      context.fillText(digits(v, 3).replace("-", "−"), pad - 6, y(v) + 4);
+      context.fillText(label(v), left - 6, y(v) + 4);
     }
     context.strokeStyle = color("c0");
     context.lineWidth = 2.2;

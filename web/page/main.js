@@ -30,6 +30,8 @@ const app = {
   },
   tables: null,
   engine: null,
+  /** The page was opened by its bare address, and nothing is drawn yet. */
+  opening: !location.hash,
   say(text) {
     $("said").textContent = text;
   },
@@ -74,7 +76,8 @@ let scans = null;
 let kept = false;
 const past = [];
 const future = [];
-let current = "curve";
+/** What a bare address shows first: a coarse mesh and its fine one under the slider. */
+let current = "mesh";
 const tabs = {};
 
 function buttons() {
@@ -336,10 +339,10 @@ async function start() {
   ]);
   theme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   try {
-    if ((await readLink()) === null && !location.hash.slice(1)) show("curve");
+    if ((await readLink()) === null && !location.hash.slice(1)) show(current);
     else if (!tabs[current].section.hidden) void 0;
   } catch (error) {
-    show("curve");
+    show(current);
     app.fail(new Error(`the link cannot be read: ${error.message}`));
     kept = true;
   }

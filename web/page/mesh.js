@@ -94,6 +94,8 @@ export function meshTab(app, section) {
       result = await app.engine.latest("mesh", "mesh", { coarse, decimate: decimation(), refine, against: state.against, repair: state.repair }, "Refining the mesh");
       app.clear();
       build();
+      if (app.opening) split.sweep();
+      app.opening = false;
       figures();
       return true;
     } catch (error) {

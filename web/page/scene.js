@@ -46,6 +46,8 @@ function edgesOf({ faces, offsets }) {
 
 /** Half the width of the slider's thumb. */
 const INSET = 17;
+/** Milliseconds in which the slider shows itself. */
+const SWEEP = 1200;
 
 /** A slider over a stage: to its left what was given, to its right the result. */
 export function divider(stage, change) {
@@ -72,6 +74,21 @@ export function divider(stage, change) {
       return (INSET + (width - 2 * INSET) * value) / (width || 1);
     },
     set,
+    /** Move from the right to the middle, where the reader allows motion. */
+    sweep() {
+      if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
+      const start = performance.now();
+      let last = input.value;
+      const step = (now) => {
+        if (input.value !== last) return; // the reader took it
+        const rest = Math.max(0, 1 - (now - start) / SWEEP);
+        set(Math.round(50 + 45 * rest ** 2));
+        last = input.value;
+        change();
+        if (rest > 0) requestAnimationFrame(step);
+      };
+      requestAnimationFrame(step);
+    },
     hide(hidden) {
       input.hidden = hidden;
       line.hidden = hidden;
@@ -81,9 +98,17 @@ export function divider(stage, change) {
 
 export function scene3d(stage, section) {
   let made = null;
+  let missing = false;
   let frame = 0;
   function setup() {
-    const renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true, alpha: true });
+    let renderer;
+    try {
+      renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true, alpha: true });
+    } catch {
+      missing = true;
+      stage.append(h("p.missing", {}, "This browser draws nothing in three dimensions: WebGL is off or missing. Figures and downloads are there all the same."));
+      return;
+    }
     renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
     stage.prepend(renderer.domElement);
     renderer.domElement.setAttribute("aria-hidden", "true");
@@ -138,7 +163,8 @@ export function scene3d(stage, section) {
    * Gives the largest value.
    */
   function show({ low, high, mesh = null, values = null, flat = false, before = null, wired = null, cloud = null, wires = true, split = () => 0 }) {
-    if (!made) setup();
+    if (!made && !missing) setup();
+    if (missing) return null;
     const size = Math.max(...high.map((value, i) => value - low[i])) || 1;
     const middle = low.map((value, i) => (value + high[i]) / 2);
     const place = (positions) => Float32Array.from(positions, (value, i) => ((value - middle[i % 3]) * 2) / size);

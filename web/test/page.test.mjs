@@ -22,6 +22,8 @@ const TABS = ["curve", "map", "motion", "mesh", "analyze", "scan"];
 const data = (name) => join(source, "examples/data", name);
 /** The limit of what the first view needs, compressed, in bytes. The engine of scans follows behind it. */
 const FIRST_VIEW = 1.5e6;
+/** No motion of the page's own. */
+const STILL = { name: "prefers-reduced-motion", value: "reduce" };
 const WAIT = { timeout: 120000, polling: 50 };
 
 let browser;
@@ -42,6 +44,7 @@ before(async () => {
   page = await browser.newPage();
   page.setDefaultNavigationTimeout(120000);
   await page.setViewport({ width: 1280, height: 900 });
+  await page.emulateMediaFeatures([STILL]);
   page.on("request", (request) => requests.push(request.url()));
   page.on("pageerror", (error) => complaints.push(error.message));
   page.on("console", (message) => {
@@ -54,7 +57,7 @@ after(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-async function open(hash = "") {
+async function open(hash = "#curve") {
   await page.goto("about:blank");
   await page.goto(pathToFileURL(file).href + hash, { waitUntil: "domcontentloaded", timeout: 120000 });
   await page.waitForFunction("window.batten", WAIT);
@@ -147,6 +150,34 @@ test("the policy names what runs by its hash", () => {
   assert.ok(policy.includes(hash(text.match(/<style>([\s\S]*?)<\/style>/)[1])));
   assert.ok(policy.includes(hash(text.match(/<script>([\s\S]*?)<\/script>/)[1])));
   assert.match(text, /property="og:image" content="[^"]*preview\.png"/);
+});
+
+test("a bare address shows a mesh under a slider, which moves by itself where motion is allowed", async () => {
+  await open("");
+  await until('window.batten.current() === "mesh" && result?.summary.faces > 10 * result.before.faces');
+  const share = () => page.$eval("#mesh .divide", (slider) => Number(slider.value));
+  assert.equal(await share(), 50);
+  await page.emulateMediaFeatures([{ name: STILL.name, value: "no-preference" }]);
+  await open("");
+  await page.waitForFunction(() => Number(document.querySelector("#mesh .divide").value) > 60, WAIT);
+  await page.waitForFunction(() => Number(document.querySelector("#mesh .divide").value) === 50, WAIT);
+  await page.emulateMediaFeatures([STILL]);
+  await open();
+});
+
+test("without WebGL there are figures, and words instead of the picture", async () => {
+  const { identifier } = await page.evaluateOnNewDocument(() => {
+    const before = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+      return /webgl/.test(kind) ? null : before.call(this, kind, ...more);
+    };
+  });
+  await open("#mesh");
+  await until("result?.summary.faces > 0");
+  assert.match(await page.$eval("#mesh .stage", (box) => box.textContent), /WebGL is off or missing/);
+  assert.match(await page.$eval("#mesh table", (box) => box.textContent), /15360/);
+  await page.removeScriptToEvaluateOnNewDocument(identifier);
+  await open();
 });
 
 test("the first curve equals the native one", async () => {
@@ -395,7 +426,7 @@ test("every tab, both themes, wide and narrow: nothing overflows, and axe finds 
   for (const theme of ["light", "dark"])
     for (const width of [1280, 360]) {
       await page.setViewport({ width, height: width > 500 ? 900 : 780 });
-      await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: theme }]);
+      await page.emulateMediaFeatures([STILL, { name: "prefers-color-scheme", value: theme }]);
       if ((await page.evaluate(() => document.documentElement.dataset.theme)) !== theme) await page.click("#theme");
       for (const name of TABS) {
         await tab(name);

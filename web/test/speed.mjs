@@ -14,7 +14,7 @@ await page.setViewport({ width: 1280, height: 900 });
 let opening = Infinity;
 for (let round = 0; round < 5; round++) {
   await page.goto("about:blank");
-  await page.goto(pathToFileURL(file).href, { waitUntil: "domcontentloaded" });
+  await page.goto(`${pathToFileURL(file).href}#curve`, { waitUntil: "domcontentloaded" });
   // Milliseconds since the page was opened, once the curve is on the canvas.
   const time = await page.evaluate(
     () =>
