@@ -54,7 +54,7 @@ python: dependencies
 	@scripts/python-wheel dist
 
 docs: dependencies
-	@$(call configure,release) && $(call compile,release) --target batten_shared batten
+	@$(call configure,release) && $(call compile,release) --target batten_shared batten_research_shared batten
 	@scripts/docs build/release build/site
 
 bench: all
