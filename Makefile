@@ -106,6 +106,7 @@ web-test: web all
 	@web/test/run engine build/release/batten
 	@web/test/run bundles build/release/batten
 	@web/test/run page build/release/batten
+	@web/test/run firefox build/release/batten || [ $$? -eq 77 ]
 	@$(call compile,web) --target web_tests
 	@$(call test,web) -L unit
 

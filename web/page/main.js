@@ -267,7 +267,7 @@ async function tabsFor(file) {
   const rows = text.split(/\r?\n/).filter((line) => /^\s*[-+.\d]/.test(line));
   const columns = rows.slice(0, 20).map((line) => line.trim().split(/[\s,;]+/).filter((word) => word !== "").length);
   const wide = (count) => columns.length > 0 && columns.every((number) => number === count);
-  if (/^(\x89PNG|%PDF|GIF8|PK\x03\x04|\xff\xd8\xff|\x1f\x8b)/.test(text) && ending !== ".3mf") return null;
+  if (/^(.PNG|%PDF|GIF8|PK\x03\x04|\xff\xd8\xff|\x1f\x8b)/.test(text) && ending !== ".3mf") return null;
   if ([".pcd", ".las", ".xyz", ".asc"].includes(ending)) return ["scan"];
   if ([".stl", ".off", ".gltf", ".glb"].includes(ending)) return ["mesh"];
   if (ending === ".ply") return /element face [1-9]/.test(text) ? ["mesh"] : ["scan"];
