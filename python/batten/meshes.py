@@ -627,6 +627,14 @@ class Decimation:
     def __repr__(self) -> str:
         return f"Decimation(mesh={self.mesh!r}, map={self.map!r}, bound={self.bound!r})"
 
+    def plot(self, ax: Any = None, *, interactive: bool = False, **style: Any) -> Any:
+        """Draw the decimated mesh, as :meth:`Mesh.plot`."""
+        return Mesh.of(self.mesh).plot(ax, interactive=interactive, **style)
+
+    @drawn
+    def _repr_png_(self) -> bytes | None:
+        return Mesh.of(self.mesh)._repr_png_()
+
 
 @takes("bat_mesh_decimate_options")
 def decimate(mesh: Any, triangles: ArrayLike | None = None, /, *, map: bool = True, progress: Progress = False,

@@ -93,8 +93,11 @@ class Surface:
     def __reduce__(self) -> tuple[Any, ...]:
         return _unpickled, (self.write(format="json"), self.report, self.points, self.parameters, self.distances)
 
-    def plot(self, ax: Any = None, samples: int = 64, **style: Any) -> Any:
-        """Draw the surface and the points with matplotlib; returns the axes."""
+    def plot(self, ax: Any = None, samples: int = 64, *, interactive: bool = False, **style: Any) -> Any:
+        """Draw the surface and the points with matplotlib; returns the axes. With `interactive`, the surface as
+        :meth:`Mesh.plot`."""
+        if interactive:
+            return self.mesh(samples).plot(interactive=True, **style)
         axes, t = axes_of(ax, 3), np.linspace(0, 1, samples)
         axes.plot_surface(*np.moveaxis(self(t[None, :], t[:, None]), -1, 0), **style)
         axes.scatter(*self.points.T, s=1, c="black")

@@ -254,6 +254,16 @@ def test_interactive_views(tetrahedron, package, monkeypatch):
     made = tetrahedron.plot(interactive=True, color=0xFF0000 if package == "k3d" else "red")
     shown = made.objects[0].vertices if package == "k3d" else made.renderer.actors.popitem()[1].mapper.dataset.points
     np.testing.assert_allclose(shown, tetrahedron.vertices)
+    x, y = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, 12), np.linspace(0, 1, 12)))
+    surface = batten.fit_surface(np.stack([x, y, x * y], axis=1))
+    for other in (surface, batten.refine_mesh(tetrahedron, scheme="catmull-clark"), batten.decimate(tetrahedron, vertices=4)):
+        assert type(other.plot(interactive=True)).__qualname__ == type(made).__qualname__
+
+
+def test_decimations_draw_themselves(tetrahedron):
+    pytest.importorskip("matplotlib")
+    made = batten.decimate(batten.refine_mesh(tetrahedron, levels=2), vertices=10)
+    assert made._repr_png_() == made.mesh._repr_png_() and made.plot().collections
 
 
 def test_interactive_views_need_a_package(tetrahedron, monkeypatch):
