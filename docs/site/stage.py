@@ -16,7 +16,9 @@ import c_reference
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 COPIED = ["docs/**/*.md", "docs/images/**/*", "docs/tutorials/*.py", "weights/*.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "README.md", "LICENSE",
-          "examples/*.c", "examples/data/*"]  # fmt: skip
+          "CITATION.cff", "packaging/README.md", "web/npm/README.md", ".github/*.md", "examples/*.c", "examples/data/*"]  # fmt: skip
+#: What GitHub shows by itself, and no page links to.
+FORMS = [".github/PULL_REQUEST_TEMPLATE.md"]
 LINK = re.compile(r"(\]\()([^)#:]+)(#[^)]*)?\)")
 
 
@@ -53,7 +55,7 @@ def main() -> None:
     folder.mkdir(parents=True)
     for pattern in COPIED:
         for source in sorted(ROOT.glob(pattern)):
-            if HERE in source.parents or not source.is_file():
+            if HERE in source.parents or not source.is_file() or str(source.relative_to(ROOT)) in FORMS:
                 continue
             target = folder / source.relative_to(ROOT)
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -71,10 +73,12 @@ def main() -> None:
     (folder / "examples/index.md").write_text(examples_page())
     c_reference.write(ROOT / "include/batten", folder)
     index = folder / "docs/index.md"
+    linked = {moved(link[2]) for link in LINK.finditer(index.read_text())}
     for title, body in sections(index.read_text()):
         (folder / f"{title.lower().replace(' ', '-')}.md").write_text(section_page(title, body))
     # Pages that stand in no tree.
-    for page in (index, folder / "README.md", folder / "examples/index.md"):
+    others = [page for page in (folder / ".github").glob("*.md") if str(page.relative_to(folder)) not in linked]
+    for page in (index, folder / "README.md", folder / "examples/index.md", folder / "web/npm/README.md", *others):
         page.write_text("---\norphan: true\n---\n\n" + page.read_text())
 
 
