@@ -59,7 +59,7 @@ html_theme_options = {
     "logo": {"text": "batten"},
     "pygments_light_style": "tango",
 }
-html_sidebars = {"index": []}
+html_sidebars = {"index": [], "gallery": []}
 
 
 def plain_examples(app, what, name, obj, options, lines):
