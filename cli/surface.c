@@ -190,19 +190,16 @@ static bool check(void *of)
 
 // Shells
 
-/// Whether a failure tells that a shell would do, and nothing was asked for that a shell has not.
-static bool leads_to_shell(const surface_job *job)
+/// Whether a shell is to follow the failure of a patch, and can be written.
+static bool leads_to_shell(surface_job *job)
 {
-    static const char *const PATCH_OPTIONS[] = {"trim",     "parameterization", "model",      "corners",   "sides",
-                                                "boundary", "functions",        "parameters", "published", NULL};
     const bat_choice *row = NULL;
-    for (size_t k = 0; PATCH_OPTIONS[k] != NULL; k++)
-        if (argument(job->call.given, PATCH_OPTIONS[k]) != NULL)
-            return false;
     if (job->call.output != NULL && job->write.format == BAT_SURFACE_FORMAT_AUTO)
         (void)bat_choice_of_path(&bat_surface_format_family, job->call.output, true, &row, NULL);
     int format = row != NULL ? row->value : (int)job->write.format;
-    return strcmp(report_error()->remedy, "shell") == 0 &&
+    bool outlined = job->read.boundary > 0 || job->read.boundary_path != NULL || job->read.corners != NULL;
+    return bat_shell_follows(&job->options, outlined || job->model_file != NULL || job->parameters != NULL, report_error(),
+                             &job->shell_options) &&
            (format == BAT_SURFACE_FORMAT_AUTO || format == BAT_SURFACE_FORMAT_STEP || format == BAT_SURFACE_FORMAT_OBJ);
 }
 
@@ -222,10 +219,7 @@ static int make_shell(surface_job *job)
         status = bat_mesh_read(job->call.input, NULL, &read, report_error());
         mesh = &read;
     }
-    options->tolerance = job->options.fit.tolerance;
-    options->threads = job->call.threads;
-    options->fill_holes = job->options.fill_holes;
-    options->force = job->options.force;
+    (void)bat_shell_follows(&job->options, false, report_error(), options);
     options->progress = report_progress("fitting");
     if (status == BAT_OK)
         status = bat_shell_reconstruct(job->cloud.points, job->cloud.count, mesh, options, &job->made, &job->shell_report,

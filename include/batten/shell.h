@@ -1,7 +1,7 @@
 #ifndef BATTEN_SHELL_H
 #define BATTEN_SHELL_H
 
-#include "batten/mesh.h"
+#include "batten/surface.h"
 
 BAT_C_BEGIN
 
@@ -56,6 +56,15 @@ typedef struct bat_shell_reconstruct_options
 BAT_API bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void);
 /// Its table, for bat_options_check().
 extern BAT_API const bat_options_table bat_shell_reconstruct_fields;
+
+/// Whether a shell is to follow a patch that failed: the failure names a shell as its remedy, and nothing is asked for that
+/// only patches have.
+/// @param patch    the options of the patch
+/// @param outlined whether a boundary or corners were asked for
+/// @param failure  of the patch, or of reading its cloud
+/// @param options  receives what both share: tolerance, fill_holes, force, threads, progress
+BAT_API bool bat_shell_follows(const bat_surface_reconstruct_options *patch, bool outlined, const bat_error *failure,
+                               bat_shell_reconstruct_options *options);
 
 /// What was measured. Distances are from the shell.
 typedef struct bat_shell_report

@@ -188,22 +188,17 @@ class Shell:
         return self.mesh().picture()
 
 
-def _shell(given: Any, mesh: Mesh | None, settings: dict[str, Any], progress: Progress) -> Shell:
+def _shell(given: Any, faces: Any, how: Any, progress: Progress) -> Shell:
     made, found = ffi.gc(ffi.new("bat_shell *"), lib.bat_shell_free), ffi.new("bat_shell_report *")
+    mesh = Mesh.of(given, faces) if faces is not None or hasattr(given, "faces") else None
+    given = None if mesh is not None else array(given, "points", 3)
     points, count = (ffi.NULL, 0) if mesh is not None else (pointer(given), len(given))
-    how = options("bat_shell_reconstruct_options", settings)
     with shown(progress, "fitting"):
         call(lib.bat_shell_reconstruct, points, count, ffi.NULL if mesh is None else mesh._struct(), how, made, found)
     patches, made.patches = take(made.patches, (made.face_count, made.spans, made.spans, 4, 4, 3)), ffi.NULL
     cage = ffi.new("bat_mesh *")
     call(lib.bat_mesh_copy, ffi.addressof(made, "cage"), cage)
     return Shell(PolygonMesh._from(cage), patches, made.closed, report(found))
-
-
-#: Arguments without a meaning for shells.
-_OF_PATCHES = {"trim", "sides", "functions", "published"}
-#: Options that shells have, too.
-_OF_BOTH = {"tolerance", "threads", "fill_holes", "force"}
 
 
 def _unpickled(content: bytes, *rest: Any) -> Surface:
@@ -279,19 +274,22 @@ def fit_surface(points: Any, faces: ArrayLike | None = None, /, *, shell: bool |
     if shell is not None and flag(shell, "shell"):
         if boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto":
             raise TypeError("shell: a shell has no boundary, corners and parameters of one square")
-        mesh = Mesh.of(points, faces) if faces is not None or hasattr(points, "faces") else None
-        return _shell(None if mesh is not None else array(points, "points", 3), mesh, settings, progress)
-    patch = shell is not None or boundary or corners is not None or not isinstance(parameters, str) or parameters != "auto"
+        return _shell(points, faces, options("bat_shell_reconstruct_options", settings), progress)
+    how = options("bat_surface_reconstruct_options", settings)
+    how.parameters = lib.BAT_SURFACE_PARAMETERS_GIVEN
+    if isinstance(parameters, str):
+        how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     try:
-        return _patch(points, faces, boundary, corners, parameters, progress, settings)
+        return _patch(points, faces, boundary, corners, parameters, progress, how)
     except BattenError as error:
-        if patch or error.remedy != "shell" or _OF_PATCHES & set(settings):
+        outlined, follow = bool(boundary) or corners is not None, options("bat_shell_reconstruct_options", {})
+        failure = ffi.new("bat_error *", {"remedy": (error.remedy or "").encode()})
+        if shell is not None or not lib.bat_shell_follows(how, outlined, failure, follow):
             raise
-        both = {name: settings[name] for name in _OF_BOTH & set(settings)}
-        return fit_surface(points, faces, shell=True, progress=progress, **both)
+        return _shell(points, faces, follow, progress)
 
 
-def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, progress: Progress, settings: dict[str, Any]) -> Surface:
+def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any, progress: Progress, how: Any) -> Surface:
     """A surface of one patch."""
     cloud = ffi.gc(ffi.new("bat_cloud *"), lib.bat_cloud_free)
     if faces is not None or hasattr(points, "faces"):
@@ -303,9 +301,6 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
         if not 0 <= boundary <= len(given):
             raise ValueError(f"boundary: 0 to {len(given)} is needed, not {boundary}")
         cloud.points, cloud.count, cloud.boundary_count = ffi.cast("double *", _owned(given)), len(given), boundary
-    how = options("bat_surface_reconstruct_options", settings)
-    if isinstance(parameters, str):
-        how.parameters = chosen(family_of("bat_surface_parameters"), parameters).value
     if corners is not None:
         four = array(corners, "corners", None, np.uint64)
         if four.shape != (4,):
@@ -319,7 +314,7 @@ def _patch(points: Any, faces: Any, boundary: int, corners: Any, parameters: Any
         if len(own) != len(given):
             raise ValueError(f"parameters: {len(given)} rows are needed, not {len(own)}")
         own = np.ascontiguousarray(own[order])
-        how.given, how.parameters = pointer(own), lib.BAT_SURFACE_PARAMETERS_GIVEN
+        how.given = pointer(own)
     result = ffi.new("bat_surface_result *")
     with shown(progress, "fitting"):
         call(lib.bat_surface_reconstruct, cloud, how, result)

@@ -115,6 +115,27 @@ static void noise_does_not_swell(void **state)
     free(made.points);
 }
 
+static void a_shell_follows_a_patch_that_failed(void **state)
+{
+    (void)state;
+    bat_error failure = {.remedy = "shell"};
+    bat_surface_reconstruct_options patch = bat_surface_reconstruct_defaults();
+    bat_shell_reconstruct_options options = bat_shell_reconstruct_defaults();
+    options.faces = 70;
+    patch.fit.tolerance = 0.5;
+    patch.force = true;
+    assert_true(bat_shell_follows(&patch, false, &failure, &options));
+    check_near(options.tolerance, 0.5, 0);
+    assert_true(options.force);
+    assert_int_equal(options.faces, 70);
+    assert_false(bat_shell_follows(&patch, true, &failure, &options));
+    patch.trim = true;
+    assert_false(bat_shell_follows(&patch, false, &failure, &options));
+    patch.trim = false;
+    failure = (bat_error){.remedy = "boundary"};
+    assert_false(bat_shell_follows(&patch, false, &failure, &options));
+}
+
 static void a_torus_keeps_its_hole(void **state)
 {
     (void)state;
@@ -361,6 +382,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sphere_is_closed_and_round),
         cmocka_unit_test(noise_does_not_swell),
+        cmocka_unit_test(a_shell_follows_a_patch_that_failed),
         cmocka_unit_test(a_torus_keeps_its_hole),
         cmocka_unit_test(an_open_cup_stays_open),
         cmocka_unit_test(false_handles_are_cut),

@@ -55,6 +55,19 @@ static const option_field FIELDS[] = {
 
 const bat_options_table bat_shell_reconstruct_fields = OPTIONS_TABLE(bat_shell_reconstruct_options, FIELDS, NULL);
 
+bool bat_shell_follows(const bat_surface_reconstruct_options *patch, bool outlined, const bat_error *failure,
+                       bat_shell_reconstruct_options *options)
+{
+    options->tolerance = patch->fit.tolerance;
+    options->fill_holes = patch->fill_holes;
+    options->force = patch->force;
+    options->threads = patch->fit.threads;
+    options->progress = patch->fit.progress;
+    return strcmp(failure->remedy, "shell") == 0 && !outlined && !patch->trim && !patch->published && patch->model == NULL &&
+           patch->parameters == BAT_SURFACE_PARAMETERS_AUTO && patch->sides == bat_surface_reconstruct_defaults().sides &&
+           patch->fit.functions == 0;
+}
+
 /// A layout with its grid and a fit.
 typedef struct shell_trial
 {
