@@ -145,6 +145,8 @@ static void a_torus_keeps_its_hole(void **state)
     check_status(bat_shell_reconstruct(made.points, made.count, NULL, NULL, &shell, &report, NULL), BAT_OK);
     assert_true(shell.closed);
     assert_int_equal(euler_of(&shell), 0);
+    // 99 % of the angles between normals: 0.6 degrees without moves of Bézier points.
+    assert_true(report.normal_jump[1] < 0.005);
     check_near(report.volume, 2 * PI * PI * 0.16, 2e-3);
     bat_shell_free(&shell);
     free(made.points);

@@ -435,7 +435,7 @@ static void gather(fit_work *work)
     }
 }
 
-static void correct(const shell_fit *fit)
+void shell_fit_correct(const shell_fit *fit)
 {
 #pragma omp parallel for schedule(static) num_threads(threads_worth(fit->threads, fit->count, 2000.0 * (double)fit->count))
     for (size_t i = 0; i < fit->count; i++)
@@ -504,7 +504,7 @@ static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
     if (status == BAT_OK)
         status = shell_grid_bezier(fit->grid, fit->control, fit->bezier, error);
     if (status == BAT_OK)
-        correct(fit);
+        shell_fit_correct(fit);
     if (status == BAT_OK && fit->stiff != NULL && fit->held == NULL && fit->unbias > 0)
         stiffen(fit);
     return status;

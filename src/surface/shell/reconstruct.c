@@ -491,7 +491,12 @@ static bat_status fit_faces(shell_work *work, size_t faces, bat_progress progres
     if (status == BAT_OK)
         status = fit_trial(&trial, ROUNDS, error);
     if (status == BAT_OK)
+        status = shell_agree(&trial.grid, trial.fit.bezier, error);
+    if (status == BAT_OK)
+    {
+        shell_fit_correct(&trial.fit);
         status = make_shell(&trial, &made, error);
+    }
     if (status == BAT_OK)
         status = shell_measure(&made, &trial.fit, &work->mesh, &work->report, error);
     const bat_shell_report report = restore_report(&work->frame, &work->report);

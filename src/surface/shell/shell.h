@@ -204,6 +204,12 @@ typedef struct shell_fit
 /// Fit control points by penalized least squares, and correct places, in rounds.
 bat_status shell_fit_run(shell_fit *fit, int rounds, bat_error *error);
 
+/// The squared distances of the points from the patches, at corrected places.
+void shell_fit_correct(const shell_fit *fit);
+
+/// Move Bézier points along normals, so that normals agree across the sides where they jump.
+bat_status shell_agree(const shell_grid *grid, double *bezier, bat_error *error);
+
 // The judgement.
 
 /// The number of patches that cross others.
