@@ -99,9 +99,16 @@ static bat_status pair_triangles(layout_builder *builder, bat_error *error)
     size_t count = 0;
     builder->partner = memory_pool_array(&builder->pool, mesh->face_count, sizeof *builder->partner);
     builder->costs = memory_pool_array(&builder->pool, 3 * mesh->face_count, sizeof *builder->costs);
+    uint32_t *degrees = memory_pool_zeros(&builder->pool, mesh->vertex_count, sizeof *degrees);
     bat_status status = memory_pool_check(&builder->pool, error);
     if (status != BAT_OK)
         return status;
+    // Two polygons would share two sides where a vertex is left with two.
+    for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+    {
+        degrees[mesh->faces[h]] += builder->links.twin[h] == NONE ? 2 : 1;
+        degrees[mesh->faces[bat_mesh_next(h)]] += builder->links.twin[h] == NONE;
+    }
     for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
         if (builder->links.twin[h] != NONE && builder->links.twin[h] > h && may_join(builder, h))
             builder->costs[count++] = (pair_cost){cost_of_pair(mesh, h, builder->links.twin[h]), h};
@@ -109,9 +116,14 @@ static bat_status pair_triangles(layout_builder *builder, bat_error *error)
     memset(builder->partner, 0xff, mesh->face_count * sizeof *builder->partner);
     for (size_t k = 0; k < count; k++)
     {
-        uint32_t h = builder->costs[k].half_edge;
-        if (builder->partner[h / 3] == NONE && builder->partner[builder->links.twin[h] / 3] == NONE)
-            join(builder, h);
+        uint32_t h = builder->costs[k].half_edge,
+                 *ends[2] = {&degrees[mesh->faces[h]], &degrees[mesh->faces[bat_mesh_next(h)]]};
+        if (builder->partner[h / 3] != NONE || builder->partner[builder->links.twin[h] / 3] != NONE || *ends[0] < 4 ||
+            *ends[1] < 4)
+            continue;
+        join(builder, h);
+        --*ends[0];
+        --*ends[1];
     }
     return BAT_OK;
 }

@@ -23,12 +23,14 @@
 #define FIRST_FACES 200
 #define MAX_FACES 2800       ///< unless a number is given
 #define POINTS_PER_CONTROL 2 ///< least number of points for each control point, on average
+#define MISSES 2             ///< layouts in a row that bring held-out points no nearer, after which no other is tried
 #define HOLD_OUT 10
 #define TRIAL_ROUNDS 4
 #define ROUNDS 8
 #define RETRIES 3
 #define MIN_FACES 40
-#define MESH_POINTS 40000     ///< samples of a mesh
+#define MESH_POINTS 40000 ///< samples of a mesh
+#define RELAXATIONS 4
 #define CONNECTED_FACES 24000 ///< of the mesh that connects points: grids make slivers, which decimation takes away
 
 /// Least share by which the distances of held-out points fall with twice the faces.
@@ -37,6 +39,10 @@ static const double MIN_GAIN = 0.005;
 static const double NORMALS = 0.3;
 /// Factor of the smoothing where a shell is wrong.
 static const double STIFFER = 4;
+/// Largest distance of the points from such a shell, in those of points that were held out.
+static const double MAX_STIFFER = 1.2;
+/// Share of the way to the middle of the neighbours.
+static const double RELAXATION = 0.7;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
 
 bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void)
@@ -205,6 +211,47 @@ static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *e
     return status;
 }
 
+/// Even out the triangles of a closed mesh: move vertices to the middle of their neighbours, along tangent planes.
+/// Decimation leaves clusters of tiny faces otherwise. At a boundary that would change the rim.
+static bat_status relax(bat_mesh *mesh, bat_error *error)
+{
+    size_t count = mesh->vertex_count;
+    memory_pool pool = {0};
+    double *normals = memory_pool_array(&pool, count, 3 * sizeof *normals),
+           *sums = memory_pool_array(&pool, count, 3 * sizeof *sums);
+    size_t *degrees = memory_pool_array(&pool, count, sizeof *degrees);
+    bat_mesh_connectivity links = {0};
+    bat_status status = memory_pool_check(&pool, error);
+    if (status == BAT_OK)
+        status = bat_mesh_connect(mesh, &links, error);
+    for (int k = 0; k < RELAXATIONS && status == BAT_OK && links.boundary_edge_count == 0; k++)
+    {
+        status = bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, normals, error);
+        memset(sums, 0, count * 3 * sizeof *sums);
+        memset(degrees, 0, count * sizeof *degrees);
+        for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+        {
+            uint32_t from = mesh->faces[h], to = mesh->faces[bat_mesh_next(h)];
+            degrees[to]++;
+            for (size_t c = 0; c < 3; c++)
+                sums[3 * (size_t)to + c] += mesh->positions[3 * (size_t)from + c];
+        }
+        for (size_t v = 0; v < count; v++)
+        {
+            double *place = mesh->positions + 3 * v, move[3];
+            const double *normal = normals + 3 * v;
+            for (size_t c = 0; c < 3; c++)
+                move[c] = sums[3 * v + c] / (double)degrees[v] - place[c];
+            double out = vector3_dot(move, normal);
+            for (size_t c = 0; c < 3; c++)
+                place[c] += RELAXATION * (move[c] - out * normal[c]);
+        }
+    }
+    bat_mesh_connectivity_free(&links);
+    memory_pool_free(&pool);
+    return status;
+}
+
 /// Coarsen the mesh that connects the points, which is a scaffold for layouts alone.
 static bat_status coarsen(shell_work *work, bat_error *error)
 {
@@ -213,9 +260,10 @@ static bat_status coarsen(shell_work *work, bat_error *error)
     options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = CONNECTED_FACES;
     options.threads = work->options->threads;
-    if (work->mesh.face_count <= CONNECTED_FACES)
-        return BAT_OK;
-    bat_status status = bat_mesh_decimate(&work->mesh, &options, &coarse, NULL, error);
+    bat_status status = relax(&work->mesh, error);
+    if (status != BAT_OK || work->mesh.face_count <= CONNECTED_FACES)
+        return status;
+    status = bat_mesh_decimate(&work->mesh, &options, &coarse, NULL, error);
     if (status == BAT_OK)
     {
         bat_mesh_free(&work->mesh);
@@ -369,6 +417,7 @@ static bat_status find_layout(shell_work *work, bat_progress progress, size_t *f
     double best = INFINITY, held, largest, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
     size_t limit = work->count / (POINTS_PER_CONTROL * work->options->spans * work->options->spans);
     bool goes_on = true;
+    int misses = 0;
     bat_status status = BAT_OK;
     limit = limit < MAX_FACES ? limit : MAX_FACES;
     *faces = work->options->faces;
@@ -383,8 +432,9 @@ static bat_status find_layout(shell_work *work, bat_progress progress, size_t *f
         bool gains = held < (1 - MIN_GAIN) * best;
         *faces = work->options->faces > 0 || gains ? wanted : *faces;
         best = fmin(held, best);
+        misses = gains ? 0 : misses + 1;
         goes_on = work->options->faces == 0 && !(tolerance > 0 && largest <= tolerance) && wanted < limit &&
-                  (gains || tolerance > 0);
+                  (misses < MISSES || tolerance > 0);
     }
     work->normals = NORMALS;
     status = try_layout(work, *faces, &held, &largest, error);
@@ -534,6 +584,11 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
         faces /= 2;
         work->stiffness *= STIFFER;
         status = fit_faces(work, faces, progress_of_part(&last), shell, &failure);
+        if (status == BAT_OK && work->report.rms > MAX_STIFFER * work->report.held_out && !work->options->force)
+        {
+            bat_shell_free(shell);
+            status = BAT_NO_CONVERGENCE;
+        }
         if (status != BAT_OK && status != BAT_NO_CONVERGENCE)
             return error_copy(error, &failure);
     }
