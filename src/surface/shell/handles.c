@@ -273,43 +273,6 @@ static bat_status cut_loop(handle_search *work, const handle_loop *loop, bat_err
     return BAT_OK;
 }
 
-/// Even out the vertices around the last discs, of which there are `count` vertices.
-static bat_status smooth_discs(bat_mesh *mesh, size_t count, bat_error *error)
-{
-    memory_pool pool = {0};
-    uint8_t *rings = memory_pool_array(&pool, mesh->vertex_count, sizeof *rings);
-    double *sums = memory_pool_array(&pool, mesh->vertex_count, 4 * sizeof *sums);
-    bat_status status = memory_pool_check(&pool, error);
-    size_t corners = 3 * mesh->face_count;
-    for (size_t v = 0; v < mesh->vertex_count && status == BAT_OK; v++)
-        rings[v] = v + count >= mesh->vertex_count ? 0 : RINGS;
-    for (int k = 1; k < RINGS && status == BAT_OK; k++)
-        for (uint32_t h = 0; h < corners; h++)
-        {
-            uint8_t *a = &rings[mesh->faces[h]], *b = &rings[mesh->faces[bat_mesh_next(h)]];
-            *a = *a == RINGS && *b == k - 1 ? (uint8_t)k : *a;
-            *b = *b == RINGS && *a == k - 1 ? (uint8_t)k : *b;
-        }
-    for (int k = 0; k < SMOOTHINGS && status == BAT_OK; k++)
-    {
-        memset(sums, 0, mesh->vertex_count * 4 * sizeof *sums);
-        for (uint32_t h = 0; h < corners; h++)
-        {
-            size_t a = mesh->faces[h], b = mesh->faces[bat_mesh_next(h)];
-            if (rings[a] == RINGS)
-                continue;
-            for (size_t c = 0; c < 3; c++)
-                sums[4 * a + c] += mesh->positions[3 * b + c];
-            sums[4 * a + 3]++;
-        }
-        for (size_t v = 0; v < mesh->vertex_count; v++)
-            for (size_t c = 0; c < 3 && sums[4 * v + 3] > 0; c++)
-                mesh->positions[3 * v + c] = (mesh->positions[3 * v + c] + sums[4 * v + c] / sums[4 * v + 3]) / 2;
-    }
-    memory_pool_free(&pool);
-    return status;
-}
-
 static int compare_loops(const void *a, const void *b)
 {
     const handle_loop *p = a, *q = b;
@@ -351,7 +314,8 @@ static bat_status cut_once(handle_search *work, bool *cut, bat_error *error)
         if (status == BAT_OK && is_false)
             status = cut_loop(work, &work->loops[k], error);
         if (status == BAT_OK && is_false)
-            status = smooth_discs(work->mesh, work->loops[k].count + 2, error);
+            status =
+                shell_even_out(work->mesh, work->mesh->vertex_count - work->loops[k].count - 2, RINGS, SMOOTHINGS, error);
     }
     bat_mesh_connectivity_free(&work->links);
     memory_pool_free(&work->pool);

@@ -159,8 +159,7 @@ static bat_status keep_rest(opening *work, bat_error *error)
     return status;
 }
 
-/// Even out the boundary loops, which follow the cells of a grid, and the vertices beside them.
-static bat_status smooth_boundary(bat_mesh *mesh, bat_error *error)
+bat_status shell_even_out(bat_mesh *mesh, size_t first, uint8_t ring_count, int rounds, bat_error *error)
 {
     bat_mesh_connectivity links;
     memory_pool pool = {0};
@@ -175,18 +174,19 @@ static bat_status smooth_boundary(bat_mesh *mesh, bat_error *error)
         memory_pool_free(&pool);
         return status;
     }
-    memset(rings, RINGS, count * sizeof *rings);
-    for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+    for (size_t v = 0; v < count; v++)
+        rings[v] = v >= first ? 0 : ring_count;
+    for (uint32_t h = 0; h < 3 * mesh->face_count && first == count; h++)
         if (links.twin[h] == BAT_MESH_NONE)
             rings[mesh->faces[h]] = 0;
-    for (int k = 1; k < RINGS; k++)
+    for (int k = 1; k < ring_count; k++)
         for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
         {
             uint8_t *a = &rings[mesh->faces[h]], *b = &rings[mesh->faces[bat_mesh_next(h)]];
-            *a = *a == RINGS && *b == k - 1 ? (uint8_t)k : *a;
-            *b = *b == RINGS && *a == k - 1 ? (uint8_t)k : *b;
+            *a = *a == ring_count && *b == k - 1 ? (uint8_t)k : *a;
+            *b = *b == ring_count && *a == k - 1 ? (uint8_t)k : *b;
         }
-    for (int k = 0; k < SMOOTHINGS && links.boundary_edge_count > 0; k++)
+    for (int k = 0; k < rounds && (first < count || links.boundary_edge_count > 0); k++)
     {
         memset(sums, 0, count * 4 * sizeof *sums);
         for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
@@ -196,14 +196,14 @@ static bat_status smooth_boundary(bat_mesh *mesh, bat_error *error)
             for (size_t e = 0; e < 2; e++)
             {
                 // A vertex of the boundary takes its neighbours there alone. Each inner edge comes twice.
-                double weight = rings[ends[e]] == 0 ? (outer ? 1 : 0) : outer ? 1 : 0.5;
+                double weight = links.twin[links.first[ends[e]]] == BAT_MESH_NONE ? (outer ? 1 : 0) : outer ? 1 : 0.5;
                 for (size_t c = 0; c < 3; c++)
                     sums[4 * (size_t)ends[e] + c] += weight * mesh->positions[3 * (size_t)ends[1 - e] + c];
                 sums[4 * (size_t)ends[e] + 3] += weight;
             }
         }
         for (size_t v = 0; v < count; v++)
-            for (size_t c = 0; c < 3 && rings[v] < RINGS && sums[4 * v + 3] > 0; c++)
+            for (size_t c = 0; c < 3 && rings[v] < ring_count && sums[4 * v + 3] > 0; c++)
                 mesh->positions[3 * v + c] = (mesh->positions[3 * v + c] + sums[4 * v + c] / sums[4 * v + 3]) / 2;
     }
     bat_mesh_connectivity_free(&links);
@@ -245,5 +245,6 @@ bat_status shell_open_holes(const double *points, size_t count, const shell_conn
     // Holes that are open may leave islands, which are pieces without points.
     if (status == BAT_OK && mesh->face_count < faces)
         status = open_once(points, count, found, fill, mesh, &islands, error);
-    return status == BAT_OK ? smooth_boundary(mesh, error) : status;
+    // Boundaries follow the cells of a grid.
+    return status == BAT_OK ? shell_even_out(mesh, mesh->vertex_count, RINGS, SMOOTHINGS, error) : status;
 }

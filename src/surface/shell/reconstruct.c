@@ -215,41 +215,36 @@ static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *e
 /// Decimation leaves clusters of tiny faces otherwise. At a boundary that would change the rim.
 static bat_status relax(bat_mesh *mesh, bat_error *error)
 {
-    size_t count = mesh->vertex_count;
-    memory_pool pool = {0};
-    double *normals = memory_pool_array(&pool, count, 3 * sizeof *normals),
-           *sums = memory_pool_array(&pool, count, 3 * sizeof *sums);
-    size_t *degrees = memory_pool_array(&pool, count, sizeof *degrees);
-    bat_mesh_connectivity links = {0};
-    bat_status status = memory_pool_check(&pool, error);
-    if (status == BAT_OK)
-        status = bat_mesh_connect(mesh, &links, error);
-    for (int k = 0; k < RELAXATIONS && status == BAT_OK && links.boundary_edge_count == 0; k++)
+    bat_mesh_connectivity links;
+    bat_status status = bat_mesh_connect(mesh, &links, error);
+    if (status != BAT_OK)
+        return status;
+    size_t moves = links.boundary_edge_count == 0 ? RELAXATIONS * mesh->vertex_count : 0;
+    for (size_t k = 0; k < moves; k++)
     {
-        status = bat_mesh_vertex_normals(mesh, BAT_MESH_NORMALS_ANGLE, normals, error);
-        memset(sums, 0, count * 3 * sizeof *sums);
-        memset(degrees, 0, count * sizeof *degrees);
-        for (uint32_t h = 0; h < 3 * mesh->face_count; h++)
+        uint32_t first = links.first[k % mesh->vertex_count], h = first;
+        double *place = mesh->positions + 3 * (k % mesh->vertex_count), sum[3] = {0}, normal[3] = {0}, count = 0;
+        do
         {
-            uint32_t from = mesh->faces[h], to = mesh->faces[bat_mesh_next(h)];
-            degrees[to]++;
+            double arms[2][3], area[3];
+            vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_next(h)], place, arms[0]);
+            vector3_subtract(mesh->positions + 3 * (size_t)mesh->faces[bat_mesh_previous(h)], place, arms[1]);
+            vector3_cross(arms[0], arms[1], area);
             for (size_t c = 0; c < 3; c++)
-                sums[3 * (size_t)to + c] += mesh->positions[3 * (size_t)from + c];
-        }
-        for (size_t v = 0; v < count; v++)
-        {
-            double *place = mesh->positions + 3 * v, move[3];
-            const double *normal = normals + 3 * v;
-            for (size_t c = 0; c < 3; c++)
-                move[c] = sums[3 * v + c] / (double)degrees[v] - place[c];
-            double out = vector3_dot(move, normal);
-            for (size_t c = 0; c < 3; c++)
-                place[c] += RELAXATION * (move[c] - out * normal[c]);
-        }
+            {
+                sum[c] += arms[0][c];
+                normal[c] += area[c];
+            }
+            count++;
+            h = bat_mesh_next_around(&links, h);
+        } while (h != first);
+        (void)vector3_normalize(normal);
+        double out = vector3_dot(sum, normal);
+        for (size_t c = 0; c < 3; c++)
+            place[c] += RELAXATION * (sum[c] - out * normal[c]) / count;
     }
     bat_mesh_connectivity_free(&links);
-    memory_pool_free(&pool);
-    return status;
+    return BAT_OK;
 }
 
 /// Coarsen the mesh that connects the points, which is a scaffold for layouts alone.

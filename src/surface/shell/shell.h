@@ -64,6 +64,10 @@ bat_status shell_distances(const double *points, size_t count, const double *pla
 bat_status shell_open_holes(const double *points, size_t count, const shell_connection *found, double fill, bat_mesh *mesh,
                             bat_shell_report *report, bat_error *error);
 
+/// Even out the last vertices of a mesh, or its boundary loops where `first` is the number of vertices, and those beside.
+/// @param ring_count of vertices that move, beginning with those
+bat_status shell_even_out(bat_mesh *mesh, size_t first, uint8_t ring_count, int rounds, bat_error *error);
+
 /// Cut tunnels and bridges of the mesh that the points contradict, and close both sides.
 bat_status shell_cut_handles(const double *points, size_t count, const shell_connection *found, bat_mesh *mesh,
                              bat_shell_report *report, bat_error *error);
