@@ -20,7 +20,7 @@ file(RELATIVE_PATH pkgconfig_to_prefix /prefix/${pkgconfig_folder} /prefix)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/batten.pc.in ${PROJECT_BINARY_DIR}/batten.pc @ONLY)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/batten-config.cmake.in ${PROJECT_BINARY_DIR}/batten-config.cmake
                               INSTALL_DESTINATION ${cmake_folder} NO_SET_AND_CHECK_MACRO)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/batten-config-version.cmake COMPATIBILITY ${BATTEN_COMPATIBILITY})
 if(NOT BATTEN_INSTALL)
   return()
 endif()

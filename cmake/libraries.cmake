@@ -1,8 +1,14 @@
 # The libraries that are installed: batten and batten-research, each shared and static. Each shows the functions of its own
 # public headers and nothing else.
 
-# An interface may change with every minor version until 1.0.
-set(BATTEN_ABI ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+# An interface may change with every minor version until 1.0, and with every major one from then on.
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(BATTEN_ABI ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  set(BATTEN_COMPATIBILITY SameMinorVersion)
+else()
+  set(BATTEN_ABI ${PROJECT_VERSION_MAJOR})
+  set(BATTEN_COMPATIBILITY SameMajorVersion)
+endif()
 
 if(CMAKE_SYSTEM_NAME STREQUAL Linux AND CMAKE_LINKER AND CMAKE_OBJCOPY)
   set(BATTEN_HAS_BINUTILS ON)
