@@ -34,7 +34,7 @@ with open("cloud.ply", "wb") as ply:
         ply.write(rows.tobytes())
 END
 bytes=$(wc -c < cloud.ply)
-echo "the file has $((bytes / 1048576)) MiB, $((bytes / 1048576 * 10 / limit)) tenths of the limit"
+echo "the file has $((bytes / 1048576)) MiB, $((bytes * 10 / 1048576 / limit)) tenths of the limit"
 
 fit()
 {

@@ -1,5 +1,8 @@
 #!/bin/sh
 # Fits of batten-mpi beside those of the program. Usage: surface.sh equal|cloud|solvers|resume|bad BATTEN BATTEN_MPI MPIRUN
+#
+# The words of $given are a file and an option.
+# shellcheck disable=SC2086
 set -u
 what=$1
 batten=$2

@@ -22,8 +22,8 @@ all()
     for count in 1 2 3 4; do
         threads=1
         [ $count -ne 2 ] || threads=2
-        ranks $count 0 "$@" --threads $threads --output ranks$count
-        same ranks$count
+        ranks "$count" 0 "$@" --threads "$threads" --output ranks$count
+        ranks "$count" 0 "$@" --threads "$threads" --output "ranks$count"
         check "$count ranks report the same" test "$(sed '$d' stdout)" = "$(sed '$d' one.out)"
         check "they count what they send" grep -q "^$count ranks: [0-9]* bytes sent in [0-9]* messages" stderr
     done

@@ -140,7 +140,8 @@ refused 1 'cycle\.in\.gltf: node 1: .*descendant' mesh cycle.in.gltf -o out.csv 
 refused 1 'short\.in\.glb: the file has 20 bytes, but its header tells 255' mesh short.in.glb -o out.csv --to obj
 refused 1 'one\.in\.obj: .*more than the 1 GB allowed; --levels [0-9]+ fits' mesh one.in.obj --levels 15 --max-memory 1 -o out.csv --to obj
 # Keyframes.
-key() { printf 'time,qw,qx,qy,qz\n0,1,0,0,0\n'; printf "$@"; }
+# shellcheck disable=SC2059
+key() { printf "time,qw,qx,qy,qz\n0,1,0,0,0\n$1"; }
 key '1,nan,0,0,1\n' > keynan.in.csv
 key '1,0,0,0,0\n' > keyzero.in.csv
 key '1,2,0,0,0\n' > keylong.in.csv
@@ -521,6 +522,8 @@ full reproduce hermite-order
 # Limits end the program with one line, whatever its libraries wait for.
 refused 1 'the time of --max-seconds is over' reproduce hermite-order --max-seconds 0.05
 "$batten" shape mask --vertices 300 -o limit.in.obj --quiet
+# A limit and a call are lists of words.
+# shellcheck disable=SC2086
 for limit in '-v 200000' '-d 60000'; do
     (
         ulimit $limit
@@ -531,7 +534,7 @@ for limit in '-v 200000' '-d 60000'; do
             'train curve --epochs 1 -o limited --max-seconds 2' 'train surface --epochs 1 -o limited --max-seconds 2'; do
             timeout -s KILL 60 "$batten" $verb > stdout 2> stderr
             code=$?
-            [ $code -le 1 ] && [ $(wc -l < stderr) -le 1 ] && ! grep -q libgomp stderr || echo "ulimit $limit, batten $verb: exit $code" >> limits
+            [ $code -le 1 ] && [ "$(wc -l < stderr)" -le 1 ] && ! grep -q libgomp stderr || echo "ulimit $limit, batten $verb: exit $code" >> limits
         done
     )
 done

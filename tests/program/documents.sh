@@ -234,7 +234,7 @@ for page in $run_pages; do
     enter "$page"
     awk -F '\t' -v page="$page" '$1 == page && $3 == "sh"' "$scratch/commands" > "$scratch/page"
     test -s "$scratch/page" || fail "$page has no commands"
-    while IFS='	' read -r file line kind command; do
+    while IFS='	' read -r file line _ command; do
         run "$command" "$file:$line"
     done < "$scratch/page"
     cd "$source" || exit 1
@@ -258,10 +258,10 @@ help_of()
 
 # All commands: the verb and its long options exist, and so does a published result.
 "$batten" list results > "$scratch/results"
-while IFS='	' read -r page line kind command; do
+while IFS='	' read -r page line _ command; do
     # Words are split at blanks; brackets and bars of a synopsis are no part of an option.
     set -f
-    # shellcheck disable=SC2086
+    # shellcheck disable=SC2046,SC2086
     set -- $(echo "$command" | tr '[]|()' '     ')
     set +f
     case ${2:-} in
@@ -285,7 +285,7 @@ while IFS='	' read -r page line kind command; do
 done < "$scratch/commands"
 
 # Quick commands of the other pages: analysis and lists, and refinement of the examples.
-while IFS='	' read -r page line kind command; do
+while IFS='	' read -r page line _ command; do
     case " $run_pages " in
         *" $page "*) continue ;;
     esac

@@ -52,7 +52,7 @@ check "smoothing tells its moves in metres" grep -Eq '^smoothed: points moved by
 "$batten" curve "$examples/coast-detailed.geojson" --smooth auto --levels 1 -o calm.geojson --json > calm.json
 check "smoothing estimates the noise" json calm.json '"noise": [1-9]'
 
-for i in 1 2 3 4 5; do
+for _ in 1 2 3 4 5; do
     tr -d '\n' < "$examples/coast.geojson" | sed 's/^.*"features": *\[//; s/\] *} *$//'
     echo
 done > coasts.geojsonl
