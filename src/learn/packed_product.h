@@ -10,7 +10,7 @@
 /// Numbers at any address of theirs.
 typedef real WIDE __attribute__((vector_size(PRODUCT_BYTES), aligned(sizeof(real)), may_alias));
 
-#if FLT_EVAL_METHOD != 0
+#if __FLT_EVAL_METHOD__ != 0
 static inline WIDE PRODUCT_NAME(PRODUCT, _splat)(real number)
 {
     WIDE vector;
