@@ -62,7 +62,7 @@ static inline void interleave(const double *restrict even, const double *restric
 typedef double vector8 __attribute__((vector_size(64)));
 
 // Where arithmetic is done in a wider type (x87), compilers do not multiply a vector by a number.
-#if FLT_EVAL_METHOD == 0
+#if __FLT_EVAL_METHOD__ == 0
 #define SCALED(number, vector) ((number) * (vector))
 #else
 #define SCALED(x, vector) ((vector8){(x), (x), (x), (x), (x), (x), (x), (x)} * (vector))
