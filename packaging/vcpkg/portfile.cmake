@@ -4,7 +4,8 @@ if(NOT sum STREQUAL "@SHA256@")
   message(FATAL_ERROR "the archive of batten has another sum: ${sum}")
 endif()
 vcpkg_extract_source_archive(source ARCHIVE "${archive}")
-vcpkg_check_features(OUT_FEATURE_OPTIONS options FEATURES files BATTEN_FILES pictures BATTEN_PICTURES surfaces BATTEN_SURFACES)
+vcpkg_check_features(OUT_FEATURE_OPTIONS options FEATURES
+                     files BATTEN_FILES pictures BATTEN_PICTURES surfaces BATTEN_SURFACES)
 vcpkg_cmake_configure(SOURCE_PATH "${source}" OPTIONS ${options} -DBATTEN_TESTS=OFF -DBATTEN_BENCH=OFF -DBATTEN_EXAMPLES=OFF
                       -DBATTEN_PROGRAM=OFF -DBATTEN_RESEARCH=OFF -DBATTEN_MPI=OFF -DBATTEN_GDAL=OFF)
 vcpkg_cmake_install()
