@@ -10,7 +10,7 @@ static inline bool size_multiply_overflows(size_t a, size_t b, size_t *product)
     return __builtin_mul_overflow(a, b, product);
 }
 
-/// An array of `count` elements of `size` bytes, aligned to 64 bytes and not initialized; release it with free().
+/// An uninitialized array of `count` elements of `size` bytes, aligned to 64 bytes but on Windows; release it with free().
 /// Null when out of memory, when the size overflows; never null for a count of 0.
 void *memory_array(size_t count, size_t size);
 

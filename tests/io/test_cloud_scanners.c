@@ -102,7 +102,7 @@ static void put_pcd_header(bytes *file, const char *fields, size_t count, const 
 #define XYZ "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
 #define MIXED "FIELDS normal z rgb x y\nSIZE 4 8 4 4 4\nTYPE F F U F F\nCOUNT 3 1 1 1 1\n"
 
-static const double FOUR[] = {0.5, -1, 7, 2000, 3, 7, -0.25, 1e-3f, 7, 4, 5, 7};
+static const double FOUR[] = {0.5, -1, 7, 2000, 3, 7, -0.25, (float)1e-3, 7, 4, 5, 7};
 
 static void pcd_as_text(void **state)
 {
