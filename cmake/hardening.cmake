@@ -23,3 +23,6 @@ target_compile_options(batten_settings INTERFACE $<$<NOT:$<CONFIG:Debug>>:-U_FOR
 if(CMAKE_SYSTEM_NAME STREQUAL Linux)
   target_link_options(batten_settings INTERFACE -Wl,-z,relro,-z,now,-z,noexecstack)
 endif()
+if(MINGW)
+  target_link_libraries(batten_settings INTERFACE ssp) # the checks are in a library of their own
+endif()

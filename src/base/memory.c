@@ -1,6 +1,8 @@
-// For madvise().
-// NOLINTNEXTLINE(bugprone-reserved-identifier): the C library's own switch
+// For madvise() and the number of pages.
+// NOLINTBEGIN(bugprone-reserved-identifier): the C libraries' own switches
 #define _DEFAULT_SOURCE
+#define _DARWIN_C_SOURCE
+// NOLINTEND(bugprone-reserved-identifier)
 
 #include "base/array_grow.h"
 #include "base/error.h"
