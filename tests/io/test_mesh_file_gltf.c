@@ -257,7 +257,9 @@ static void bad_file(const char *path, bat_status expected, const char *words)
 static void test_external_buffers(void **state)
 {
     (void)state;
-    static const float points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    static const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    char points[sizeof numbers];
+    little_endian(points, numbers, sizeof numbers / sizeof *numbers);
     bat_mesh mesh;
     assert_int_equal(mkdir("sub", 0700), 0);
     assert_int_equal(mkdir("sub/a b", 0700), 0);

@@ -66,7 +66,7 @@ static char *binary_of(const float *coordinates, uint32_t triangles, const char 
     for (size_t t = 0; t < triangles; t++)
     {
         memset(bytes + 84 + 50 * t, 0xff, 12); // a normal that is not a number
-        memcpy(bytes + 84 + 50 * t + 12, coordinates + 9 * t, 36);
+        little_endian(bytes + 84 + 50 * t + 12, coordinates + 9 * t, 9);
         memset(bytes + 84 + 50 * t + 48, 0xab, 2);
     }
     return bytes;

@@ -8,6 +8,19 @@
 
 #include "batten/mesh_file.h"
 
+/// Numbers as files have them, the smaller bytes first, on every machine.
+static inline void little_endian(void *to, const float *numbers, size_t count)
+{
+    unsigned char *bytes = to;
+    for (size_t i = 0; i < count; i++)
+    {
+        uint32_t bits;
+        memcpy(&bits, numbers + i, sizeof bits);
+        for (size_t k = 0; k < sizeof bits; k++)
+            bytes[sizeof bits * i + k] = (unsigned char)(bits >> 8 * k);
+    }
+}
+
 static inline double any_number(bat_random *random)
 {
     return ldexp(bat_random_uniform(random) - 0.5, (int)(bat_random_bits(random) % 40) - 20);
