@@ -12,6 +12,8 @@
 #endif
 /// Stands behind a parameter that a function does not use.
 #define BAT_UNUSED __attribute__((unused))
+/// Stands before a name that goes; `message` says what to use instead.
+#define BAT_DEPRECATED(message) __attribute__((deprecated(message)))
 
 #if defined(__cplusplus)
 #define BAT_C_BEGIN                                                                                                         \
