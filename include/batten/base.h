@@ -31,8 +31,8 @@ BAT_C_BEGIN
 /// The base of all headers: status codes, error texts, tables of choices, progress, files that appear together, random
 /// streams, the version.
 
-#define BAT_VERSION_MAJOR 0
-#define BAT_VERSION_MINOR 1
+#define BAT_VERSION_MAJOR 1
+#define BAT_VERSION_MINOR 0
 #define BAT_VERSION_PATCH 0
 
 /// The version of the library that is linked, as "major.minor.patch".
