@@ -6,6 +6,8 @@
 /// @file
 /// Bisection of ascending arrays.
 
+// NOLINTBEGIN(bugprone-macro-parentheses): names of variables
+
 /// Move `low` to the first place before `high` where a condition on `middle` does not hold, else to `high`. It holds at
 /// every place before one where it holds.
 #define BISECT(low, high, middle, condition)                                                                                \
@@ -16,6 +18,7 @@
         low = holds ? middle + 1 : low;                                                                                     \
         high = holds ? high : middle;                                                                                       \
     }
+// NOLINTEND(bugprone-macro-parentheses)
 
 /// The last place from `low` to `high` - 1 whose element is at most a value; `low` for none.
 static inline size_t bisect_reals(const double *ascending, size_t low, size_t high, double value)
