@@ -180,24 +180,22 @@ static bat_status smooth_joint(const refine_source *source, size_t before, size_
 {
     const bat_space *space = source->space;
     unsigned char level = levels[before] > levels[after] ? levels[before] : levels[after];
-    double limit = JOINT_TURN, *points = memory_array(2 * space->point_dim, sizeof *points);
-    bat_status status = points != NULL ? BAT_OK : error_memory(error, 2 * space->point_dim * sizeof *points);
+    double last[BAT_SPACE_MAX_DIM], next[BAT_SPACE_MAX_DIM];
     const double *joint = refine_source_vertex(source, after);
-    if (status == BAT_OK)
-        limit = fmax(limit, JOINT_SHARE * fabs(space->exterior_angle(space, refine_source_vertex(source, before), joint,
-                                                                     refine_source_vertex(source, after + 1))));
+    double given =
+        space->exterior_angle(space, refine_source_vertex(source, before), joint, refine_source_vertex(source, after + 1));
+    double limit = fmax(JOINT_TURN, JOINT_SHARE * fabs(given));
+    bat_status status = BAT_OK;
     for (; level < JOINT_LEVELS && status == BAT_OK; level++)
     {
-        double *next = points + space->point_dim;
-        status = refine_source_run(source, level, before, ((size_t)1 << level) - 1, 1, 1, points, error);
+        status = refine_source_run(source, level, before, ((size_t)1 << level) - 1, 1, 1, last, error);
         if (status == BAT_OK)
             status = refine_source_run(source, level, after, 1, 1, 1, next, error);
-        if (status != BAT_OK || fabs(space->exterior_angle(space, points, joint, next)) <= limit)
+        if (status != BAT_OK || fabs(space->exterior_angle(space, last, joint, next)) <= limit)
             break;
     }
     levels[before] = levels[before] < level ? level : levels[before];
     levels[after] = levels[after] < level ? level : levels[after];
-    free(points);
     return status;
 }
 

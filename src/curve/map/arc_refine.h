@@ -215,6 +215,7 @@ typedef struct refined_arcs
 } refined_arcs;
 
 /// Refine the arcs of a graph.
+/// @param joints  line_chains::joints of the curves; null: no lines were joined
 /// @param options complete and valid, with a scheme; corners are ends of arcs already
 /// @param chart   where arcs must not meet; null: nothing is tested
 /// @param straight which edges are straight in degrees; null: none
