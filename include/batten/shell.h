@@ -57,8 +57,8 @@ BAT_API bat_shell_reconstruct_options bat_shell_reconstruct_defaults(void);
 /// Its table, for bat_options_check().
 extern BAT_API const bat_options_table bat_shell_reconstruct_fields;
 
-/// Whether a shell is to follow a patch that failed: the failure names a shell as its remedy, and nothing is asked for that
-/// only patches have.
+/// Whether a shell is to follow a patch that failed. So it is where the failure names a shell as its remedy, and nothing is
+/// asked for that only patches have.
 /// @param patch    the options of the patch
 /// @param outlined whether a boundary or corners were asked for
 /// @param failure  of the patch, or of reading its cloud

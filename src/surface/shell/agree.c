@@ -144,6 +144,13 @@ static void agree_at(const agree_work *work, uint32_t half_edge, double t)
     }
 }
 
+/// Whether points beside a half-edge may move. Of a side, one half-edge is taken.
+static bool is_movable(const agree_work *work, uint32_t half_edge)
+{
+    uint32_t twin = work->grid->links.twin[half_edge];
+    return is_smooth(work->grid, half_edge) && twin > half_edge && work->near[half_edge / 4] && work->near[twin / 4];
+}
+
 bat_status shell_agree(const shell_grid *grid, double *bezier, bat_error *error)
 {
     size_t count = grid->rows.row_count;
@@ -164,9 +171,7 @@ bat_status shell_agree(const shell_grid *grid, double *bezier, bat_error *error)
         find_directions(&work, bezier);
         for (int round = 0; round < ROUNDS; round++)
             for (uint32_t h = 0; h < 4 * grid->quad_count; h++)
-                for (int k = 0; k < PLACES && is_smooth(grid, h) && grid->links.twin[h] > h && work.near[h / 4] &&
-                                work.near[grid->links.twin[h] / 4];
-                     k++)
+                for (int k = 0; k < PLACES && is_movable(&work, h); k++)
                     agree_at(&work, h, (double)k / (PLACES - 1));
         for (size_t k = 0; k < 16 * grid->quad_count; k++)
             memcpy(bezier + 3 * k, work.points + 3 * work.rows[k], 3 * sizeof *bezier);
