@@ -66,9 +66,11 @@ bool corners_wanted(const bat_curve *curve, const bat_curve_refine_options *opti
     return curve->corners != NULL || options->corner_angle > 0 || (options->find_corners && corners_stay(options));
 }
 
-/// The exterior angle of every vertex, without a sign.
+/// The exterior angle of every vertex, with a sign in an oriented surface.
 static bat_status find_turns(const bat_curve *curve, double *turns, bat_error *error)
 {
+    if (bat_curve_exterior_angles(curve, turns, NULL) == BAT_OK)
+        return BAT_OK;
     size_t n = curve->count, dim = curve->space->point_dim;
     const double *p = curve->points;
     for (size_t i = 0; i < n; i++)
@@ -209,7 +211,7 @@ static void flag_found(corner_search *search, unsigned char *flags)
         if (pair || back || (fabs(turns[i]) > MIN_CORNER * DEGREE && ends_run(search, i)))
             flags[i] = 1;
     }
-    if (bat_curve_exterior_angles(search->curve, search->turns, NULL) != BAT_OK)
+    if (search->curve->space->exterior_angle == NULL)
         return;
     bat_curve_edge_lengths(search->curve, search->lengths);
     find_directions(search);
@@ -237,7 +239,7 @@ bat_status corners_find(const bat_curve *curve, const bat_curve_refine_options *
     for (size_t i = 0; i < n; i++)
         flags[i] = (curve->corners != NULL && curve->corners[i] != 0) ||
                    (status == BAT_OK && options->corner_angle > 0 && search.turns != NULL &&
-                    search.turns[i] > options->corner_angle);
+                    fabs(search.turns[i]) > options->corner_angle);
     if (status == BAT_OK && searched)
         flag_found(&search, flags);
     *count = 0;

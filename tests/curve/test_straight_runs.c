@@ -92,6 +92,61 @@ static void long_edges_bend_by_their_neighbours(void **state)
     }
 }
 
+/// A line from the origin by edges of some lengths and the turns in degrees behind them.
+static void draw(double (*edges)[2], size_t count, double *points)
+{
+    double heading = 0;
+    points[0] = points[1] = 0;
+    for (size_t i = 0; i < count; i++)
+    {
+        points[2 * i + 2] = points[2 * i] + edges[i][0] * cos(heading);
+        points[2 * i + 3] = points[2 * i + 1] + edges[i][0] * sin(heading);
+        heading += edges[i][1] / 180 * 3.14159265358979323846;
+    }
+}
+
+/// Many short edges of an arc tell the tolerance of a simplified line; a long edge between corners would leave it.
+static void long_edges_of_simplified_lines_stay_straight(void **state)
+{
+    (void)state;
+    enum
+    {
+        ARC = 28,
+        EDGES = ARC + 4,
+        LONG = 2 ///< the long edge
+    };
+    double edges[EDGES][2] = {{1.6, 75}, {0.4, -20}, {1.8, -63}}, points[2 * EDGES + 2];
+    for (size_t i = 0; i < ARC; i++)
+    {
+        edges[LONG + 1 + i][0] = i % 5 == 0 ? 0.08 : 0.065;
+        edges[LONG + 1 + i][1] = i + 1 == ARC ? 77 : -1.5;
+    }
+    edges[EDGES - 1][0] = 1.1;
+    draw(edges, EDGES, points);
+    bat_curve fine = refined(points, EDGES + 1, false, 0.25);
+    check_near(largest_bend(points, EDGES + 1, LONG, &fine), 0, 1e-12);
+    for (size_t i = LONG + 4; i < LONG + ARC - 2; i++)
+        assert_true(largest_bend(points, EDGES + 1, i, &fine) > 1e-4);
+    bat_curve_free(&fine);
+
+    // An even sample of a wave has deviations down to 0, and a long edge in a line of few points tells nothing.
+    for (size_t i = 0; i < EDGES; i++)
+    {
+        edges[i][0] = 1;
+        edges[i][1] = 25 * sin(0.37 * (double)i + 0.2);
+    }
+    draw(edges, EDGES, points);
+    fine = refined(points, EDGES + 1, false, 0.25);
+    for (size_t i = 1; i + 1 < EDGES; i++)
+        assert_true(largest_bend(points, EDGES + 1, i, &fine) > 1e-9);
+    bat_curve_free(&fine);
+    double few[][2] = {{1, 40}, {3, 40}, {1, 0}};
+    draw(few, 3, points);
+    fine = refined(points, 4, false, 0.25);
+    assert_true(largest_bend(points, 4, 1, &fine) > 0.1);
+    bat_curve_free(&fine);
+}
+
 /// Right angles beside an edge of length r between edges of length 1: as far as a vertex counts as a corner, the insertion
 /// over the edge stays within the shorter one.
 static void corners_are_bounded_by_the_shorter_edge(void **state)
@@ -115,6 +170,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(runs_of_collinear_points_stay_straight),
         cmocka_unit_test(long_edges_bend_by_their_neighbours),
+        cmocka_unit_test(long_edges_of_simplified_lines_stay_straight),
         cmocka_unit_test(corners_are_bounded_by_the_shorter_edge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
