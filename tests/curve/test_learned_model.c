@@ -203,7 +203,8 @@ static void files_make_round_trips(void **state)
         write_file(f, LEARNED_PARAMETERS);
         bat_curve_model *model = read_model(path);
         assert_true(bat_curve_model_has_fairness(model));
-        const bat_curve_angle_rule rule = learned_rule(f->parameters.values);
+        bat_curve_angle_rule rule = learned_rule(f->parameters.values);
+        rule.angles = bat_curve_scheme_learned(0).rule->angles; // with the loss of rough lines
         bat_curve_scheme read = bat_curve_scheme_of_model(model), written = bat_curve_scheme_angle_rule(&rule);
         written.fairness = 0.25;
         assert_same_scheme(&read, &written);

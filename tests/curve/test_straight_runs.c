@@ -3,6 +3,8 @@
 #include "batten/curve.h"
 #include "batten/curve_scheme.h"
 #include "curve/edge_turns.h"
+#include "curve/network/learned_network.h"
+#include "learn/weights.h"
 
 // What the learned scheme and its later levels promise by construction: straight runs stay straight, and an edge between
 // short neighbours bends by no more than their length.
@@ -140,11 +142,53 @@ static void long_edges_of_simplified_lines_stay_straight(void **state)
     for (size_t i = 1; i + 1 < EDGES; i++)
         assert_true(largest_bend(points, EDGES + 1, i, &fine) > 1e-9);
     bat_curve_free(&fine);
+
     double few[][2] = {{1, 40}, {3, 40}, {1, 0}};
     draw(few, 3, points);
     fine = refined(points, 4, false, 0.25);
     assert_true(largest_bend(points, 4, 1, &fine) > 0.1);
     bat_curve_free(&fine);
+}
+
+/// Rough lines with a lower end of their deviations bend less than by the network alone.
+static void rough_simplified_lines_bend_less(void **state)
+{
+    (void)state;
+    enum
+    {
+        EDGES = 40
+    };
+    double edges[EDGES][2], points[2 * EDGES + 2];
+    for (size_t i = 0; i < EDGES; i++)
+    {
+        edges[i][0] = i % 3 == 0 ? 1.6 : 1;
+        edges[i][1] = i % 2 == 0 ? 60 : -55;
+    }
+    draw(edges, EDGES, points);
+    bat_space plane = bat_euclidean(2);
+    bat_curve coarse = {.space = &plane, .points = points, .count = EDGES + 1}, fine;
+    const bat_curve_angle_rule rule = learned_rule(weights_learned.arrays[0].values);
+    bat_curve_refine_options options = bat_curve_refine_defaults();
+    options.levels = LEVELS;
+    for (double fairness = 0; fairness <= 1; fairness += 0.5)
+    {
+        bat_curve less = refined(points, EDGES + 1, false, fairness);
+        options.scheme = bat_curve_scheme_angle_rule(&rule);
+        options.scheme.fairness = fairness;
+        check_status(bat_curve_refine(&coarse, &options, &fine, NULL), BAT_OK);
+        double bends[2] = {0, 0};
+        for (size_t i = 2; i + 2 < EDGES; i++)
+        {
+            bends[0] += largest_bend(points, EDGES + 1, i, &less);
+            bends[1] += largest_bend(points, EDGES + 1, i, &fine);
+        }
+        if (fairness < 1)
+            assert_true(bends[0] < 0.95 * bends[1]);
+        else
+            check_relative(bends[0], bends[1], 1e-12);
+        bat_curve_free(&less);
+        bat_curve_free(&fine);
+    }
 }
 
 /// Right angles beside an edge of length r between edges of length 1: as far as a vertex counts as a corner, the insertion
@@ -171,6 +215,7 @@ int main(void)
         cmocka_unit_test(runs_of_collinear_points_stay_straight),
         cmocka_unit_test(long_edges_bend_by_their_neighbours),
         cmocka_unit_test(long_edges_of_simplified_lines_stay_straight),
+        cmocka_unit_test(rough_simplified_lines_bend_less),
         cmocka_unit_test(corners_are_bounded_by_the_shorter_edge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,6 +8,11 @@ static const double FLAT = 1e-3;
 static const double FAINT = 1e-2;
 /// Share of the turns around an edge below which its own are rounding.
 static const double ROUNDING = 1e-6;
+/// Smaller angles are rounding: half a degree.
+static const double MIN_ANGLE = 0.008726646259971648;
+/// Bounds of what tells a rough line that was simplified, and the most that an angle loses there: the share of neighbours
+/// that turn the same way, the deviation of the logarithms of lengths, how far the least deviation lies below the mean.
+static const double ROUGH[2] = {0.6, 0.8}, UNEVEN[2] = {0.06, 0.25}, SIMPLIFIED[2] = {1.1, 1.7}, LOSS = 0.6;
 /// Vertices with smaller angles count as nearly straight.
 static const double NEARLY_STRAIGHT = 0.1;
 
@@ -15,7 +20,8 @@ enum
 {
     R = LEARNED_REACH,
     W = LEARNED_RANGE,
-    MIDDLE = LEARNED_MIDDLE
+    MIDDLE = LEARNED_MIDDLE,
+    FEWEST = 6 ///< deviations that tell how a line was sampled
 };
 
 learned_turns learned_turns_of(const double *angles, const double *lengths)
@@ -163,6 +169,42 @@ static void find_statistics(const double *angles, const learned_logs *logs, cons
         correlation(&turns, &spans, with_span),
     };
     memcpy(statistics, found, sizeof found);
+}
+
+/// 0 up to `low`, 1 from `high` on.
+static double ramp(double x, double low, double high)
+{
+    return fmin(fmax((x - low) / (high - low), 0), 1);
+}
+
+double learned_rough_loss(const double *angles, const learned_logs *logs)
+{
+    moments deviations = moments_make(), areas = moments_make(), sizes = moments_make();
+    double lengths[2 * W + 1], same = 0, pairs = 0;
+    for (int i = 1 - W; i < W; i++)
+    {
+        bool turned = fmin(fabs(angles[i]), fabs(angles[i + 1])) > MIN_ANGLE;
+        same += turned && angles[i] * angles[i + 1] > 0;
+        pairs += turned;
+    }
+    double rough = 1 - ramp(same / fmax(pairs, 1), ROUGH[0], ROUGH[1]);
+    if (!(rough > 0))
+        return 0;
+    find_sizes(logs, W, lengths + W);
+    for (int i = 0; i <= 2 * W; i++)
+        moments_add(&sizes, lengths[i]);
+    for (int i = 1 - W; i <= W; i++)
+        if (fabs(angles[i]) > MIN_ANGLE)
+        {
+            double area = lengths[W + i - 1] + lengths[W + i] + logs[i].turn;
+            moments_add(&deviations, area - lengths[W + i] - logs[i].span);
+            moments_add(&areas, area);
+        }
+    if (deviations.count < FEWEST)
+        return 0;
+    double least = fmin(mean_of(&deviations) - deviations.least, mean_of(&areas) - areas.least);
+    return LOSS * rough * ramp(sqrt(variance_of(&sizes)), UNEVEN[0], UNEVEN[1]) *
+           (1 - ramp(least, SIMPLIFIED[0], SIMPLIFIED[1]));
 }
 
 double learned_angle(learned_edge edge, double correction, double gate)

@@ -97,6 +97,11 @@ typedef struct learned_logs
 /// @param logs           receives count + 2 LEARNED_RANGE - 1 entries, the first of vertex 1 - LEARNED_RANGE
 void learned_logs_of(const double *angles, const double *lengths, size_t count, bool statistics, learned_logs *logs);
 
+/// The share that an angle of level 0 loses by the shipped weights. Rough lines that were simplified bend less between their
+/// points than the network expects: neighbouring vertices turn to either side, edges differ, and the least deviation or area
+/// is not far below the mean.
+double learned_rough_loss(const double *angles, const learned_logs *logs);
+
 /// The insertion angle of an edge, within the edge's limit.
 /// @param correction,gate the outputs of the network
 double learned_angle(learned_edge edge, double correction, double gate);

@@ -109,9 +109,10 @@ static double product(const real *weights, const real *row)
 /// @param begin    the setting of edge 0; the parity alternates
 /// @param chosen   receives `count` angles; not limited to the admissible ones
 static void learned_inference_angles(const real *weights, size_t count, const double *angles, const double *lengths,
-                                     learned_setting begin, double *chosen, learned_scratch *scratch)
+                                     learned_setting begin, bool brakes, double *chosen, learned_scratch *scratch)
 {
-    const double parity = begin.parity;
+    // At fairness 1 nothing is lost.
+    const double parity = begin.parity, wanted = fmin((1 - begin.fairness) / 0.75, 1);
     for (size_t done = 0; done < count; done += LEARNED_ROWS)
     {
         size_t rows = count - done < LEARNED_ROWS ? count - done : LEARNED_ROWS, whole = learn_whole_tiles(rows);
@@ -134,6 +135,8 @@ static void learned_inference_angles(const real *weights, size_t count, const do
             double correction = product(weights + OUTPUT_AT, first + r * C);
             double gate = product(weights + OUTPUT_AT + C, kept + r * C);
             double angle = learned_angle(scratch->edges[r], correction, gate);
+            if (brakes && begin.level == 0)
+                angle *= 1 - wanted * learned_rough_loss(angles + done + r, scratch->logs + LEARNED_RANGE - 1 + r);
             chosen[done + r] = isnan(angle) ? scratch->edges[r].base : angle;
         }
     }
@@ -158,7 +161,8 @@ static void rule_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_
                              .parity = view->level == 0 ? 0
                                        : even           ? 1
                                                         : -1};
-    learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, chosen, scratch);
+    learned_inference_angles(weights, view->count, view->angles, view->lengths, begin, rule->angles == rule_angles, chosen,
+                             scratch);
 }
 
 /// The rule of the weights in its `parameters`, or of the shipped ones.
@@ -171,9 +175,17 @@ static const bat_curve_angle_rule RULE = {
     .angles = rule_angles,
 };
 
+/// The network alone, as trainings have it.
+static void network_angles(const bat_curve_angle_rule *rule, const bat_curve_angle_rule_view *view, double *chosen,
+                           void *scratch)
+{
+    rule_angles(rule, view, chosen, scratch);
+}
+
 bat_curve_angle_rule learned_rule(const real *weights)
 {
     bat_curve_angle_rule rule = RULE;
+    rule.angles = network_angles;
     rule.parameters = weights;
     return rule;
 }
