@@ -3,6 +3,7 @@
 #include "check.h"
 
 #include "batten/batten.h"
+#include "linalg/vector.h"
 #include "surface/shell/shell.h"
 
 #include <math.h>
@@ -233,6 +234,65 @@ static bat_mesh plate_with_hole(uint32_t n, uint32_t width)
 }
 
 /// A hole of a plate is closed where there are points in its place, and stays where there are none.
+/// Points of a sphere and of two thin ellipsoids beside each other, with their outward normals.
+static scatter thin_gap(double *normals)
+{
+    enum
+    {
+        BALL = 3000,
+        THIN = 1000
+    };
+    scatter made = scatter_make(BALL + 2 * THIN);
+    for (size_t i = 0; i < made.count; i++)
+    {
+        bool ball = i < BALL;
+        size_t count = ball ? BALL : THIN, k = ball ? i : (i - BALL) % THIN;
+        double z = -1 + (2 * (double)k + 1) / (double)count, turn = 2.399963229728653 * (double)k, width = ball ? 0.4 : 0.09,
+               height = ball ? 0.4 : 0.5, ring = sqrt(1 - z * z);
+        double *at = made.points + 3 * i, *normal = normals + 3 * i;
+        normal[0] = ring * cos(turn) / width;
+        normal[1] = ring * sin(turn) / width;
+        normal[2] = z / height;
+        at[0] = width * ring * cos(turn) + (ball ? 0 : i < BALL + THIN ? -0.13 : 0.13);
+        at[1] = width * ring * sin(turn);
+        at[2] = height * z + (ball ? 1.2 : 0);
+    }
+    return made;
+}
+
+static void normals_lead_into_narrow_gaps(void **state)
+{
+    (void)state;
+    double *normals = calloc(15000, sizeof *normals), *areas = calloc(5000, sizeof *areas);
+    scatter points = thin_gap(normals);
+    const bat_cloud cloud = {.points = points.points, .count = points.count};
+    nearest_tree tree = {0};
+    oriented_planes planes = {0};
+    neighbour_list near = {0};
+    bool outward;
+    size_t wrong = 0;
+    check_status(neighbours_build(points.points, points.count, &tree, NULL), BAT_OK);
+    check_status(oriented_planes_make(&cloud, &tree, &planes, NULL), BAT_OK);
+    for (size_t i = 0; i < points.count; i++)
+    {
+        check_status(neighbours_nearest(&tree, points.points + 3 * i, SHELL_SPACING_POINTS, &near, NULL), BAT_OK);
+        areas[i] = shell_spacing(&near) * shell_spacing(&near);
+    }
+    check_status(shell_orient(&(shell_cloud){points.points, points.count, &tree, areas, sqrt(areas[1500]), 0}, &planes,
+                              &outward, NULL),
+                 BAT_OK);
+    for (size_t i = 0; i < points.count; i++)
+        wrong += vector3_dot(normals + 3 * i, planes.planes[i].axes[2]) < 0;
+    assert_true(outward);
+    assert_in_range(wrong, 0, 60);
+    neighbour_list_free(&near);
+    oriented_planes_free(&planes);
+    nearest_free(&tree);
+    free(points.points);
+    free(normals);
+    free(areas);
+}
+
 static void false_handles_are_cut(void **state)
 {
     (void)state;
@@ -387,6 +447,7 @@ int main(void)
         cmocka_unit_test(a_shell_follows_a_patch_that_failed),
         cmocka_unit_test(a_torus_keeps_its_hole),
         cmocka_unit_test(an_open_cup_stays_open),
+        cmocka_unit_test(normals_lead_into_narrow_gaps),
         cmocka_unit_test(false_handles_are_cut),
         cmocka_unit_test(crossings_are_counted),
         cmocka_unit_test(order_and_threads_change_nothing),

@@ -646,8 +646,8 @@ bat_status shell_connect(const double *points, size_t count, bat_progress progre
         found->cell = fmax(fmax(found->spacing, found->noise), extent / MAX_CELLS);
         work.noise = found->noise;
         if (status == BAT_OK)
-            status = shell_orient(&(shell_cloud){points, count, &tree, work.areas, found->spacing}, &planes, &work.outward,
-                                  error);
+            status = shell_orient(&(shell_cloud){points, count, &tree, work.areas, found->spacing, found->noise}, &planes,
+                                  &work.outward, error);
         if (status == BAT_OK)
             status = solve_levels(&work, extent, found->cell, progress, error);
     }

@@ -14,6 +14,8 @@
 #define OUTSIDE_MARGIN 8
 #define OUTSIDE_REACH 32 ///< steps
 #define SIGHTS 32        ///< directions
+#define VOTERS 10        ///< nearest points that a point listens to
+#define VOTE_ROUNDS 20
 #define WALL 1
 #define OUTSIDE 2
 
@@ -23,6 +25,8 @@ static const double MIN_INNER = 0.35;
 static const double MIN_SIGHT = 0.25;
 /// Least sine between a line of sight and the surface.
 static const double MIN_SLOPE = 0.3;
+/// Share of its own vote that a point keeps, and what is added to squared distances, in variances of the noise.
+static const double OWN_VOTE = 0.2, NOISE_SHARE = 16;
 /// Radius of the wall around a point, in its spacings and in cells, and the length of a step through it in cells.
 static const double WALL_SPACINGS = 2.5, MIN_WALL = 2.5, MAX_WALL = 8, OUTSIDE_STEP = 0.5;
 
@@ -162,6 +166,47 @@ static double sight_of(const outside_grid *grid, const double *point, const doub
     return 2 * sum / SIGHTS;
 }
 
+/// Let votes follow neighbours. On an arc, one normal is the other, mirrored at the plane between the points (König and
+/// Gumhold, "Consistent propagation of normal orientations", 2009); so it is on facing sheets of thin parts and gaps.
+static bat_status share_votes(const shell_cloud *cloud, const oriented_planes *planes, memory_pool *pool, float *votes,
+                              bat_error *error)
+{
+    neighbour_list near = {0};
+    float *own = memory_pool_array(pool, cloud->count, sizeof *own);
+    float *weights = memory_pool_zeros(pool, cloud->count, VOTERS * sizeof *weights);
+    uint32_t *voters = memory_pool_zeros(pool, cloud->count, VOTERS * sizeof *voters);
+    bat_status status = memory_pool_check(pool, error);
+    for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
+    {
+        const double *normal = planes->planes[i].axes[2];
+        double sum = 0, products[VOTERS] = {0}, arm[3];
+        own[i] = votes[i];
+        status = neighbours_nearest(cloud->tree, cloud->points + 3 * i, VOTERS + 1, &near, error);
+        for (size_t k = 0; k < near.count && k < VOTERS && status == BAT_OK; k++)
+        {
+            uint32_t other = voters[VOTERS * i + k] = near.entries[near.count - 1 - k].item;
+            const double *second = planes->planes[other].axes[2];
+            vector3_subtract(cloud->points + 3 * (size_t)other, cloud->points + 3 * i, arm);
+            double square = vector3_dot(arm, arm) + NOISE_SHARE * cloud->noise * cloud->noise;
+            products[k] =
+                pow(vector3_dot(normal, second) - 2 * vector3_dot(normal, arm) * vector3_dot(second, arm) / square, 3);
+            sum += fabs(products[k]);
+        }
+        for (size_t k = 0; k < VOTERS && sum > 0; k++)
+            weights[VOTERS * i + k] = (float)(products[k] / sum);
+    }
+    neighbour_list_free(&near);
+    for (size_t k = 0; k < VOTE_ROUNDS * cloud->count && status == BAT_OK; k++)
+    {
+        size_t i = k % cloud->count;
+        float sum = 0;
+        for (size_t m = VOTERS * i; m < VOTERS * (i + 1); m++)
+            sum += weights[m] * votes[voters[m]];
+        votes[i] = (float)OWN_VOTE * own[i] + (float)(1 - OWN_VOTE) * sum;
+    }
+    return status;
+}
+
 bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool *outward, bat_error *error)
 {
     memory_pool pool = {0};
@@ -174,16 +219,16 @@ bat_status shell_orient(const shell_cloud *cloud, oriented_planes *planes, bool 
     {
         const double *point = cloud->points + 3 * i, *normal = planes->planes[i].axes[2];
         outside_walk ahead = walk_outside(&grid, point, normal, 1), behind = walk_outside(&grid, point, normal, -1);
-        votes[i] = (float)((ahead.steps < behind.steps) - (behind.steps < ahead.steps));
+        votes[i] = (float)(behind.steps - ahead.steps) / OUTSIDE_REACH;
         inner += votes[i] != 0 && (votes[i] > 0 ? behind : ahead).inside;
     }
     *outward = (double)inner > MIN_INNER * (double)cloud->count;
+    for (size_t i = 0; i < cloud->count && status == BAT_OK && !*outward; i++)
+        votes[i] = (float)sight_of(&grid, cloud->points + 3 * i, planes->planes[i].axes[2]);
+    if (status == BAT_OK && *outward)
+        status = share_votes(cloud, planes, &pool, votes, error);
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)
-    {
-        if (!*outward)
-            votes[i] = (float)sight_of(&grid, cloud->points + 3 * i, planes->planes[i].axes[2]);
         sum += votes[i];
-    }
     // Normals of open surfaces are turned alone only where they are not all alike.
     double least = *outward ? 0 : planes->conflicts > 0 ? MIN_SIGHT : INFINITY;
     for (size_t i = 0; i < cloud->count && status == BAT_OK; i++)

@@ -38,7 +38,7 @@ typedef struct shell_cloud
     size_t count;
     const nearest_tree *tree;
     const double *areas; ///< count: the area that each point has for itself
-    double spacing;
+    double spacing, noise;
 } shell_cloud;
 
 /// Turn normals outwards: of a closed surface to the outside, which is what can be reached from far away between the points;
@@ -198,7 +198,7 @@ typedef struct shell_fit
     double *squared;     ///< count: squared distances from the result
     double unbias;       ///< variance of a coordinate, whose bias on curved surfaces is taken off; 0: none
     double stiffness;    ///< factor of the noise that is assumed; 1
-    double *stiff;       ///< vertex_count: factors of the smoothing, which grow where normals jump; null: 1
+    double *stiff;       ///< vertex_count: factors of the smoothing, which grow where normals jump
     double lambda;       ///< the smoothing weight of the last round; 0 at the start
     double trace;        ///< of the influence matrix: the number of free parameters of a coordinate
     int threads;
