@@ -22,6 +22,8 @@ static const double MAX_REACH = 4;
 static const double NOISY = 0.4, MAX_GROWTH = 5.3;
 /// Share of places with a normal against that of the points, and of the volume.
 static const double MAX_TURNED = 0.01, MAX_VOLUME = 0.05;
+/// Angle between the normals of neighbouring patches, from which one lies on the other: a right angle.
+static const double MAX_ANGLE = 1.5707963267948966;
 
 /// The normal at a place of side c of a quad.
 static void normal_on_side(const double *bezier, uint32_t half_edge, double t, double normal[3])
@@ -233,6 +235,10 @@ bat_status shell_judge(const bat_shell *shell, const bat_shell_report *report, d
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                          "the shell folds: at %zu of %zu places its normal is against that of the points", report->turned,
                          samples);
+    if (report->normal_jump[2] > MAX_ANGLE)
+        return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
+                         "the shell folds: normals of neighbouring patches differ by %.0f degrees",
+                         report->normal_jump[2] * 90 / MAX_ANGLE);
     if (shell->closed && !(fabs(report->volume - report->mesh_volume) <= MAX_VOLUME * fabs(report->mesh_volume)))
         return error_set(error, BAT_NO_CONVERGENCE, BAT_NO_INDEX, 0,
                          "the shell has a volume of %.6g, but the points enclose %.6g", report->volume, report->mesh_volume);
