@@ -233,11 +233,6 @@ static double squared_size(const shell_fit *fit, uint32_t vertex, const uint32_t
     return sum / (double)count;
 }
 
-static double stiffness_at(const shell_fit *fit, uint32_t vertex)
-{
-    return fit->stiff != NULL ? fit->stiff[vertex] : 1;
-}
-
 static void add_ring(fit_work *work, uint32_t vertex)
 {
     const shell_fit *fit = work->fit;
@@ -245,7 +240,7 @@ static void add_ring(fit_work *work, uint32_t vertex)
     uint32_t list[130];
     bool closed;
     size_t n = neighbours_of(grid, vertex, list, &closed);
-    double size = fmax(squared_size(fit, vertex, list, n), MIN_SIZE) / stiffness_at(fit, vertex);
+    double size = fmax(squared_size(fit, vertex, list, n), MIN_SIZE) / fit->stiff[vertex];
     for (size_t k = 0; k < n && closed && grid->kinds[vertex] == SHELL_SMOOTH; k++)
     {
         double across = n % 2 == 0 ? 1 : 1 / cos(PI / (double)n);
@@ -288,7 +283,7 @@ static void fill_plate(fit_work *work)
             add_term(&row, grid->quads[4 * (size_t)q + c], c % 2 == 0 ? 1 : -1);
         const uint32_t *quad = grid->quads + 4 * (size_t)q;
         const uint32_t around[2] = {quad[1], quad[3]};
-        add_square(work, &row, 2 * stiffness_at(fit, quad[0]) / fmax(squared_size(fit, quad[0], around, 2), MIN_SIZE));
+        add_square(work, &row, 2 * fit->stiff[quad[0]] / fmax(squared_size(fit, quad[0], around, 2), MIN_SIZE));
     }
 }
 
@@ -505,7 +500,7 @@ static bat_status run_round(fit_work *work, bool corrected, bat_error *error)
         status = shell_grid_bezier(fit->grid, fit->control, fit->bezier, error);
     if (status == BAT_OK)
         shell_fit_correct(fit);
-    if (status == BAT_OK && fit->stiff != NULL && fit->held == NULL && fit->unbias > 0)
+    if (status == BAT_OK && fit->held == NULL && fit->unbias > 0)
         stiffen(fit);
     return status;
 }

@@ -498,17 +498,16 @@ void shell_patch_evaluate(const double *bezier, double u, double v, double point
         memcpy(along, sums[1], 2 * sizeof sums[1]);
 }
 
-/// Move a place on side c of a quad to the quad beyond. False on a boundary.
-static bool cross_side(const shell_grid *grid, uint32_t side, double along, shell_place *place)
+/// Move a place on a side of a quad to the quad beyond, if there is one.
+static void cross_side(const shell_grid *grid, uint32_t side, shell_place *place)
 {
+    double along = side % 2 == 0 ? place->u : place->v, back = side < 2 ? 1 - along : along;
     uint32_t twin = grid->links.twin[4 * place->face + side];
     if (twin == BAT_MESH_NONE)
-        return false;
-    double back = 1 - along;
+        return;
     place->face = twin / 4;
     place->u = twin % 4 == 0 ? back : twin % 4 == 1 ? 1 : twin % 4 == 2 ? 1 - back : 0;
     place->v = twin % 4 == 0 ? 0 : twin % 4 == 1 ? back : twin % 4 == 2 ? 1 : 1 - back;
-    return true;
 }
 
 /// A step that keeps to the unit square. A step out of it ends on the side that it meets first.
@@ -576,12 +575,7 @@ double shell_place_correct(const shell_grid *grid, const double *bezier, const d
         uint32_t side;
         bounded_step(place, step, &side);
         if (side < 4)
-            (void)cross_side(grid, side,
-                             side == 0   ? place->u
-                             : side == 1 ? place->v
-                             : side == 2 ? 1 - place->u
-                                         : 1 - place->v,
-                             place);
+            cross_side(grid, side, place);
         else if (step[0] * step[0] + step[1] * step[1] < 1e-16)
             break;
     }
