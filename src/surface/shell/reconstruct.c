@@ -35,12 +35,14 @@
 
 /// Least share by which the distances of held-out points fall with twice the faces.
 static const double MIN_GAIN = 0.005;
+/// With stronger smoothing, the share by which they may rise with more faces, and the factor against weak smoothing.
+static const double MAX_LOSS = 0.002, MAX_RISE = 1.015;
 /// Weight of normals in the error of the second layout that is tried.
 static const double NORMALS = 0.3;
-/// Factor of the smoothing where a shell is wrong.
-static const double STIFFER = 4;
-/// Largest distance of the points from such a shell, in those of points that were held out.
-static const double MAX_STIFFER = 1.2;
+/// Factor of the smoothing by the noise in spacings, of which correction hides a part, and its largest value.
+static const double NOISE_SLOPE = 3, MIN_NOISE = 0.05, MAX_NOISY = 3;
+/// Factor of the smoothing where a shell is wrong, and the largest distance of its points in that of held-out ones.
+static const double STIFFER = 4, MAX_STIFFER = 1.2;
 /// Share of the way to the middle of the neighbours.
 static const double RELAXATION = 0.7;
 static const double CONNECT_SHARE = 0.3, TRIAL_SHARE = 0.4;
@@ -92,6 +94,7 @@ typedef struct shell_work
     bat_mesh mesh;                   ///< of unit size
     bat_mesh_closest_point *closest; ///< count: of the points on the mesh
     bool *held;                      ///< count
+    bool closed;                     ///< the mesh of points
     double noise, stiffness;
     double normals; ///< their weight in the error of the layout
     bat_shell_report report;
@@ -213,13 +216,14 @@ static bat_status take_mesh(shell_work *work, const bat_mesh *mesh, bat_error *e
 
 /// Even out the triangles of a closed mesh: move vertices to the middle of their neighbours, along tangent planes.
 /// Decimation leaves clusters of tiny faces otherwise. At a boundary that would change the rim.
-static bat_status relax(bat_mesh *mesh, bat_error *error)
+static bat_status relax(bat_mesh *mesh, bool *closed, bat_error *error)
 {
     bat_mesh_connectivity links;
     bat_status status = bat_mesh_connect(mesh, &links, error);
     if (status != BAT_OK)
         return status;
-    size_t moves = links.boundary_edge_count == 0 ? RELAXATIONS * mesh->vertex_count : 0;
+    *closed = links.boundary_edge_count == 0;
+    size_t moves = *closed ? RELAXATIONS * mesh->vertex_count : 0;
     for (size_t k = 0; k < moves; k++)
     {
         uint32_t first = links.first[k % mesh->vertex_count], h = first;
@@ -255,7 +259,7 @@ static bat_status coarsen(shell_work *work, bat_error *error)
     options.method = BAT_MESH_DECIMATE_METHOD_MEMORYLESS;
     options.faces = CONNECTED_FACES;
     options.threads = work->options->threads;
-    bat_status status = relax(&work->mesh, error);
+    bat_status status = relax(&work->mesh, &work->closed, error);
     if (status != BAT_OK || work->mesh.face_count <= CONNECTED_FACES)
         return status;
     status = bat_mesh_decimate(&work->mesh, &options, &coarse, NULL, error);
@@ -280,6 +284,8 @@ static bat_status connect_points(shell_work *work, bat_progress progress, bat_er
     if (status == BAT_OK)
         status = coarsen(work, error);
     work->noise = found.noise;
+    if (!(work->options->tolerance > 0))
+        work->stiffness = fmin(1 + NOISE_SLOPE * fmax(found.noise / found.spacing - MIN_NOISE, 0), MAX_NOISY);
     work->report.spacing = found.spacing;
     return status;
 }
@@ -357,20 +363,18 @@ static bat_status trial_make(const shell_work *work, size_t faces, shell_trial *
     return status;
 }
 
-/// The root mean square and the largest distance of points that are held out, or of the others.
-static double distance_of(const shell_work *work, const shell_fit *fit, bool held, double *largest)
+/// The root mean square distance of points that are held out, and the largest of all.
+static double distance_of(const shell_work *work, const shell_fit *fit, double *largest)
 {
-    double sum = 0, most = 0;
-    size_t count = 0;
+    double sum = 0, most = 0, count = 0;
     for (size_t i = 0; i < work->count; i++)
-        if (work->held[i] == held)
-        {
-            sum += fit->squared[i];
-            most = fmax(most, fit->squared[i]);
-            count++;
-        }
+    {
+        sum += work->held[i] ? fit->squared[i] : 0;
+        count += work->held[i];
+        most = fmax(most, fit->squared[i]);
+    }
     *largest = sqrt(most);
-    return count > 0 ? sqrt(sum / (double)count) : NAN;
+    return sqrt(sum / count);
 }
 
 /// Fit in two parts: the second takes off the bias of the noise that the first leaves.
@@ -391,50 +395,65 @@ static bat_status fit_trial(shell_trial *trial, int rounds, bat_error *error)
 static bat_status try_layout(const shell_work *work, size_t faces, double *held, double *largest, bat_error *error)
 {
     shell_trial trial = {0};
-    double fitted = 0;
     bat_status status = trial_make(work, faces, &trial, error);
     trial.fit.held = work->held;
     if (status == BAT_OK)
         status = fit_trial(&trial, TRIAL_ROUNDS, error);
     if (status == BAT_OK)
-    {
-        *held = distance_of(work, &trial.fit, true, largest);
-        (void)distance_of(work, &trial.fit, false, &fitted);
-        *largest = fmax(*largest, fitted);
-    }
+        *held = distance_of(work, &trial.fit, largest);
     trial_free(&trial);
     return status;
 }
 
-/// Find the number of faces, and whether normals have a part in the layout.
-static bat_status find_layout(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
+/// Find the number of faces and the least distance of held-out points.
+static bat_status find_faces(const shell_work *work, bat_progress progress, size_t *faces, double *best, bat_error *error)
 {
-    double best = INFINITY, held, largest, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+    double held, largest, tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+    double least = work->stiffness > 1 && work->closed ? -MAX_LOSS : MIN_GAIN;
     size_t limit = work->count / (POINTS_PER_CONTROL * work->options->spans * work->options->spans);
     bool goes_on = true;
     int misses = 0;
-    bat_status status = BAT_OK;
     limit = limit < MAX_FACES ? limit : MAX_FACES;
+    *best = INFINITY;
     *faces = work->options->faces;
     for (size_t wanted = *faces > 0 ? *faces : FIRST_FACES, k = 0; goes_on;
          wanted = 2 * wanted < limit ? 2 * wanted : limit, k++)
     {
-        status = progress_goes_on(progress, (double)k / 6)
-                     ? try_layout(work, wanted, &held, &largest, error)
-                     : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
+        bat_status status = progress_goes_on(progress, (double)k / 6)
+                                ? try_layout(work, wanted, &held, &largest, error)
+                                : error_set(error, BAT_CANCELLED, BAT_NO_INDEX, 0, "the fit was stopped");
         if (status != BAT_OK)
             return status;
-        bool gains = held < (1 - MIN_GAIN) * best;
+        bool gains = held < (1 - least) * *best;
         *faces = work->options->faces > 0 || gains ? wanted : *faces;
-        best = fmin(held, best);
+        *best = fmin(held, *best);
         misses = gains ? 0 : misses + 1;
         goes_on = work->options->faces == 0 && !(tolerance > 0 && largest <= tolerance) && wanted < limit &&
                   (misses < MISSES || tolerance > 0);
     }
+    return BAT_OK;
+}
+
+/// Find the number of faces, the smoothing, and whether normals have a part in the layout.
+static bat_status find_layout(shell_work *work, bat_progress progress, size_t *faces, bat_error *error)
+{
+    double best = INFINITY, held = INFINITY, largest = 0, stiffness = work->stiffness,
+           tolerance = ldexp(work->options->tolerance / 2, work->frame.exponent);
+    bat_status status = find_faces(work, progress, faces, &best, error);
+    if (status == BAT_OK && stiffness > 1)
+    {
+        work->stiffness = 1;
+        status = try_layout(work, *faces, &held, &largest, error);
+        if (status == BAT_OK && held * MAX_RISE < best)
+            status = find_faces(work, progress, faces, &best, error);
+        else
+            work->stiffness = stiffness;
+    }
+    if (status != BAT_OK)
+        return status;
     work->normals = NORMALS;
     status = try_layout(work, *faces, &held, &largest, error);
-    if (!(held < (1 - MIN_GAIN) * best) || (tolerance > 0 && largest > tolerance))
-        work->normals = 0;
+    work->normals = held < (1 - MIN_GAIN) * best && !(tolerance > 0 && largest > tolerance) ? NORMALS : 0;
     work->report.held_out = fmin(held, best);
     return status;
 }
@@ -576,8 +595,9 @@ static bat_status fit_and_judge(shell_work *work, bat_shell *shell, bat_error *e
     for (int k = 0; k < RETRIES && status == BAT_NO_CONVERGENCE && work->options->faces == 0 && faces > MIN_FACES; k++)
     {
         bat_error failure;
-        faces /= 2;
-        work->stiffness *= STIFFER;
+        bool softer = k == 0 && work->stiffness > 1;
+        faces = softer ? faces : faces / 2;
+        work->stiffness = softer ? 1 : STIFFER * work->stiffness;
         status = fit_faces(work, faces, progress_of_part(&last), shell, &failure);
         if (status == BAT_OK && work->report.rms > MAX_STIFFER * work->report.held_out && !work->options->force)
         {
